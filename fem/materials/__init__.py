@@ -1,0 +1,21 @@
+"""Solids: what they are made of, the published sets of constants, and their rotation to a cut.
+
+Voigt order 11 22 33 23 13 12, engineering shear; stress-charge form T = c^E S - e^T E, D = e S + eps^S E.
+"""
+
+from fem.materials.rotation import ORIENTATIONS, fields, rotated, rotation_matrix
+from fem.materials.solids import VACUUM_PERMITTIVITY, Solid, anisotropic, isotropic
+from fem.materials.tables import catalogue, material
+
+__all__ = [
+    "ORIENTATIONS",
+    "VACUUM_PERMITTIVITY",
+    "Solid",
+    "anisotropic",
+    "catalogue",
+    "fields",
+    "isotropic",
+    "material",
+    "rotated",
+    "rotation_matrix",
+]

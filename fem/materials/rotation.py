@@ -1,0 +1,143 @@
+"""Rotation of a solid to a cut: x along the propagation, z out of the surface.
+
+Passive rotation: the rows of the matrix a are the new axes in crystal coordinates, a = R_z(psi) R_x(theta)
+R_z(phi) for the Euler angles [phi, theta, psi] (z-x-z; Slobodnik, Conway and Delmonico, *Microwave Acoustics
+Handbook*, 1973).  With Bond's matrix M (stress T' = M T; Auld, *Acoustic Fields and Waves in Solids*, vol. 1,
+section 3.D)
+
+    c' = M c M^T,    e' = a e M^T,    eps' = a eps a^T.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fem.materials.solids import Solid
+
+# [phi, theta, psi] in degrees.  X and YZ send crystal axis 3 along x; the normal is -1 for X and +2 for YZ.
+ORIENTATIONS: dict[str, tuple[float, float, float]] = {
+    "Z": (0, 0, 0),
+    "X": (-90, 90, 90),
+    "YZ": (180, 90, 90),
+    "128YX": (0, 38, 0),
+    "ST-X": (0, 132.75, 0),
+}
+Orientation = str | Sequence[float]
+
+_NOISE = 1e-10  # relative size below which a rotated entry is rounding: it would change v by 1e-20
+_PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+_SAGITTAL, _TRANSVERSE = [0, 2, 4], [3, 5]  # Voigt strains of (ux, uz) and of uy where d/dy = 0
+
+
+def rotation_matrix(orientation: Orientation) -> np.ndarray:
+    """Return the new axes in crystal coordinates, one per row.
+
+    Parameters
+    ----------
+    orientation : str or sequence of 3 floats
+        A name of `ORIENTATIONS` or Euler angles [phi, theta, psi] in degrees.
+
+    Returns
+    -------
+    ndarray, shape (3, 3)
+        Orthogonal, determinant 1.
+
+    Raises
+    ------
+    ValueError
+        For an unknown name or anything but three finite angles.
+    """
+    if isinstance(orientation, str):
+        if orientation not in ORIENTATIONS:
+            names = ", ".join(ORIENTATIONS)
+            raise ValueError(
+                f"orientation must be one of {names} or [phi, theta, psi] degrees, got {orientation!r}"
+            )
+        orientation = ORIENTATIONS[orientation]
+    try:
+        angles = np.array(orientation, dtype=float)
+    except (TypeError, ValueError):
+        angles = np.empty(0)
+    if angles.shape != (3,) or not np.all(np.isfinite(angles)):
+        raise ValueError(f"orientation must be three finite angles in degrees, got {orientation!r}")
+    phi, theta, psi = angles
+    return _about_z(psi) @ _about_z(theta)[np.ix_([2, 0, 1], [2, 0, 1])] @ _about_z(phi)
+
+
+def rotated(solid: Solid, orientation: Orientation) -> Solid:
+    """Return the solid in the frame of a cut.
+
+    Parameters
+    ----------
+    solid : Solid
+        In the crystal frame (or any other: the rotation is relative to its frame).
+    orientation : str or sequence of 3 floats
+        As in `rotation_matrix`.
+
+    Returns
+    -------
+    Solid
+        Its ``frame`` is the orientation's text.
+    """
+    a = rotation_matrix(orientation)
+    bond = bond_matrix(a)
+    return replace(
+        solid,
+        frame=orientation if isinstance(orientation, str) else str([float(angle) for angle in orientation]),
+        stiffness=bond @ solid.stiffness @ bond.T,
+        coupling=a @ solid.coupling @ bond.T,
+        permittivity=a @ solid.permittivity @ a.T,
+    )
+
+
+def bond_matrix(a: np.ndarray) -> np.ndarray:
+    """Return M with T' = M T for Voigt stress: M_IJ = a_ik a_jl + a_il a_jk over the pair J = (k, l).
+
+    Parameters
+    ----------
+    a : ndarray, shape (3, 3)
+        Rotation matrix.
+
+    Returns
+    -------
+    ndarray, shape (6, 6)
+    """
+    bond = np.empty((6, 6))
+    for row, (i, j) in enumerate(_PAIRS):
+        for column, (k, m) in enumerate(_PAIRS):
+            bond[row, column] = a[i, k] * a[j, m] + (a[i, m] * a[j, k] if k != m else 0.0)
+    return bond
+
+
+def fields(solid: Solid) -> tuple[str, ...]:
+    """Return the fields that the sagittal motion (u_x, u_z) drags along where nothing depends on y.
+
+    Parameters
+    ----------
+    solid : Solid
+        In the frame of the cut.
+
+    Returns
+    -------
+    tuple of str
+        Of "ux", "uy", "uz", "phi", in this order.
+    """
+    c, e, eps = solid.stiffness, solid.coupling[[0, 2]], solid.permittivity
+    stiff = np.diag(c).max()
+    polar = np.sqrt(stiff * np.diag(eps).max())
+    transverse = np.abs(c[np.ix_(_SAGITTAL, _TRANSVERSE)]).max() > _NOISE * stiff
+    electric = np.abs(e[:, _SAGITTAL]).max() > _NOISE * polar
+    between = np.abs(e[:, _TRANSVERSE]).max() > _NOISE * polar  # phi and u_y: one brings the other
+    transverse, electric = transverse or (electric and between), electric or (transverse and between)
+    present = {"ux": True, "uy": transverse, "uz": True, "phi": electric}
+    return tuple(field for field, kept in present.items() if kept)
+
+
+def _about_z(degrees: float) -> np.ndarray:
+    """Passive rotation about z, exact at multiples of 90 degrees."""
+    quarters, rest = divmod(float(degrees), 90.0)
+    cosine, sine = np.cos(np.radians(rest)), np.sin(np.radians(rest))
+    for _ in range(int(quarters % 4)):
+        cosine, sine = -sine, cosine
+    return np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])

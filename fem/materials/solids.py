@@ -1,0 +1,234 @@
+"""Linear piezoelectric solids.
+
+T = c^E S - e^T E, D = e S + eps^S E (IEEE Standard on Piezoelectricity 176-1987, section 2), in Voigt order
+11 22 33 23 13 12 with engineering shear (S4 = 2 S23).  With exp(+i omega t) losses are c (1 + i/Q) and
+eps (1 - i tan delta); e stays real.  Heating, depoling and hysteresis of the material are left out.
+"""
+
+from dataclasses import dataclass, fields
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+VACUUM_PERMITTIVITY = 8.8541878188e-12  # F/m, CODATA 2022
+_ASYMMETRY = 1e-9  # relative; a mistyped digit is larger, the rounding of a rotation smaller
+_SHAPES = {"stiffness": (6, 6), "coupling": (3, 6), "permittivity": (3, 3)}
+_UNITS = {"stiffness": "Pa", "coupling": "C/m2", "permittivity": "F/m"}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Solid:
+    """Constants of a homogeneous solid in one frame.  Two solids are equal if all their numbers are.
+
+    Attributes
+    ----------
+    name, source : str
+        Of the set of constants, and where it was published.
+    frame : str
+        "crystal", or the orientation that it was rotated to.
+    stiffness : ndarray, shape (6, 6)
+        c^E in Pa.
+    coupling : ndarray, shape (3, 6)
+        e in C/m2; all zero: no electric field is solved for.
+    permittivity : ndarray, shape (3, 3)
+        eps^S in F/m (absolute).
+    density : float
+        kg/m3.
+    mechanical_quality : float
+        Q_m; infinite without loss.
+    dielectric_loss : float
+        tan delta.
+    """
+
+    name: str
+    source: str
+    frame: str = "crystal"
+    stiffness: np.ndarray
+    coupling: np.ndarray
+    permittivity: np.ndarray
+    density: float
+    mechanical_quality: float = float("inf")
+    dielectric_loss: float = 0.0
+
+    def __post_init__(self):
+        for key in _SHAPES:
+            table = _table(key, getattr(self, key), _UNITS[key])
+            if key != "coupling":
+                table = _positive_definite(key, table, _UNITS[key])
+            table.flags.writeable = False
+            object.__setattr__(self, key, table)
+        for key in ("density", "mechanical_quality", "dielectric_loss"):
+            object.__setattr__(self, key, float(getattr(self, key)))
+        if not (np.isfinite(self.density) and self.density > 0):
+            raise ValueError(f"density must be positive and finite, got {self.density!r} kg/m3")
+        if not self.mechanical_quality > 0:
+            raise ValueError(f"mechanical_quality must be positive, got {self.mechanical_quality!r}")
+        if not (np.isfinite(self.dielectric_loss) and self.dielectric_loss >= 0):
+            raise ValueError(f"dielectric_loss must be 0 or positive, got {self.dielectric_loss!r}")
+
+    @property
+    def is_piezoelectric(self) -> bool:
+        """Whether strain and electric field are coupled at all."""
+        return bool(np.any(self.coupling))
+
+    @property
+    def is_lossy(self) -> bool:
+        """Whether any power is dissipated."""
+        return np.isfinite(self.mechanical_quality) or self.dielectric_loss > 0
+
+    @property
+    def stiffness_lossy(self) -> np.ndarray:
+        """c^E (1 + i/Q), shape (6, 6), Pa."""
+        return self.stiffness * (1 + 1j / self.mechanical_quality)
+
+    @property
+    def permittivity_lossy(self) -> np.ndarray:
+        """eps^S (1 - i tan delta), shape (3, 3), F/m."""
+        return self.permittivity * (1 - 1j * self.dielectric_loss)
+
+    @cached_property
+    def _identity(self) -> tuple:
+        values = (getattr(self, field.name) for field in fields(self))
+        return tuple(value.tobytes() if isinstance(value, np.ndarray) else value for value in values)
+
+    def __eq__(self, other):
+        return self._identity == other._identity if isinstance(other, Solid) else NotImplemented
+
+    def __hash__(self):
+        return hash(self._identity)
+
+
+def anisotropic(
+    *,
+    name: str,
+    stiffness: ArrayLike,
+    coupling: ArrayLike,
+    permittivity: ArrayLike,
+    density: float,
+    mechanical_quality: float = float("inf"),
+    dielectric_loss: float = 0.0,
+    source: str = "user's table",
+) -> Solid:
+    """Return the solid of a user's tables, given in the crystal frame.
+
+    Parameters
+    ----------
+    name, source : str
+        Of the set of constants.
+    stiffness : array_like, shape (6, 6)
+        c^E in Pa.
+    coupling : array_like, shape (3, 6)
+        e in C/m2.
+    permittivity : array_like, shape (3, 3)
+        eps^S relative to vacuum.
+    density : float
+        kg/m3.
+    mechanical_quality, dielectric_loss : float
+        Q_m and tan delta.
+
+    Returns
+    -------
+    Solid
+
+    Raises
+    ------
+    ValueError
+        Naming the table, the rule, the value and the unit.
+    """
+    relative = _table("permittivity", permittivity, "relative to vacuum")
+    return Solid(
+        name=name,
+        source=source,
+        stiffness=stiffness,
+        coupling=coupling,
+        permittivity=_positive_definite("permittivity", relative, "relative to vacuum") * VACUUM_PERMITTIVITY,
+        density=density,
+        mechanical_quality=mechanical_quality,
+        dielectric_loss=dielectric_loss,
+    )
+
+
+def isotropic(
+    *,
+    name: str,
+    youngs_modulus: float,
+    poisson_ratio: float,
+    density: float,
+    mechanical_quality: float = float("inf"),
+    source: str = "user's table",
+) -> Solid:
+    """Return an isotropic solid: c12 = lambda, c44 = mu, c11 = lambda + 2 mu, no coupling.
+
+    Parameters
+    ----------
+    name, source : str
+        Of the set of constants.
+    youngs_modulus : float
+        Pa.
+    poisson_ratio : float
+        Between -1 and 0.5, both excluded.  Towards 0.5 a stiffness in floating point forgets mu =
+        (c11 - c12)/2: what follows from it is good to about 1e-16/(1 - 2 nu).
+    density : float
+        kg/m3.
+    mechanical_quality : float
+        Q_m.
+
+    Returns
+    -------
+    Solid
+        With the permittivity of vacuum, which nothing couples to.
+
+    Raises
+    ------
+    ValueError
+        Naming the constant, the rule, the value and the unit.
+    """
+    if not (np.isfinite(youngs_modulus) and youngs_modulus > 0):
+        raise ValueError(f"youngs_modulus must be positive and finite, got {youngs_modulus!r} Pa")
+    if not -1 < poisson_ratio < 0.5:
+        raise ValueError(f"poisson_ratio must lie between -1 and 0.5, got {poisson_ratio!r}")
+    shear = youngs_modulus / (2 * (1 + poisson_ratio))
+    lame = 2 * shear * poisson_ratio / (1 - 2 * poisson_ratio)
+    stiffness = np.diag([2 * shear] * 3 + [shear] * 3)
+    stiffness[:3, :3] += lame
+    return Solid(
+        name=name,
+        source=source,
+        stiffness=stiffness,
+        coupling=np.zeros((3, 6)),
+        permittivity=np.eye(3) * VACUUM_PERMITTIVITY,
+        density=density,
+        mechanical_quality=mechanical_quality,
+    )
+
+
+def _table(key: str, value: ArrayLike, unit: str) -> np.ndarray:
+    """Finite float table of the right shape."""
+    shape = _SHAPES[key]
+    try:
+        table = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        table = None
+    if table is None or table.shape != shape:
+        form = f"a table of {shape[0]} rows of {shape[1]} numbers ({unit})"
+        given = repr(value)[:60] if table is None else f"one of shape {table.shape}"
+        raise ValueError(f"{key} must be {form}, got {given}")
+    if not np.all(np.isfinite(table)):
+        place = tuple(int(i) + 1 for i in np.argwhere(~np.isfinite(table))[0])
+        raise ValueError(f"{key} must be finite; entry {place} is {table[place[0] - 1, place[1] - 1]} {unit}")
+    return table
+
+
+def _positive_definite(key: str, table: np.ndarray, unit: str) -> np.ndarray:
+    """Symmetric part of a table that is symmetric but for rounding, and positive definite."""
+    skew = np.abs(table - table.T)
+    i, j = (int(k) for k in np.unravel_index(np.argmax(skew), skew.shape))
+    if skew[i, j] > _ASYMMETRY * np.abs(table).max():
+        places = f"entries ({i + 1}, {j + 1}) and ({j + 1}, {i + 1})"
+        raise ValueError(f"{key} must be symmetric; {places} are {table[i, j]:g} and {table[j, i]:g} {unit}")
+    table = (table + table.T) / 2
+    smallest = float(np.linalg.eigvalsh(table)[0])
+    if not smallest > 0:
+        raise ValueError(f"{key} must be positive definite; its smallest eigenvalue is {smallest:.3g} {unit}")
+    return table
