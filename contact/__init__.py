@@ -1,0 +1,31 @@
+"""How the slider answers: Hertz contact, friction spring, stick, slip and separation on a given wave.
+
+Conventions: exp(+i omega t), peak amplitudes, x along propagation, z out of the surface, compression positive, slider
+velocity positive along +x, SI units. The model is that of Feenstra and Breedveld, *Analysis of a Surface Acoustic Wave
+Motor*, with stick and slip as a stop operator. The compiled parts are loaded when first used.
+"""
+
+from contact.convergence import ConvergenceError
+from contact.limits import (
+    release_amplitude,
+    release_factor,
+    riding_height,
+    threshold_amplitude,
+    threshold_factor,
+)
+from contact.orbit import Orbit
+from contact.slider import Slider
+from contact.steady import SteadyState, steady
+
+__all__ = [
+    "ConvergenceError",
+    "Orbit",
+    "Slider",
+    "SteadyState",
+    "release_amplitude",
+    "release_factor",
+    "riding_height",
+    "steady",
+    "threshold_amplitude",
+    "threshold_factor",
+]

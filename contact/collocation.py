@@ -1,0 +1,79 @@
+r"""Spectral nodes on one smooth stretch of motion, and the matrices that integrate along it.
+
+A stretch [t0, t0 + L] runs between two events; t = t0 + L tau. At contact and release (z^1.5), and where stick ends
+((1 - x/x_max)^1.5), the forces have a square root. A quadratic map makes it a polynomial: tau = s^2 if the stretch
+starts at such an event, tau = 1 - (1 - s)^2 if it ends at one, tau = s if neither. In sigma = 2 s - 1 on [-1, 1]
+everything is then smooth, and interpolation at Chebyshev-Lobatto nodes in sigma is spectral.
+Clenshaw and Curtis, Numer. Math. 2 (1960) 197; the iteration that uses the matrices is Picard's (Clenshaw and Norton,
+Computer J. 6 (1963) 88).
+"""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+# the three maps: smooth ends, root at the start, root at the end
+SMOOTH, ROOT_AT_START, ROOT_AT_END = 0, 1, 2
+
+
+@dataclass(frozen=True)
+class Collocation:
+    """Nodes and matrices of one order; every array is read-only, first axis the map where there are three.
+
+    Attributes
+    ----------
+    sigma : (n,) array
+        Chebyshev-Lobatto points, rising from -1 to 1.
+    bary : (n,) array
+        Barycentric weights in sigma.
+    tau : (3, n) array
+        Fraction of the stretch at each node, 0 to 1.
+    once, twice : (3, n, n) arrays
+        Integrals in tau from 0: (once @ f)_j = int_0^tau_j f dtau; twice of a second integral.
+    tail : (2, n) array
+        Rows that return the two highest Chebyshev coefficients of the integrand: the truncation gauge.
+    """
+
+    sigma: np.ndarray
+    bary: np.ndarray
+    tau: np.ndarray
+    once: np.ndarray
+    twice: np.ndarray
+    tail: np.ndarray
+
+
+@cache
+def collocation(nodes: int) -> Collocation:
+    """Return the collocation of `nodes` points (at least 4)."""
+    n = nodes - 1
+    k = np.arange(nodes)
+    angle = np.pi * k[::-1] / n
+    sigma = np.cos(angle)
+    sigma[0], sigma[-1] = -1.0, 1.0
+    bary = (-1.0) ** k
+    bary[[0, -1]] *= 0.5
+    # values -> Chebyshev coefficients (discrete cosine transform as a matrix)
+    half = np.ones(nodes)
+    half[[0, -1]] = 0.5
+    analysis = (2.0 / n) * half[:, None] * np.cos(np.outer(k, angle)) * half[None, :]
+    # Gauss-Legendre on [-1, sigma_j]: exact for these polynomials
+    point, weight = np.polynomial.legendre.leggauss(nodes + 4)
+    at = -1.0 + 0.5 * (sigma[:, None] + 1.0) * (point + 1.0)
+    area = 0.5 * (sigma[:, None] + 1.0) * weight
+    chebyshev = np.cos(k[:, None, None] * np.arccos(at))
+    taus, once, twice = [], [], []
+    for fraction, rate in (
+        (lambda s: s, lambda s: 0.5 + 0.0 * s),
+        (lambda s: s**2, lambda s: s),
+        (lambda s: 1.0 - (1.0 - s) ** 2, lambda s: 1.0 - s),
+    ):
+        tau, tau_at, slope = fraction(0.5 * (sigma + 1.0)), fraction(0.5 * (at + 1.0)), rate(0.5 * (at + 1.0))
+        taus.append(tau)
+        once.append(np.einsum("jq,kjq->jk", area * slope, chebyshev) @ analysis)
+        # Cauchy's formula for repeated integration
+        twice.append(np.einsum("jq,kjq->jk", area * slope * (tau[:, None] - tau_at), chebyshev) @ analysis)
+    arrays = (sigma, bary, np.array(taus), np.array(once), np.array(twice), analysis[-2:].copy())
+    for array in arrays:
+        array.setflags(write=False)
+    return Collocation(*arrays)

@@ -1,0 +1,295 @@
+r"""The event-exact motion: stretch after stretch, each ended by the first root of any guard.
+
+A stretch is first laid out to its longest length; if a guard turns negative on it, the root is found on the
+interpolant, the stretch is laid out anew to end there, and its length is corrected by Newton's method with the
+guard's true rate until the guard vanishes to rounding. Extrema of every guard between the nodes are searched too, so no
+contact is skipped. A stretch whose highest Chebyshev coefficients exceed the tolerance, or on which Picard's iteration
+does not gain, is halved.
+"""
+
+import numpy as np
+from numba import njit
+
+from contact.collocation import ROOT_AT_END, ROOT_AT_START, SMOOTH
+from contact.regimes import CONTACT, CREEP, FAR_SIDE, GRAZE, SEPARATED, SLIP, STICK, follow, guard, opening
+from contact.stretch import (
+    CLIMB,
+    HEIGHT,
+    PULL,
+    PUSH,
+    SPEED,
+    TRAVEL,
+    U_X_RATE,
+    U_Z_RATE,
+    P,
+    Q,
+    X,
+    Z,
+    first_root,
+    guards,
+    guess,
+    interpolate,
+    surface,
+    sweep,
+)
+
+# why a run ended
+DONE, NOT_FINITE, TOO_MANY, STIFF = 0, 1, 2, 3
+# places in the tally after the kinds of event: stretches, halvings, sweeps, cycles
+STRETCHES, HALVINGS, SWEEPS, CYCLES, TALLY = 6, 7, 8, 9, 10
+# places in the sums: integrals over phase of sum Q, sum P and slider displacement
+TRACTION, SUPPORT, DISPLACEMENT = 0, 1, 2
+
+
+@njit(cache=True)
+def open_regimes(parameters, waves, phase, state, regime, sign):
+    """Set regime and sign of every contact, and its deformation within the slip limit, from the state at a phase."""
+    c, s = np.cos(phase), np.sin(phase)
+    for i in range(regime.size):
+        z = waves[i, 0] * c + waves[i, 1] * s - state[0]
+        z_rate = waves[i, 1] * c - waves[i, 0] * s - state[1]
+        x_rate = waves[i, 3] * c - waves[i, 2] * s - state[2]
+        regime[i], sign[i], state[3 + i] = opening(
+            z, state[3 + i], z_rate, x_rate, parameters[7], parameters[8]
+        )
+
+
+@njit(cache=True)
+def _lay_out(parameters, waves, tau, once, twice, state, regime, sign, phase, length, shared, own, mobile):
+    surface(phase, length, tau, waves, own)
+    guess(state, length, tau, shared[PUSH, 0], shared[PULL, 0], shared)
+    return sweep(parameters, state, length, tau, once, twice, regime, sign, shared, own, mobile, 25)
+
+
+@njit(cache=True)
+def _earliest(sigma, bary, regime, sign, shared, own, c, band, values):
+    """Return (sigma, contact, guard) of the earliest root on the stretch; sigma = 2 if there is none."""
+    first, who, which = 2.0, -1, -1
+    for i in range(regime.size):
+        for k in range(3):
+            if k > 0 and regime[i] == SEPARATED or k == 2 and regime[i] == SLIP:
+                continue
+            guards(i, k, regime, sign, shared, own, c, band, values)
+            place = first_root(sigma, bary, values)
+            if place < first:
+                first, who, which = place, i, k
+    return first, who, which
+
+
+@njit(cache=True)
+def _end_guard(i, which, regime, sign, shared, own, waves, phase, c, band):
+    """Return a guard at the end of the stretch and its rate there."""
+    n = shared.shape[1] - 1
+    z_rate, x_rate = own[U_Z_RATE, i, n] - shared[CLIMB, n], own[U_X_RATE, i, n] - shared[SPEED, n]
+    value = guard(regime[i], which, sign[i], own[Z, i, n], own[X, i, n], z_rate, x_rate, c, band)
+    co, si = np.cos(phase), np.sin(phase)
+    z_second = -waves[i, 0] * co - waves[i, 1] * si - shared[PUSH, n]
+    x_second = -waves[i, 2] * co - waves[i, 3] * si - shared[PULL, n]
+    if (regime[i] == SLIP or regime[i] == CREEP) and which == 1:
+        rate = sign[i] * x_second - c * z_second
+        return value, rate if regime[i] == SLIP else -rate
+    # the guards on position are linear in (z, x): their rate is the guard of the rates
+    return value, guard(regime[i], which, sign[i], z_rate, x_rate, 0.0, 0.0, c, band) - FAR_SIDE
+
+
+@njit(cache=True)
+def _fraction(s, map_):
+    """Return tau at s in [0, 1]."""
+    if map_ == ROOT_AT_START:
+        return s * s
+    return 1.0 - (1.0 - s) ** 2 if map_ == ROOT_AT_END else s
+
+
+@njit(cache=True)
+def _roughness(tail, own, length, push_scale, pull_scale):
+    """Return the largest of the two highest Chebyshev coefficients of the forces, times length over scale."""
+    worst = 0.0
+    for r in range(2):
+        for i in range(own.shape[1]):
+            ep, eq = 0.0, 0.0
+            for k in range(own.shape[2]):
+                ep += tail[r, k] * own[P, i, k]
+                eq += tail[r, k] * own[Q, i, k]
+            worst = max(worst, length * abs(ep) / push_scale, length * abs(eq) / pull_scale)
+    return worst
+
+
+@njit(cache=True)
+def _record(phase, length, map_, sigma, bary, shared, own, regime, sample_phase, samples, taken):
+    """Interpolate the samples that fall on the stretch; return how many are taken by now."""
+    while taken < sample_phase.size and sample_phase[taken] <= phase + length:
+        t = min(max((sample_phase[taken] - phase) / length, 0.0), 1.0)
+        if map_ == ROOT_AT_START:
+            t = np.sqrt(t)
+        elif map_ == ROOT_AT_END:
+            t = 1.0 - np.sqrt(1.0 - t)
+        for i in range(regime.size):
+            for k in range(4):
+                samples[taken, i, k] = interpolate(2.0 * t - 1.0, sigma, bary, own[Z + k, i])
+            samples[taken, i, 4] = regime[i]
+            samples[taken, i, 5] = interpolate(2.0 * t - 1.0, sigma, bary, shared[SPEED])
+        taken += 1
+    return taken
+
+
+@njit(cache=True)
+def advance(parameters, waves, sigma, bary, taus, onces, twices, tail, state, regime, sign, phase, stop, mobile,
+            tolerance, tally, sums, sample_phase, samples, limit):  # fmt: skip
+    """Move the state from one phase to another; return the reason for ending.
+
+    Parameters
+    ----------
+    parameters, waves : arrays
+        See `scaling`.
+    sigma, bary, taus, onces, twices, tail : arrays
+        See `collocation`.
+    state, regime, sign : (3 + contacts,), (contacts,), (contacts,) arrays
+        Slider position, its rate, slider velocity, deformations; all changed in place.
+    phase, stop : float
+        Start and end; with a wave, within one cycle (rounding).
+    mobile : bool
+        False: the slider's velocity stays as it is whatever the forces (a body of infinite mass).
+    tolerance : float
+        Truncation allowed per stretch, relative to the friction and preload impulse of a radian.
+    tally, sums : (10,) int array, (3,) array
+        Added to.
+    sample_phase, samples : (k,), (k, contacts, 6) arrays
+        Where to record z, x, P, Q, regime and v; rising, in (phase, stop]. Recording alters nothing else.
+    limit : int
+        Largest number of stretches.
+    """
+    contacts, n = regime.size, sigma.size
+    shared, own, values = np.zeros((6, n)), np.zeros((8, contacts, n)), np.empty(n)
+    c, band, longest = parameters[7], parameters[8], parameters[9]
+    push_scale, pull_scale = parameters[3] + 1e-300, parameters[6] * parameters[3] + 1e-300
+    length, idle, taken, spent = longest, 0, 0, 0
+    entered = False  # the stretch starts where a contact was made
+    while phase < stop:
+        spent += 1
+        if spent > limit:
+            return TOO_MANY
+        if not np.isfinite(state[0] + state[1] + state[2]):
+            return NOT_FINITE
+        length = min(length, longest)
+        closing = phase + length >= stop - 1e-12
+        if closing:
+            length = stop - phase
+        map_ = ROOT_AT_START if entered else SMOOTH
+        ok, count = _lay_out(parameters, waves, taus[map_], onces[map_], twices[map_], state, regime, sign, phase,
+                             length, shared, own, mobile)  # fmt: skip
+        tally[SWEEPS] += count
+        if not ok:
+            length *= 0.25
+            tally[HALVINGS] += 1
+            if length < 1e-9 * longest:
+                return STIFF
+            continue
+        full = length
+        place, who, which = _earliest(sigma, bary, regime, sign, shared, own, c, band, values)
+        for _ in range(12):
+            if who < 0:
+                break
+            closing = False
+            length *= _fraction(0.5 * (min(place, 1.0) + 1.0), map_)
+            sharp = (which == 0 and regime[who] != SEPARATED) or (which == 1 and regime[who] == STICK)
+            if sharp and entered and length > 1e-9:  # roots at both ends: cut in the middle
+                length *= 0.5
+                who = -1
+            elif sharp:
+                map_ = ROOT_AT_END
+            for trial in range(12):
+                if length < 1e-14:
+                    length = 0.0
+                _, count = _lay_out(parameters, waves, taus[map_], onces[map_], twices[map_], state, regime, sign,
+                                    phase, length, shared, own, mobile)  # fmt: skip
+                tally[SWEEPS] += count
+                if who < 0:
+                    break
+                value, rate = _end_guard(
+                    who, which, regime, sign, shared, own, waves, phase + length, c, band
+                )
+                if length == 0.0 or abs(value) < 1e-16 or not rate < 0.0:
+                    break
+                step = -value / rate
+                if abs(step) < 2e-16 or trial > 6 and abs(step) < 1e-14:
+                    break
+                length = min(max(length + step, 0.5 * length), min(1.1 * length + 1e-12, full))
+            if length == 0.0 or who < 0:
+                break
+            # with the better motion another guard may come first
+            place, other, another = _earliest(sigma, bary, regime, sign, shared, own, c, band, values)
+            if other < 0 or (other == who and another == which) or place > 1.0 - 1e-6:
+                break
+            who, which = other, another
+        if length > 0.0:
+            rough = _roughness(tail, own, length, push_scale, pull_scale)
+            change = min(2.0, max(0.2, 0.9 * (tolerance / (rough + 1e-300)) ** (1.0 / (n - 1))))
+            if rough > tolerance and length > 1e-6 * longest:
+                length *= min(change, 0.7)
+                tally[HALVINGS] += 1
+                continue
+            tally[STRETCHES] += 1
+            for k in range(n):
+                weight = length * onces[map_, n - 1, k]
+                for i in range(contacts):
+                    sums[TRACTION] += weight * own[Q, i, k]
+                    sums[SUPPORT] += weight * own[P, i, k]
+            sums[DISPLACEMENT] += shared[TRAVEL, n - 1]
+            taken = _record(
+                phase, length, map_, sigma, bary, shared, own, regime, sample_phase, samples, taken
+            )
+            state[0], state[1], state[2] = shared[HEIGHT, n - 1], shared[CLIMB, n - 1], shared[SPEED, n - 1]
+            for i in range(contacts):
+                state[3 + i] = own[X, i, n - 1]
+            shared[PUSH, 0], shared[PULL, 0] = shared[PUSH, n - 1], shared[PULL, n - 1]
+            phase = stop if closing else phase + length
+            idle, entered = 0, False
+            length = max(length * change, 0.3 * full)
+        else:
+            idle += 1
+            if idle > 20 * contacts + 20:
+                return TOO_MANY
+            length = full
+        if who >= 0:
+            _, rate = _end_guard(who, which, regime, sign, shared, own, waves, phase, c, band)
+            if not rate < 0.0:
+                tally[GRAZE] += 1
+            for i in range(contacts):
+                for k in range(3):
+                    met = i == who and k == which
+                    if i != who and (regime[i] != SEPARATED or k == 0):
+                        value, rate = _end_guard(i, k, regime, sign, shared, own, waves, phase, c, band)
+                        met = abs(value) < 4e-16 and rate < 0.0
+                    if met:
+                        regime[i], sign[i], state[3 + i], kind = follow(
+                            regime[i], k, sign[i], own[Z, i, n - 1], state[3 + i],
+                            own[U_Z_RATE, i, n - 1] - shared[CLIMB, n - 1],
+                            own[U_X_RATE, i, n - 1] - shared[SPEED, n - 1], c, band,
+                        )  # fmt: skip
+                        tally[kind] += 1
+                        entered = entered or kind == CONTACT
+                        break
+    return DONE
+
+
+@njit(cache=True)
+def cycles(parameters, waves, sigma, bary, taus, onces, twices, tail, state, regime, sign, number, mobile,
+           tolerance, tally, sums, stride, speeds, limit):  # fmt: skip
+    """Move through whole cycles; record phase-0 velocity and height every `stride` cycles; return the reason.
+
+    `speeds` has a row (v, z_s, mean v of the last cycle) per record; stride 0 records nothing.
+    """
+    nothing, none = np.empty(0), np.empty((0, regime.size, 6))
+    for k in range(number):
+        before = sums[DISPLACEMENT]
+        why = advance(parameters, waves, sigma, bary, taus, onces, twices, tail, state, regime, sign, 0.0,
+                      2.0 * np.pi, mobile, tolerance, tally, sums, nothing, none, limit)  # fmt: skip
+        if why != DONE:
+            return why
+        tally[CYCLES] += 1
+        if stride > 0 and (k + 1) % stride == 0:
+            row = (k + 1) // stride - 1
+            speeds[row, 0] = state[2]
+            speeds[row, 1] = state[0]
+            speeds[row, 2] = (sums[DISPLACEMENT] - before) / (2.0 * np.pi)
+    return DONE

@@ -1,0 +1,72 @@
+"""The path of a surface point under one contact: given, harmonic, of any phase.
+
+u = Re(amplitude exp(i omega t)), peak values, x along the surface, z out of it and so into the slider. A wave whose
+crest moves the surface towards +x (normal A, ratio r, quadrature) has ``normal=A, tangential=-1j*r*A``.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from contact import bounds
+
+
+@dataclass(frozen=True, kw_only=True)
+class Orbit:
+    """Harmonic motion of the stator's surface at one contact.
+
+    Attributes
+    ----------
+    frequency : float
+        Hz, positive.
+    normal : complex
+        Peak amplitude of u_z, m.
+    tangential : complex
+        Peak amplitude of u_x, m.
+    """
+
+    frequency: float
+    normal: complex
+    tangential: complex
+
+    def __post_init__(self):
+        object.__setattr__(self, "frequency", bounds.positive("orbit.frequency", self.frequency, "Hz"))
+        object.__setattr__(self, "normal", bounds.finite_complex("orbit.normal", self.normal, "m"))
+        object.__setattr__(
+            self, "tangential", bounds.finite_complex("orbit.tangential", self.tangential, "m")
+        )
+
+    @property
+    def omega(self) -> float:
+        """Angular frequency, rad/s."""
+        return 2.0 * math.pi * self.frequency
+
+    @property
+    def crest_velocity(self) -> float:
+        """Tangential surface velocity at the instant of largest u_z, m/s; zero without normal motion."""
+        if self.normal == 0:
+            return 0.0
+        return (1j * self.omega * self.tangential * self.normal.conjugate()).real / abs(self.normal)
+
+    def scaled(self, factor: complex) -> "Orbit":
+        """Return the same orbit with both amplitudes multiplied by `factor` (its angle shifts time)."""
+        return replace(self, normal=self.normal * factor, tangential=self.tangential * factor)
+
+    def mirrored(self) -> "Orbit":
+        """Return the orbit of the wave that runs the other way: u_x negated."""
+        return replace(self, tangential=-self.tangential)
+
+
+def as_orbits(orbits: "Orbit | Sequence[Orbit]") -> tuple[Orbit, ...]:
+    """Return one orbit per contact as a tuple; all must have one frequency."""
+    listed = (orbits,) if isinstance(orbits, Orbit) else tuple(orbits)
+    if not listed:
+        raise ValueError("orbits must hold at least one Orbit, one per contact, got none")
+    for orbit in listed:
+        if not isinstance(orbit, Orbit):
+            raise ValueError(f"orbits must hold objects of type Orbit, got {orbit!r}")
+        if orbit.frequency != listed[0].frequency:
+            raise ValueError(
+                f"orbits must share one frequency, got {listed[0].frequency} and {orbit.frequency} Hz"
+            )
+    return listed

@@ -1,0 +1,185 @@
+r"""One smooth stretch of motion between two events, by Chebyshev-Picard iteration.
+
+The forces at the nodes give velocities and positions by the collocation's integration matrices, and these give the
+forces again. A slider is heavy against the contact's stiffness over a part of a cycle, so each sweep gains a factor of
+about (omega_n L)^2/2: four digits and more at a wave of 2 MHz, and a shorter stretch where it gains too little.
+"""
+
+import numpy as np
+from numba import njit
+
+from contact.regimes import SEPARATED, SLIP, guard, traction
+
+# rows of the table of node values common to all contacts
+HEIGHT, CLIMB, TRAVEL, SPEED, PUSH, PULL = 0, 1, 2, 3, 4, 5
+# planes of the table of node values per contact
+U_Z, U_X, U_Z_RATE, U_X_RATE, Z, X, P, Q = 0, 1, 2, 3, 4, 5, 6, 7
+
+
+@njit(cache=True)
+def surface(phase, length, tau, waves, own):
+    """Fill the surface's displacement (u_x relative to the start) and velocity at the nodes."""
+    c0, s0 = np.cos(phase), np.sin(phase)
+    for j in range(tau.size):
+        t = phase + length * tau[j]
+        c, s = np.cos(t), np.sin(t)
+        for i in range(waves.shape[0]):
+            own[U_Z, i, j] = waves[i, 0] * c + waves[i, 1] * s
+            own[U_X, i, j] = waves[i, 2] * (c - c0) + waves[i, 3] * (s - s0)
+            own[U_Z_RATE, i, j] = waves[i, 1] * c - waves[i, 0] * s
+            own[U_X_RATE, i, j] = waves[i, 3] * c - waves[i, 2] * s
+
+
+@njit(cache=True)
+def forces(parameters, regime, sign, start_x, shared, own, mobile):
+    """Fill approach, deformation, forces and accelerations at the nodes from the slider's motion there."""
+    kappa, chi, d_n, p, d_t, q, mu, c = parameters[:8]
+    for j in range(shared.shape[1]):
+        push, pull = 0.0, 0.0
+        for i in range(regime.size):
+            z = own[U_Z, i, j] - shared[HEIGHT, j]
+            own[Z, i, j] = z
+            own[P, i, j] = 0.0
+            own[Q, i, j] = 0.0
+            own[X, i, j] = 0.0
+            if regime[i] == SEPARATED:
+                continue
+            x = sign[i] * c * z if regime[i] == SLIP else start_x[i] + own[U_X, i, j] - shared[TRAVEL, j]
+            own[X, i, j] = x
+            if z > 0.0:
+                elastic = kappa * z * np.sqrt(z)
+                own[P, i, j] = elastic
+                own[Q, i, j] = traction(regime[i], sign[i], z, x, elastic, mu, c)
+                push += elastic * (1.0 + chi * (own[U_Z_RATE, i, j] - shared[CLIMB, j]))
+                pull += own[Q, i, j]
+        if mobile:
+            shared[PUSH, j] = push - d_n * shared[CLIMB, j] - p
+            shared[PULL, j] = pull - d_t * shared[SPEED, j] - q
+        else:
+            shared[PUSH, j] = 0.0
+            shared[PULL, j] = 0.0
+
+
+@njit(cache=True)
+def sweep(parameters, state, length, tau, once, twice, regime, sign, shared, own, mobile, most):
+    """Iterate to the fixed point; return (converged, sweeps).
+
+    The motion on entry is the first guess. Converged: the last change times the observed gain is below rounding.
+    """
+    n = tau.size
+    last = np.inf
+    for count in range(1, most + 1):
+        forces(parameters, regime, sign, state[3:], shared, own, mobile)
+        if not mobile:
+            return True, 1
+        change = 0.0
+        for j in range(n):
+            w = h = v = d = 0.0
+            for k in range(n):
+                w += once[j, k] * shared[PUSH, k]
+                h += twice[j, k] * shared[PUSH, k]
+                v += once[j, k] * shared[PULL, k]
+                d += twice[j, k] * shared[PULL, k]
+            w = state[1] + length * w
+            h = state[0] + length * (state[1] * tau[j] + length * h)
+            v = state[2] + length * v
+            d = length * (state[2] * tau[j] + length * d)
+            change = max(change, abs(h - shared[HEIGHT, j]), abs(d - shared[TRAVEL, j]))
+            change = max(change, abs(w - shared[CLIMB, j]), abs(v - shared[SPEED, j]))
+            shared[HEIGHT, j], shared[CLIMB, j], shared[TRAVEL, j], shared[SPEED, j] = h, w, d, v
+        if not change < 1e100:
+            return False, count
+        change /= 1.0 + abs(state[0])
+        gain = change / last
+        if (
+            change < 1e-16
+            or (count > 1 and change * gain < 1e-15 and gain < 0.5)
+            or (change < 2e-15 and gain > 0.5)
+        ):
+            return True, count
+        last = change
+    return False, most
+
+
+@njit(cache=True)
+def guess(state, length, tau, push, pull, shared):
+    """Fill the first guess: constant accelerations from the end of the last stretch."""
+    for j in range(tau.size):
+        t = length * tau[j]
+        shared[HEIGHT, j] = state[0] + t * (state[1] + 0.5 * t * push)
+        shared[CLIMB, j] = state[1] + t * push
+        shared[TRAVEL, j] = t * (state[2] + 0.5 * t * pull)
+        shared[SPEED, j] = state[2] + t * pull
+
+
+@njit(cache=True)
+def guards(i, which, regime, sign, shared, own, c, band, out):
+    """Fill `out` with guard `which` of contact i at all nodes."""
+    for j in range(out.size):
+        out[j] = guard(
+            regime[i], which, sign[i], own[Z, i, j], own[X, i, j], own[U_Z_RATE, i, j] - shared[CLIMB, j],
+            own[U_X_RATE, i, j] - shared[SPEED, j], c, band,
+        )  # fmt: skip
+
+
+@njit(cache=True)
+def interpolate(s, sigma, bary, values):
+    """Return the interpolating polynomial at s (barycentric formula)."""
+    above, below = 0.0, 0.0
+    for k in range(sigma.size):
+        gap = s - sigma[k]
+        if gap == 0.0:
+            return values[k]
+        weight = bary[k] / gap
+        above += weight * values[k]
+        below += weight
+    return above / below
+
+
+@njit(cache=True)
+def root(a, b, sigma, bary, values):
+    """Return the root of the interpolant between a (positive side) and b (negative side) to 1e-9 (Illinois)."""
+    fa = interpolate(a, sigma, bary, values)
+    fb = interpolate(b, sigma, bary, values)
+    if not fa > 0.0:
+        return a
+    for _ in range(60):
+        m = b - fb * (b - a) / (fb - fa)
+        fm = interpolate(m, sigma, bary, values)
+        if fm > 0.0:
+            if b - m < 1e-9:
+                return m
+            a, fa, fb = m, fm, 0.5 * fb
+        else:
+            if m - a < 1e-9:
+                return m
+            b, fb, fa = m, fm, 0.5 * fa
+        if b - a < 1e-9:
+            return b
+    return b
+
+
+@njit(cache=True)
+def first_root(sigma, bary, values):
+    """Return the earliest place in sigma where a guard turns negative, 2.0 if nowhere; dips between nodes included."""
+    n = sigma.size
+    for j in range(1, n):
+        if values[j] < 0.0:
+            return root(sigma[j - 1], sigma[j], sigma, bary, values)
+        if 1 < j < n - 1 and values[j] < values[j - 1] and values[j] <= values[j + 1]:
+            # a dip: golden section on the interpolant, only if a parabola could come near zero there
+            drop = max(values[j - 1], values[j + 1]) - values[j]
+            if values[j] < drop:
+                a, b = sigma[j - 1], sigma[j + 1]
+                for _ in range(40):
+                    left, right = a + 0.381966011250105 * (b - a), b - 0.381966011250105 * (b - a)
+                    f, g = interpolate(left, sigma, bary, values), interpolate(right, sigma, bary, values)
+                    if f < 0.0:
+                        return root(sigma[j - 1], left, sigma, bary, values)
+                    if g < 0.0:
+                        return root(sigma[j - 1], right, sigma, bary, values)
+                    if f < g:
+                        b = right
+                    else:
+                        a = left
+    return 2.0
