@@ -1,0 +1,75 @@
+"""The command ``sawmotor``, also ``python -m studies``.
+
+stdout carries the answer, stderr progress, warnings and refusals.  Exit code 0: an answer within its
+tolerance; 1: the run could not give one; 2: bad input.  Nothing heavy is imported before a command asks for
+it.
+"""
+
+import os
+import sys
+
+from studies.refusal import RunError, SceneError
+
+__all__ = ["main"]
+
+UNAVAILABLE = {
+    "sweep": "sweeps are not available in this version; `sawmotor run --voltage 5:60:12` runs many voltages"
+}
+
+
+def main() -> int:
+    """Run the command in ``sys.argv`` and return its exit code."""
+    try:
+        try:
+            status = _dispatch(sys.argv[1:])
+        finally:
+            sys.stdout.flush()
+        return status
+    except SceneError as error:
+        return _said(error, 2)
+    except RunError as error:
+        return _said(error, 1)
+    except BrokenPipeError:
+        # whoever read stdout has left; keep the interpreter from flushing into the closed pipe at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except KeyboardInterrupt:
+        return _said("interrupted, nothing was written", 1)
+    except MemoryError:
+        return _said(
+            "the run needs more memory than this machine gives it; a looser --tolerance needs less", 1
+        )
+    except Exception as error:
+        if os.environ.get("SAWMOTOR_TRACEBACK"):
+            raise
+        name, text = type(error).__name__, " ".join(str(error).split())
+        return _said(
+            f"a defect of sawmotor, not of your scene: {name}: {text} (SAWMOTOR_TRACEBACK=1 shows where)", 1
+        )
+
+
+def _dispatch(words: list[str]) -> int:
+    from studies.parser import parser
+
+    if words and words[0] in UNAVAILABLE:
+        raise SceneError("", UNAVAILABLE[words[0]])
+    top = parser()
+    try:
+        arguments = top.parse_args(words)
+    except SystemExit as leaving:  # argparse, after printing --help
+        return int(leaving.code or 0)
+    if arguments.call is None:
+        top.print_help()
+        return 0
+    from studies import commands
+
+    return getattr(commands, arguments.call)(arguments)
+
+
+def _said(message, status: int) -> int:
+    print(f"sawmotor: {message}", file=sys.stderr)
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,79 @@
+"""What each call of the command does, given its parsed arguments; each returns the exit code."""
+
+import argparse
+
+from studies.override import assigned, toml_value, voltages
+from studies.refusal import SceneError, shown
+from studies.scene import Scene, read_table, shipped_scenes
+
+__all__ = ["check", "scenes"]
+
+
+def scenes(arguments: argparse.Namespace) -> int:
+    """Print the scenes that ship, a line each."""
+    width = max(map(len, shipped_scenes()))
+    for name in shipped_scenes():
+        print(f"{name:<{width}}  {Scene.load(name).title}")
+    return 0
+
+
+def check(arguments: argparse.Namespace) -> int:
+    """Check a scene without running it and print what a run would do."""
+    from studies.resolved import resolved
+
+    scene = resolved(changed_scene(arguments))
+    print(f"{arguments.scene}: {scene.title or 'no title'}")
+    print("\n".join(f"  {line}" for line in _contents(scene)))
+    return 0
+
+
+def changed_scene(arguments: argparse.Namespace) -> Scene:
+    """Return the scene of a call with its ``--set`` and ``--voltage`` applied."""
+    table = read_table(arguments.scene)
+    for setting in arguments.set:
+        table = assigned(table, setting)
+    if arguments.voltage is not None:
+        if "drive" not in table:
+            raise SceneError("--voltage", "needs a scene with a [drive]; this one has none")
+        values = voltages(arguments.voltage)
+        table = table | {"drive": table["drive"] | {"voltage": values}}
+    return Scene.from_table("", table)
+
+
+def tolerance(text: str | None) -> float:
+    """Return the tolerance of a call, 1e-3 when absent."""
+    value = 1e-3 if text is None else toml_value(text)
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < 1:
+        raise SceneError("--tolerance", f"must be a number above 0 and below 1, got {shown(text)}")
+    return float(value)
+
+
+def _contents(scene: Scene) -> list[str]:
+    lines = []
+    if scene.stator is not None:
+        block = scene.stator
+        material = block.material if isinstance(block.material, str) else block.material.name
+        thickness = block.thickness if isinstance(block.thickness, str) else f"{block.thickness * 1e3:g} mm"
+        lines.append(f"stator      {material}, {block.orientation}, {block.length * 1e3:g} mm x {thickness}")
+    for transducer in scene.transducer:
+        period = "auto" if transducer.period == "auto" else f"{transducer.period * 1e3:.6g} mm"
+        driven = (
+            "driven"
+            if transducer.name == scene.drive.transducer
+            else f"not driven ({transducer.termination})"
+        )
+        lines.append(
+            f"transducer  {transducer.name}: {transducer.finger_pairs} pairs, period {period}, {driven}"
+        )
+    frequency = scene.frequency
+    lines.append(f"frequency   {frequency if isinstance(frequency, str) else f'{frequency / 1e6:g} MHz'}")
+    if scene.levels:
+        factor, unit, what = (1e9, "nm", "amplitude ") if scene.wave is not None else (1, "V", "voltage   ")
+        ends = f"{min(scene.levels) * factor:g} to {max(scene.levels) * factor:g} {unit}"
+        lines.append(f"{what}  {len(scene.levels)} values, {ends}")
+    if scene.slider is not None:
+        slider = scene.slider
+        moduli = f"E* {slider.effective_modulus / 1e9:.4g} GPa, G* {slider.tangential_modulus / 1e9:.4g} GPa"
+        weight = f"{slider.mass * 1e3:g} g, preload {slider.preload * 1e3:g} mN"
+        lines.append(f"slider      {weight}, contacts {len(slider.offsets)}, {moduli}")
+    return lines

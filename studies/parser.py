@@ -1,0 +1,91 @@
+"""The command line: calls, options and their help."""
+
+import argparse
+
+from studies.refusal import SceneError
+
+__all__ = ["parser"]
+
+
+class OneSentence(argparse.ArgumentParser):
+    """A parser that refuses with one sentence and no usage text."""
+
+    def error(self, message: str):
+        """Raise instead of printing usage and leaving."""
+        raise SceneError("", f"{message} (see {self.prog} --help)")
+
+
+def parser() -> argparse.ArgumentParser:
+    """Return the parser of the whole command."""
+    top = OneSentence(
+        prog="sawmotor",
+        description="Surface-acoustic-wave motors from drive voltage to slider velocity.",
+        epilog="Exit code 0: an answer within its tolerance; 1: the run could not give one; 2: bad input.",
+        allow_abbrev=False,
+    )
+    calls = top.add_subparsers(dest="call", metavar="COMMAND", parser_class=OneSentence)
+
+    run = _call(
+        calls, "run", "a scene: just the chain that it needs, up to the slider's velocity for each voltage"
+    )
+    run.add_argument(
+        "scene", metavar="SCENE", nargs="?", default="twente", help="a path or a shipped name (twente)"
+    )
+    _changes(run)
+    run.add_argument(
+        "--tolerance", metavar="T", help="bound of the relative error of the last quantity (1e-3)"
+    )
+    run.add_argument("--out", metavar="DIR", help="where the results go (results/NAME)")
+    run.add_argument(
+        "--json", action="store_true", help="run.json on stdout; no pictures, files only with --out"
+    )
+    run.add_argument("--field", action="store_true", help="keep the whole wave field in field.vtu")
+    run.add_argument("--no-plot", action="store_true", help="draw nothing")
+
+    wave = _call(calls, "wave", "the half-space Rayleigh wave of a material, without a mesh and without loss")
+    wave.add_argument("material", metavar="MATERIAL", help="a catalogue name, such as PZT-8")
+    wave.add_argument(
+        "--orientation",
+        metavar="O",
+        default="Z",
+        help="Z, X, YZ, 128YX, ST-X or three angles phi,theta,psi in degrees (Z)",
+    )
+    wave.add_argument(
+        "--surface",
+        metavar="S",
+        default="vacuum",
+        help="vacuum (or free), open, metallised (vacuum)",
+    )
+    wave.add_argument("--json", action="store_true", help="the answer as JSON")
+
+    _call(calls, "scenes", "the scenes that ship")
+    check = _call(calls, "check", "a scene's text, material and layout, without running it")
+    check.add_argument("scene", metavar="SCENE", help="a path or a shipped name")
+    _changes(check)
+
+    study = _call(calls, "study", "a study, or without a name the list of them")
+    study.add_argument("name", metavar="NAME", nargs="?", help="which study")
+    study.add_argument(
+        "scene", metavar="SCENE", nargs="?", help="a path or a shipped name, for studies of a scene"
+    )
+    study.add_argument("--out", metavar="DIR", help="where the results go (results/NAME)")
+
+    view = _call(calls, "view", "the wave field of a run, in a window or as a picture")
+    view.add_argument("run", metavar="RUN_DIR", help="a directory that `sawmotor run` left")
+    view.add_argument("--screenshot", metavar="FILE", help="draw off screen into a PNG file")
+    return top
+
+
+def _call(calls, name: str, text: str) -> argparse.ArgumentParser:
+    return calls.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".", allow_abbrev=False)
+
+
+def _changes(call: argparse.ArgumentParser) -> None:
+    call.add_argument("--voltage", metavar="LIST", help="peak voltages: START:STOP:N or a list with commas")
+    call.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        action="append",
+        default=[],
+        help='change one key, e.g. slider.mass=1e-4 or transducer.1.center="900 mm"',
+    )

@@ -1,0 +1,45 @@
+"""Writing a table as a TOML document (reading is tomllib's)."""
+
+import json
+
+__all__ = ["document"]
+
+
+def document(table: dict, *, remarks: tuple[str, ...] = ()) -> str:
+    """Return the TOML text of a table; every number is written so that it is read back bit for bit.
+
+    Parameters
+    ----------
+    table : dict
+        Of text, numbers, booleans, lists, tables and lists of tables.
+    remarks : tuple of str
+        Comment lines at the top.
+    """
+    lines = [f"# {remark}" for remark in remarks]
+    return "\n".join(lines + _block((), table)) + "\n"
+
+
+def _block(path: tuple[str, ...], table: dict) -> list[str]:
+    lines = [f"{key} = {_value(value)}" for key, value in table.items() if not _is_block(value)]
+    for key, value in table.items():
+        here = (*path, key)
+        if isinstance(value, dict):
+            lines += ["", f"[{'.'.join(here)}]", *_block(here, value)]
+        elif _is_block(value):
+            for entry in value:
+                lines += ["", f"[[{'.'.join(here)}]]", *_block(here, entry)]
+    return lines
+
+
+def _is_block(value) -> bool:
+    return isinstance(value, dict) or (isinstance(value, list) and bool(value) and isinstance(value[0], dict))
+
+
+def _value(value) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)  # its escapes are TOML's
+    if isinstance(value, list):
+        return f"[{', '.join(_value(entry) for entry in value)}]"
+    return repr(value)

@@ -1,0 +1,72 @@
+"""Changes from the command line."""
+
+import pytest
+
+from studies.override import assigned, toml_value, voltages
+from studies.refusal import SceneError
+from studies.scene import read_table
+
+
+@pytest.mark.parametrize(
+    ("setting", "path", "value"),
+    [
+        ("slider.mass=1e-4", ("slider", "mass"), 1e-4),
+        ('transducer.1.center="900 mm"', ("transducer", 1, "center"), "900 mm"),
+        ("stator.length=900 mm", ("stator", "length"), "900 mm"),
+        ("drive.voltage=[1, 2]", ("drive", "voltage"), [1, 2]),
+        ("drive.voltage.0 = 4", ("drive", "voltage", 0), 4),
+        ("slider.damping.normal=0", ("slider", "damping", "normal"), 0),
+        ("slider.reciprocal=true", ("slider", "reciprocal"), True),
+        ("title=a = b", ("title",), "a = b"),
+    ],
+)
+def test_a_setting_changes_its_key_and_nothing_else(setting, path, value):
+    before = read_table("twente")
+    after = assigned(before, setting)
+    assert before == read_table("twente")
+    holder, original = after, before
+    for key in path[:-1]:
+        others = [k for k in holder if k != key] if isinstance(holder, dict) else []
+        assert all(holder[k] == original[k] for k in others)
+        holder, original = (
+            holder[key],
+            original[key] if not isinstance(original, dict) else original.get(key, {}),
+        )
+    assert holder[path[-1]] == value
+
+
+@pytest.mark.parametrize(
+    "setting", ["slider.mass", "=3", "a..b=3", "transducer.2.center=1", "transducer.-1.center=1", "title.x=3"]
+)
+def test_a_setting_that_leads_nowhere_is_refused(setting):
+    with pytest.raises(SceneError):
+        assigned(read_table("twente"), setting)
+
+
+def test_a_value_cannot_smuggle_in_another_key():
+    assert toml_value("1\nother = 2") == "1\nother = 2"
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("5:60:12", [5 + 5 * k for k in range(12)]),
+        ("5,10,20", [5, 10, 20]),
+        ("7", [7]),
+        ("0", [0]),
+        ("1 kV, 5", [1000, 5]),
+        ("60:5:2", [60, 5]),
+        ("5:5:1", [5]),
+    ],
+)
+def test_voltages(text, values):
+    assert voltages(text) == pytest.approx(values, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "5:60", "5:60:x", "5:60:0", "5:60:1", "5:60:99999999", "-5", "5,,6", "nan", "1 A", "1:2:3:4", "inf"],
+)
+def test_voltages_that_make_no_list_are_refused(text):
+    with pytest.raises(SceneError, match=r"^--voltage"):
+        voltages(text)
