@@ -1,0 +1,48 @@
+"""How the stator's surface moves: piezoelectric fields of a SAW motor's stator, from voltage to surface motion.
+
+Conventions: exp(+i omega t), complex peak amplitudes, SI; x along the propagation, z out of the surface, body at
+z < 0; Voigt order 11 22 33 23 13 12 with engineering shear.  The rooms, bottom to top: materials - spectral - forms -
+half_space - geometry - section - guided, modes - cell - chain - network - electrodes - surface - harmonic, free - field;
+direct stands beside them as the check.
+"""
+
+from importlib import import_module
+
+_HOME = {
+    "ConvergenceError": "convergence",
+    "FreeWave": "free",
+    "HalfSpaceWave": "half_space",
+    "PeriodicWave": "modes",
+    "Solid": "materials",
+    "Stator": "geometry",
+    "SurfaceWave": "surface",
+    "Transducer": "geometry",
+    "WaveField": "field",
+    "anisotropic": "materials",
+    "catalogue": "materials",
+    "coupling": "half_space",
+    "direct_solution": "direct",
+    "driven_wave": "harmonic",
+    "fields": "materials",
+    "free_wave": "free",
+    "isotropic": "materials",
+    "material": "materials",
+    "periodic_wave": "modes",
+    "rayleigh": "half_space",
+    "read_vtu": "field",
+    "rotated": "materials",
+    "wave_field": "field",
+    "write_vtu": "field",
+}
+__all__ = sorted(_HOME)
+
+
+def __getattr__(name: str):
+    """Import a public name from its room when it is first asked for: importing the package stays cheap."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'fem' has no attribute {name!r}")
+    return getattr(import_module(f"fem.{_HOME[name]}"), name)
+
+
+def __dir__():
+    return __all__

@@ -1,0 +1,175 @@
+"""Joining condensed pieces: mirror, join, repeat by doubling, and the way back to every line.
+
+Two neighbours share a line; eliminating it gives the block of both (substructuring).  N equal pieces take about
+log2(N) joins instead of N (block cyclic reduction, Buzbee, Golub and Nielson 1970), and the unknowns between are
+found again from the sides, level by level.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from fem.cell import PORTS, Block, Column, condensed, folded
+from fem.section import Section, graded
+
+
+def joined(left: Block, right: Block, *, phi: int | None = None, comb: int | None = None) -> Block:
+    """Block of two neighbours.
+
+    Parameters
+    ----------
+    left, right : Block
+    phi, comb : int, optional
+        If the shared line's surface node lies on a finger: the number of phi there, and the finger's comb.
+
+    Returns
+    -------
+    Block
+        Its ``parts`` keep the way back to the shared line.
+    """
+    from scipy.linalg import lu_factor, lu_solve
+
+    n = left.size
+    first, second = left.matrix, right.matrix
+    if comb is not None:
+        first, second = folded(left, 1, phi, comb), folded(right, 0, phi, comb)
+    middle = first[n : 2 * n, n : 2 * n] + second[:n, :n]
+    coupling = np.zeros((n, 2 * n + PORTS), dtype=middle.dtype)
+    coupling[:, :n] = first[n : 2 * n, :n]
+    coupling[:, n : 2 * n] = second[:n, n : 2 * n]
+    coupling[:, 2 * n :] = first[n : 2 * n, 2 * n :] + second[:n, 2 * n :]
+    if comb is not None:
+        middle[phi, phi] = 1.0
+    back = -lu_solve(lu_factor(middle, check_finite=False), coupling, check_finite=False)
+    matrix = coupling.T @ back
+    matrix[:n, :n] += first[:n, :n]
+    matrix[n : 2 * n, n : 2 * n] += second[n : 2 * n, n : 2 * n]
+    matrix[:n, 2 * n :] += first[:n, 2 * n :]
+    matrix[2 * n :, :n] += first[2 * n :, :n]
+    matrix[n : 2 * n, 2 * n :] += second[n : 2 * n, 2 * n :]
+    matrix[2 * n :, n : 2 * n] += second[2 * n :, n : 2 * n]
+    matrix[2 * n :, 2 * n :] += first[2 * n :, 2 * n :] + second[2 * n :, 2 * n :]
+    if comb is not None:
+        back[phi, 2 * n + comb] = 1.0
+    matrix = 0.5 * (matrix + matrix.T)
+    return Block(size=n, matrix=matrix, width=left.width + right.width, parts=(left, right, back))
+
+
+def repeated(block: Block, count: int) -> Block:
+    """Block of ``count`` equal neighbours, by doubling."""
+    result, power = None, block
+    while True:
+        if count & 1:
+            result = power if result is None else joined(result, power)
+        count >>= 1
+        if not count:
+            return result
+        power = joined(power, power)
+
+
+def swapped(block: Block) -> Block:
+    """The same piece with its fingers on the other comb."""
+    n = block.size
+    order = np.r_[0 : 2 * n, 2 * n + 1, 2 * n]
+    if not block.parts and block.column.comb is None:
+        return block
+    column = block.column
+    if column is not None:
+        column = Column(
+            section=column.section, width=column.width, frequency=column.frequency, comb=1 - column.comb
+        )
+    parts = block.parts and (swapped(block.parts[0]), swapped(block.parts[1]), block.parts[2][:, order])
+    return Block(
+        size=n, matrix=block.matrix[np.ix_(order, order)], width=block.width, parts=parts, column=column
+    )
+
+
+def finger_cell(
+    section: Section,
+    frequency: float,
+    *,
+    half_finger: float,
+    half_gaps: tuple[float, float],
+    layers: int,
+    largest: float,
+) -> Block:
+    """Half a gap, a finger of comb 0, half a gap.
+
+    Parameters
+    ----------
+    section : Section
+    frequency : float
+        Hz.
+    half_finger : float
+        Length units.
+    half_gaps : tuple of float
+        Bare surface left and right of the finger, length units.
+    layers : int
+        Geometric layers on either side of each finger edge.
+    largest : float
+        Largest column width, length units.
+
+    Returns
+    -------
+    Block
+    """
+    phi = section.surface_dofs["phi"]
+    done: dict[tuple, Block] = {}
+
+    def piece(width: float, comb: int | None) -> Block:
+        key = (round(width, 12), comb)
+        if key not in done:
+            done[key] = condensed(Column(section=section, width=width, frequency=frequency, comb=comb))
+        return done[key]
+
+    def bare(widths: np.ndarray) -> Block:
+        block = piece(widths[0], None)
+        for width in widths[1:]:
+            block = joined(block, piece(width, None))
+        return block
+
+    def covered(widths: np.ndarray) -> Block:
+        block = piece(widths[0], 0)
+        for width in widths[1:]:
+            block = joined(block, piece(width, 0), phi=phi, comb=0)
+        return block
+
+    metal = graded(half_finger, layers, largest=largest)
+    finger = joined(covered(metal[::-1]), covered(metal), phi=phi, comb=0)
+    left, right = (graded(gap, layers, largest=largest) for gap in half_gaps)
+    block = joined(bare(left), finger, phi=phi, comb=0)
+    return joined(block, bare(right[::-1]), phi=phi, comb=0)
+
+
+def lines(block: Block, sides: np.ndarray, start: float = 0.0) -> Iterator[tuple[float, Block, np.ndarray]]:
+    """Walk the columns of a block from left to right.
+
+    Parameters
+    ----------
+    block : Block
+    sides : ndarray, shape (2 n + 2, ...)
+        Its left line, right line and comb potentials.
+    start : float
+        Where its left line lies, length units.
+
+    Yields
+    ------
+    start, column block, sides
+    """
+    if not block.parts:
+        yield start, block, sides
+        return
+    n = block.size
+    left, right, back = block.parts
+    middle = back @ sides
+    yield from lines(left, np.concatenate([sides[:n], middle, sides[2 * n :]]), start)
+    yield from lines(right, np.concatenate([middle, sides[n:]]), start + left.width)
+
+
+def widths(block: Block) -> Iterator[float]:
+    """Widths of a block's columns from left to right, length units."""
+    if block.parts:
+        yield from widths(block.parts[0])
+        yield from widths(block.parts[1])
+    else:
+        yield block.width

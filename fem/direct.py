@@ -1,0 +1,258 @@
+"""The whole stator as one sparse problem: the independent check of the structured solver.
+
+A tensor mesh of quadrilaterals over the whole section, assembled by scikit-fem with its own hierarchical basis and
+quadrature, and handed to a sparse direct solver: MKL Pardiso for complex symmetric matrices where `pypardiso` is
+installed, SuperLU in symmetric mode otherwise (one BLAS thread; beyond 3e5 unknowns it runs out of memory).  Of the
+structured solver it shares the coefficients of the weak form and, for absorbing ends only, the ends' matrices.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fem.electrodes import port_potentials
+from fem.forms import Medium, medium, scikit_fem_derivatives, units
+from fem.geometry import Stator, Transducer, check_layout, outer_gaps
+from fem.guided import guided_modes
+from fem.materials import fields
+from fem.section import FIELD_COLUMN, Resolution, Section, discretise, graded
+
+
+@dataclass(frozen=True, kw_only=True)
+class DirectSolution:
+    """Fields per volt at each port, the other ports at zero.
+
+    Attributes
+    ----------
+    charges : ndarray, shape (ports, ports)
+        Reactions int grad psi . D per volt, C/m: minus the charges per metre of aperture.
+    unknowns : int
+    surface : callable
+        Places x (m) -> u_x and u_z in m per V at each port, shape (2, places, ports).
+    """
+
+    charges: np.ndarray
+    unknowns: int
+    surface: object = field(repr=False)
+
+
+def direct_solution(
+    stator: Stator,
+    transducers: tuple[Transducer, ...],
+    *,
+    frequency: float,
+    resolution: Resolution,
+    wavelength: float,
+    stretch_size: float = 0.5,
+) -> DirectSolution:
+    """Solve the driven stator by brute force.
+
+    Parameters
+    ----------
+    stator : Stator
+        Bottom free, grounded or clamped; nothing above.
+    transducers : tuple of Transducer
+    frequency : float
+        Hz.
+    resolution : Resolution
+        Of the section and the transducers.
+    wavelength : float
+        Length unit in m, the slowest bulk wave's.
+    stretch_size : float
+        Largest element in the uniform stretches, wavelengths.
+
+    Returns
+    -------
+    DirectSolution
+    """
+    from skfem import Basis, ElementQuadP, MeshQuad
+
+    check_layout(stator, transducers)
+    if stator.absorbs_below or stator.above != "none":
+        raise ValueError("the direct solver takes a stator with a real bottom and nothing above")
+    transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
+    names = fields(stator.solid)
+    section = discretise(
+        stator,
+        resolution,
+        wavelength=wavelength,
+        surface_scale=min(transducer.finger_width / 2 for transducer in transducers),
+    )
+    across = _x_lines(stator, transducers, resolution, wavelength, stretch_size)
+    mesh = MeshQuad.init_tensor(across, section.breakpoints)
+    basis = Basis(mesh, ElementQuadP(resolution.order), intorder=2 * resolution.order)
+    body = medium(stator.solid, names)
+    system = _assembled(basis, body, 2 * np.pi * frequency * wavelength)
+    if stator.ends == "absorbing":
+        modes = guided_modes(section, frequency)
+        for place, ends in ((across[0], modes.left_end), (across[-1], modes.right_end)):
+            system = system - _at_line(basis, section, place, ends)
+    combs = _comb_dofs(basis, transducers, wavelength, len(names), names.index("phi"))
+    held = _bottom_dofs(basis, stator, names, section.breakpoints[0])
+    reduced = _reduced_solution(system, basis, names, combs, held, wavelength, units(stator.solid))
+    return _by_port(reduced, len(transducers), section.floats)
+
+
+def _by_port(by_comb: DirectSolution, count: int, floats: bool) -> DirectSolution:
+    """Combs to ports; where the section floats, each transducer takes the mean potential at which it has no charge."""
+    ports = np.kron(np.eye(count), port_potentials(floats))
+    if floats:
+        means = np.kron(np.eye(count), np.ones((2, 1)))
+        among = means.T @ by_comb.charges @ means
+        ports = ports - means @ np.linalg.pinv(among, rcond=1e-8) @ (means.T @ by_comb.charges @ ports)
+    return DirectSolution(
+        charges=ports.T @ by_comb.charges @ ports,
+        unknowns=by_comb.unknowns,
+        surface=lambda places: by_comb.surface(places) @ ports,
+    )
+
+
+def _x_lines(stator, transducers, resolution, wavelength, stretch_size) -> np.ndarray:
+    """Element ends along x in length units: graded to every finger edge, even in the stretches between."""
+    layers, largest = resolution.edge_layers, resolution.element_size
+    sizes, here = [], 0.0
+    for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
+        fingers = transducer.fingers / wavelength
+        before, after = (
+            graded(gap / wavelength, layers, largest=largest, smallest_first=later)
+            for gap, later in zip(gaps, (False, True), strict=True)
+        )
+        sizes += [graded(fingers[0, 0] - before.sum() - here, 0, largest=stretch_size), before]
+        for number, (left, right) in enumerate(fingers):
+            if number:
+                sizes.append(_both_graded(left - fingers[number - 1, 1], layers, largest))
+            sizes.append(_both_graded(right - left, layers, largest))
+        sizes.append(after)
+        here = fingers[-1, 1] + after.sum()
+    sizes.append(graded(stator.length / wavelength - here, 0, largest=stretch_size))
+    return np.append(0.0, np.cumsum(np.concatenate(sizes)))
+
+
+def _both_graded(length, layers, largest) -> np.ndarray:
+    half = graded(length / 2, layers, largest=largest)
+    return np.concatenate([half[::-1], half])
+
+
+def _assembled(basis, body: Medium, angular: float):
+    """System matrix over (scalar unknown, field), fields innermost: real scalar matrices times small tables."""
+    from scipy.sparse import csr_matrix, kron
+
+    xx, xz, zz, mass = (form.assemble(basis) for form in scikit_fem_derivatives())
+    tables = (body.xx, body.xz, body.zz, -(angular**2) * np.diag(body.inertia))
+    parts = [
+        kron(matrix, csr_matrix(table)) for matrix, table in zip((xx, xz, zz, mass), tables, strict=True)
+    ]
+    return (sum(parts) + kron(xz.T, csr_matrix(body.xz.T))).tocsr()
+
+
+def _at_line(basis, section: Section, place: float, ends: np.ndarray):
+    """An end's matrix over the section's nodes, carried over to the hierarchical basis of the mesh."""
+    from scipy.sparse import csr_matrix
+
+    nodes = section.nodes / section.length_unit
+    probes = basis.probes(np.stack([np.full(len(nodes), place), nodes])).tocsr()
+    columns = [FIELD_COLUMN[name] for name in section.solid.fields]
+    dofs = section.dofs[:, columns].reshape(-1)
+    carried = _by_field(probes, len(columns))[np.flatnonzero(dofs >= 0)]
+    return carried.T @ csr_matrix(ends) @ carried
+
+
+def _by_field(matrix, count: int):
+    from scipy.sparse import identity, kron
+
+    return kron(matrix, identity(count)).tocsr()
+
+
+def _comb_dofs(basis, transducers, wavelength, count, phi) -> list[np.ndarray]:
+    """Potential unknowns of each comb: vertices carry its value, the edges' bubbles vanish."""
+    mesh = basis.mesh
+    combs = []
+    for transducer in transducers:
+        for parity in (0, 1):
+            edges = transducer.fingers[parity::2] / wavelength
+            chosen = mesh.facets_satisfying(
+                lambda x, edges=edges: (
+                    (abs(x[1]) < 1e-12) & np.any((x[0] > edges[:, :1]) & (x[0] < edges[:, 1:]), axis=0)
+                )
+            )
+            dofs = basis.get_dofs(chosen)
+            vertices = dofs.nodal_ix if hasattr(dofs, "nodal_ix") else np.unique(list(dofs.nodal.values())[0])
+            combs.append((vertices * count + phi, np.setdiff1d(dofs.flatten(), vertices) * count + phi))
+    return combs
+
+
+def _bottom_dofs(basis, stator, names, depth) -> np.ndarray:
+    held = {"clamped": [name for name in names if name != "phi"], "grounded": ["phi"]}.get(stator.bottom, [])
+    facets = basis.mesh.facets_satisfying(lambda x: abs(x[1] - depth) < 1e-9 * abs(depth))
+    bottom = basis.get_dofs(facets).flatten()
+    return np.concatenate(
+        [bottom * len(names) + names.index(name) for name in held] or [np.empty(0, dtype=int)]
+    )
+
+
+def _reduced_solution(system, basis, names, combs, held, wavelength, unit_pair) -> DirectSolution:
+    from scipy.sparse import csr_matrix
+
+    stress, potential = unit_pair
+    size = system.shape[0]
+    # Every comb's vertices share one unknown; what is held or vanishes is left out.
+    target = np.arange(size)
+    gone = np.zeros(size, dtype=bool)
+    gone[held] = True
+    for index, (vertices, bubbles) in enumerate(combs):
+        target[vertices] = size + index
+        gone[bubbles] = True
+    keep = np.flatnonzero(~gone)
+    expand = csr_matrix((np.ones(len(keep)), (keep, target[keep])), shape=(size, size + len(combs)))
+    reduced = (expand.T @ system @ expand).tocsr()
+    free = np.setdiff1d(np.unique(target[keep]), size + np.arange(len(combs)))
+    fixed = size + np.arange(len(combs))
+    inner = reduced[free][:, free].tocsc()
+    load = -reduced[free][:, fixed].toarray()
+    solution = np.zeros((size + len(combs), len(combs)), dtype=complex)
+    solution[free] = sparse_solution(inner, load)
+    solution[fixed] = np.eye(len(combs))
+    charges = reduced[fixed] @ solution * (stress / potential**2)
+    nodal = expand @ solution / potential
+
+    def surface(places: np.ndarray) -> np.ndarray:
+        points = np.stack([np.asarray(places) / wavelength, np.zeros(len(places))])
+        probes = basis.probes(points)
+        return np.stack([probes @ nodal[names.index(name) :: len(names)] for name in ("ux", "uz")])
+
+    return DirectSolution(charges=charges, unknowns=len(free), surface=surface)
+
+
+def sparse_solution(matrix, load: np.ndarray) -> np.ndarray:
+    """Solve a sparse complex symmetric system.
+
+    Parameters
+    ----------
+    matrix : sparse matrix, shape (n, n)
+    load : ndarray, shape (n, m)
+
+    Returns
+    -------
+    ndarray, shape (n, m)
+    """
+    from importlib.util import find_spec
+
+    from scipy.sparse import triu
+    from scipy.sparse.linalg import splu
+
+    if find_spec("pypardiso") is None:
+        factor = splu(
+            matrix.tocsc().astype(complex),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.01,
+            options={"SymmetricMode": True},
+        )
+        return factor.solve(load.astype(complex))
+    from pypardiso import PyPardisoSolver
+
+    solver = PyPardisoSolver(mtype=6, phase=13)  # complex symmetric; the public solve() takes float64 only
+    upper = triu(matrix, format="csr").astype(complex)
+    upper.sort_indices()
+    answer = solver._call_pardiso(upper, np.asfortranarray(load, dtype=complex))
+    solver.free_memory(everything=True)
+    return answer

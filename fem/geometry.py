@@ -1,0 +1,206 @@
+"""The stator and its transducers: the sagittal section, x along the surface, z out of it, body at z < 0.
+
+A transducer is two combs of massless, perfectly conducting, equipotential fingers, alternating: finger 0 on the
+positive comb, finger 1 on the negative one, and so on.  Two fingers and two gaps make a period.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from fem.half_space import rayleigh
+from fem.materials import Solid
+
+Bottom = Literal["free", "grounded", "clamped", "absorbing"]
+Ends = Literal["absorbing", "free", "clamped"]
+Above = Literal["none", "vacuum"]
+BOTTOMS: tuple[str, ...] = ("free", "grounded", "clamped", "absorbing")
+ENDS: tuple[str, ...] = ("absorbing", "free", "clamped")
+CLEARANCE = 0.45  # of the bare surface between two transducers that one of them may take for its outer gap
+ABOVES: tuple[str, ...] = ("none", "vacuum")
+
+
+def _require_positive(owner: str, unit: str, **values: float) -> None:
+    for name, value in values.items():
+        if not (np.isfinite(value) and value > 0):
+            raise ValueError(f"{owner}.{name} must be positive and finite, got {value!r} {unit}".rstrip())
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stator:
+    """The block: its solid, rotated to the stator's axes, and the section's sides.
+
+    Attributes
+    ----------
+    solid : Solid
+        In the frame x (propagation), y, z (outward normal).
+    length : float
+        Extent along x in m.
+    thickness : float
+        Extent along z in m; infinite for a half-space.
+    bottom, ends, above : str
+        Conditions on the other sides, the words of the scene file.
+    """
+
+    solid: Solid
+    length: float
+    thickness: float
+    bottom: Bottom = "free"
+    ends: Ends
+    above: Above = "none"
+
+    def __post_init__(self):
+        _require_positive("stator", "m", length=self.length)
+        if not self.thickness > 0:
+            raise ValueError(f"stator.thickness must be positive, got {self.thickness!r} m")
+        for name, allowed in (("bottom", BOTTOMS), ("ends", ENDS), ("above", ABOVES)):
+            if getattr(self, name) not in allowed:
+                raise ValueError(
+                    f"stator.{name} must be one of {', '.join(allowed)}, got {getattr(self, name)!r}"
+                )
+
+    @property
+    def absorbs_below(self) -> bool:
+        """Whether nothing comes back from the bottom."""
+        return self.bottom == "absorbing" or not np.isfinite(self.thickness)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Transducer:
+    """Two interleaved combs on the surface.
+
+    Attributes
+    ----------
+    name : str
+        What the drive refers to.
+    center : float
+        Of the fingers, from the stator's left end, in m.
+    finger_pairs : int
+        Pairs of fingers, one of each comb.
+    period : float
+        Of two fingers and two gaps, in m.
+    metallisation : float
+        Finger width over finger width plus gap, between 0 and 1.
+    aperture : float
+        Overlap of the fingers along y, in m.
+    termination : str or complex
+        Of a transducer that is not driven: "open", "short" or an impedance in ohm between its combs.
+    """
+
+    name: str
+    center: float
+    finger_pairs: int
+    period: float
+    metallisation: float
+    aperture: float
+    termination: str | complex = "open"
+
+    def __post_init__(self):
+        owner = f"transducer {self.name!r}"
+        _require_positive(owner, "m", period=self.period, aperture=self.aperture)
+        if not np.isfinite(self.center):
+            raise ValueError(f"{owner}.center must be finite, got {self.center!r} m")
+        if self.finger_pairs != int(self.finger_pairs) or self.finger_pairs < 1:
+            raise ValueError(
+                f"{owner}.finger_pairs must be an integer of at least 1, got {self.finger_pairs!r}"
+            )
+        if not 0 < self.metallisation < 1:
+            raise ValueError(f"{owner}.metallisation must lie between 0 and 1, got {self.metallisation!r}")
+        if isinstance(self.termination, str):
+            if self.termination not in ("open", "short"):
+                raise ValueError(
+                    f"{owner}.termination must be open, short or an impedance in ohm, got {self.termination!r}"
+                )
+        elif not np.isfinite(self.termination):
+            raise ValueError(f"{owner}.termination must be a finite impedance, got {self.termination!r} ohm")
+
+    @property
+    def finger_width(self) -> float:
+        """Width of a finger in m."""
+        return self.metallisation * self.period / 2
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Outer edges of the first and the last finger in m."""
+        half = (self.finger_pairs * self.period - (1 - self.metallisation) * self.period / 2) / 2
+        return self.center - half, self.center + half
+
+    @property
+    def fingers(self) -> np.ndarray:
+        """Left and right edges of the fingers in m, shape (2 * finger_pairs, 2); even ones on the positive comb."""
+        left = self.extent[0] + np.arange(2 * self.finger_pairs) * self.period / 2
+        return np.stack([left, left + self.finger_width], axis=1)
+
+
+def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
+    """Refuse transducers that leave the stator, overlap or share a name.
+
+    Raises
+    ------
+    ValueError
+        Names the transducers, the edges and the unit.
+    """
+    names = [transducer.name for transducer in transducers]
+    if len(set(names)) < len(names):
+        raise ValueError(f"transducer names must differ, got {', '.join(names)}")
+    placed = sorted(transducers, key=lambda transducer: transducer.center)
+    for transducer in placed:
+        left, right = transducer.extent
+        if left <= 0 or right >= stator.length:
+            raise ValueError(
+                f"transducer {transducer.name!r} must lie on the stator, 0 to {stator.length:g} m, "
+                f"but its fingers reach from {left:g} to {right:g} m"
+            )
+    for first, second in zip(placed[:-1], placed[1:], strict=True):
+        if first.extent[1] >= second.extent[0]:
+            raise ValueError(
+                f"transducers {first.name!r} and {second.name!r} must not overlap: the first ends at "
+                f"{first.extent[1]:g} m, the second begins at {second.extent[0]:g} m"
+            )
+
+
+def outer_gaps(stator: Stator, transducers: tuple[Transducer, ...]) -> list[tuple[float, float]]:
+    """Bare surface that counts to each transducer: half a gap, or less where a neighbour or an end is near.
+
+    Parameters
+    ----------
+    stator : Stator
+    transducers : tuple of Transducer
+        From left to right.
+
+    Returns
+    -------
+    list of tuple of float
+        Left and right of each, m.
+    """
+    gaps = []
+    for index, transducer in enumerate(transducers):
+        half = (transducer.period / 2 - transducer.finger_width) / 2
+        left, right = transducer.extent
+        before = left - (transducers[index - 1].extent[1] if index else 0.0)
+        last = index == len(transducers) - 1
+        after = (stator.length if last else transducers[index + 1].extent[0]) - right
+        gaps.append((min(half, CLEARANCE * before), min(half, CLEARANCE * after)))
+    return gaps
+
+
+def automatic_period(solid: Solid, frequency: float, metallisation: float) -> float:
+    """Period that a transducer needs at a frequency: the wavelength of the lossless half-space, part metallised.
+
+    Parameters
+    ----------
+    solid : Solid
+        In the stator's frame.
+    frequency : float
+        Hz.
+    metallisation : float
+        Finger width over finger width plus gap.
+
+    Returns
+    -------
+    float
+        (metallisation v_metal + (1 - metallisation) v_vacuum) / frequency, in m.
+    """
+    metal, vacuum = rayleigh(solid, "metallised").velocity, rayleigh(solid, "vacuum").velocity
+    return (metallisation * metal + (1 - metallisation) * vacuum) / frequency

@@ -1,0 +1,297 @@
+"""Guided modes of a uniform stretch, and the ends they make possible.
+
+In a stretch that is uniform in x the section's unknowns are sums of modes v exp(-i k x) with (section.py)
+
+    [k^2 K2 + i k (K1 - K1^T) + K0 - omega^2 M] v = 0,    nodal flux f = (K1 - i k K2) v.
+
+All modes of the discretised section are kept, the evanescent ones too, so that they span every line: a stretch
+that goes on for ever is then the exact relation f = X u, X = F V^-1, whatever arrives (no reflection, no layer to
+tune).  A mode goes right if it decays to the right or, without loss, carries power to the right; the power flux
+along +x of a field is -(omega/2) Im(f^H* u), mechanical and electric alike.  The constant potential, which exists
+where nothing grounds the section, is an outgoing mode without flux of D: the section's far ends are not charged.
+
+Where x -> -x is a symmetry the eigenproblem is linear in k^2 and of half the size (u_x, or u_x and phi, odd).
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from fem.convergence import ConvergenceError
+from fem.section import Section
+
+POLISHING_STEPS = 6
+WIDE_SPECTRUM = (
+    1e9  # k^2 in (rad per wavelength)^2 above which one eigensolve cannot serve both ends of the spectrum
+)
+RICCATI_TOLERANCE = 1e-9
+PROPAGATING = 0.3  # a mode whose |Im k| is below this share of |Re k| counts as propagating
+NEAR_HALF_SPACE = (
+    0.02  # relative distance of k from the half-space's that halves a mode's claim to be the surface wave
+)
+TWIN_MODES = 5e-3  # relative distance of k within which two localised modes are one wave
+
+
+@dataclass(frozen=True, kw_only=True)
+class GuidedModes:
+    """Modes of a uniform stretch at one frequency, as many to the right as a line has unknowns.
+
+    Attributes
+    ----------
+    section : Section
+    frequency : float
+        Hz.
+    wavenumbers : ndarray, shape (n,)
+        Of the modes going right, in radians per length unit; ``backwards`` those going left.
+    right, left : ndarray, shape (n, n)
+        Mode shapes in columns.
+    right_flux, left_flux : ndarray, shape (n, n)
+        Their nodal fluxes.
+    right_end, left_end : ndarray, shape (n, n)
+        X with f = X u where the stretch goes on to the right for ever; with -f = X u to the left.
+    """
+
+    section: Section
+    frequency: float
+    wavenumbers: np.ndarray = field(repr=False)
+    backwards: np.ndarray = field(repr=False)
+    right: np.ndarray = field(repr=False)
+    left: np.ndarray = field(repr=False)
+    right_flux: np.ndarray = field(repr=False)
+    left_flux: np.ndarray = field(repr=False)
+
+    right_end: np.ndarray = field(repr=False)
+    left_end: np.ndarray = field(repr=False)
+
+    @cached_property
+    def _factors(self):
+        from scipy.linalg import lu_factor
+
+        return lu_factor(self.right, check_finite=False), lu_factor(self.left, check_finite=False)
+
+    def right_amplitudes(self, field_right: np.ndarray) -> np.ndarray:
+        """Amplitudes of the modes in a field that goes right, shape as the field (n, ...)."""
+        from scipy.linalg import lu_solve
+
+        return lu_solve(self._factors[0], field_right, check_finite=False)
+
+    def left_amplitudes(self, field_left: np.ndarray) -> np.ndarray:
+        """Amplitudes of the modes in a field that goes left, shape as the field (n, ...)."""
+        from scipy.linalg import lu_solve
+
+        return lu_solve(self._factors[1], field_left, check_finite=False)
+
+    @cached_property
+    def rayleigh(self) -> np.ndarray:
+        """Indices of the surface wave's modes, the most localised first.
+
+        A mode is as localised as its motion at the surface, squared, is large against the mean over the depth.  In a
+        block whose two faces are alike the surface wave is the sum of a symmetric and an antisymmetric mode of
+        nearly one velocity, each with half its motion at the bottom: both count.
+        """
+        moving = np.flatnonzero(abs(self.wavenumbers.imag) < PROPAGATING * abs(self.wavenumbers.real))
+        if len(moving) == 0:
+            raise ConvergenceError(
+                f"no mode of this section propagates at {self.frequency:g} Hz: it is too thin or too lossy"
+            )
+        shapes = abs(self.right[:, moving]) ** 2
+        surface = [self.section.surface_dofs[name] for name in ("ux", "uz")]
+        localised = shapes[surface].sum(axis=0) / (self.section.motion_weights @ shapes)
+        if self.section.surface_speed is not None:
+            expected = 2 * np.pi * self.frequency * self.section.length_unit / self.section.surface_speed
+            localised /= 1.0 + (abs(self.wavenumbers[moving] / expected - 1.0) / NEAR_HALF_SPACE) ** 2
+        best = int(np.argmax(localised))
+        alike = abs(self.wavenumbers[moving] / self.wavenumbers[moving[best]] - 1) < TWIN_MODES
+        chosen = np.flatnonzero(alike & (localised > 0.4 * localised[best]))
+        return moving[chosen[np.argsort(-localised[chosen])]]
+
+
+def power(displacement: np.ndarray, flux: np.ndarray, frequency: float) -> np.ndarray:
+    """Mean power along +x of a field (u, f) on a line, -(omega/2) Im(f u*), in the fields' unit (columns apart)."""
+    return -np.pi * frequency * np.imag(np.sum(flux * np.conj(displacement), axis=0))
+
+
+def guided_modes(section: Section, frequency: float) -> GuidedModes:
+    """All modes of a uniform stretch with a bare surface.
+
+    Parameters
+    ----------
+    section : Section
+    frequency : float
+        Hz, positive.
+
+    Returns
+    -------
+    GuidedModes
+    """
+    second, first, zeroth = section.matrices(frequency)
+    if section.odd is not None:
+        mirror = np.where(section.odd, -1.0, 1.0)
+        wavenumbers, right = _even_odd(second, first, zeroth, section.odd)
+        right_flux = _flux(second, first, wavenumbers, right)
+        turned = ~_goes_right(wavenumbers, right, right_flux)
+        wavenumbers = np.where(turned, -wavenumbers, wavenumbers)
+        right = np.where(turned, mirror[:, None] * right, right)
+        wavenumbers, right = _grounded(section, wavenumbers, right)
+        right_flux = _flux(second, first, wavenumbers, right)
+        right_end = _end(second, first, zeroth, wavenumbers, right, right_flux)
+        backwards, left = -wavenumbers, mirror[:, None] * right
+        left_flux = -mirror[:, None] * right_flux
+        left_end = mirror[:, None] * right_end * mirror
+    else:
+        (wavenumbers, right), (backwards, left) = _both_ways(section, second, first, zeroth)
+        right_flux = _flux(second, first, wavenumbers, right)
+        left_flux = _flux(second, first, backwards, left)
+        right_end = _end(second, first, zeroth, wavenumbers, right, right_flux)
+        left_end = _end(second, -first, zeroth, -backwards, left, -left_flux)
+    return GuidedModes(
+        section=section,
+        frequency=frequency,
+        wavenumbers=wavenumbers,
+        backwards=backwards,
+        right=right,
+        left=left,
+        right_flux=right_flux,
+        left_flux=left_flux,
+        right_end=right_end,
+        left_end=left_end,
+    )
+
+
+def _flux(second, first, wavenumbers, shapes):
+    return first @ shapes - 1j * (second @ shapes) * wavenumbers
+
+
+def _end(second, first, zeroth, wavenumbers, shapes, flux):
+    """X = F V^-1, polished by Newton's method on (X - K1^T) K2^-1 (X - K1) = K0 - omega^2 M.
+
+    Fast evanescent modes come out of the eigensolver with few digits.  The correction Z obeys G^T Z + Z G = -R with
+    G = K2^-1 (X - K1) = V (-i k) V^-1, so in the modes it is one division.
+    """
+    from scipy.linalg import lu_factor, lu_solve
+
+    factor = lu_factor(shapes, check_finite=False)
+    stiff = lu_factor(second, check_finite=False)
+    ends = _symmetric(lu_solve(factor, flux.T, trans=1, check_finite=False).T)
+    sums = 1j * (wavenumbers[:, None] + wavenumbers[None, :])
+    weights = np.where(sums == 0, 0.0, 1.0 / np.where(sums == 0, 1.0, sums))
+    scale = abs(zeroth).max()
+    before, best = np.inf, ends
+    for _ in range(POLISHING_STEPS):
+        slope = ends - first
+        residual = slope.T @ lu_solve(stiff, slope, check_finite=False) - zeroth
+        size = float(abs(residual).max() / scale)
+        if size >= 0.5 * before:
+            break
+        before, best = size, ends
+        if size < 1e-15:
+            break
+        in_modes = weights * (shapes.T @ residual @ shapes)
+        half = lu_solve(factor, in_modes, trans=1, check_finite=False)
+        ends = _symmetric(ends + lu_solve(factor, half.T, trans=1, check_finite=False).T)
+    if not before < RICCATI_TOLERANCE:
+        raise ConvergenceError(
+            f"the guided modes leave a residual of {before:.1e} in the open ends' equation: use fewer edge layers"
+        )
+    return best
+
+
+def _grounded(section, wavenumbers, shapes):
+    """Unit shapes; the constant potential, where it exists, put in exactly for the mode that stands for it."""
+    shapes = shapes / np.sqrt(np.sum(abs(shapes) ** 2, axis=0))
+    if section.floats:
+        constant = section.constant_potential / np.linalg.norm(section.constant_potential)
+        at = int(np.argmin(abs(wavenumbers) + (abs(constant @ shapes) < 0.9)))
+        wavenumbers = wavenumbers.copy()
+        wavenumbers[at], shapes[:, at] = 0.0, constant
+    return wavenumbers, shapes
+
+
+def _even_odd(second, first, zeroth, odd):
+    """Eigenpairs (k, v), one of each pair k, -k, from the problem linear in k^2 (odd unknowns u_o = -i k w)."""
+    even = ~odd
+    across = (first - first.T)[np.ix_(odd, even)]
+    odds, size = int(odd.sum()), len(odd)
+    left = np.zeros_like(second, shape=(size, size))
+    left[:odds, :odds] = second[np.ix_(odd, odd)]
+    left[odds:, odds:] = second[np.ix_(even, even)]
+    left[odds:, :odds] = -across.T
+    right = np.zeros_like(zeroth, shape=(size, size))
+    right[:odds, :odds] = -zeroth[np.ix_(odd, odd)]
+    right[:odds, odds:] = across
+    right[odds:, odds:] = -zeroth[np.ix_(even, even)]
+    squares, vectors = _graded_eigenpairs(left, right, (2 * np.pi) ** 2 * (-0.3 + 0.9j))
+    wavenumbers = np.sqrt(squares.astype(complex))
+    shapes = np.empty((size, size), dtype=complex)
+    shapes[odd] = -1j * wavenumbers * vectors[:odds]
+    shapes[even] = vectors[odds:]
+    return wavenumbers, shapes
+
+
+def _graded_eigenpairs(left, right, shift):
+    """All eigenpairs of right v = s left v whose s span many decades (fine layers: up to 1e14).
+
+    The inverted problem gives small ones to all digits and the direct one large ones; each is asked for its half.
+    """
+    from scipy.linalg import eig, solve
+
+    values, vectors = eig(solve(right - shift * left, left))
+    squares = shift + 1.0 / values
+    order = np.argsort(abs(squares))
+    squares, vectors = squares[order], vectors[:, order]
+    if abs(squares[-1]) < WIDE_SPECTRUM:
+        return squares, vectors
+    large, large_vectors = eig(solve(left, right))
+    order = np.argsort(abs(large))
+    large, large_vectors = large[order], large_vectors[:, order]
+    middle = int(np.searchsorted(abs(large), np.sqrt(abs(large[-1]) * abs(shift))))
+    near = np.arange(max(1, middle - 8), min(len(large) - 1, middle + 8))
+    gaps = np.minimum(abs(large[near]) / abs(large[near - 1]), abs(squares[near]) / abs(squares[near - 1]))
+    cut = int(near[np.argmax(gaps)])
+    return np.append(squares[:cut], large[cut:]), np.hstack([vectors[:, :cut], large_vectors[:, cut:]])
+
+
+def _both_ways(section, second, first, zeroth):
+    """Modes going right and going left where no symmetry pairs them, in matching order (backwards ~ -k)."""
+    from scipy.linalg import eig, lu_factor, lu_solve
+
+    size = len(second)
+    shift = 2 * np.pi * (0.31 + 0.57j)
+    skew = 1j * (first - first.T)
+    # (shift^2 K2 + shift skew + K0) v_new = -(skew + shift K2) v - K2 w  for the companion pair (v, w = k v)
+    factor = lu_factor(shift**2 * second + shift * skew + zeroth, check_finite=False)
+    top = lu_solve(factor, np.hstack([-(skew + shift * second), -second]), check_finite=False)
+    inverse = np.vstack([top, np.hstack([np.eye(size), np.zeros((size, size))]) + shift * top])
+    values, vectors = eig(inverse)
+    wavenumbers, shapes = shift + 1.0 / values, vectors[:size]
+    rightgoing = _goes_right(wavenumbers, shapes, _flux(second, first, wavenumbers, shapes))
+    if section.floats:
+        constant = section.constant_potential / np.linalg.norm(section.constant_potential)
+        unit = shapes / np.sqrt(np.sum(abs(shapes) ** 2, axis=0))
+        pair = np.argsort(abs(wavenumbers) + (abs(constant @ unit) < 0.9))[:2]
+        rightgoing[pair] = True, False
+    if rightgoing.sum() != size:
+        raise ConvergenceError(
+            f"{int(rightgoing.sum())} of {2 * size} modes go right where {size} should: a mode without loss is at "
+            "its cut-off; change the frequency slightly or give the solid a mechanical_quality"
+        )
+    right = _grounded(section, wavenumbers[rightgoing], shapes[:, rightgoing])
+    left = _grounded(section, wavenumbers[~rightgoing], shapes[:, ~rightgoing])
+    order, free = np.empty(size, dtype=int), np.ones(size, dtype=bool)
+    for index in np.argsort(abs(right[0])):
+        candidates = np.flatnonzero(free)
+        order[index] = candidates[np.argmin(abs(left[0][candidates] + right[0][index]))]
+        free[order[index]] = False
+    return right, (left[0][order], left[1][:, order])
+
+
+def _goes_right(wavenumbers, shapes, flux):
+    """By decay where there is any, by the sign of the power flux where there is none."""
+    carried = -np.imag(np.sum(flux * np.conj(shapes), axis=0)) / np.sum(abs(shapes) ** 2, axis=0)
+    decays = abs(wavenumbers.imag) > 1e-9 * (1.0 + abs(wavenumbers))
+    return np.where(decays, wavenumbers.imag < 0, carried > 0)
+
+
+def _symmetric(matrix):
+    return 0.5 * (matrix + matrix.T)

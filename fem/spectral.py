@@ -1,0 +1,138 @@
+"""Spectral elements on a line: Gauss-Lobatto-Legendre nodes and the exact 1-D matrices.
+
+A layer homogeneous in x and z on a tensor grid needs no two-dimensional quadrature: every element matrix is a
+sum of Kronecker products of the mass, stiffness and advection matrices of a line (Patera 1984; Deville, Fischer
+and Mund, *High-Order Methods for Incompressible Fluid Flow*, 2002, section 4.5).  Nodal basis on GLL points,
+integrals by a Gauss rule that is exact for them.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.polynomial import legendre
+
+
+@lru_cache(maxsize=32)
+def gll_nodes(order: int) -> np.ndarray:
+    """Gauss-Lobatto-Legendre points of an element.
+
+    Parameters
+    ----------
+    order : int
+        Polynomial order, 1 or more.
+
+    Returns
+    -------
+    ndarray, shape (order + 1,)
+        Points in [0, 1], ends included, increasing.
+
+    Raises
+    ------
+    ValueError
+        If the order is below 1.
+    """
+    if order < 1:
+        raise ValueError(f"order must be an integer of at least 1, got {order}")
+    coefficients = np.zeros(order + 1)
+    coefficients[order] = 1.0
+    derivative = legendre.legder(coefficients)
+    inner = np.sort(legendre.legroots(derivative).real)
+    second = legendre.legder(derivative)
+    for _ in range(3):
+        inner = inner - legendre.legval(inner, derivative) / legendre.legval(inner, second)
+    inner = 0.5 * (inner - inner[::-1])
+    return _frozen((np.concatenate([[-1.0], inner, [1.0]]) + 1.0) / 2.0)
+
+
+def lagrange(order: int, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Values and derivatives of the nodal basis at points of the reference element.
+
+    Parameters
+    ----------
+    order : int
+        Polynomial order.
+    points : ndarray, shape (m,)
+        Places in [0, 1].
+
+    Returns
+    -------
+    values, derivatives : ndarray, shape (m, order + 1)
+        Derivatives with respect to the reference coordinate.
+    """
+    nodes = 2.0 * gll_nodes(order) - 1.0
+    at = 2.0 * np.asarray(points, dtype=float) - 1.0
+    vandermonde = legendre.legvander(nodes, order)
+    values = np.linalg.solve(vandermonde.T, legendre.legvander(at, order).T).T
+    slopes = np.stack(
+        [legendre.legval(at, legendre.legder(np.eye(order + 1)[k])) for k in range(order + 1)], axis=1
+    )
+    return values, 2.0 * np.linalg.solve(vandermonde.T, slopes.T).T
+
+
+@dataclass(frozen=True, kw_only=True)
+class LineMatrices:
+    """Matrices of the reference element [0, 1], each of shape (order + 1, order + 1).
+
+    ``mass`` int N_i N_j, ``stiffness`` int N_i' N_j', ``advection`` int N_i' N_j.  For an element of length h
+    they become h, 1/h and 1 times themselves.
+    """
+
+    order: int
+    mass: np.ndarray
+    stiffness: np.ndarray
+    advection: np.ndarray
+
+
+@lru_cache(maxsize=32)
+def reference_matrices(order: int) -> LineMatrices:
+    """Exact matrices of one reference element of the given order."""
+    points, weights = legendre.leggauss(order + 1)
+    values, slopes = lagrange(order, (points + 1.0) / 2.0)
+    weights = weights / 2.0
+    return LineMatrices(
+        order=order,
+        mass=_frozen(np.einsum("q,qi,qj->ij", weights, values, values)),
+        stiffness=_frozen(np.einsum("q,qi,qj->ij", weights, slopes, slopes)),
+        advection=_frozen(np.einsum("q,qi,qj->ij", weights, slopes, values)),
+    )
+
+
+def line_nodes(breakpoints: np.ndarray, order: int) -> np.ndarray:
+    """Nodes of a line of elements, shared ones once: shape (elements * order + 1,), the breakpoints' unit."""
+    breakpoints = np.asarray(breakpoints)
+    nodes = breakpoints[:-1, None] + np.diff(breakpoints)[:, None] * gll_nodes(order)[None, :-1]
+    return np.append(nodes.ravel(), breakpoints[-1])
+
+
+def line_matrices(breakpoints: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Assembled mass, stiffness and advection of a line of elements.
+
+    Parameters
+    ----------
+    breakpoints : ndarray, shape (elements + 1,)
+        Ends of the elements; complex ones are a coordinate stretched into the complex plane (an absorbing layer).
+    order : int
+        Polynomial order of every element.
+
+    Returns
+    -------
+    mass, stiffness, advection : ndarray, shape (elements * order + 1,) * 2
+        In the breakpoints' unit to the powers 1, -1 and 0.
+    """
+    lengths = np.diff(np.asarray(breakpoints))
+    reference = reference_matrices(order)
+    size = len(lengths) * order + 1
+    mass, stiffness, advection = (np.zeros((size, size), dtype=lengths.dtype) for _ in range(3))
+    for element, length in enumerate(lengths):
+        here = slice(element * order, element * order + order + 1)
+        mass[here, here] += length * reference.mass
+        stiffness[here, here] += reference.stiffness / length
+        advection[here, here] += reference.advection
+    return mass, stiffness, advection
+
+
+def _frozen(array: np.ndarray) -> np.ndarray:
+    """Cached arrays are shared: nobody may write into them."""
+    array.flags.writeable = False
+    return array
