@@ -6,6 +6,7 @@ Motor*, with stick and slip as a stop operator. The compiled parts are loaded wh
 """
 
 from contact.convergence import ConvergenceError
+from contact.history import History, contact_history
 from contact.limits import (
     release_amplitude,
     release_factor,
@@ -16,12 +17,17 @@ from contact.limits import (
 from contact.orbit import Orbit
 from contact.slider import Slider
 from contact.steady import SteadyState, steady
+from contact.trajectory import Trajectory, burst
 
 __all__ = [
     "ConvergenceError",
+    "History",
     "Orbit",
     "Slider",
     "SteadyState",
+    "Trajectory",
+    "burst",
+    "contact_history",
     "release_amplitude",
     "release_factor",
     "riding_height",

@@ -8,7 +8,7 @@ import copy
 import numpy as np
 
 from contact import integrate, regimes
-from contact.collocation import collocation
+from contact.collocation import Collocation
 from contact.convergence import ConvergenceError
 from contact.scaling import Scaled
 
@@ -32,15 +32,15 @@ class Motion:
     ----------
     problem : Scaled
         The dimensionless problem.
-    nodes : int
-        Collocation points per stretch.
-    tolerance : float
-        Truncation per stretch, relative to the friction and preload impulse of a radian.
+    table : Collocation
+        Points and matrices of a stretch.
+    truncation : float
+        Allowed per stretch, relative to the friction and preload impulse of a radian.
     """
 
-    def __init__(self, problem: Scaled, *, nodes: int, tolerance: float):
+    def __init__(self, problem: Scaled, *, table: Collocation, truncation: float):
         contacts = len(problem.waves)
-        self.problem, self.nodes, self.tolerance = problem, nodes, tolerance
+        self.problem, self.table, self.truncation = problem, table, truncation
         self.state = np.zeros(3 + contacts)
         self.regime, self.sign = np.zeros(contacts, np.int64), np.ones(contacts)
         self.tally, self.sums = np.zeros(integrate.TALLY, np.int64), np.zeros(3)
@@ -65,7 +65,7 @@ class Motion:
         rows = np.empty((number // stride if stride else 0, 3))
         why = integrate.cycles(
             self.problem.parameters, self.problem.waves, *self._matrices(), self.state, self.regime, self.sign,
-            number, mobile, self.tolerance, self.tally, self.sums, stride, rows, 100_000,
+            number, mobile, self.truncation, self.tally, self.sums, stride, rows, 100_000,
         )  # fmt: skip
         self._refuse(why)
         return rows
@@ -75,7 +75,7 @@ class Motion:
         samples = np.zeros((at.size, self.regime.size, 6))
         why = integrate.advance(
             self.problem.parameters, self.problem.waves, *self._matrices(), self.state, self.regime, self.sign,
-            start, stop, True, self.tolerance, self.tally, self.sums, at, samples, 10_000_000,
+            start, stop, True, self.truncation, self.tally, self.sums, at, samples, 10_000_000,
         )  # fmt: skip
         self._refuse(why)
         return samples
@@ -86,7 +86,7 @@ class Motion:
         return {name: int(number) for name, number in zip(names, self.tally, strict=True)}
 
     def _matrices(self):
-        table = collocation(self.nodes)
+        table = self.table
         return table.sigma, table.bary, table.tau, table.once, table.twice, table.tail
 
     def _refuse(self, why):

@@ -9,7 +9,6 @@ Held: if one contact can stick for good, the deformations that the wave drives t
 leave a whole interval of mean tractions. If load lies in it the slider stays, and its velocity is exactly zero.
 """
 
-import math
 import time
 from dataclasses import dataclass
 
@@ -17,6 +16,7 @@ import numpy as np
 
 from contact import bounds
 from contact.convergence import ConvergenceError
+from contact.drive import available, drive_direction, reference_speed, towards_plus
 from contact.limits import riding_height
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
@@ -96,28 +96,9 @@ def steady(
     listed = as_orbits(orbits)
     bounds.positive("tolerance", tolerance, "")
     bounds.choice("method", method, METHODS)
-    _available(slider)
-    trivial = _without_traction(slider, listed)
-    if trivial is None:
-        trivial = _Search(slider, listed, tolerance).answer(method)
-    return SteadyState(slider=slider, orbits=listed, seconds=time.perf_counter() - begun, **trivial)
-
-
-def reference_speed(velocity: float, orbits: tuple[Orbit, ...]) -> float:
-    """Return max(|v|, omega |u_x|/10) in m/s, the measure of velocity errors."""
-    return max(abs(velocity), max(o.omega * abs(o.tangential) for o in orbits) / 10.0)
-
-
-def drive_direction(orbits: tuple[Orbit, ...]) -> float:
-    """Return +1 or -1, the direction in which the crests drive an unloaded slider (+1 if neither)."""
-    return -1.0 if sum(orbit.crest_velocity for orbit in orbits) < 0.0 else 1.0
-
-
-def _available(slider):
-    if slider.law != "elastic":
-        raise ValueError(f'slider.law "{slider.law}" is not available yet, only "elastic" is')
-    if slider.reciprocal:
-        raise ValueError("slider.reciprocal = true is not available yet, only false is")
+    available(slider)
+    found = _without_traction(slider, listed) or _searched(slider, listed, tolerance, method)
+    return SteadyState(slider=slider, orbits=listed, seconds=time.perf_counter() - begun, **found)
 
 
 def _without_traction(slider, orbits):
@@ -146,209 +127,66 @@ def _without_traction(slider, orbits):
     }  # fmt: skip
 
 
-class _Search:
-    """The search for one steady state: holds the scaled problem and counts the work."""
+def _searched(slider, orbits, tolerance, method):
+    from contact.balance import balanced
+    from contact.periodic import periodic
 
-    def __init__(self, slider, orbits, tolerance):
-        from contact import scaling
-        from contact.motion import Motion
-
-        self.slider, self.orbits, self.tolerance = slider, orbits, tolerance
-        self.Motion, self.scaling = Motion, scaling
-        # phase 0 at the trough of the first contact: there it is parted or slips, and old deformation is forgotten
-        self.start = math.pi - float(np.angle(orbits[0].normal)) if orbits[0].normal != 0 else 0.0
-        self.direction = drive_direction(orbits)
-        self.work = np.zeros(10, np.int64)
-        self.problem = self._scaled(self.direction)
-        self.h = riding_height(slider, orbits) / self.problem.length
-
-    def _scaled(self, direction):
-        return self.scaling.scaled(self.slider, self.orbits, direction=direction, start=self.start)
-
-    def _frozen(self, speed, deformations, nodes=16):
-        """Return (<sum Q>, motion after a repeating cycle) at constant height and velocity."""
-        motion = self.Motion(self.problem, nodes=nodes, tolerance=1e-12)
-        motion.place(-self.h, 0.0, speed, deformations)
-        for _ in range(6):
-            before = motion.state[3:].copy()
-            motion.tally[:], motion.sums[:] = 0, 0.0
-            motion.turn(1, mobile=False)
-            self.work += motion.tally
-            motion.tally[9] = 1
-            if np.max(np.abs(motion.state[3:] - before)) < 1e-13:
-                break
-            motion.place(-self.h, 0.0, speed, motion.state[3:])
-        return motion.sums[0] / (2.0 * math.pi), motion
-
-    def answer(self, method):
-        slider, problem = self.slider, self.problem
-        reach = 10.0 * (1.0 + abs(self.h)) * (1.0 + problem.parameters[7])
-        low, low_motion = self._frozen(0.0, -reach)
-        high, high_motion = self._frozen(0.0, reach)
-        scale = problem.parameters[6] * problem.parameters[3]
-        load = problem.parameters[5]
-        if low > load + 1e-13 * scale:
-            way = 1.0
-        elif high < load - 1e-13 * scale:
-            way = -1.0
-        else:
-            return self._held(scale, 0.5 * (low_motion.state[3:] + high_motion.state[3:]))
-        # the load opposes the unloaded motion: turn it round if the crests point the other way
-        if slider.load > 0.0 and (low + high) * self.direction < 0.0:
-            self.direction = -self.direction
-            self.problem = problem = self._scaled(self.direction)
-            load = problem.parameters[5]
-            way = 1.0 if low > load else -1.0 if high < load else 0.0
-            if way == 0.0:
-                return self._held(scale, 0.5 * (low_motion.state[3:] + high_motion.state[3:]))
-        speed, slope, motion = self._balance(way, low if way > 0 else high, load)
-        averaged = speed * problem.speed
-        fine, multipliers, fine_motion = self._periodic(motion, speed, slope, nodes=16, tolerance=1e-12)
-        coarse, _, _ = self._periodic(
-            fine_motion.copy(), None, slope, nodes=11, tolerance=1e-9, jacobian=self.jacobian
+    # solved on the side on which the crests drive towards +x, so that mirrored waves give mirrored answers
+    side, driven = towards_plus(orbits)
+    balance = balanced(slider, driven)
+    if balance.held:
+        return _held(slider, driven, balance)
+    unit = balance.problem.speed
+    fine = periodic(balance, nodes=16, truncation=1e-12)
+    coarse = periodic(balance, nodes=10, truncation=1e-8, near=fine)
+    growth = float(np.max(np.abs(np.linalg.eigvals(fine.jacobian))))
+    if growth > 1.0 + 1e-6:
+        raise ConvergenceError(
+            "unstable",
+            f"the motion that repeats with the wave's period grows by {growth:.6g} per cycle: the slider hops; "
+            "add normal damping or follow a burst with method exact",
         )
-        velocity = fine * problem.speed
-        reference = reference_speed(velocity, self.orbits)
-        statistics = self._statistics(fine_motion, multipliers)
-        statistics["averaged_velocity"] = float(averaged)
-        error = abs(fine - coarse) * problem.speed / reference
-        used, note = "exact", "periodic motion of the full equations"
-        if method == "averaged":
-            error = abs(averaged - velocity) / reference
-            used, note, velocity = "averaged", "cycle mean at constant height and velocity", averaged
-        status = "ok"
-        if np.max(np.abs(multipliers)) > 1.0 + 1e-6:
-            raise ConvergenceError(
-                "unstable",
-                f"the motion that repeats with the wave's period is unstable (multiplier {np.max(np.abs(multipliers)):.6g}): "
-                "the slider hops; add slider.damping.normal or follow a burst with method exact",
-            )
-        if error > self.tolerance:
-            status, note = (
-                "above tolerance",
-                f"{note}; estimated error {error:.2g} exceeds {self.tolerance:.2g}",
-            )
-        if slider.normal_damping == 0.0 and slider.contact_damping == 0.0:
-            note += "; without normal damping the bounce of a real start would not die out"
-        regime = "intermittent" if statistics["release"] else "slip"
-        return {
-            "velocity": float(velocity), "regime": regime, "relative_error": float(error), "height": -float(fine_motion.height) * problem.length,
-            "status": status, "message": note, "method": used, "statistics": statistics,
-        }  # fmt: skip
+    velocity, reference = fine.speed * unit, reference_speed(fine.speed * unit, orbits)
+    error = (abs(fine.speed - coarse.speed) + fine.step) * unit / reference
+    used, note = "exact", "periodic motion of the full equations"
+    if method == "averaged":
+        velocity, used, note = balance.speed * unit, "averaged", "cycle means at constant height and velocity"
+        error = abs(balance.speed - fine.speed) * unit / reference
+    status = "ok"
+    if error > tolerance:
+        status, note = "above tolerance", f"{note}; estimated error {error:.2g} exceeds {tolerance:.2g}"
+    if slider.normal_damping == 0.0 and slider.contact_damping == 0.0:
+        note += "; without normal damping the bounce of a real start would not die out"
+    statistics = _counted(fine.motion, balance.work + fine.work + coarse.work)
+    statistics["averaged_velocity"] = float(side * balance.speed * unit)
+    statistics["growth_per_cycle"] = growth
+    return {
+        "velocity": float(side * velocity), "regime": "intermittent" if statistics["release"] else "slip",
+        "relative_error": float(error), "height": float(-fine.state[0] * balance.problem.length), "status": status,
+        "message": note, "method": used, "statistics": statistics,
+    }  # fmt: skip
 
-    def _statistics(self, motion, multipliers):
-        statistics = motion.events()
-        for name, number in zip(("stretches", "halvings", "sweeps"), self.work[6:9], strict=True):
-            statistics[name] = int(number)
-        statistics["cycles"] = int(self.work[9])
-        statistics["multipliers"] = tuple(complex(m) for m in multipliers)
-        return statistics
 
-    def _held(self, scale, deformations):
-        """Return the answer of a slider that a sticking contact holds; its error is the averaging's near the edge."""
-        _, motion = self._frozen(0.0, deformations)
-        frequency_ratio = self.slider.normal_resonance(len(self.orbits)) / self.orbits[0].frequency
-        tally = motion.events()
-        note = "held by friction"
-        regime = "intermittent" if tally["release"] else "slip" if tally["stick_to_slip"] else "stick"
-        # just above the threshold: what the velocity would be if averaging had misjudged the amplitude
-        grown = tuple(orbit.scaled(1.0 + min(12.0 * frequency_ratio**2, 0.5)) for orbit in self.orbits)
-        probe = _Search(self.slider, grown, self.tolerance)
-        lowest, _ = probe._frozen(0.0, -10.0 * (1.0 + abs(probe.h)))
-        highest, _ = probe._frozen(0.0, 10.0 * (1.0 + abs(probe.h)))
-        edge = probe.problem.parameters[5]
-        mean = 0.0
-        if lowest > edge + 1e-13 * scale or highest < edge - 1e-13 * scale:
-            way = 1.0 if lowest > edge else -1.0
-            speed, _, _ = probe._balance(way, lowest if way > 0 else highest, edge)
-            mean = abs(speed) * probe.problem.speed
-        statistics = self._statistics(motion, ())
-        return {
-            "velocity": 0.0, "regime": regime, "relative_error": float(mean) / reference_speed(0.0, self.orbits),
-            "height": self.h * self.problem.length, "status": "ok", "message": note, "method": "averaged",
-            "statistics": statistics,
-        }  # fmt: skip
+def _held(slider, orbits, balance):
+    """Return the answer of a slider that stays; its error is what the averaging may have misjudged of the edge."""
+    from contact.balance import balanced
 
-    def _balance(self, way, traction, load):
-        """Return (v, d<sum Q>/dv, motion) at <sum Q>(v) = d_t v + load; v has the sign `way`."""
-        d_t = self.problem.parameters[4]
-        top = 1.05 * max(float(np.hypot(*wave[2:])) for wave in self.problem.waves)
-        a, fa = 0.0, traction - load
-        b = way * top
-        fb, motion = self._frozen(b, 0.0)
-        fb -= d_t * b + load
-        for _ in range(60):
-            if fb * way < 0.0:
-                break
-            b *= 2.0  # a load that drags the slider backwards is only bounded by the damper
-            fb, motion = self._frozen(b, 0.0)
-            fb -= d_t * b + load
-            if abs(b) > 1e6 * top and d_t == 0.0:
-                break
-        if fb * way >= 0.0:
-            raise ConvergenceError(
-                "runaway",
-                "friction cannot balance the load at any speed; lower slider.load or give a tangential damper",
-            )
-        for count in range(80):
-            v = b - fb * (b - a) / (fb - fa)
-            if count % 4 == 3 or not min(a, b) < v < max(a, b):
-                v = 0.5 * (a + b)
-            f, motion = self._frozen(v, motion.state[3:])
-            f -= d_t * v + load
-            if (f > 0.0) == (fb > 0.0):
-                slope = (f - fb) / (v - b) if v != b else 0.0
-                b, fb, fa = v, f, 0.5 * fa
-            else:
-                slope = (f - fa) / (v - a) if v != a else 0.0
-                a, fa, fb = v, f, 0.5 * fb
-            if f == 0.0 or abs(b - a) < 1e-12 * top or abs(f) < 1e-13 * abs(traction):
-                break
-        return v, slope, motion
+    ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
+    # just above the threshold the averaging error is 12 (f_n/f)^2; see the velocity at an amplitude larger by that
+    beyond = balanced(slider, tuple(orbit.scaled(1.0 + min(12.0 * ratio**2, 0.5)) for orbit in orbits))
+    error = abs(beyond.speed) * beyond.problem.speed / reference_speed(0.0, orbits)
+    statistics = _counted(balance.motion, balance.work + beyond.work)
+    regime = "intermittent" if statistics["release"] else "slip" if statistics["stick_to_slip"] else "stick"
+    return {
+        "velocity": 0.0, "regime": regime, "relative_error": float(error),
+        "height": float(balance.height * balance.problem.length), "status": "ok", "message": "held by friction",
+        "method": "averaged", "statistics": statistics,
+    }  # fmt: skip
 
-    def _periodic(self, motion, speed, slope, *, nodes, tolerance, jacobian=None):
-        """Return (mean v, multipliers of the cycle map, motion after its last cycle)."""
-        moving = self.Motion(self.problem, nodes=nodes, tolerance=tolerance)
-        if speed is None:
-            y, x = motion.fixed.copy(), motion.state[3:].copy()
-        else:
-            y, x = np.array([-self.h, 0.0, speed]), motion.state[3:].copy()
 
-        def cycle(at, x):
-            moving.tally[:], moving.sums[:] = 0, 0.0
-            moving.place(*at, x)
-            moving.turn(1)
-            self.work[:] += moving.tally
-            return moving.state[:3].copy(), moving.state[3:].copy()
-
-        if jacobian is None:
-            _, x = cycle(y, x)
-            base, _ = cycle(y, x)
-            jacobian = np.empty((3, 3))
-            steps = (1e-7, 1e-7 * max(1e-2, self.problem.parameters[9]), 1e-7)
-            for k, step in enumerate(steps):
-                near = y.copy()
-                near[k] += step
-                _, x_near = cycle(near, x)
-                jacobian[:, k] = (cycle(near, x_near)[0] - base) / step
-            self.jacobian = jacobian
-        matrix = jacobian - np.eye(3)
-        least = math.inf
-        for count in range(40):
-            after, x_after = cycle(y, x)
-            residual = after - y
-            step = -np.linalg.solve(matrix, residual)
-            size = float(np.max(np.abs(step))) + float(np.max(np.abs(x_after - x)))
-            mean = moving.sums[2] / (2.0 * math.pi)
-            if size < 2e-13 or (count > 3 and size >= least and least < 1e-10):
-                break
-            least = min(least, size)
-            y, x = y + step, x_after
-        else:
-            raise ConvergenceError(
-                "not converged",
-                f"the cycle map's fixed point was not reached (last step {size:.2g}); follow a burst instead",
-            )
-        moving.fixed, moving.height = y, y[0]
-        moving.state[3:] = x
-        return mean, np.linalg.eigvals(jacobian), moving
+def _counted(motion, work):
+    """Return the events of one cycle and the whole work of the search."""
+    counted = motion.events()
+    for name, number in zip(("stretches", "halvings", "sweeps", "cycles"), work[6:], strict=True):
+        counted[name] = int(number)
+    return counted

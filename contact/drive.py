@@ -1,0 +1,31 @@
+"""What drives a slider, which way, and how its velocity's error is measured."""
+
+from contact.orbit import Orbit
+from contact.slider import Slider
+
+
+def reference_speed(velocity: float, orbits: tuple[Orbit, ...]) -> float:
+    """Return max(|v|, omega |u_x|/10) in m/s, the measure of velocity errors."""
+    return max(abs(velocity), max(o.omega * abs(o.tangential) for o in orbits) / 10.0)
+
+
+def drive_direction(orbits: tuple[Orbit, ...]) -> float:
+    """Return +1 or -1, the direction in which the crests drive an unloaded slider (+1 if neither)."""
+    return -1.0 if sum(orbit.crest_velocity for orbit in orbits) < 0.0 else 1.0
+
+
+def towards_plus(orbits: tuple[Orbit, ...]) -> tuple[float, tuple[Orbit, ...]]:
+    """Return the drive direction, and the orbits mirrored if need be so that their crests drive towards +x.
+
+    Solving on one side only makes the answers of mirrored waves equal and opposite to the last bit.
+    """
+    side = drive_direction(orbits)
+    return side, orbits if side > 0.0 else tuple(orbit.mirrored() for orbit in orbits)
+
+
+def available(slider: Slider) -> None:
+    """Refuse a slider whose law this version cannot compute yet."""
+    if slider.law != "elastic":
+        raise ValueError(f'slider.law must be "elastic": "{slider.law}" is not available yet')
+    if slider.reciprocal:
+        raise ValueError("slider.reciprocal must be false: true is not available yet")
