@@ -202,15 +202,17 @@ def _root(function, top: float) -> float:
     while f_low < 0:
         low, high, f_high = low / 2, low, f_low
         f_low = function(low)
+    above = None  # on which side of zero the last value was
     for _ in range(_ROOT_STEPS):
         new = (low * f_high - high * f_low) / (f_high - f_low)
         f_new = function(new)
         step = min(abs(new - low), abs(new - high))
         if step < 1e-15 * top or abs(f_new) * (high - low) < 1e-15 * top * (f_low - f_high):
             return new
-        ratio = f_new / (f_low if f_new > 0 else f_high)
-        kept = 1 - ratio if ratio < 1 else 0.5
-        if f_new > 0:
+        repeated, above = above is (f_new > 0), f_new > 0
+        ratio = f_new / (f_low if above else f_high)
+        kept = 1.0 if not repeated else (1 - ratio if ratio < 1 else 0.5)
+        if above:
             low, f_low, f_high = new, f_new, f_high * kept
         else:
             high, f_high, f_low = new, f_new, f_low * kept

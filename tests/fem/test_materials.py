@@ -1,0 +1,146 @@
+"""Solids: what is refused and in which words; the catalogue against the entries of the published tables."""
+
+import numpy as np
+import pytest
+
+from fem.materials import VACUUM_PERMITTIVITY, Solid, anisotropic, catalogue, isotropic, material
+
+PZT = material("PZT-4")
+TABLES = {
+    "name": "mine",
+    "stiffness": PZT.stiffness,
+    "coupling": PZT.coupling,
+    "permittivity": PZT.permittivity / VACUUM_PERMITTIVITY,
+    "density": 7500,
+}
+
+
+def changed(table, place, value):
+    table = np.array(table)
+    table[place] = value
+    return table
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            {"stiffness": changed(PZT.stiffness, (5, 5), -1.2e9)},
+            r"stiffness must be positive definite; its smallest eigenvalue is -1\.2e\+09 Pa",
+        ),
+        (
+            {"stiffness": changed(PZT.stiffness, (0, 2), 7.4e10)},
+            r"stiffness must be symmetric; entries \(1, 3\) and \(3, 1\) are 7\.4e\+10 and 7\.43e\+10 Pa",
+        ),
+        (
+            {"stiffness": changed(PZT.stiffness, (1, 3), np.nan)},
+            r"stiffness must be finite; entry \(2, 4\) is nan Pa",
+        ),
+        ({"stiffness": np.eye(3)}, r"stiffness must be a table of 6 rows of 6 numbers \(Pa\), .*\(3, 3\)"),
+        ({"stiffness": [[1, 2], [3]]}, r"stiffness must be a table of 6 rows of 6 numbers \(Pa\)"),
+        ({"coupling": np.zeros((6, 3))}, r"coupling must be a table of 3 rows of 6 numbers \(C/m2\)"),
+        (
+            {"permittivity": np.diag([4, 4, -2])},
+            r"permittivity must be positive definite; its smallest eigenvalue is -2 relative to vacuum",
+        ),
+        ({"density": 0}, r"density must be positive and finite, got 0\.0 kg/m3"),
+        ({"density": np.nan}, r"density must be positive and finite, got nan kg/m3"),
+        ({"mechanical_quality": 0}, r"mechanical_quality must be positive, got 0\.0"),
+        ({"mechanical_quality": np.nan}, r"mechanical_quality must be positive, got nan"),
+        ({"dielectric_loss": -0.1}, r"dielectric_loss must be 0 or positive, got -0\.1"),
+    ],
+)
+def test_refusals_name_the_key_the_rule_the_value_and_the_unit(change, message):
+    with pytest.raises(ValueError, match=message):
+        anisotropic(**TABLES | change)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"poisson_ratio": 0.5}, r"poisson_ratio must lie between -1 and 0\.5, got 0\.5"),
+        ({"poisson_ratio": -1.0}, r"poisson_ratio must lie between -1 and 0\.5, got -1\.0"),
+        ({"poisson_ratio": np.nan}, r"poisson_ratio must lie between -1 and 0\.5, got nan"),
+        ({"youngs_modulus": -1.0}, r"youngs_modulus must be positive and finite, got -1\.0 Pa"),
+    ],
+)
+def test_isotropic_refusals(change, message):
+    with pytest.raises(ValueError, match=message):
+        isotropic(**{"name": "x", "youngs_modulus": 7e10, "poisson_ratio": 0.3, "density": 2700.0} | change)
+
+
+def test_user_table_equals_the_catalogue():
+    solid = anisotropic(**TABLES)
+    assert np.array_equal(solid.stiffness, PZT.stiffness)
+    assert np.allclose(solid.permittivity, PZT.permittivity, rtol=1e-15, atol=0)
+
+
+def test_solids_are_values():
+    assert anisotropic(**TABLES) == anisotropic(**TABLES)
+    assert hash(anisotropic(**TABLES)) == hash(anisotropic(**TABLES))
+    assert anisotropic(**TABLES) != anisotropic(**TABLES | {"density": 7501})
+    with pytest.raises(ValueError, match="read-only"):
+        PZT.stiffness[0, 0] = 1.0
+
+
+def test_losses_dissipate():
+    """Stored energy lags: Im c > 0 and Im eps < 0 with exp(+i omega t)."""
+    assert PZT.is_lossy
+    assert np.allclose(PZT.stiffness_lossy, PZT.stiffness * (1 + 1j / 500), rtol=1e-15, atol=0)
+    assert np.allclose(PZT.permittivity_lossy, PZT.permittivity * (1 - 0.004j), rtol=1e-15, atol=0)
+    quartz = material("quartz (Bechmann)")
+    assert not quartz.is_lossy
+    assert not np.any(quartz.stiffness_lossy.imag)
+
+
+@pytest.mark.parametrize(
+    ("name", "c", "e", "eps", "density"),
+    [
+        ("PZT-4", {(0, 2): 74.3, (2, 2): 115, (5, 5): 30.6}, {(1, 3): 12.7, (2, 1): -5.2}, 635, 7500),
+        ("PZT-8", {(0, 2): 81.1, (2, 2): 131.7, (5, 5): 32.9}, {(0, 4): 10.34, (2, 2): 13.91}, 562, 7600),
+        ("PZT-8 (Near)", {(0, 1): 69.7, (3, 3): 31.3}, {(2, 0): -4.0, (1, 3): 10.3}, 582, 7600),
+        ("PZT-5A", {(0, 0): 121, (4, 4): 21.1}, {(2, 2): 15.8}, 830, 7750),
+        ("PZT-5H", {(0, 0): 126, (4, 4): 23.0}, {(2, 2): 23.3}, 1470, 7500),
+        ("PIC181", {(0, 0): 152.3, (4, 4): 28.3}, {(2, 2): 14.7}, 634, 7850),
+        (
+            "LiNbO3 (Warner)",
+            {(0, 3): 9, (1, 3): -9, (4, 5): 9, (5, 5): 75},
+            {(0, 5): -2.5, (1, 0): -2.5, (1, 1): 2.5, (1, 3): 3.7, (2, 2): 1.3},
+            29,
+            4700,
+        ),
+        ("LiNbO3 (Ogi)", {(2, 2): 235.2, (1, 3): -8.70}, {(1, 1): 2.39}, 26.2, 4640),
+        ("LiNbO3 (Kovacs)", {(2, 2): 227.9, (1, 3): -7.88}, {(1, 1): 2.42}, 26.3, 4628),
+        (
+            "quartz (Bechmann)",
+            {(0, 3): -17.91, (1, 3): 17.91, (4, 5): -17.91, (5, 5): 39.875},
+            {(0, 0): 0.171, (0, 1): -0.171, (0, 3): -0.0406, (1, 4): 0.0406, (1, 5): -0.171},
+            4.103e-11 / VACUUM_PERMITTIVITY,
+            2649,
+        ),
+    ],
+)
+def test_catalogue_shows_the_published_entries(name, c, e, eps, density):
+    solid = material(name)
+    for place, value in c.items():
+        assert solid.stiffness[place] == pytest.approx(value * 1e9, rel=1e-12)
+    for place, value in e.items():
+        assert solid.coupling[place] == pytest.approx(value, rel=1e-12)
+    assert solid.permittivity[2, 2] == pytest.approx(eps * VACUUM_PERMITTIVITY, rel=1e-12)
+    assert solid.density == density
+    assert solid.name == name
+    assert solid.source
+
+
+def test_isotropic_solid_returns_its_constants():
+    steel = material("steel")
+    assert np.linalg.inv(steel.stiffness)[0, 0] == pytest.approx(1 / 210e9, rel=1e-12)
+    assert np.linalg.inv(steel.stiffness)[0, 1] == pytest.approx(-0.3 / 210e9, rel=1e-12)
+    assert not steel.is_piezoelectric
+
+
+def test_unknown_name_is_answered_with_the_nearest():
+    with pytest.raises(ValueError, match=r"got 'PZT8'; the nearest known one is 'PZT-8'"):
+        material("PZT8")
+    assert set(catalogue()) >= {"PIC181", "silicon", "aluminium"}
+    assert all(isinstance(solid, Solid) for solid in catalogue().values())

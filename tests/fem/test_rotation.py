@@ -1,0 +1,129 @@
+"""Rotations against four-index summation, and the group and symmetries that they must have."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fem.materials import ORIENTATIONS, fields, isotropic, material, rotated, rotation_matrix
+from tests.oracles.fem_crystal import rotated_tables
+
+SOLIDS = tuple(material(name) for name in ("PZT-4", "LiNbO3 (Kovacs)", "quartz (Bechmann)"))
+angle = st.floats(-360, 360, allow_nan=False)
+euler = st.tuples(angle, angle, angle)
+
+
+def same(one, other):
+    return all(
+        np.abs(getattr(one, key) - getattr(other, key)).max() <= 1e-13 * np.abs(getattr(one, key)).max()
+        for key in ("stiffness", "coupling", "permittivity")
+    )
+
+
+@given(solid=st.sampled_from(SOLIDS), orientation=euler)
+def test_bond_rotation_is_the_rotation_of_four_index_tensors(solid, orientation):
+    turned = rotated(solid, orientation)
+    tables = rotated_tables(rotation_matrix(orientation), solid.stiffness, solid.coupling, solid.permittivity)
+    for key, table in zip(("stiffness", "coupling", "permittivity"), tables, strict=True):
+        assert np.abs(getattr(turned, key) - table).max() <= 1e-13 * np.abs(table).max()
+
+
+@given(solid=st.sampled_from(SOLIDS), orientation=euler)
+def test_inverse_rotation_returns_the_crystal(solid, orientation):
+    phi, theta, psi = orientation
+    assert same(solid, rotated(rotated(solid, orientation), (-psi, -theta, -phi)))
+
+
+@given(solid=st.sampled_from(SOLIDS), orientation=euler, more=angle)
+def test_rotations_about_one_axis_add(solid, orientation, more):
+    phi, theta, psi = orientation
+    assert same(rotated(solid, (phi, theta, psi + more)), rotated(rotated(solid, orientation), (more, 0, 0)))
+
+
+@given(orientation=euler)
+def test_rotation_matrix_is_proper_and_passive_z_x_z(orientation):
+    a = rotation_matrix(orientation)
+    phi, theta, _ = np.radians(orientation)
+    assert np.abs(a @ a.T - np.eye(3)).max() < 1e-14
+    assert np.linalg.det(a) == pytest.approx(1, rel=1e-13)
+    normal = [np.sin(theta) * np.sin(phi), -np.sin(theta) * np.cos(phi), np.cos(theta)]
+    assert np.abs(a[2] - normal).max() < 1e-13
+
+
+@given(solid=st.sampled_from(SOLIDS), orientation=euler)
+def test_invariants_stay(solid, orientation):
+    """C_iikk, C_ikik of the stiffness, |e|^2 and the eigenvalues of the permittivity."""
+    turned = rotated(solid, orientation)
+    for c, d in ((turned.stiffness, solid.stiffness),):
+        assert c[:3, :3].sum() == pytest.approx(d[:3, :3].sum(), rel=1e-12)
+        shear = np.array([1, 1, 1, 2, 2, 2])
+        assert np.diag(c) @ shear == pytest.approx(np.diag(d) @ shear, rel=1e-12)
+    weights = np.array([1, 1, 1, 2, 2, 2])
+    assert np.sum(turned.coupling**2 * weights) == pytest.approx(
+        np.sum(solid.coupling**2 * weights), rel=1e-12
+    )
+    assert np.linalg.eigvalsh(turned.permittivity) == pytest.approx(
+        np.linalg.eigvalsh(solid.permittivity), rel=1e-12
+    )
+
+
+@given(orientation=euler, poisson_ratio=st.floats(-0.9, 0.49))
+def test_isotropic_solid_looks_the_same_from_everywhere(orientation, poisson_ratio):
+    solid = isotropic(name="x", youngs_modulus=7.1e10, poisson_ratio=poisson_ratio, density=2700)
+    assert same(solid, rotated(solid, orientation))
+
+
+@given(phi=angle)
+def test_ceramic_is_invariant_about_its_poling(phi):
+    assert same(SOLIDS[0], rotated(SOLIDS[0], (phi, 0, 0)))
+    assert same(rotated(SOLIDS[0], "X"), rotated(rotated(SOLIDS[0], (phi, 0, 0)), "X"))
+
+
+@pytest.mark.parametrize(
+    ("name", "propagation", "normal"),
+    [
+        ("Z", (1, 0, 0), (0, 0, 1)),
+        ("X", (0, 0, 1), (-1, 0, 0)),
+        ("YZ", (0, 0, 1), (0, 1, 0)),
+        ("128YX", (1, 0, 0), (0, np.cos(np.radians(128)), np.sin(np.radians(128)))),
+        ("ST-X", (1, 0, 0), (0, np.cos(np.radians(222.75)), np.sin(np.radians(222.75)))),
+    ],
+)
+def test_named_cuts_mean_what_crystallographers_mean(name, propagation, normal):
+    """A Y cut rotated by beta about X has the normal (0, cos beta, sin beta): beta = theta + 90."""
+    a = rotation_matrix(name)
+    assert np.abs(a[0] - propagation).max() < 1e-15
+    assert np.abs(a[2] - normal).max() < 1e-15
+
+
+@pytest.mark.parametrize(
+    ("name", "orientation", "expected"),
+    [
+        ("PZT-4", "Z", ("ux", "uz", "phi")),
+        ("PZT-4", "X", ("ux", "uz", "phi")),
+        ("PZT-4", [30, 0, 0], ("ux", "uz", "phi")),
+        ("PZT-4", [0, 90, 0], ("ux", "uz")),
+        ("PZT-4", [0, 20, 0], ("ux", "uy", "uz", "phi")),
+        ("PZT-4", [0, 360, 180], ("ux", "uz", "phi")),
+        ("LiNbO3 (Warner)", "YZ", ("ux", "uz", "phi")),
+        ("LiNbO3 (Warner)", "128YX", ("ux", "uy", "uz", "phi")),
+        ("quartz (Bechmann)", "ST-X", ("ux", "uy", "uz", "phi")),
+        ("quartz (Bechmann)", "YZ", ("ux", "uz")),
+        ("steel", "128YX", ("ux", "uz")),
+    ],
+)
+def test_fields_that_the_cut_couples(name, orientation, expected):
+    assert fields(rotated(material(name), orientation)) == expected
+
+
+@pytest.mark.parametrize("orientation", ["Y", [0, 38], [0, np.nan, 0], ["a", 0, 0]])
+def test_refusals(orientation):
+    with pytest.raises(ValueError, match="orientation must be"):
+        rotation_matrix(orientation)
+
+
+def test_frame_says_how_the_solid_is_turned():
+    assert material("PZT-4").frame == "crystal"
+    assert rotated(material("PZT-4"), "X").frame == "X"
+    assert rotated(material("PZT-4"), [0, 38, 0]).frame == "[0.0, 38.0, 0.0]"
+    assert set(ORIENTATIONS) == {"Z", "X", "YZ", "128YX", "ST-X"}
