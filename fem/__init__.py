@@ -2,8 +2,8 @@
 
 Conventions: exp(+i omega t), complex peak amplitudes, SI; x along the propagation, z out of the surface, body at
 z < 0; Voigt order 11 22 33 23 13 12 with engineering shear.  The rooms, bottom to top: materials - spectral - forms -
-half_space - geometry - section - guided, modes - cell - chain - network - electrodes - surface - harmonic, free - field;
-direct stands beside them as the check.
+half_space - geometry - section - guided, modes - cell - chain - network - electrodes - surface - harmonic, free -
+field; direct stands beside them as the check.
 """
 
 from importlib import import_module

@@ -12,6 +12,7 @@ turned.  A finger is equipotential: phi on its surface nodes, corners included, 
 """
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
@@ -49,7 +50,7 @@ class Block:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Column:
-    """One column of elements before condensation.
+    """One column of elements and what its condensation leaves for the way back.
 
     Attributes
     ----------
@@ -60,14 +61,21 @@ class Column:
         Hz.
     comb : int or None
         0 or 1 for a finger on top, None for a bare surface.
-    reversed : bool
-        Whether x runs the other way inside (a mirrored piece).
+    faces : ndarray, shape (elements + 1, order - 1, 4)
+        Number of the unknown on a face between elements by node and field, -1 where there is none.
+    faces_from : ndarray, shape (face unknowns, 2 n + 2)
+        Faces from sides and comb potentials.
+    inside_from : dict
+        By kind of element (height, medium): inside from its rim.
     """
 
     section: Section
     width: float
     frequency: float
     comb: int | None
+    faces: np.ndarray = field(repr=False)
+    faces_from: np.ndarray = field(repr=False)
+    inside_from: dict = field(repr=False)
 
 
 def element_matrix(
@@ -90,76 +98,105 @@ def element_matrix(
     -------
     ndarray, shape ((order + 1)**2 * fields,) * 2
     """
+    parts = _element_parts(medium, order, part)
+    ratio, area = height / width, width * height
+    return ratio * parts[0] + parts[1] + parts[2] / ratio - (angular**2 * area) * parts[3]
+
+
+@lru_cache(maxsize=8)
+def _element_parts(medium: Medium, order: int, part: str) -> tuple[np.ndarray, ...]:
+    """The four matrices that an element of any size is a combination of: d_x d_x, mixed, d_z d_z, inertia."""
     line = reference_matrices(order)
     xx, xz, zz, inertia = medium.xx, medium.xz, medium.zz, np.diag(medium.inertia)
     if part == "loss":
         xx, xz, zz, inertia = (np.imag(table) for table in (xx, xz, zz, inertia))
     across = np.kron(line.advection, line.advection.T)
     return (
-        np.kron(np.kron(line.stiffness / width, height * line.mass), xx)
-        + np.kron(across, xz)
-        + np.kron(across.T, xz.T)
-        + np.kron(np.kron(width * line.mass, line.stiffness / height), zz)
-        - angular**2 * np.kron(np.kron(width * line.mass, height * line.mass), inertia)
+        np.kron(np.kron(line.stiffness, line.mass), xx),
+        np.kron(across, xz) + np.kron(across.T, xz.T),
+        np.kron(np.kron(line.mass, line.stiffness), zz),
+        np.kron(np.kron(line.mass, line.mass), inertia),
     )
 
 
-class _Elimination:
-    """Index sets of an element with ``fields`` unknowns a node: sides, faces, inside."""
+class ElementSets:
+    """Numbers of an element's unknowns, ``fields`` a node: sides, faces, all of its rim, inside."""
 
     def __init__(self, order: int, fields: int):
         grid = np.arange((order + 1) ** 2 * fields).reshape(order + 1, order + 1, fields)
         self.left, self.right = grid[0].reshape(-1), grid[-1].reshape(-1)
         self.bottom, self.top = grid[1:-1, 0].reshape(-1), grid[1:-1, -1].reshape(-1)
         self.inside = grid[1:-1, 1:-1].reshape(-1)
+        self.rim = np.concatenate([self.left, self.right, self.bottom, self.top])
 
 
-def condensed(column: Column) -> Block:
+def condensed(section: Section, frequency: float, *, width: float, comb: int | None) -> Block:
     """Condense a column of elements to its sides and its electrode.
 
     Parameters
     ----------
-    column : Column
+    section : Section
+    frequency : float
+        Hz.
+    width : float
+        Length units.
+    comb : int or None
+        Comb of the finger on top, if any.
 
     Returns
     -------
     Block
     """
-    skeleton, faces = skeleton_matrix(column)
-    sides = 2 * column.section.size + PORTS
-    keep, drop = np.arange(sides), np.arange(sides, len(skeleton))
-    if column.comb is not None:
-        skeleton, keep, drop = _tied(column, skeleton, faces, keep, drop)
-    matrix = _schur(skeleton, keep, drop)
-    return Block(size=column.section.size, matrix=matrix, width=column.width, column=column)
+    skeleton, faces, inside_from = _skeleton(section, width, frequency)
+    sides = 2 * section.size + PORTS
+    drop = np.arange(sides, len(skeleton))
+    tied = np.empty(0, dtype=int)
+    if comb is not None:
+        # The corners stay behind as empty rows of the sides: their line knows them as the comb's.
+        tied = electrode_dofs(section, faces)
+        skeleton = _folded(skeleton, tied, 2 * section.size + comb)
+        drop = np.setdiff1d(drop, tied)
+    matrix, back = _schur(skeleton, np.arange(sides), drop)
+    faces_from = np.zeros((len(skeleton) - sides, sides), dtype=back.dtype)
+    faces_from[drop - sides] = back
+    if comb is not None:
+        faces_from[tied[tied >= sides] - sides, 2 * section.size + comb] = 1.0
+    column = Column(
+        section=section,
+        width=width,
+        frequency=frequency,
+        comb=comb,
+        faces=faces,
+        faces_from=faces_from,
+        inside_from=inside_from,
+    )
+    return Block(size=section.size, matrix=matrix, width=width, column=column)
 
 
-def skeleton_matrix(column: Column) -> tuple[np.ndarray, np.ndarray]:
-    """Matrix of a column over its sides, two empty ports and the faces between its elements.
-
-    Returns
-    -------
-    matrix : ndarray
-    faces : ndarray, shape (elements + 1, order - 1, 4)
-        Number of the unknown on a face by node and field, -1 where there is none.
-    """
-    section, order = column.section, column.section.order
-    n = section.size
+def _skeleton(section: Section, width: float, frequency: float) -> tuple[np.ndarray, np.ndarray, dict]:
+    """Matrix of a column over its sides, two empty ports and its faces; the faces; the way back inside."""
+    order, n = section.order, section.size
     faces = _face_dofs(section, first=2 * n + PORTS)
-    matrix = np.zeros((int(max(faces.max(), 2 * n + PORTS - 1)) + 1,) * 2, dtype=_dtype(section))
-    angular = 2 * np.pi * column.frequency * section.length_unit
+    dtype = np.result_type(section.heights, *(medium.xx for medium in section.media))
+    matrix = np.zeros((int(max(faces.max(initial=-1), 2 * n + PORTS - 1)) + 1,) * 2, dtype=dtype)
+    angular = 2 * np.pi * frequency * section.length_unit
     done: dict[tuple, np.ndarray] = {}
+    inside_from: dict[tuple, np.ndarray] = {}
     for element, (height, medium) in enumerate(zip(section.heights, section.media, strict=True)):
-        sets = _Elimination(order, len(medium.fields))
-        keep = np.concatenate([sets.left, sets.right, sets.bottom, sets.top])
-        key = (complex(height), id(medium))
-        if key not in done:
-            full = element_matrix(medium, column.width, height, order, angular)
-            done[key] = _schur(full, keep, sets.inside) if len(sets.inside) else full[np.ix_(keep, keep)]
+        kind = element_kind(height, medium)
+        if kind not in done:
+            sets = ElementSets(order, len(medium.fields))
+            full = element_matrix(medium, width, height, order, angular)
+            done[kind], inside_from[kind] = _schur(full, sets.rim, sets.inside)
         dofs = element_dofs(section, element, faces)
         exists = np.flatnonzero(dofs >= 0)
-        matrix[np.ix_(dofs[exists], dofs[exists])] += done[key][np.ix_(exists, exists)]
-    return matrix, faces
+        matrix[np.ix_(dofs[exists], dofs[exists])] += done[kind][np.ix_(exists, exists)]
+    return matrix, faces, inside_from
+
+
+def element_kind(height: complex, medium: Medium) -> tuple:
+    """Key under which equal elements of a column share their condensation."""
+    return round(complex(height).real, 12), round(complex(height).imag, 12), id(medium)
 
 
 def element_dofs(section: Section, element: int, faces: np.ndarray) -> np.ndarray:
@@ -188,14 +225,6 @@ def electrode_dofs(section: Section, faces: np.ndarray) -> np.ndarray:
     return np.concatenate([[corner, corner + section.size], between])
 
 
-def _tied(column, skeleton, faces, keep, drop):
-    """Tie phi of the electrode's nodes to its comb; the corners stay behind as empty rows of the sides."""
-    tied = electrode_dofs(column.section, faces)
-    port = 2 * column.section.size + column.comb
-    tied_matrix = _folded(skeleton, tied, port)
-    return tied_matrix, keep, np.setdiff1d(drop, tied)
-
-
 def _folded(matrix, tied, port):
     """Add rows and columns of tied unknowns to the port's and empty them."""
     matrix = matrix.copy()
@@ -212,14 +241,14 @@ def folded(block: Block, side: int, phi: int, comb: int) -> np.ndarray:
 
 
 def _schur(matrix, keep, drop):
-    """Schur complement onto ``keep``, symmetrised against rounding."""
+    """Schur complement onto ``keep``, symmetrised against rounding, and ``drop`` from ``keep``."""
     from scipy.linalg import lu_factor, lu_solve
 
     coupling = matrix[np.ix_(drop, keep)]
-    solved = lu_solve(lu_factor(matrix[np.ix_(drop, drop)], check_finite=False), coupling, check_finite=False)
-    reduced = matrix[np.ix_(keep, keep)] - coupling.T @ solved
-    return 0.5 * (reduced + reduced.T)
-
-
-def _dtype(section: Section):
-    return np.result_type(section.heights, *(medium.xx for medium in section.media))
+    kept = matrix[np.ix_(keep, keep)]
+    if not len(drop):
+        return kept, coupling
+    factor = lu_factor(matrix[np.ix_(drop, drop)], overwrite_a=True, check_finite=False)
+    back = -lu_solve(factor, coupling, check_finite=False)
+    reduced = kept + coupling.T @ back
+    return 0.5 * (reduced + reduced.T), back

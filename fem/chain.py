@@ -6,10 +6,11 @@ found again from the sides, level by level.
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
-from fem.cell import PORTS, Block, Column, condensed, folded
+from fem.cell import PORTS, Block, condensed, folded
 from fem.section import Section, graded
 
 
@@ -71,16 +72,46 @@ def swapped(block: Block) -> Block:
     """The same piece with its fingers on the other comb."""
     n = block.size
     order = np.r_[0 : 2 * n, 2 * n + 1, 2 * n]
-    if not block.parts and block.column.comb is None:
-        return block
     column = block.column
     if column is not None:
-        column = Column(
-            section=column.section, width=column.width, frequency=column.frequency, comb=1 - column.comb
-        )
+        if column.comb is None:
+            return block
+        column = replace(column, comb=1 - column.comb, faces_from=column.faces_from[:, order])
     parts = block.parts and (swapped(block.parts[0]), swapped(block.parts[1]), block.parts[2][:, order])
     return Block(
         size=n, matrix=block.matrix[np.ix_(order, order)], width=block.width, parts=parts, column=column
+    )
+
+
+def mirrored(block: Block, odd: np.ndarray, phi: int) -> Block:
+    """The piece seen in a mirror x -> -x that is a symmetry of the solid.
+
+    Parameters
+    ----------
+    block : Block
+    odd : ndarray, shape (n,)
+        Unknowns of a line that change sign.
+    phi : int
+        The surface's potential: if it changes sign, so do the combs'.
+
+    Returns
+    -------
+    Block
+        A single column is its own mirror image.
+    """
+    if not block.parts:
+        return block
+    n = block.size
+    signs = np.where(odd, -1.0, 1.0)
+    order = np.r_[n : 2 * n, 0:n, 2 * n : 2 * n + PORTS]
+    all_signs = np.concatenate([signs, signs, np.full(PORTS, signs[phi])])
+    left, right, back = block.parts
+    turned = signs[:, None] * back[:, order] * all_signs
+    return Block(
+        size=n,
+        matrix=all_signs[:, None] * block.matrix[np.ix_(order, order)] * all_signs,
+        width=block.width,
+        parts=(mirrored(right, odd, phi), mirrored(left, odd, phi), turned),
     )
 
 
@@ -119,26 +150,23 @@ def finger_cell(
     def piece(width: float, comb: int | None) -> Block:
         key = (round(width, 12), comb)
         if key not in done:
-            done[key] = condensed(Column(section=section, width=width, frequency=frequency, comb=comb))
+            done[key] = condensed(section, frequency, width=width, comb=comb)
         return done[key]
 
-    def bare(widths: np.ndarray) -> Block:
-        block = piece(widths[0], None)
+    def row(widths: np.ndarray, comb: int | None) -> Block:
+        block = piece(widths[0], comb)
         for width in widths[1:]:
-            block = joined(block, piece(width, None))
-        return block
-
-    def covered(widths: np.ndarray) -> Block:
-        block = piece(widths[0], 0)
-        for width in widths[1:]:
-            block = joined(block, piece(width, 0), phi=phi, comb=0)
+            block = joined(block, piece(width, comb), phi=phi, comb=comb)
         return block
 
     metal = graded(half_finger, layers, largest=largest)
-    finger = joined(covered(metal[::-1]), covered(metal), phi=phi, comb=0)
     left, right = (graded(gap, layers, largest=largest) for gap in half_gaps)
-    block = joined(bare(left), finger, phi=phi, comb=0)
-    return joined(block, bare(right[::-1]), phi=phi, comb=0)
+    rising = joined(row(left, None), row(metal[::-1], 0), phi=phi, comb=0)
+    if section.odd is not None and abs(half_gaps[0] - half_gaps[1]) < 1e-9 * half_gaps[0]:
+        falling = mirrored(rising, section.odd, phi)
+    else:
+        falling = joined(row(metal, 0), row(right[::-1], None), phi=phi, comb=0)
+    return joined(rising, falling, phi=phi, comb=0)
 
 
 def lines(block: Block, sides: np.ndarray, start: float = 0.0) -> Iterator[tuple[float, Block, np.ndarray]]:

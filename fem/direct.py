@@ -88,7 +88,7 @@ def direct_solution(
         for place, ends in ((across[0], modes.left_end), (across[-1], modes.right_end)):
             system = system - _at_line(basis, section, place, ends)
     combs = _comb_dofs(basis, transducers, wavelength, len(names), names.index("phi"))
-    held = _bottom_dofs(basis, stator, names, section.breakpoints[0])
+    held = _held_dofs(basis, stator, names, section.breakpoints[0], across[[0, -1]])
     reduced = _reduced_solution(system, basis, names, combs, held, wavelength, units(stator.solid))
     return _by_port(reduced, len(transducers), section.floats)
 
@@ -176,18 +176,25 @@ def _comb_dofs(basis, transducers, wavelength, count, phi) -> list[np.ndarray]:
                 )
             )
             dofs = basis.get_dofs(chosen)
-            vertices = dofs.nodal_ix if hasattr(dofs, "nodal_ix") else np.unique(list(dofs.nodal.values())[0])
+            vertices = (
+                dofs.nodal_ix if hasattr(dofs, "nodal_ix") else np.unique(next(iter(dofs.nodal.values())))
+            )
             combs.append((vertices * count + phi, np.setdiff1d(dofs.flatten(), vertices) * count + phi))
     return combs
 
 
-def _bottom_dofs(basis, stator, names, depth) -> np.ndarray:
-    held = {"clamped": [name for name in names if name != "phi"], "grounded": ["phi"]}.get(stator.bottom, [])
-    facets = basis.mesh.facets_satisfying(lambda x: abs(x[1] - depth) < 1e-9 * abs(depth))
-    bottom = basis.get_dofs(facets).flatten()
-    return np.concatenate(
-        [bottom * len(names) + names.index(name) for name in held] or [np.empty(0, dtype=int)]
-    )
+def _held_dofs(basis, stator, names, depth, ends) -> np.ndarray:
+    """Unknowns that the bottom and clamped ends hold at zero."""
+    moving = [name for name in names if name != "phi"]
+    sides = [(lambda x: abs(x[1] - depth), {"clamped": moving, "grounded": ["phi"]}.get(stator.bottom, []))]
+    if stator.ends == "clamped":
+        sides += [(lambda x, end=end: abs(x[0] - end), moving) for end in ends]
+    held = [np.empty(0, dtype=int)]
+    for distance, fields_held in sides:
+        facets = basis.mesh.facets_satisfying(lambda x, distance=distance: distance(x) < 1e-9 * abs(depth))
+        dofs = basis.get_dofs(facets).flatten()
+        held += [dofs * len(names) + names.index(name) for name in fields_held]
+    return np.unique(np.concatenate(held))
 
 
 def _reduced_solution(system, basis, names, combs, held, wavelength, unit_pair) -> DirectSolution:

@@ -24,7 +24,7 @@ _D_DX = {"ux": (0,), "uy": (5,), "uz": (4,), "phi": (6,)}
 _D_DZ = {"ux": (4,), "uy": (3,), "uz": (2,), "phi": (8,)}
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Medium:
     """Coefficients of the scaled weak form for the fields that take part.
 

@@ -5,6 +5,7 @@ positive comb, finger 1 on the negative one, and so on.  Two fingers and two gap
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -152,7 +153,7 @@ def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
                 f"transducer {transducer.name!r} must lie on the stator, 0 to {stator.length:g} m, "
                 f"but its fingers reach from {left:g} to {right:g} m"
             )
-    for first, second in zip(placed[:-1], placed[1:], strict=True):
+    for first, second in pairwise(placed):
         if first.extent[1] >= second.extent[0]:
             raise ValueError(
                 f"transducers {first.name!r} and {second.name!r} must not overlap: the first ends at "

@@ -52,7 +52,6 @@ class Solution:
     resolution: Resolution
     combs: tuple[np.ndarray, ...] = field(repr=False)
     weights: np.ndarray = field(repr=False)
-    recoveries: dict = field(default_factory=dict, repr=False)  # kinds of column met so far, for the way back
 
     def sides(self, index: int) -> np.ndarray:
         """Lines and comb potentials of a transducer, shape (2 n + 2,)."""
@@ -222,14 +221,16 @@ def column_fields(solution: Solution, index: int):
         column = part.column
         if column.comb == 1:
             sides = sides[turned]
-            column = replace(column, comb=0)
-        kind = kinds.setdefault((column.width, column.comb), (column, [], []))
+        covered = column.comb is not None
+        if (column.width, covered) not in kinds:
+            if column.comb == 1:
+                column = swapped(part).column
+            kinds[column.width, covered] = (column, [], [])
+        kind = kinds[column.width, covered]
         kind[1].append(start * unit)
         kind[2].append(sides)
-    for key, (column, starts, sides) in kinds.items():
-        if key not in solution.recoveries:
-            solution.recoveries[key] = ColumnField(column)
-        yield solution.recoveries[key], np.array(starts), np.stack(sides, axis=-1)
+    for column, starts, sides in kinds.values():
+        yield ColumnField(column), np.array(starts), np.stack(sides, axis=-1)
 
 
 def _columns(solution: Solution, index: int):
