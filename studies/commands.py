@@ -1,12 +1,48 @@
 """What each call of the command does, given its parsed arguments; each returns the exit code."""
 
 import argparse
+import json
+import sys
+from contextlib import ExitStack
+from pathlib import Path
 
+from studies.files import write_run
 from studies.override import assigned, toml_value, voltages
 from studies.refusal import SceneError, shown
-from studies.scene import Scene, read_table, shipped_scenes
+from studies.results import result_directory
+from studies.scene import Scene, read_table, scene_path, shipped_scenes
 
-__all__ = ["check", "scenes"]
+__all__ = ["check", "run", "scenes"]
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the chain of a scene; print its answer and leave its files."""
+    from studies.answer import answer
+    from studies.chain import run as run_chain
+    from studies.progress import Progress
+
+    wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
+    out = arguments.out
+    if out is None and not arguments.json:
+        out = Path("results") / scene_path(arguments.scene).stem
+    with ExitStack() as stack:
+        folder = None if out is None else stack.enter_context(result_directory(out))
+        with Progress() as progress:
+            record = run_chain(scene, tolerance=wanted, progress=progress)
+            whole = record.to_dict()
+            if folder is not None:
+                progress("writing the results")
+                write_run(
+                    record, folder, plot=not (arguments.json or arguments.no_plot), field=arguments.field
+                )
+    if arguments.json:
+        print(json.dumps(whole, indent=1, ensure_ascii=False, allow_nan=False))
+    else:
+        print(answer(record))
+        print(f"results         {out}")
+    if record.shortfall:
+        print(f"sawmotor: {record.shortfall}", file=sys.stderr)
+    return 1 if record.shortfall else 0
 
 
 def scenes(arguments: argparse.Namespace) -> int:

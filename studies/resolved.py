@@ -119,11 +119,15 @@ def _with_periods(scene: Scene) -> tuple:
 
 
 def _check_layout(scene: Scene) -> None:
-    from fem import geometry
+    from fem import geometry, materials
 
     block = stator(scene.stator)
+    if scene.transducer and "phi" not in materials.fields(block.solid):
+        rule = f"must be absent on {block.solid.name}: it is not piezoelectric in this orientation"
+        raise SceneError("transducer", rule)
     with _refused("transducer"):
-        geometry.check_layout(block, transducers(scene))
+        if all(transducer.period != "auto" for transducer in scene.transducer):
+            geometry.check_layout(block, transducers(scene))
 
 
 def _losses(block, *names: str) -> dict[str, float]:

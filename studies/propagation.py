@@ -1,0 +1,52 @@
+"""How an error of the surface motion becomes one of the slider's velocity: by solving the contact beside it.
+
+The stator's relative error bounds the change of both complex amplitudes of an orbit, a common phase apart,
+which moves nothing.  Three changes of that size are tried - all amplitudes, the tangential one alone, its
+phase - and the changes of velocity that they make are added in quadrature.  Amplitudes are tried upwards
+and downwards: near the threshold one side may stick where the other slips.
+"""
+
+import cmath
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+__all__ = ["reference_speed", "velocity_error"]
+
+LEAST_STEP = 1e-4  # relative; a difference over a smaller step would measure the contact solver's rounding
+
+
+def reference_speed(velocity: float, orbits: tuple) -> float:
+    """Return max(|v|, omega |u_x| / 10) in m/s, which errors of the velocity are relative to."""
+    return max(abs(velocity), *(orbit.omega * abs(orbit.tangential) / 10 for orbit in orbits))
+
+
+def velocity_error(
+    velocity: float, orbits: tuple, relative_error: float, solve: Callable[[tuple], float]
+) -> float:
+    """Return the error of the velocity that comes from the orbits, over the reference speed.
+
+    Parameters
+    ----------
+    velocity : float
+        m/s, of these orbits.
+    orbits : tuple of contact.Orbit
+        Computed with an error.
+    relative_error : float
+        Of their amplitudes.
+    solve : callable
+        Steady velocity in m/s of other orbits.
+    """
+    speed = reference_speed(velocity, orbits)
+    if relative_error == 0 or speed == 0:
+        return 0.0
+    step = max(relative_error, LEAST_STEP)
+    tangential, turned = 1 + step, cmath.exp(1j * step)
+    tried = (
+        tuple(orbit.scaled(1 + step) for orbit in orbits),
+        tuple(orbit.scaled(1 - step) for orbit in orbits),
+        tuple(replace(orbit, tangential=orbit.tangential * tangential) for orbit in orbits),
+        tuple(replace(orbit, tangential=orbit.tangential * turned) for orbit in orbits),
+    )
+    grown, shrunk, ratio, phase = (abs(solve(each) - velocity) for each in tried)
+    return math.hypot(max(grown, shrunk), ratio, phase) * (relative_error / step) / speed
