@@ -8,6 +8,9 @@ sums of their Kronecker products. The space is that of `ElementQuadP` on the sam
 wavelengths.
 """
 
+from copy import copy
+from functools import partial
+
 import numpy as np
 
 from fem.forms import Medium
@@ -34,10 +37,10 @@ class PeriodicCell:
     def __init__(self, body: Medium, surface: str, order: int, columns: int, heights: np.ndarray):
         from skfem import Basis, ElementLineP1, ElementLineP2, ElementLinePp, MeshLine
 
-        element = {1: ElementLineP1, 2: ElementLineP2}.get(order, lambda: ElementLinePp(order))
+        self.element = {1: ElementLineP1, 2: ElementLineP2}.get(order, partial(ElementLinePp, order))
         self.body, self.surface = body, surface
-        self.across = Basis(MeshLine(np.linspace(0, 0.5, columns + 1)), element())
-        self.down = Basis(MeshLine(heights), element())
+        self.across = Basis(MeshLine(np.linspace(0, 0.5, columns + 1)), self.element())
+        self.down = Basis(MeshLine(heights), self.element())
         self.top = int(self.down.get_dofs(lambda z: z[0] == heights[-1]).flatten()[0])
         self.bottom = int(self.down.get_dofs(lambda z: z[0] == heights[0]).flatten()[0])
         ends = [int(self.across.get_dofs(lambda x, at=at: x[0] == at).flatten()[0]) for at in (0.0, 0.5)]
@@ -92,7 +95,9 @@ class PeriodicCell:
         lowest = float(self.down.mesh.p.min())
         if not np.all((z <= 0) & (z >= lowest)):
             raise ValueError(f"depth must lie between 0 and {-lowest:g} wavelengths, got {-z!r}")
-        values = self.down.probes(z[None, :]) @ shape
+        line = copy(self.down)
+        line.elem = self.element()  # ElementLinePp caches its values by the number of points alone: a fresh one
+        values = line.probes(z[None, :]) @ shape
         displacement, potential = np.zeros((len(z), 3), dtype=complex), np.zeros(len(z), dtype=complex)
         for column, name in enumerate(self.body.fields):
             if name == "phi":
