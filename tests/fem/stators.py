@@ -1,0 +1,90 @@
+"""Small stators, in wavelengths of the slowest bulk wave, that the tests of the driven problem share."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from fem.geometry import Stator, Transducer
+from fem.harmonic import Solution, solved
+from fem.materials import Solid, material, rotated
+from fem.section import Resolution, Section, discretise
+from fem.wavelength import slowest_wavelength
+
+FREQUENCY = 2.3e6
+
+
+def cut(name: str, orientation, *, quality: float | None = None, loss: float | None = None) -> Solid:
+    """A catalogue solid in the frame of a cut, with other losses if they are given."""
+    solid = rotated(material(name), orientation)
+    if quality is not None:
+        solid = replace(solid, mechanical_quality=quality)
+    return solid if loss is None else replace(solid, dielectric_loss=loss)
+
+
+def lossless(name: str, orientation) -> Solid:
+    return cut(name, orientation, quality=np.inf, loss=0.0)
+
+
+def plate(
+    solid: Solid, *, length: float = 4.0, thickness: float = 0.8, frequency=FREQUENCY, **rest
+) -> Stator:
+    """Length and thickness in wavelengths."""
+    unit = slowest_wavelength(solid, frequency)
+    return Stator(
+        solid=solid, length=length * unit, thickness=thickness * unit, **({"ends": "absorbing"} | rest)
+    )
+
+
+def comb(stator: Stator, name: str, center: float, *, frequency=FREQUENCY, period=1.0, **rest) -> Transducer:
+    """Centre and period in wavelengths; one pair of half-metallised fingers unless told otherwise."""
+    unit = slowest_wavelength(stator.solid, frequency)
+    return Transducer(
+        name=name,
+        center=center * unit,
+        period=period * unit,
+        **({"finger_pairs": 1, "metallisation": 0.5, "aperture": 0.02} | rest),
+    )
+
+
+def section(
+    stator: Stator, *, order: int = 6, layers: int = 0, frequency=FREQUENCY, scale=0.125, size=1.0
+) -> Section:
+    """Depth of a stator; ``scale`` of the graded element in wavelengths."""
+    unit = slowest_wavelength(stator.solid, frequency)
+    return discretise(
+        stator,
+        Resolution(order=order, edge_layers=layers, element_size=size),
+        wavelength=unit,
+        surface_scale=scale * unit,
+    )
+
+
+def solution(
+    stator: Stator,
+    transducers: tuple[Transducer, ...],
+    *,
+    driven: str = "a",
+    order: int = 5,
+    layers: int = 0,
+    frequency=FREQUENCY,
+    source_impedance: complex = 0.0,
+) -> Solution:
+    """One discretisation of a driven stator."""
+    return solved(
+        stator,
+        transducers,
+        frequency=frequency,
+        driven=driven,
+        source_impedance=source_impedance,
+        resolution=Resolution(order=order, edge_layers=layers),
+    )
+
+
+def admittances(solution: Solution) -> np.ndarray:
+    """Short-circuit admittances of all ports, S."""
+    from fem.electrodes import port_admittances
+
+    body = solution.section.solid
+    charges = solution.ports.charges * (body.stress_unit / body.potential_unit**2)
+    ports = solution.network.scatterers[0].potentials.shape[1]
+    return port_admittances(charges, solution.transducers, ports, solution.modes.frequency)
