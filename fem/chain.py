@@ -6,12 +6,12 @@ found again from the sides, level by level.
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fem.cell import PORTS, Block, condensed, folded
-from fem.section import Section, graded
+from fem.section import Resolution, Section, graded
 
 
 def joined(left: Block, right: Block, *, phi: int | None = None, comb: int | None = None) -> Block:
@@ -115,34 +115,37 @@ def mirrored(block: Block, odd: np.ndarray, phi: int) -> Block:
     )
 
 
-def finger_cell(
-    section: Section,
-    frequency: float,
-    *,
-    half_finger: float,
-    half_gaps: tuple[float, float],
-    layers: int,
-    largest: float,
-) -> Block:
-    """Half a gap, a finger of comb 0, half a gap.
+@dataclass(frozen=True, kw_only=True)
+class FingerShape:
+    """A finger with the bare surface that counts to it, length units."""
+
+    half_finger: float
+    half_gaps: tuple[float, float]
+
+    @property
+    def even(self) -> bool:
+        """Whether both gaps are alike."""
+        return abs(self.half_gaps[0] - self.half_gaps[1]) < 1e-9 * self.half_gaps[0]
+
+
+def half_cells(
+    section: Section, frequency: float, shape: FingerShape, resolution: Resolution
+) -> tuple[Block, Block]:
+    """Condense the two halves of a finger's cell: gap to mid-finger, and mid-finger to gap, comb 0.
 
     Parameters
     ----------
     section : Section
     frequency : float
         Hz.
-    half_finger : float
-        Length units.
-    half_gaps : tuple of float
-        Bare surface left and right of the finger, length units.
-    layers : int
-        Geometric layers on either side of each finger edge.
-    largest : float
-        Largest column width, length units.
+    shape : FingerShape
+    resolution : Resolution
+        Edge layers on either side of each finger edge, and the largest column.
 
     Returns
     -------
-    Block
+    rising, falling : Block
+        Mirror images of each other where x -> -x is a symmetry.
     """
     phi = section.surface_dofs["phi"]
     done: dict[tuple, Block] = {}
@@ -159,14 +162,19 @@ def finger_cell(
             block = joined(block, piece(width, comb), phi=phi, comb=comb)
         return block
 
-    metal = graded(half_finger, layers, largest=largest)
-    left, right = (graded(gap, layers, largest=largest) for gap in half_gaps)
+    layers, largest = resolution.edge_layers, resolution.element_size
+    metal = graded(shape.half_finger, layers, largest=largest)
+    left, right = (graded(gap, layers, largest=largest) for gap in shape.half_gaps)
     rising = joined(row(left, None), row(metal[::-1], 0), phi=phi, comb=0)
-    if section.odd is not None and abs(half_gaps[0] - half_gaps[1]) < 1e-9 * half_gaps[0]:
-        falling = mirrored(rising, section.odd, phi)
-    else:
-        falling = joined(row(metal, 0), row(right[::-1], None), phi=phi, comb=0)
-    return joined(rising, falling, phi=phi, comb=0)
+    if section.odd is not None and shape.even:
+        return rising, mirrored(rising, section.odd, phi)
+    return rising, joined(row(metal, 0), row(right[::-1], None), phi=phi, comb=0)
+
+
+def finger_cell(section: Section, frequency: float, shape: FingerShape, resolution: Resolution) -> Block:
+    """Condense half a gap, a finger of comb 0 and half a gap; parameters as in `half_cells`."""
+    rising, falling = half_cells(section, frequency, shape, resolution)
+    return joined(rising, falling, phi=section.surface_dofs["phi"], comb=0)
 
 
 def lines(block: Block, sides: np.ndarray, start: float = 0.0) -> Iterator[tuple[float, Block, np.ndarray]]:

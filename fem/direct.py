@@ -176,9 +176,7 @@ def _comb_dofs(basis, transducers, wavelength, count, phi) -> list[np.ndarray]:
                 )
             )
             dofs = basis.get_dofs(chosen)
-            vertices = (
-                dofs.nodal_ix if hasattr(dofs, "nodal_ix") else np.unique(next(iter(dofs.nodal.values())))
-            )
+            vertices = np.unique(next(iter(dofs.nodal.values())))
             combs.append((vertices * count + phi, np.setdiff1d(dofs.flatten(), vertices) * count + phi))
     return combs
 

@@ -95,9 +95,7 @@ class GuidedModes:
             raise ConvergenceError(
                 f"no mode of this section propagates at {self.frequency:g} Hz: it is too thin or too lossy"
             )
-        shapes = abs(self.right[:, moving]) ** 2
-        surface = [self.section.surface_dofs[name] for name in ("ux", "uz")]
-        localised = shapes[surface].sum(axis=0) / (self.section.motion_weights @ shapes)
+        localised = self.section.surface_share(self.right[:, moving])
         if self.section.surface_speed is not None:
             expected = 2 * np.pi * self.frequency * self.section.length_unit / self.section.surface_speed
             localised /= 1.0 + (abs(self.wavenumbers[moving] / expected - 1.0) / NEAR_HALF_SPACE) ** 2

@@ -104,6 +104,19 @@ class Section:
         return {name: int(self.dofs[self.surface, FIELD_COLUMN[name]]) for name in self.solid.fields}
 
     @cached_property
+    def surface_rows(self) -> np.ndarray:
+        """What picks u_x and u_z at the surface out of a line's unknowns, shape (2, size)."""
+        rows = np.zeros((2, self.size))
+        rows[[0, 1], [self.surface_dofs["ux"], self.surface_dofs["uz"]]] = 1.0
+        return rows
+
+    def surface_share(self, shapes: np.ndarray) -> np.ndarray:
+        """Motion at the surface, squared, over its integral through the depth; shapes (size, m) -> (m,)."""
+        return np.sum(abs(self.surface_rows @ shapes) ** 2, axis=0) / (
+            self._motion_weights @ abs(shapes) ** 2
+        )
+
+    @cached_property
     def odd(self) -> np.ndarray | None:
         """Unknowns that change sign under x -> -x, shape (size,); None if the solid has no such symmetry."""
         parity = self.solid.parity
@@ -122,7 +135,7 @@ class Section:
         return columns[columns >= 0]
 
     @cached_property
-    def motion_weights(self) -> np.ndarray:
+    def _motion_weights(self) -> np.ndarray:
         """Quadrature weights of the displacements over the depth (stretched if absorbing), (size,); zero for phi."""
         weights = np.zeros(len(self.dofs))
         lumped = reference_matrices(self.order).mass.sum(axis=1)
