@@ -4,8 +4,9 @@ A slider that is heavy on the wave's time scale keeps height h and velocity v th
 <sum P_i> = preload (`limits.riding_height`), v from <sum Q_i>(v) = R_t v + load, with the mean between exact events.
 Error O((f_n/f)^2) against the full motion.
 
-Held: a contact that can stick for good keeps the deformation it was left with, so the wave alone leaves a whole interval of
-mean tractions, from the one it settles to from below to the one from above. If the load lies in it, v is exactly 0.
+Held: a contact that can stick for good keeps the deformation it was left with, so the wave alone leaves a whole
+interval of mean tractions, from the one it settles to from below to the one from above. If the load lies in it, v is
+exactly 0.
 """
 
 import math

@@ -31,6 +31,8 @@ class Collocation:
         Fraction of the stretch at each node, 0 to 1.
     once, twice : (3, n, n) arrays
         Integrals in tau from 0: (once @ f)_j = int_0^tau_j f dtau; twice of a second integral.
+    rates : (n, n) array
+        Derivatives in sigma at the nodes.
     tail : (2, n) array
         Rows that return the two highest Chebyshev coefficients of the integrand: the truncation gauge.
     """
@@ -40,6 +42,7 @@ class Collocation:
     tau: np.ndarray
     once: np.ndarray
     twice: np.ndarray
+    rates: np.ndarray
     tail: np.ndarray
 
 
@@ -73,7 +76,10 @@ def collocation(nodes: int) -> Collocation:
         once.append(np.einsum("jq,kjq->jk", area * slope, chebyshev) @ analysis)
         # Cauchy's formula for repeated integration
         twice.append(np.einsum("jq,kjq->jk", area * slope * (tau[:, None] - tau_at), chebyshev) @ analysis)
-    arrays = (sigma, bary, np.array(taus), np.array(once), np.array(twice), analysis[-2:].copy())
+    gap = sigma[:, None] - sigma + np.eye(nodes)
+    rates = bary[None, :] / bary[:, None] / gap
+    rates -= np.diag(rates.sum(axis=1))  # a constant has no slope
+    arrays = (sigma, bary, np.array(taus), np.array(once), np.array(twice), rates, analysis[-2:].copy())
     for array in arrays:
         array.setflags(write=False)
     return Collocation(*arrays)

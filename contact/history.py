@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact import bounds
+from contact.drive import available, towards_plus
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
-from contact.drive import available, towards_plus
 from contact.trajectory import rest, rest_problem, silence
 
 STAGES = ("start", "steady", "after")
@@ -139,5 +139,5 @@ def _steady_motion(slider, orbits):
         motion.place(-balance.height, 0.0, 0.0, balance.motion.state[3:])
         return motion
     found = periodic(balance, nodes=16, truncation=1e-12)
-    motion.place(*found.state, found.deformations)
+    motion.place(*found.state[:3], found.state[3:])
     return motion

@@ -62,15 +62,15 @@ def _lay_out(parameters, waves, tau, once, twice, state, regime, sign, phase, le
 
 
 @njit(cache=True)
-def _earliest(sigma, bary, regime, sign, shared, own, c, band, values):
+def _earliest(sigma, bary, rates, regime, sign, shared, own, c, band, values):
     """Return (sigma, contact, guard) of the earliest root on the stretch; sigma = 2 if there is none."""
     first, who, which = 2.0, -1, -1
     for i in range(regime.size):
         for k in range(3):
-            if k > 0 and regime[i] == SEPARATED or k == 2 and regime[i] == SLIP:
+            if (k > 0 and regime[i] == SEPARATED) or (k == 2 and regime[i] == SLIP):
                 continue
             guards(i, k, regime, sign, shared, own, c, band, values)
-            place = first_root(sigma, bary, values)
+            place = first_root(sigma, bary, rates, values)
             if place < first:
                 first, who, which = place, i, k
     return first, who, which
@@ -133,7 +133,7 @@ def _record(phase, length, map_, sigma, bary, shared, own, regime, sample_phase,
 
 
 @njit(cache=True)
-def advance(parameters, waves, sigma, bary, taus, onces, twices, tail, state, regime, sign, phase, stop, mobile,
+def advance(parameters, waves, sigma, bary, taus, onces, twices, rates, tail, state, regime, sign, phase, stop, mobile,
             tolerance, tally, sums, sample_phase, samples, limit):  # fmt: skip
     """Move the state from one phase to another; return the reason for ending.
 
@@ -141,7 +141,7 @@ def advance(parameters, waves, sigma, bary, taus, onces, twices, tail, state, re
     ----------
     parameters, waves : arrays
         See `scaling`.
-    sigma, bary, taus, onces, twices, tail : arrays
+    sigma, bary, taus, onces, twices, rates, tail : arrays
         See `collocation`.
     state, regime, sign : (3 + contacts,), (contacts,), (contacts,) arrays
         Slider position, its rate, slider velocity, deformations; all changed in place.
@@ -185,7 +185,7 @@ def advance(parameters, waves, sigma, bary, taus, onces, twices, tail, state, re
                 return STIFF
             continue
         full = length
-        place, who, which = _earliest(sigma, bary, regime, sign, shared, own, c, band, values)
+        place, who, which = _earliest(sigma, bary, rates, regime, sign, shared, own, c, band, values)
         for _ in range(12):
             if who < 0:
                 break
@@ -211,13 +211,13 @@ def advance(parameters, waves, sigma, bary, taus, onces, twices, tail, state, re
                 if length == 0.0 or abs(value) < 1e-16 or not rate < 0.0:
                     break
                 step = -value / rate
-                if abs(step) < 2e-16 or trial > 6 and abs(step) < 1e-14:
+                if abs(step) < 2e-16 or (trial > 6 and abs(step) < 1e-14):
                     break
                 length = min(max(length + step, 0.5 * length), min(1.1 * length + 1e-12, full))
             if length == 0.0 or who < 0:
                 break
             # with the better motion another guard may come first
-            place, other, another = _earliest(sigma, bary, regime, sign, shared, own, c, band, values)
+            place, other, another = _earliest(sigma, bary, rates, regime, sign, shared, own, c, band, values)
             if other < 0 or (other == who and another == which) or place > 1.0 - 1e-6:
                 break
             who, which = other, another
@@ -273,7 +273,7 @@ def advance(parameters, waves, sigma, bary, taus, onces, twices, tail, state, re
 
 
 @njit(cache=True)
-def cycles(parameters, waves, sigma, bary, taus, onces, twices, tail, state, regime, sign, number, mobile,
+def cycles(parameters, waves, sigma, bary, taus, onces, twices, rates, tail, state, regime, sign, number, mobile,
            tolerance, tally, sums, stride, speeds, limit):  # fmt: skip
     """Move through whole cycles; record phase-0 velocity and height every `stride` cycles; return the reason.
 
@@ -282,7 +282,7 @@ def cycles(parameters, waves, sigma, bary, taus, onces, twices, tail, state, reg
     nothing, none = np.empty(0), np.empty((0, regime.size, 6))
     for k in range(number):
         before = sums[DISPLACEMENT]
-        why = advance(parameters, waves, sigma, bary, taus, onces, twices, tail, state, regime, sign, 0.0,
+        why = advance(parameters, waves, sigma, bary, taus, onces, twices, rates, tail, state, regime, sign, 0.0,
                       2.0 * np.pi, mobile, tolerance, tally, sums, nothing, none, limit)  # fmt: skip
         if why != DONE:
             return why

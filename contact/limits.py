@@ -3,7 +3,8 @@ r"""Where slip starts and where contact is first lost: closed forms for a slider
 Such a slider rides at the height at which the cycle mean of the normal forces is the preload, <sum P_i> = preload, so
 contact i has the approach z_i = h + Re(U_i exp(i omega t)) with one h.
 
-Release: the first contact to part has h = |U_i|. For one contact that is z0/<(1 + sin)^1.5>^(2/3), <> = 16 sqrt 2/(6 pi).
+Release: the first contact to part has h = |U_i|. For one contact that is z0/<(1 + sin)^1.5>^(2/3),
+<> = 16 sqrt 2/(6 pi).
 
 Threshold: nothing slips while every contact has an offset x0 with |x0 + u_x| <= c (h + u_z) at all times, that is
 x0 + |U_x - c U_z| <= c h and -x0 + |U_x + c U_z| <= c h (complex amplitudes, any phase), and the offsets carry the

@@ -87,7 +87,7 @@ class Motion:
 
     def _matrices(self):
         table = self.table
-        return table.sigma, table.bary, table.tau, table.once, table.twice, table.tail
+        return table.sigma, table.bary, table.tau, table.once, table.twice, table.rates, table.tail
 
     def _refuse(self, why):
         if why != integrate.DONE:

@@ -1,8 +1,8 @@
 r"""The periodic motion of the full equations: fixed point of the map of one wave cycle.
 
 The map takes (z_s, z_s', v, x_i) at the trough of the first contact to the same a cycle later, event-exactly. Newton's
-method starts from the averaged balance, with the Jacobian of the map by differences; the deformations are forgotten
-within a cycle in which the contact slips or parts, so they are simply carried over.
+method starts from the averaged balance, with the Jacobian of the map by differences. A contact that slips or parts
+forgets its deformation, so those columns are mostly zero.
 """
 
 import math
@@ -26,11 +26,9 @@ class Periodic:
         Mean of v over the cycle.
     support : float
         Mean of the elastic normal forces.
-    state : (3,) array
-        z_s, z_s', v at phase 0.
-    deformations : (n,) array
-        x_i at phase 0.
-    jacobian : (3, 3) array
+    state : (3 + n,) array
+        z_s, z_s', v and the deformations x_i at phase 0.
+    jacobian : (3 + n, 3 + n) array
         Derivative of the cycle map with respect to `state`; its eigenvalues are the multipliers.
     step : float
         Last Newton step: how far the fixed point may still be.
@@ -43,7 +41,6 @@ class Periodic:
     speed: float
     support: float
     state: np.ndarray
-    deformations: np.ndarray
     jacobian: np.ndarray
     step: float
     motion: Motion
@@ -55,47 +52,52 @@ def periodic(balance: Balance, *, nodes: int, truncation: float, near: Periodic 
     motion = Motion(balance.problem, table=collocation(nodes), truncation=truncation)
     work = np.zeros(10, np.int64)
 
-    def cycle(y, x):
+    def cycle(y):
         motion.tally[:], motion.sums[:] = 0, 0.0
-        motion.place(*y, x)
+        motion.place(*y[:3], y[3:])
         motion.turn(1)
         work[:] += motion.tally
-        return motion.state[:3].copy(), motion.state[3:].copy()
+        return motion.state.copy()
 
     if near is None:
-        y, x = np.array([-balance.height, 0.0, balance.speed]), balance.motion.state[3:].copy()
-        jacobian = _jacobian(cycle, y, x)
+        y = np.concatenate(([-balance.height, 0.0, balance.speed], balance.motion.state[3:]))
+        y[3:] = cycle(y)[3:]  # the full motion's own deformations
+        jacobian = _jacobian(cycle, y)
     else:
-        y, x, jacobian = near.state.copy(), near.deformations.copy(), near.jacobian
-    newton = np.linalg.inv(jacobian - np.eye(3))
+        y, jacobian = near.state.copy(), near.jacobian
     least = math.inf
     for count in range(40):
-        y_next, x_next = cycle(y, x)
-        step = newton @ (y - y_next)
-        size = float(max(np.max(np.abs(step)), np.max(np.abs(x_next - x))))
+        if count % 10 == 9:  # slow: close to an edge, where the map bends
+            jacobian = _jacobian(cycle, y)
+        step = np.linalg.solve(jacobian - np.eye(y.size), y - cycle(y))
+        size = float(np.max(np.abs(step)))
         if size < 1e-12 or (count > 2 and size >= 0.5 * least and least < 1e-10):
             break
         least = min(least, size)
-        y, x = y + step, x_next
-    else:
+        y = y + step
+    if not size < 1e-6:
         raise ConvergenceError(
             "not converged",
             f"the cycle map's fixed point was not reached (last step {size:.2g}); follow a burst with method exact",
         )
     turn = 2.0 * math.pi
     return Periodic(
-        speed=motion.sums[2] / turn + step[2], support=motion.sums[1] / turn, state=y, deformations=x,
-        jacobian=jacobian, step=size, motion=motion, work=work,
-    )  # fmt: skip
+        speed=motion.sums[2] / turn + step[2],
+        support=motion.sums[1] / turn,
+        state=y,
+        jacobian=jacobian,
+        step=size,
+        motion=motion,
+        work=work,
+    )
 
 
-def _jacobian(cycle, y, x):
-    """Return the derivative of the cycle map by forward differences, after a cycle that settles x."""
-    _, x = cycle(y, x)
-    base, _ = cycle(y, x)
+def _jacobian(cycle, y):
+    """Return the derivative of the cycle map by differences; deformations are moved towards zero."""
+    base = cycle(y)
     columns = []
-    for k in range(3):
+    for k in range(y.size):
         moved = y.copy()
-        moved[k] += 1e-7
-        columns.append((cycle(moved, x)[0] - base) / 1e-7)
+        moved[k] += 1e-7 if k < 3 or y[k] < 0.0 else -1e-7
+        columns.append((cycle(moved) - base) / (moved[k] - y[k]))
     return np.array(columns).T

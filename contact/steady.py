@@ -135,7 +135,7 @@ def _searched(slider, orbits, tolerance, method):
     side, driven = towards_plus(orbits)
     balance = balanced(slider, driven)
     if balance.held:
-        return _held(slider, driven, balance)
+        return _held(slider, driven, balance, tolerance)
     unit = balance.problem.speed
     fine = periodic(balance, nodes=16, truncation=1e-12)
     coarse = periodic(balance, nodes=10, truncation=1e-8, near=fine)
@@ -167,7 +167,7 @@ def _searched(slider, orbits, tolerance, method):
     }  # fmt: skip
 
 
-def _held(slider, orbits, balance):
+def _held(slider, orbits, balance, tolerance):
     """Return the answer of a slider that stays; its error is what the averaging may have misjudged of the edge."""
     from contact.balance import balanced
 
@@ -177,9 +177,13 @@ def _held(slider, orbits, balance):
     error = abs(beyond.speed) * beyond.problem.speed / reference_speed(0.0, orbits)
     statistics = _counted(balance.motion, balance.work + beyond.work)
     regime = "intermittent" if statistics["release"] else "slip" if statistics["stick_to_slip"] else "stick"
+    status, note = "ok", "held by friction"
+    if error > tolerance:
+        status = "above tolerance"
+        note += f", but so near the threshold that it may move: estimated error {error:.2g} exceeds {tolerance:.2g}"
     return {
         "velocity": 0.0, "regime": regime, "relative_error": float(error),
-        "height": float(balance.height * balance.problem.length), "status": "ok", "message": "held by friction",
+        "height": float(balance.height * balance.problem.length), "status": status, "message": note,
         "method": "averaged", "statistics": statistics,
     }  # fmt: skip
 

@@ -160,26 +160,63 @@ def root(a, b, sigma, bary, values):
 
 
 @njit(cache=True)
-def first_root(sigma, bary, values):
-    """Return the earliest place in sigma where a guard turns negative, 2.0 if nowhere; dips between nodes included."""
+def _wiggles(u, v, du, dv):
+    """Return whether the cubic with these ends and end slopes (times width) turns within the interval."""
+    quadratic, linear = 3.0 * (2.0 * (u - v) + du + dv), 2.0 * (3.0 * (v - u) - 2.0 * du - dv)
+    if (du < 0.0) != (dv < 0.0):
+        return True
+    if quadratic == 0.0 or linear * linear < 4.0 * quadratic * du:
+        return False
+    return 0.0 < -0.5 * linear / quadratic < 1.0
+
+
+@njit(cache=True)
+def first_root(sigma, bary, rates, values):
+    """Return the earliest place in sigma where a guard turns negative, 2.0 if nowhere.
+
+    Even roots and several roots between two nodes are searched where the cubic through values and slopes turns close
+    enough to zero; what the nodes resolve is then found.
+    """
     n = sigma.size
-    for j in range(1, n):
-        if values[j] < 0.0:
-            return root(sigma[j - 1], sigma[j], sigma, bary, values)
-        if 1 < j < n - 1 and values[j] < values[j - 1] and values[j] <= values[j + 1]:
-            # a dip: golden section on the interpolant, only if a parabola could come near zero there
-            drop = max(values[j - 1], values[j + 1]) - values[j]
-            if values[j] < drop:
-                a, b = sigma[j - 1], sigma[j + 1]
-                for _ in range(40):
-                    left, right = a + 0.381966011250105 * (b - a), b - 0.381966011250105 * (b - a)
-                    f, g = interpolate(left, sigma, bary, values), interpolate(right, sigma, bary, values)
-                    if f < 0.0:
-                        return root(sigma[j - 1], left, sigma, bary, values)
-                    if g < 0.0:
-                        return root(sigma[j - 1], right, sigma, bary, values)
-                    if f < g:
-                        b = right
-                    else:
-                        a = left
+    before = 0.0
+    for j in range(n):
+        slope = 0.0
+        for k in range(n):
+            slope += rates[j, k] * values[k]
+        if j > 0:
+            width = sigma[j] - sigma[j - 1]
+            reach = 0.5 * width * max(abs(before), abs(slope))
+            near = min(values[j - 1], values[j]) < reach
+            if near and _wiggles(values[j - 1], values[j], before * width, slope * width):
+                place = _searched(sigma[j - 1], sigma[j], sigma, bary, values)
+                if place < 2.0:
+                    return place
+            if values[j] < 0.0:
+                return root(sigma[j - 1], sigma[j], sigma, bary, values)
+        before = slope
+    return 2.0
+
+
+@njit(cache=True)
+def _searched(start, stop, sigma, bary, values):
+    """Return the first place between two nodes where the interpolant turns negative, 2.0 if nowhere."""
+    parts = 8
+    step = (stop - start) / parts
+    left, middle = interpolate(start - step, sigma, bary, values), interpolate(start, sigma, bary, values)
+    for m in range(parts + 1):
+        if m > 0 and middle < 0.0:
+            return root(start + (m - 1) * step, start + m * step, sigma, bary, values)
+        right = interpolate(start + (m + 1) * step, sigma, bary, values)  # one beyond the end at the last
+        if middle <= left and middle <= right:  # golden section for a negative dip
+            a, b = max(start + (m - 1) * step, start), min(start + (m + 1) * step, stop)
+            for _ in range(40):
+                p, q = a + 0.381966011250105 * (b - a), b - 0.381966011250105 * (b - a)
+                f, g = interpolate(p, sigma, bary, values), interpolate(q, sigma, bary, values)
+                if min(f, g) < 0.0:
+                    return root(max(start + (m - 1) * step, start), p if f < 0.0 else q, sigma, bary, values)
+                if f < g:
+                    b = q
+                else:
+                    a = p
+        left, middle = middle, right
     return 2.0

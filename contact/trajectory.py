@@ -15,9 +15,9 @@ import numpy as np
 
 from contact import bounds
 from contact.convergence import ConvergenceError
+from contact.drive import available, reference_speed, towards_plus
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
-from contact.drive import available, reference_speed, towards_plus
 
 METHODS = ("auto", "exact", "stepped")
 # up to here "auto" follows every event, whatever the tolerance

@@ -1,0 +1,162 @@
+"""The event-exact kernel: order, honesty about roots, published traps, the plain path."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+from contact import ConvergenceError, regimes, scaling
+from contact.collocation import ROOT_AT_END, ROOT_AT_START, SMOOTH, collocation
+from contact.motion import Motion
+from contact.stretch import first_root
+from contact.trajectory import rest, rest_problem
+from tests.contact.motors import orbit, slider
+
+
+def speed_after(A, cycles, nodes, truncation):
+    problem = rest_problem(slider(), (orbit(A),))
+    motion = rest(slider(), (orbit(A),), problem, nodes=nodes, truncation=truncation)
+    motion.turn(cycles)
+    return motion.state[2] * problem.speed
+
+
+@pytest.mark.parametrize(("map_", "power"), [(SMOOTH, 3.0), (ROOT_AT_START, 1.5), (ROOT_AT_END, 1.5)])
+def test_collocation_integrates_its_kind_of_root_exactly(map_, power):
+    # Closed form: int t^p = t^(p+1)/(p+1), and once more; from the other end for ROOT_AT_END
+    table = collocation(12)
+    t = table.tau[map_]
+    p = power
+    if map_ == ROOT_AT_END:
+        f = (1.0 - t) ** p
+        once = (1.0 - (1.0 - t) ** (p + 1)) / (p + 1)
+        twice = (t - (1.0 - (1.0 - t) ** (p + 2)) / (p + 2)) / (p + 1)
+    else:
+        f, once, twice = t**p, t ** (p + 1) / (p + 1), t ** (p + 2) / ((p + 1) * (p + 2))
+    assert table.once[map_] @ f == pytest.approx(once, abs=1e-15)
+    assert table.twice[map_] @ f == pytest.approx(twice, abs=1e-15)
+
+
+def test_collocation_converges_spectrally_on_a_smooth_function():
+    errors = []
+    for nodes in (4, 6, 8):
+        t = collocation(nodes).tau[SMOOTH]
+        errors.append(abs(collocation(nodes).once[SMOOTH][-1] @ np.exp(t) - (np.e - 1.0)))
+    assert errors[0] > 1e2 * errors[1] > 1e4 * errors[2]
+
+
+@pytest.mark.parametrize("A", [1e-9, 5e-9, 20e-9])
+def test_every_order_reaches_the_same_velocity(A):
+    # 300 cycles from rest, through contact, release, slip, stick and x = 0
+    finest = speed_after(A, 300, 20, 1e-13)
+    for nodes, truncation, bound in ((7, 1e-6, 3e-6), (10, 1e-9, 1e-9), (14, 1e-11, 2e-11)):
+        assert speed_after(A, 300, nodes, truncation) == pytest.approx(finest, rel=bound)
+
+
+def test_a_dip_between_nodes_is_not_skipped():
+    table = collocation(9)
+    for centre in np.linspace(-0.9, 0.9, 37):
+        dip = (table.sigma - centre) ** 2 - 1e-4  # negative only within 0.01 of the centre
+        found = first_root(table.sigma, table.bary, table.rates, dip)
+        assert found == pytest.approx(centre - 1e-2, abs=1e-7)
+        above = (table.sigma - centre) ** 2 + 1e-6
+        assert first_root(table.sigma, table.bary, table.rates, above) == 2.0
+
+
+@given(st.lists(st.floats(-0.99, 0.99), min_size=3, max_size=3, unique=True))
+@settings(max_examples=60, deadline=None, derandomize=True)
+def test_of_three_roots_in_one_stretch_the_first_is_taken(roots):
+    roots = sorted(roots)
+    assume(min(np.diff(roots)) > 1e-2)
+    table = collocation(12)
+    values = -np.prod([table.sigma - r for r in roots], axis=0)  # positive before the first
+    assert first_root(table.sigma, table.bary, table.rates, values) == pytest.approx(roots[0], abs=1e-7)
+
+
+def test_grazing_bounces_do_not_gain_energy():
+    # Published trap: a slider falling on a resting stator, undamped, many impacts
+    s = slider(normal_damping=0.0, tangential_damping=0.0)
+    motion = rest(
+        s,
+        (orbit(0.0),),
+        scaling.scaled(s, (orbit(0.0),), direction=1.0, start=0.0),
+        nodes=16,
+        truncation=1e-13,
+    )
+    kappa, p = motion.problem.parameters[scaling.KAPPA], motion.problem.parameters[scaling.PRELOAD]
+
+    def energy():
+        z, w = motion.state[:2]
+        return 0.4 * kappa * max(-z, 0.0) ** 2.5 + 0.5 * w**2 + p * z
+
+    for drop in (0.0, 1e-9, 1e-3, 2.0):  # scaled height above touching: grazing to high
+        motion.place(drop, 0.0, 0.0)
+        motion.tally[:] = 0
+        begin = energy() if drop > 0.0 else p * 1.0
+        motion.move(0.0, 100_000.0, np.empty(0))
+        assert energy() - p * drop == pytest.approx(0.0, abs=1e-10 * begin + 1e-10 * p)
+        assert motion.tally[regimes.CONTACT] > 5
+        assert abs(motion.tally[regimes.CONTACT] - motion.tally[regimes.RELEASE]) <= 1
+
+
+def test_a_ball_in_flight_over_many_cycles_is_caught_at_its_first_contact():
+    # Off-the-shelf event solvers step over contacts: nothing pulls their step down in flight
+    s = slider()
+    problem = scaling.scaled(s, (orbit(1e-9),), direction=1.0, start=0.0)
+    motion = Motion(problem, table=collocation(16), truncation=1e-12)
+    gap = 0.5
+    motion.place(1e-9 / problem.length + gap, 0.0, 0.0)
+    p, d_n = problem.parameters[scaling.PRELOAD], problem.parameters[scaling.NORMAL_DAMPING]
+    before = 0
+    while motion.tally[regimes.CONTACT] == 0:
+        before = motion.tally[9]
+        motion.turn(1)
+    t = 2.0 * np.pi * (before + np.linspace(0.0, 1.0, 200_001))
+    fall = p / d_n**2 * (d_n * t + np.expm1(-d_n * t))  # closed form with drag
+    z = 1e-9 / problem.length * np.cos(t) - (1e-9 / problem.length + gap - fall)
+    assert z[0] < 0.0 < np.max(z), "first contact must be in the cycle in which the closed form has it"
+
+
+def test_the_deformation_is_bounded_and_forgotten_in_flight():
+    problem = rest_problem(slider(), (orbit(10e-9),))
+    motion = rest(slider(), (orbit(10e-9),), problem, nodes=16, truncation=1e-12)
+    motion.turn(3)
+    samples = motion.move(0.0, 2.0 * np.pi, np.linspace(0.01, 6.28, 400))[:, 0]
+    z, x = samples[:, 0], samples[:, 1]
+    assert np.all(np.abs(x) <= slider().limit_slope * np.maximum(z, 0.0) + 1e-15)
+    assert np.all(x[samples[:, 4] == regimes.SEPARATED] == 0.0)
+
+
+def test_overflow_is_said_not_returned():
+    motion = Motion(
+        scaling.scaled(slider(), (orbit(1e-9),), direction=1.0, start=0.0),
+        table=collocation(8),
+        truncation=1e-8,
+    )
+    motion.place(np.nan, 0.0, 0.0)
+    with pytest.raises(ConvergenceError) as caught:
+        motion.turn(1)
+    assert caught.value.status == "not finite"
+
+
+def test_import_is_light():
+    code = "import sys, contact; sys.exit('numba' in sys.modules or 'scipy' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_plain_and_compiled_path_agree():
+    code = (
+        "from tests.contact.test_events import speed_after; from tests.contact.test_trajectory import after_cycles;"
+        "print(repr(float(speed_after(10e-9, 2, 9, 1e-7))))"
+    )
+    plain = subprocess.run(
+        [sys.executable, "-c", code],
+        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert float(plain.stdout) == pytest.approx(speed_after(10e-9, 2, 9, 1e-7), rel=1e-12)

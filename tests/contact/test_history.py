@@ -1,0 +1,99 @@
+"""Contact-point histories: what the seed paper's Figs 6 and 7 show, and the laws at every instant."""
+
+import numpy as np
+import pytest
+
+from contact import contact_history, hertz, mindlin, steady
+from tests.contact.motors import orbit, slider
+
+
+def history(A, stage="steady", skip=0, cycles=2, points=200, **changed):
+    return contact_history(
+        slider(**changed), orbit(A), stage=stage, skip=skip, cycles=cycles, points_per_cycle=points
+    )
+
+
+@pytest.mark.parametrize("A", [3e-9, 10e-9])
+@pytest.mark.parametrize("stage", ["start", "steady", "after"])
+def test_forces_are_those_of_the_laws_at_every_instant(A, stage):
+    s, h = slider(), history(A, stage)
+    P = hertz.normal_force(h.approach, s.hertz_stiffness)
+    Q = mindlin.tangential_force(
+        h.deformation, mindlin.slip_limit(h.approach, s.limit_slope), s.friction_coefficient * P
+    )
+    assert h.normal_force == pytest.approx(P, rel=1e-9, abs=1e-9 * s.preload)
+    assert h.tangential_force == pytest.approx(
+        Q, rel=1e-6, abs=1e-6 * s.preload
+    )  # square root at the slip limit
+
+
+@pytest.mark.parametrize("A", [3e-9, 10e-9])
+def test_regimes_mean_what_they_say(A):
+    s, h = slider(), history(A, points=1000)
+    friction = s.friction_coefficient * h.normal_force
+    assert np.all(h.approach[h.regime == "separated"] <= 1e-15)
+    assert np.all(h.normal_force[h.regime == "separated"] == 0.0)
+    slip = h.regime == "slip"
+    assert np.abs(h.tangential_force[slip]) == pytest.approx(friction[slip], rel=1e-12)
+    assert np.all(np.abs(h.tangential_force) <= friction * (1.0 + 1e-12))
+    dissipated = (h.tangential_force * (h.surface_velocity - h.slider_velocity[:, None]))[slip]
+    assert np.mean(dissipated) > 0.0
+
+
+def test_below_release_there_is_always_contact_and_above_it_is_intermittent():
+    assert "separated" not in history(3e-9).regime
+    assert set(np.unique(history(10e-9).regime)) == {"separated", "stick", "slip"}
+
+
+def test_normal_force_is_largest_where_the_surface_moves_forward():
+    # The paper on Fig 6(a): P has its maximum when v_t is positive; hence the mean traction drives
+    h = history(3e-9, points=400)
+    assert h.surface_velocity[np.argmax(h.normal_force)] > 0.0
+    assert h.surface_velocity[np.argmin(h.normal_force)] < 0.0
+
+
+def test_in_the_steady_state_cycles_repeat_and_the_mean_is_the_velocity():
+    h = history(10e-9, cycles=2, points=100)
+    for series in (h.approach, h.deformation, h.normal_force, h.tangential_force):
+        assert series[100:] == pytest.approx(series[:100], rel=1e-7, abs=1e-9 * np.max(np.abs(series)))
+    expected = steady(slider(), orbit(10e-9), tolerance=1e-8).velocity
+    assert np.mean(h.slider_velocity[:100]) == pytest.approx(expected, rel=1e-8)
+
+
+def test_after_the_wave_only_slip_remains_and_friction_is_constant_in_sign():
+    # The paper on Fig 7(a): velocity difference, so slip with Q = mu P against the motion
+    s, h = slider(), history(3e-9, "after", skip=20, cycles=200, points=1)
+    assert np.all(h.regime == "slip")
+    assert h.tangential_force == pytest.approx(-s.friction_coefficient * h.normal_force, rel=1e-12)
+    assert np.all(h.surface_velocity == 0.0)
+
+
+def test_the_ring_starts_at_the_slip_limit():
+    # Closed form: stick begins at |x| = x_max; R_t = 0 and a bounce that has died
+    changed = {"tangential_damping": 0.0, "normal_damping": 5.0}
+    h = history(3e-9, "after", skip=0, cycles=60000, points=0.5, **changed)
+    first = int(np.argmax(h.regime[:, 0] == "stick"))
+    assert h.regime[first - 1, 0] == "slip"
+    s = slider(**changed)
+    limit = s.limit_slope * s.rest_approach(1)
+    assert np.max(np.abs(h.deformation[first:])) == pytest.approx(limit, rel=1e-6)  # nearest sample
+
+
+@pytest.mark.parametrize("A", [3e-9, 10e-9])
+def test_mirrored_wave_mirrors_the_tangential_history(A):
+    right = history(A)
+    left = contact_history(
+        slider(), orbit(A).mirrored(), stage="steady", skip=0, cycles=2, points_per_cycle=200
+    )
+    assert np.array_equal(left.deformation, -right.deformation)
+    assert np.array_equal(left.tangential_force, -right.tangential_force)
+    assert np.array_equal(left.slider_velocity, -right.slider_velocity)
+    assert np.array_equal(left.approach, right.approach)
+
+
+def test_start_begins_at_rest():
+    h = history(3e-9, "start", points=2000, cycles=1)
+    assert h.approach[0, 0] == pytest.approx(
+        slider().rest_approach(1), rel=5e-3
+    )  # half a thousandth of a cycle on
+    assert abs(h.slider_velocity[0]) < 1e-9

@@ -1,0 +1,105 @@
+"""Threshold and release: closed forms against other closed forms, quadrature and the simulated regime."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from contact import Orbit, release_amplitude, release_factor, riding_height, steady, threshold_amplitude
+from contact import threshold_factor as threshold
+from contact.limits import mean_power
+from tests.contact.motors import orbit, slider
+
+
+@pytest.mark.parametrize("height", [-0.93, -0.2, 0.0, 0.4, 0.999, 1.0, 1.001, 1.7])
+def test_mean_power_against_adaptive_quadrature(height):
+    amplitude = 1.3
+    h = height * amplitude
+    edge = math.pi if height >= 1.0 else math.acos(-height)
+    expected = quad(
+        lambda q: max(h + amplitude * math.cos(q), 0.0) ** 1.5, 0.0, edge, epsabs=0.0, epsrel=1e-12
+    )[0]
+    assert mean_power(h, amplitude) == pytest.approx(expected / math.pi, rel=3e-11)
+
+
+def test_release_amplitude_is_the_closed_form():
+    mean = 16.0 * math.sqrt(2.0) / (6.0 * math.pi)
+    assert mean == pytest.approx(1.2004217549, rel=1e-10)
+    found = release_amplitude(slider(), orbit(1e-9))
+    assert found == pytest.approx(slider().rest_approach(1) / mean ** (2.0 / 3.0), rel=1e-13)
+    assert found == pytest.approx(4.17258e-9, rel=1e-6)
+
+
+def test_release_does_not_depend_on_the_tangential_motion_or_on_the_scale():
+    s = slider()
+    one = release_amplitude(s, orbit(1e-9))
+    other = release_amplitude(s, Orbit(frequency=2.2e6, normal=3e-8j, tangential=2e-9))
+    assert one == pytest.approx(other, rel=1e-14)
+    assert release_factor(s, Orbit(frequency=2.2e6, normal=0, tangential=2e-9)) == math.inf
+
+
+def test_riding_height_carries_the_preload():
+    s = slider()
+    for A in (0.0, 1e-9, 4.17e-9, 9e-9, 80e-9):
+        h = riding_height(s, orbit(A))
+        assert s.hertz_stiffness * mean_power(h, A) == pytest.approx(s.preload, rel=1e-12)
+
+
+@pytest.mark.parametrize("ratio", [0.1, 0.7, 2.0])
+def test_threshold_in_quadrature_is_the_closed_form(ratio):
+    # A sqrt(r^2 + c^2) = c h(A)
+    s = slider()
+    A = threshold_amplitude(s, orbit(1e-9, ratio))
+    c = s.limit_slope
+    assert A * math.hypot(ratio, c) == pytest.approx(c * riding_height(s, orbit(A)), rel=1e-12)
+
+
+def test_threshold_at_a_general_phase_by_searching_the_offset():
+    # x0 + u_x within c (h + u_z) at all times, <Q> = 0 at that x0: by brute force over time
+    s = slider()
+    shape = Orbit(frequency=2.2e6, normal=1e-9, tangential=0.7e-9 * np.exp(-1.1j))
+    A = threshold_amplitude(s, shape)
+    phase = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 4001))
+
+    def room(amplitude):
+        scaled = shape.scaled(amplitude / 1e-9)
+        bound = s.limit_slope * (riding_height(s, scaled) + (scaled.normal * phase).real)
+        u_x = (scaled.tangential * phase).real
+        return np.min(bound - u_x) + np.min(bound + u_x)
+
+    assert room(0.5 * A) > 0.0
+    # the offsets leave room, but the mean traction of the highest may already be positive
+    assert room(A) >= -1e-6 * s.limit_slope * s.rest_approach(1)
+
+
+def test_threshold_is_zero_without_friction_and_infinite_without_motion():
+    assert threshold_amplitude(slider(friction_coefficient=0.0), orbit(1e-9)) == 0.0
+    assert threshold(slider(), Orbit(frequency=1e6, normal=0, tangential=0)) == math.inf
+    assert threshold(slider(load=1.0), orbit(1e-9)) == 0.0
+
+
+def test_load_lowers_the_threshold():
+    s = slider()
+    loaded = slider(load=0.5 * s.friction_coefficient * s.preload)
+    assert threshold_amplitude(loaded, orbit(1e-9)) < 0.9 * threshold_amplitude(s, orbit(1e-9))
+
+
+def _edge(low, high, inside, width):
+    while high - low > width * low:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if inside(middle) else (low, middle)
+    return 0.5 * (low + high)
+
+
+def test_simulated_threshold_is_the_closed_form():
+    # The slider is heavy but not infinitely so: (f_n/f)^2 = 1.6e-5, times 12 at the threshold
+    s = slider()
+    edge = _edge(0.6e-9, 0.9e-9, lambda A: steady(s, orbit(A), tolerance=1e-6).regime == "stick", 1e-4)
+    assert edge == pytest.approx(threshold_amplitude(s, orbit(1e-9)), rel=1e-3)
+
+
+def test_simulated_release_is_the_closed_form():
+    s = slider()
+    edge = _edge(4.0e-9, 4.4e-9, lambda A: steady(s, orbit(A), tolerance=1e-6).regime == "slip", 1e-6)
+    assert edge == pytest.approx(release_amplitude(s, orbit(1e-9)), rel=3e-5)  # (f_n/f)^2 = 1.6e-5

@@ -1,0 +1,157 @@
+"""The steady velocity: against an independent integrator, symmetries, limits, refusals."""
+
+import math
+
+import numpy as np
+import pytest
+
+from contact import ConvergenceError, Orbit, steady, threshold_amplitude
+from contact.drive import reference_speed
+from tests.contact.motors import orbit, slider
+from tests.oracles.contact_steps import steady_velocity
+
+AMPLITUDES = (1e-9, 3e-9, 5e-9, 10e-9, 20e-9)
+
+
+@pytest.mark.parametrize("A", AMPLITUDES)
+def test_velocity_against_small_step_runge_kutta(A):
+    found = steady(slider(), orbit(A), tolerance=1e-8)
+    assert found.status == "ok"
+    assert found.method == "exact"
+    # Oracle in 2000 steps per cycle: its own error is of order 2.5 per event
+    assert found.velocity == pytest.approx(steady_velocity(A, 2000), rel=2e-8)
+
+
+@pytest.mark.parametrize("A", AMPLITUDES)
+def test_error_estimate_covers_the_true_error_and_averaging_is_as_small_as_theory(A):
+    exact = steady(slider(), orbit(A), tolerance=1e-8)
+    averaged = steady(slider(), orbit(A), tolerance=1e-3, method="averaged")
+    truth = steady_velocity(A, 4000)
+    reference = reference_speed(truth, exact.orbits)
+    assert abs(exact.velocity - truth) / reference < 2.0 * exact.relative_error + 1e-8  # the oracle's own
+    assert abs(averaged.velocity - truth) / reference < 1.01 * averaged.relative_error + 1e-8
+    ratio = (slider().normal_resonance(1) / 2.2e6) ** 2
+    assert 0.0 < averaged.relative_error < 4.0 * ratio
+
+
+@pytest.mark.parametrize("A", [0.5e-9, 0.9e-9, 3e-9, 10e-9])
+def test_mirrored_wave_gives_the_negated_velocity(A):
+    right, left = (steady(slider(), o, tolerance=1e-6) for o in (orbit(A), orbit(A).mirrored()))
+    assert left.velocity == -right.velocity
+    assert left.regime == right.regime
+
+
+def test_crests_moving_towards_plus_x_drive_the_slider_there():
+    assert orbit(3e-9).crest_velocity > 0.0
+    assert steady(slider(), orbit(3e-9), tolerance=1e-6).velocity > 0.0
+
+
+@pytest.mark.parametrize("turn", [0.3, 2.1, 4.4])
+def test_the_origin_of_time_does_not_matter(turn):
+    shape = Orbit(frequency=2.2e6, normal=3e-9, tangential=2.2e-9 * np.exp(-1.4j))
+    one = steady(slider(), shape, tolerance=1e-9).velocity
+    assert steady(slider(), shape.scaled(np.exp(1j * turn)), tolerance=1e-9).velocity == pytest.approx(
+        one, rel=1e-9
+    )
+
+
+@pytest.mark.parametrize("A", [1.2e-9, 7e-9])
+def test_three_contacts_in_phase_are_one_with_a_third_of_everything(A):
+    three = slider(load=1e-6)
+    names = ("mass", "preload", "load", "normal_damping", "tangential_damping")
+    one = slider(**{name: getattr(three, name) / 3.0 for name in names})
+    apart = steady(three, (orbit(A),) * 3, tolerance=1e-9)
+    assert apart.velocity == pytest.approx(steady(one, orbit(A), tolerance=1e-9).velocity, rel=1e-9)
+
+
+def test_contacts_on_different_phases_of_the_wave_still_drive():
+    # With two contacts half a wave apart the sum of normal forces hardly varies, yet each sees its own cycle
+    pair = (orbit(3e-9), orbit(3e-9).scaled(-1.0))
+    found = steady(slider(), pair, tolerance=1e-6)
+    assert found.status == "ok"
+    assert found.velocity > 0.0
+
+
+@pytest.mark.parametrize("unit", [1e-3, 1e4])
+def test_units_do_not_matter(unit):
+    # Property: lengths times L, times times T, masses times M; moduli M/(L T^2), forces M L/T^2, velocities L/T
+    L, T, M = unit, unit**0.5, unit**-0.7
+    F, s = M * L / T**2, slider(stick_band=2e-4, contact_damping=1e-3, load=1e-5)
+    scaled = slider(
+        radius=s.radius * L, mass=s.mass * M, preload=s.preload * F, load=s.load * F,
+        effective_modulus=s.effective_modulus * F / L**2, tangential_modulus=s.tangential_modulus * F / L**2,
+        stick_band=s.stick_band * L / T, contact_damping=s.contact_damping * T / L,
+        normal_damping=s.normal_damping * M / T, tangential_damping=s.tangential_damping * M / T,
+    )  # fmt: skip
+    A = 5e-9
+    moved = Orbit(frequency=2.2e6 / T, normal=A * L, tangential=-0.7j * A * L)
+    assert steady(scaled, moved, tolerance=1e-9).velocity == pytest.approx(
+        steady(s, orbit(A), tolerance=1e-9).velocity * L / T, rel=1e-8
+    )  # rounding, through the Newton matrix of condition 1e5
+
+
+def test_zero_amplitude_and_zero_friction_stand_still():
+    still = steady(slider(), orbit(0.0), tolerance=1e-6)
+    assert (still.velocity, still.regime, still.relative_error) == (0.0, "stick", 0.0)
+    smooth = steady(slider(friction_coefficient=0.0), orbit(10e-9), tolerance=1e-6)
+    assert (smooth.velocity, smooth.regime) == (0.0, "intermittent")
+    loose = steady(slider(preload=0.0), orbit(10e-9), tolerance=1e-6)
+    assert loose.velocity == 0.0
+
+
+def test_held_below_the_threshold_is_exactly_zero():
+    s = slider()
+    edge = threshold_amplitude(s, orbit(1e-9))
+    held = steady(s, orbit(0.99 * edge), tolerance=1e-6)
+    assert (held.velocity, held.regime, held.status) == (0.0, "stick", "ok")
+    assert steady(s, orbit(1.01 * edge), tolerance=1e-6).velocity > 0.0
+
+
+def test_load_slows_stops_and_then_drags():
+    s = slider()
+    friction = s.friction_coefficient * s.preload
+    velocities = [
+        steady(slider(load=k * friction), orbit(3e-9), tolerance=1e-6).velocity for k in (0, 0.1, 0.3, 3.0)
+    ]
+    assert velocities == sorted(velocities, reverse=True)
+    assert velocities[2] < velocities[0]
+    # beyond what friction can give, the damper alone bounds the speed
+    assert velocities[3] == pytest.approx(-2.0 * friction / s.tangential_damping, rel=1e-6)
+
+
+def test_a_load_without_friction_or_damper_runs_away_and_says_so():
+    with pytest.raises(ConvergenceError, match="runaway|damping") as caught:
+        steady(
+            slider(load=1e-3, friction_coefficient=0.0, tangential_damping=0.0), orbit(3e-9), tolerance=1e-6
+        )
+    assert caught.value.status == "runaway"
+    with pytest.raises(ConvergenceError, match="no tangential damping"):
+        steady(slider(load=1.0, tangential_damping=0.0), orbit(3e-9), tolerance=1e-6)
+
+
+def test_without_tangential_damping_the_traction_has_zero_mean():
+    free = steady(slider(tangential_damping=0.0), orbit(3e-9), tolerance=1e-9)
+    assert free.velocity > steady(slider(), orbit(3e-9), tolerance=1e-9).velocity
+    assert free.velocity < 2.0 * math.pi * 2.2e6 * 0.7 * 3e-9
+
+
+def test_the_stick_band_has_a_bias_that_vanishes_with_its_square():
+    # The paper's DV; observed order between neighbouring bands
+    exact = steady(slider(), orbit(3e-9), tolerance=1e-9).velocity
+    bands = (8e-4, 4e-4, 2e-4)
+    bias = [abs(steady(slider(stick_band=b), orbit(3e-9), tolerance=1e-8).velocity - exact) for b in bands]
+    orders = np.log2(np.array(bias[:-1]) / np.array(bias[1:]))
+    assert np.all(np.abs(orders - 2.0) < 0.2), f"orders {orders}, bias {bias}"
+
+
+def test_events_are_counted_by_kind():
+    slip = steady(slider(), orbit(3e-9), tolerance=1e-6).statistics
+    assert (slip["contact"], slip["release"], slip["stick_to_slip"], slip["slip_to_stick"]) == (0, 0, 2, 2)
+    parted = steady(slider(), orbit(10e-9), tolerance=1e-6).statistics
+    assert (parted["contact"], parted["release"]) == (1, 1)
+
+
+def test_an_estimate_above_the_tolerance_is_not_called_ok():
+    rough = steady(slider(), orbit(1e-9), tolerance=1e-9, method="averaged")
+    assert rough.status == "above tolerance"
+    assert "exceeds" in rough.message
