@@ -248,8 +248,7 @@ def _wave_block(wave, place: float) -> dict:
     return block | {
         "standing_wave_ratio": wave.standing_wave_ratio(place),
         "phase_velocity_m_per_s": wave.phase_velocity,
-        "surface_ratio": float(abs(tangential / normal)),
-        "rayleigh_surface_ratio": wave.surface_ratio,
+        "surface_ratio": wave.surface_ratio,
         "relative_error": wave.relative_error,
     }
 

@@ -12,7 +12,7 @@ from studies.refusal import SceneError, shown
 from studies.results import result_directory
 from studies.scene import Scene, read_table, scene_path, shipped_scenes
 
-__all__ = ["check", "run", "scenes"]
+__all__ = ["check", "run", "scenes", "wave"]
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -43,6 +43,21 @@ def run(arguments: argparse.Namespace) -> int:
     if record.shortfall:
         print(f"sawmotor: {record.shortfall}", file=sys.stderr)
     return 1 if record.shortfall else 0
+
+
+def wave(arguments: argparse.Namespace) -> int:
+    """Print the half-space Rayleigh wave of a material."""
+    from studies.free_surface import half_space_answer, half_space_wave
+
+    orientation = arguments.orientation
+    if "," in orientation:
+        orientation = toml_value(f"[{orientation.strip('[]')}]")
+    answer = half_space_wave(arguments.material, orientation=orientation, surface=arguments.surface)
+    if arguments.json:
+        print(json.dumps(answer, indent=1, ensure_ascii=False, allow_nan=False))
+    else:
+        print(half_space_answer(answer))
+    return 0
 
 
 def scenes(arguments: argparse.Namespace) -> int:

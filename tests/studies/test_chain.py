@@ -1,0 +1,212 @@
+"""The chain.  Symmetries and limits of the physics, and the record against what the scene asked for."""
+
+from dataclasses import replace
+
+import pytest
+
+from studies import Scene, SceneError, Wave, bridge
+from studies.chain import run
+from studies.override import assigned
+from studies.record import plain
+from studies.refusal import RunError
+from studies.scene import read_table
+
+
+def changed(name, *settings):
+    table = read_table(name)
+    for setting in settings:
+        table = assigned(table, setting)
+    return Scene.from_table("", table)
+
+
+@pytest.fixture(scope="module")
+def given():
+    return run(Scene.load("twente-contact"), tolerance=1e-3)
+
+
+def test_a_contact_scene_rises_through_stick_slip_and_intermittent_contact(given):
+    regimes = [point["regime"] for point in given.points]
+    assert regimes == sorted(regimes, key=["stick", "slip", "intermittent"].index)
+    assert set(regimes) == {"stick", "slip", "intermittent"}
+    speeds = [point["velocity_m_per_s"] for point in given.points]
+    assert speeds == sorted(speeds)
+    assert speeds[0] == 0.0
+    assert given.shortfall == ""
+
+
+def test_threshold_and_release_lie_between_the_points_of_their_regimes(given):
+    last = {point["regime"]: point["normal_amplitude_m"] for point in given.points}
+    first = {point["regime"]: point["normal_amplitude_m"] for point in reversed(given.points)}
+    summary = given.summary
+    assert last["stick"] < summary["threshold_amplitude_m"] < first["slip"]
+    assert last["slip"] < summary["release_amplitude_m"] < first["intermittent"]
+    assert summary["release_amplitude_m"] == pytest.approx(4.17258e-9, rel=1e-5)  # design.md, closed form
+
+
+def test_the_error_is_that_of_the_worst_point_and_the_sum_of_its_parts(given):
+    assert given.error["relative"] == max(point["relative_error"] for point in given.points)
+    assert given.error["relative"] == sum(given.error["parts"].values())
+
+
+def test_no_drive_gives_no_velocity_and_no_error():
+    record = run(changed("twente-contact", "wave.normal_amplitude=0"), tolerance=1e-3)
+    (point,) = record.points
+    assert (point["velocity_m_per_s"], point["relative_error"], point["status"]) == (0.0, 0.0, "ok")
+
+
+def test_contacts_in_phase_move_as_one():
+    one = run(changed("twente-contact", "wave.normal_amplitude=3 nm"), tolerance=1e-6)
+    settings = ["slider.mass=0.267 g", "slider.damping.normal=1.5", "slider.damping.tangential=3e-4"]
+    three = changed("twente-contact", "wave.normal_amplitude=3 nm", "slider.contacts=3", *settings)
+    record = run(three, tolerance=1e-6)
+    assert record.points[0]["velocity_m_per_s"] == pytest.approx(one.points[0]["velocity_m_per_s"], rel=1e-10)
+    assert any("2 of 3 contacts" in reason for reason in record.left_out)
+
+
+def test_a_burst_leaves_its_end_velocity_and_its_trajectory():
+    record = run(changed("twente-contact", "wave.normal_amplitude=5 nm", "wave.burst=0.2 ms"), tolerance=1e-3)
+    ((level, motion),) = record.trajectories
+    (point,) = record.points
+    assert level == 5e-9
+    assert point["velocity_at_burst_end_m_per_s"] == motion.velocity_at_burst_end
+    assert 0 < motion.velocity_at_burst_end < point["velocity_m_per_s"]
+    assert motion.velocity[0] == 0.0
+    assert motion.time[-1] > 0.2e-3
+
+
+def test_the_resolved_scene_runs_again_to_the_same_numbers(given):
+    again = run(given.scene, tolerance=1e-3)
+    assert again.scene == given.scene
+    assert again.points == given.points
+    assert again.summary == given.summary
+
+
+def test_a_point_that_has_no_answer_says_why_and_holds_no_number():
+    settings = ["slider.load=1 N", "slider.damping.tangential=0", "wave.normal_amplitude=3 nm"]
+    record = run(changed("twente-contact", *settings), tolerance=1e-3)
+    (point,) = record.points
+    assert "velocity_m_per_s" not in point
+    assert "runaway" in point["status"]
+    assert "1 of 1 points have no answer" in record.shortfall
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        (["slider.method=stepped"], r"slider\.method must be .* for the steady state, got 'stepped'"),
+        (["slider.law=hysteretic"], r"slider\.law"),
+    ],
+)
+def test_what_the_contact_cannot_do_is_refused(settings, words):
+    with pytest.raises(SceneError, match=words):
+        run(changed("twente-contact", *settings), tolerance=1e-3)
+
+
+def test_a_given_wave_drives_towards_plus_x():
+    wave = Wave(frequency="1 MHz", normal_amplitude="1 nm", tangential_ratio=0.7)
+    (orbit,) = bridge.given_orbits(wave)
+    assert orbit.scaled(1e-9).crest_velocity > 0
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        (["stator.material=PZT8"], "PZT-8"),
+        (["stator.material=steel"], "not piezoelectric"),
+        (["transducer.0.center=2 mm"], r"transducer\.0\.center"),
+        (["transducer.0.center=136 mm"], "overlap"),
+        (["transducer.0.finger_pairs=500"], "stator"),
+    ],
+)
+def test_what_only_the_physics_can_refuse_is_refused_in_one_sentence(settings, words):
+    with pytest.raises(SceneError, match=words) as refusal:
+        run(changed("twente", *settings), tolerance=1e-3)
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_stiffness_that_is_not_positive_definite_is_refused():
+    stiffness = [[-1e11 if i == j == 2 else 1e11 * (i == j) for j in range(6)] for i in range(6)]
+    material = {
+        "stiffness": stiffness,
+        "coupling": [[0.0] * 6] * 3,
+        "permittivity": [[10, 0, 0], [0, 10, 0], [0, 0, 10]],
+        "density": 5000,
+    }
+    table = read_table("rayleigh")
+    table["stator"]["material"] = material
+    with pytest.raises(SceneError, match=r"stator\.material.*stiffness.*positive"):
+        run(Scene.from_table("", table), tolerance=1e-3)
+
+
+@pytest.fixture(scope="module")
+def chip():
+    """A small motor: 12 wavelengths, so that the stator costs little."""
+    settings = [
+        "stator.length=24 mm",
+        "transducer.0.center=5 mm",
+        "transducer.1.center=19 mm",
+        "transducer.0.finger_pairs=3",
+        "transducer.1.finger_pairs=3",
+        "slider.position=12 mm",
+        "drive.voltage=[0, 60, 120, 180]",
+    ]
+    return changed("twente", *settings)
+
+
+@pytest.fixture(scope="module")
+def driven(chip):
+    return run(chip, tolerance=1e-3)
+
+
+def test_the_slider_runs_towards_the_driven_transducer(driven):
+    still, *moving = [point["velocity_m_per_s"] for point in driven.points]
+    assert still == 0.0
+    assert driven.points[0]["relative_error"] == 0.0
+    assert all(speed < 0 for speed in moving)
+
+
+def test_driven_from_the_other_side_it_runs_the_other_way(chip, driven):
+    mirrored = run(replace(chip, drive=replace(chip.drive, transducer="right")), tolerance=1e-3)
+    for one, other in zip(driven.points[1:], mirrored.points[1:], strict=True):
+        assert one["velocity_m_per_s"] == pytest.approx(-other["velocity_m_per_s"], rel=1e-9)
+
+
+def test_amplitudes_are_volts_times_metres_per_volt(driven):
+    for point in driven.points:
+        size = abs(driven.wave["normal_m_per_V"]) * point["voltage_V"]
+        assert point["normal_amplitude_m"] == pytest.approx(size, rel=1e-14)
+    summary = driven.summary
+    ratio = summary["threshold_amplitude_m"] / summary["threshold_voltage_V"]
+    assert ratio == pytest.approx(abs(driven.wave["normal_m_per_V"]), rel=1e-12)
+
+
+def test_the_error_holds_against_a_sharper_run(chip, driven):
+    rough = run(chip, tolerance=3e-2)
+    assert 1e-4 < rough.error["relative"] <= 3e-2
+    assert driven.error["relative"] <= 1e-3
+    for coarse, fine in zip(rough.points[1:], driven.points[1:], strict=True):
+        true = abs(coarse["velocity_m_per_s"] / fine["velocity_m_per_s"] - 1)
+        assert true <= 2 * coarse["relative_error"]
+
+
+def test_without_a_slider_the_amplitude_is_the_result(chip):
+    record = run(replace(chip, slider=None), tolerance=1e-2)
+    assert all("velocity_m_per_s" not in point for point in record.points)
+    assert record.error["relative"] <= 1e-2
+    assert record.to_dict().keys().isdisjoint({"summary"})
+
+
+def test_the_free_wave_is_the_half_space_s():
+    import fem
+
+    record = run(Scene.load("rayleigh"), tolerance=1e-6)
+    expected = fem.rayleigh(fem.material("PZT-8"), "open")
+    assert record.wave["phase_velocity_m_per_s"] == pytest.approx(expected.velocity, rel=1e-6)
+    assert record.wave["surface_ratio"] == pytest.approx(expected.surface_ratio, rel=1e-4)
+    assert not record.points
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), complex(1, float("nan"))])
+def test_what_is_not_finite_never_leaves(value):
+    with pytest.raises(RunError, match=r"points\.0\.velocity_m_per_s"):
+        plain("points", [{"velocity_m_per_s": value}])

@@ -1,0 +1,210 @@
+"""The command: exit codes, what goes to stdout and stderr, what is written, what is imported."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from studies.__main__ import main
+
+CONTACT = ["run", "twente-contact", "--set", "wave.normal_amplitude=[0, 3e-9]"]
+
+
+@pytest.fixture
+def call(monkeypatch, capsys, tmp_path):
+    """Run the command in an empty directory; give its exit code, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+
+    def called(*words):
+        monkeypatch.setattr(sys, "argv", ["sawmotor", *words])
+        status = main()
+        captured = capsys.readouterr()
+        return status, captured.out, captured.err
+
+    return called
+
+
+def one_sentence(text):
+    return text.startswith("sawmotor: ") and text.count("\n") == 1
+
+
+def test_a_run_prints_its_answer_and_leaves_its_files(call, tmp_path):
+    status, out, err = call(*CONTACT, "--no-plot")
+    assert (status, err) == (0, "")
+    assert all(
+        word in out for word in ("velocity (mm/s)", "threshold", "release", "relative error", "left out")
+    )
+    names = sorted(path.name for path in (tmp_path / "results" / "twente-contact").iterdir())
+    assert names == ["run.json", "scene.toml", "velocity.csv"]
+
+
+def test_json_is_what_run_json_would_hold_and_writes_nothing(call, tmp_path):
+    status, out, _ = call(*CONTACT, "--json")
+    assert status == 0
+    assert not list(tmp_path.iterdir())
+    answer = json.loads(out)
+    status, out, _ = call(*CONTACT, "--json", "--out", "here")
+    kept = json.loads((tmp_path / "here" / "run.json").read_text())
+    for one in (answer, kept, json.loads(out)):
+        del one["seconds"]
+    assert answer == kept == json.loads(json.dumps(kept))
+    assert {"title", "scene", "wave", "points", "summary", "error", "left_out", "provenance"} <= answer.keys()
+    assert answer.keys().isdisjoint({"electrical"})
+
+
+def test_a_scene_that_is_left_runs_again_to_the_same_numbers(call, tmp_path):
+    call(*CONTACT, "--no-plot", "--out", "first")
+    status, _, _ = call("run", "first/scene.toml", "--no-plot", "--out", "second")
+    assert status == 0
+    first, second = (json.loads((tmp_path / n / "run.json").read_text()) for n in ("first", "second"))
+    assert first["points"] == second["points"]
+    assert first["scene"] == second["scene"]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["run", "nowhere"],
+        ["run", "twente-contact", "--set", "slider.mas=1"],
+        ["run", "twente-contact", "--set", "slider.mass=0"],
+        ["run", "twente-contact", "--voltage", "5"],
+        ["run", "twente", "--voltage", ""],
+        ["run", "twente", "--voltage", "5:60"],
+        ["run", "twente-contact", "--tolerance", "0"],
+        ["run", "twente-contact", "--tolerance", "tight"],
+        ["run", "twente-contact", "--tolerance", "nan"],
+        ["run", "twente-contact", "--fast"],
+        ["run", "twente-contact", "--js"],
+        ["walk"],
+        ["sweep", "twente", "--over", "slider.preload=1:2:3"],
+        ["wave", "PZT-9"],
+        ["wave", "PZT-8", "--surface", "wet"],
+        ["wave", "PZT-8", "--orientation", "1,2"],
+        ["check", "twente", "--set", "transducer.1.center=15 mm"],
+        ["check", "rayleigh", "--set", "slider={}"],
+    ],
+    ids=" ".join,
+)
+def test_bad_input_is_refused_in_one_sentence_with_code_2(call, tmp_path, words):
+    status, out, err = call(*words)
+    assert (status, out) == (2, "")
+    assert one_sentence(err), err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_directory_that_cannot_be_written_is_code_1(call, tmp_path):
+    (tmp_path / "taken").write_text("")
+    status, out, err = call(*CONTACT, "--out", "taken")
+    assert (status, out) == (1, "")
+    assert one_sentence(err)
+    assert (tmp_path / "taken").read_text() == ""
+
+
+def test_a_run_without_an_answer_says_why_with_code_1(call):
+    words = ["--set", "slider.load=1", "--set", "slider.damping.tangential=0"]
+    status, out, err = call(*CONTACT, *words, "--json")
+    assert status == 1
+    assert one_sentence(err)
+    assert "runaway" in json.loads(out)["points"][1]["status"]
+
+
+def test_an_interrupted_run_leaves_nothing(call, monkeypatch, tmp_path):
+    import studies.chain
+
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(studies.chain, "run", interrupted)
+    status, _, err = call(*CONTACT)
+    assert status == 1
+    assert "interrupted" in err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_defect_is_no_traceback(call, monkeypatch):
+    import studies.chain
+
+    monkeypatch.delenv("SAWMOTOR_TRACEBACK", raising=False)
+    monkeypatch.setattr(studies.chain, "run", lambda *_, **__: 1 / 0)
+    status, _, err = call(*CONTACT)
+    assert status == 1
+    assert one_sentence(err)
+    assert "ZeroDivisionError" in err
+
+
+def test_scenes_and_check(call):
+    status, out, _ = call("scenes")
+    assert status == 0
+    assert all(name in out for name in ("twente ", "twente-contact", "twente-left", "rayleigh", "lithium"))
+    status, out, _ = call("check", "twente", "--set", "slider.mass=1e-4", "--voltage", "5:60:12")
+    assert status == 0
+    assert all(word in out for word in ("PZT-8", "0.1 g", "12 values", "left", "2.2 MHz"))
+
+
+def test_the_wave_of_a_material(call):
+    status, out, _ = call("wave", "LiNbO3 (Kovacs)", "--orientation", "128YX", "--json")
+    answer = json.loads(out)
+    assert status == 0
+    assert answer["velocity_m_per_s"] == pytest.approx(3979, abs=1)  # materials.md
+    assert 0.053 < answer["coupling_K2"] < 0.055
+    assert "Kovacs" in answer["material"]["source"]
+    again = json.loads(
+        call("wave", "LiNbO3 (Kovacs)", "--orientation", "0,38,0", "--surface", "free", "--json")[1]
+    )
+    assert again["velocity_m_per_s"] == answer["velocity_m_per_s"]
+    assert "coupling_K2" not in json.loads(call("wave", "steel", "--json")[1])
+    assert "retrograde" in call("wave", "PZT-8")[1]
+
+
+def test_help_advertises_no_sweep(call):
+    status, out, _ = call("--help")
+    assert status == 0
+    assert "sweep" not in out
+    assert call()[0] == 0
+
+
+HEAVY = ("skfem", "numba", "pyvista", "matplotlib", "pint", "rich", "dask")
+IMPORTS = """
+import sys
+{what}
+print(sorted({{name.split('.')[0] for name in sys.modules}} & set({names!r})))
+"""
+RUN = """
+import contextlib, io
+from studies.__main__ import main
+sys.argv = ["sawmotor", {words}]
+with contextlib.redirect_stdout(io.StringIO()):
+    assert main() == 0
+"""
+
+
+def imported(what, names=(*HEAVY, "numpy", "scipy", "meshio")):
+    script = IMPORTS.format(what=what, names=names)
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    return eval(done.stdout.strip().splitlines()[-1])
+
+
+def run_of(*words):
+    return RUN.format(words=", ".join(map(repr, words)))
+
+
+def test_importing_studies_imports_nothing_heavy():
+    assert imported("import studies") == []
+    assert imported("import studies.__main__, studies.commands, studies.chain, studies.points") == []
+
+
+def test_a_contact_scene_imports_no_field_solver():
+    found = imported(run_of("run", "twente-contact", "--set", "wave.normal_amplitude=3 nm", "--json"))
+    assert set(found).isdisjoint({"skfem", "meshio", "pyvista", "matplotlib", "pint", "rich"})
+
+
+def test_a_stator_scene_imports_no_contact_solver():
+    found = imported(run_of("run", "rayleigh", "--json"))
+    assert set(found).isdisjoint({"numba", "pyvista", "matplotlib", "pint"})
+
+
+def test_a_closed_pipe_is_no_traceback():
+    script = f"{sys.executable} -m studies scenes | true"
+    done = subprocess.run(["bash", "-c", script], capture_output=True, text=True)
+    assert done.stderr == ""
