@@ -230,6 +230,9 @@ def discretise(stator: Stator, resolution: Resolution, *, wavelength: float, sur
     largest = resolution.element_size
     layers = resolution.edge_layers if np.isfinite(surface_scale) else 0
     depth = stator.thickness / unit if np.isfinite(stator.thickness) else HALF_SPACE_DEPTH
+    if stator.absorbs_below:
+        # Any thickness is the same half-space; too near the surface the layer errs by 1e-4.
+        depth = max(depth, HALF_SPACE_DEPTH)
     top = min(surface_scale / unit, depth / 2, largest) if layers else min(depth, largest)
     pieces = [graded(depth - top, 0, largest=largest)] if depth > top * (1 + 1e-9) else []
     pieces.append(graded(top, layers, largest=largest))

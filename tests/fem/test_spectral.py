@@ -69,7 +69,7 @@ def test_basis_and_slopes_reproduce_polynomials(order):
 
 @pytest.mark.parametrize("order", ORDERS)
 def test_matrices_integrate_exactly(order):
-    """int x^i x^j = 1/(i+j+1); of the slopes i j/(i+j-1); int (x^i)' x^j = i/(i+j)."""
+    """Of powers: int x^i x^j = 1/(i+j+1); of the slopes i j/(i+j-1); int (x^i)' x^j = i/(i+j)."""
     matrices = reference_matrices(order)
     powers = np.arange(order + 1)
     monomials = gll_nodes(order)[:, None] ** powers

@@ -1,0 +1,72 @@
+"""Modes of a free isotropic plate: the Rayleigh-Lamb equations (Lamb 1917; Achenbach 1973, section 6.7).
+
+Plate -h <= z <= h, exp(i(omega t - k x)), p^2 = (omega/c_L)^2 - k^2, q^2 = (omega/c_S)^2 - k^2:
+
+    symmetric      (q^2 - k^2)^2 cos(p h) sin(q h)/q + 4 k^2 p sin(p h) cos(q h) = 0
+    antisymmetric  (q^2 - k^2)^2 sin(p h)/p cos(q h) + 4 k^2 q cos(p h) sin(q h) = 0
+
+real for real k, whatever the signs of p^2 and q^2.
+"""
+
+import numpy as np
+
+
+def _cosine(square, h):
+    """cos(sqrt(square) h) for either sign."""
+    root = np.sqrt(np.abs(square))
+    return np.where(square >= 0, np.cos(root * h), np.cosh(root * h))
+
+
+def _sine_over(square, h):
+    """sin(r h)/r with r = sqrt(square), for either sign."""
+    root = np.sqrt(np.abs(square))
+    safe = np.where(root * h < 1e-6, 1.0, root)
+    ratio = np.where(square >= 0, np.sin(safe * h), np.sinh(safe * h)) / safe
+    return np.where(root * h < 1e-6, h, ratio)
+
+
+def determinant(
+    k, omega, *, longitudinal: float, shear: float, half_thickness: float, symmetric: bool
+) -> np.ndarray:
+    """Left side of the Rayleigh-Lamb equation, divided by the growth of its hyperbolic factors."""
+    k = np.asarray(k, dtype=float)
+    h = half_thickness
+    p2, q2 = (omega / longitudinal) ** 2 - k**2, (omega / shear) ** 2 - k**2
+    if symmetric:
+        value = (q2 - k**2) ** 2 * _cosine(p2, h) * _sine_over(q2, h)
+        value = value + 4 * k**2 * p2 * _sine_over(p2, h) * _cosine(q2, h)
+    else:
+        value = (q2 - k**2) ** 2 * _sine_over(p2, h) * _cosine(q2, h)
+        value = value + 4 * k**2 * q2 * _cosine(p2, h) * _sine_over(q2, h)
+    growth = np.sqrt(np.maximum(-p2, 0)) + np.sqrt(np.maximum(-q2, 0))
+    return value * np.exp(-growth * h)
+
+
+def wavenumbers(omega: float, *, longitudinal: float, shear: float, half_thickness: float, symmetric: bool):
+    """All real positive roots k, increasing, by sign changes on a fine line and bisection."""
+    plate = {
+        "longitudinal": longitudinal,
+        "shear": shear,
+        "half_thickness": half_thickness,
+        "symmetric": symmetric,
+    }
+    top = 1.6 * omega / shear + 3.0 / half_thickness
+    line = np.linspace(1e-6 * top, top, 40001)
+    signs = np.sign(determinant(line, omega, **plate))
+    roots = []
+    for index in np.flatnonzero(signs[:-1] * signs[1:] < 0):
+        low, high = line[index], line[index + 1]
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            same = np.sign(determinant(middle, omega, **plate)) == signs[index]
+            low, high = (middle, high) if same else (low, middle)
+        roots.append(0.5 * (low + high))
+    return np.array(roots)
+
+
+def group_velocity(k: float, omega: float, **plate) -> float:
+    """D omega/d k on a branch, -(d/dk)/(d/d omega) of the determinant, by central differences."""
+    dk, dw = 1e-6 * k, 1e-6 * omega
+    along_k = determinant(k + dk, omega, **plate) - determinant(k - dk, omega, **plate)
+    along_w = determinant(k, omega + dw, **plate) - determinant(k, omega - dw, **plate)
+    return float(-(along_k / dk) / (along_w / dw))
