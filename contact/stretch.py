@@ -187,6 +187,10 @@ def first_root(sigma, bary, rates, values):
             width = sigma[j] - sigma[j - 1]
             reach = 0.5 * width * max(abs(before), abs(slope))
             near = min(values[j - 1], values[j]) < reach
+            if j == 1 and values[0] < 1e-12 * np.max(np.abs(values)):
+                near = (
+                    False  # a guard that has just opened: a dip there would be the interpolation's own error
+                )
             if near and _wiggles(values[j - 1], values[j], before * width, slope * width):
                 place = _searched(sigma[j - 1], sigma[j], sigma, bary, values)
                 if place < 2.0:
@@ -199,12 +203,16 @@ def first_root(sigma, bary, rates, values):
 
 @njit(cache=True)
 def _searched(start, stop, sigma, bary, values):
-    """Return the first place between two nodes where the interpolant turns negative, 2.0 if nowhere."""
+    """Return the first place between two nodes where the interpolant turns negative, 2.0 if nowhere.
+
+    Negative beyond the rounding of the interpolation: a guard that starts from zero with zero slope is no root.
+    """
+    rounding = -1e-13 * np.max(np.abs(values))
     parts = 8
     step = (stop - start) / parts
     left, middle = interpolate(start - step, sigma, bary, values), interpolate(start, sigma, bary, values)
     for m in range(parts + 1):
-        if m > 0 and middle < 0.0:
+        if m > 0 and middle < rounding:
             return root(start + (m - 1) * step, start + m * step, sigma, bary, values)
         right = interpolate(start + (m + 1) * step, sigma, bary, values)  # one beyond the end at the last
         if middle <= left and middle <= right:  # golden section for a negative dip
@@ -212,8 +220,10 @@ def _searched(start, stop, sigma, bary, values):
             for _ in range(40):
                 p, q = a + 0.381966011250105 * (b - a), b - 0.381966011250105 * (b - a)
                 f, g = interpolate(p, sigma, bary, values), interpolate(q, sigma, bary, values)
-                if min(f, g) < 0.0:
-                    return root(max(start + (m - 1) * step, start), p if f < 0.0 else q, sigma, bary, values)
+                if min(f, g) < rounding:
+                    return root(
+                        max(start + (m - 1) * step, start), p if f < rounding else q, sigma, bary, values
+                    )
                 if f < g:
                     b = q
                 else:

@@ -120,7 +120,7 @@ def test_load_slows_stops_and_then_drags():
 
 
 def test_a_load_without_friction_or_damper_runs_away_and_says_so():
-    with pytest.raises(ConvergenceError, match="runaway|damping") as caught:
+    with pytest.raises(ConvergenceError, match="no tangential damping") as caught:
         steady(
             slider(load=1e-3, friction_coefficient=0.0, tangential_damping=0.0), orbit(3e-9), tolerance=1e-6
         )

@@ -1,9 +1,10 @@
 r"""An independent witness for the seed's motor: one contact, SI units, classical Runge-Kutta in very small steps.
 
 Shares nothing with the product: the paper's formulas as printed (contact radius by a cube root,
-x_max = 3 mu P/(16 a G)), the four-stage Runge-Kutta method in fixed steps, events by bisection of the step's length with the far side accepted.
-Neither x = 0 nor the square roots at contact and slip are treated: the steps are so small that the error of order
-h^2.5 per event is below 1e-9 at 4000 steps per cycle (shown in its own test).
+x_max = 3 mu P/(16 a G)), the four-stage Runge-Kutta method in fixed steps, events by bisection of the step's length
+with the far side accepted. Neither x = 0 nor the square roots at contact and slip are treated: the steps are so small
+that the error of order 2.5 per event is 1e-8 and below at 1000 steps per cycle. Velocities are sums of a million
+increments in double precision: steady velocities carry rounding of about 1e-8.
 """
 
 import math
