@@ -177,7 +177,9 @@ def finger_cell(section: Section, frequency: float, shape: FingerShape, resoluti
     return joined(rising, falling, phi=section.surface_dofs["phi"], comb=0)
 
 
-def lines(block: Block, sides: np.ndarray, start: float = 0.0) -> Iterator[tuple[float, Block, np.ndarray]]:
+def lines(
+    block: Block, sides: np.ndarray, start: float = 0.0, *, finest: float = 0.0
+) -> Iterator[tuple[float, Block, np.ndarray]]:
     """Walk the columns of a block from left to right.
 
     Parameters
@@ -187,19 +189,21 @@ def lines(block: Block, sides: np.ndarray, start: float = 0.0) -> Iterator[tuple
         Its left line, right line and comb potentials.
     start : float
         Where its left line lies, length units.
+    finest : float
+        Pieces of this width or less are not entered.
 
     Yields
     ------
     start, column block, sides
     """
-    if not block.parts:
+    if not block.parts or block.width <= finest:
         yield start, block, sides
         return
     n = block.size
     left, right, back = block.parts
     middle = back @ sides
-    yield from lines(left, np.concatenate([sides[:n], middle, sides[2 * n :]]), start)
-    yield from lines(right, np.concatenate([middle, sides[n:]]), start + left.width)
+    yield from lines(left, np.concatenate([sides[:n], middle, sides[2 * n :]]), start, finest=finest)
+    yield from lines(right, np.concatenate([middle, sides[n:]]), start + left.width, finest=finest)
 
 
 def widths(block: Block) -> Iterator[float]:

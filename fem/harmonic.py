@@ -21,7 +21,7 @@ from fem.geometry import Stator, Transducer, check_layout, outer_gaps
 from fem.guided import GuidedModes, guided_modes, power
 from fem.interior import ColumnField
 from fem.materials import fields
-from fem.network import Network, PortSolution, Scatterer, end_reflection
+from fem.network import Network, PortSolution, Scatterer, Walls, end_reflection
 from fem.section import Resolution, Section, discretise
 from fem.surface import Covered, Stretch, SurfaceWave
 from fem.wavelength import slowest_wavelength
@@ -122,6 +122,8 @@ def assembled(
     driven: str,
     source_impedance: complex,
     resolution: Resolution,
+    walls: Walls | None = None,
+    inset: float = 0.0,
 ) -> Solution:
     """Tie condensed transducers, stretches, ends and circuit together.
 
@@ -136,6 +138,8 @@ def assembled(
         Of the uniform stretches; their section is the blocks'.
     driven, source_impedance, resolution
         As in `solved`.
+    walls : Walls, optional
+        The stator's ends as condensed pieces, ``inset`` length units wide.
 
     Returns
     -------
@@ -150,9 +154,9 @@ def assembled(
         modes=modes,
         scatterers=tuple(scatterers[id(block)] for block in blocks),
         places=tuple((each.extent[0] - gap[0]) / unit for each, gap in zip(transducers, gaps, strict=True)),
-        start=0.0,
-        stop=stator.length / unit,
-        ends=stator.ends,
+        start=inset,
+        stop=stator.length / unit - inset,
+        ends=walls or stator.ends,
     )
     ports = network.solve()
     medium = section.solid
@@ -400,11 +404,11 @@ def driven_wave(
             source_impedance=source_impedance,
             resolution=resolution,
         )
-        wave = _surface_wave(solution)
+        wave = surface_wave(solution)
         if coarse is not None:
             wave = replace(
                 wave,
-                relative_error=_orbit_difference(wave, coarse, at) / (GAIN - 1),
+                relative_error=orbit_difference(wave, coarse, at) / (GAIN - 1),
                 admittance_error=abs(wave.admittance / coarse.admittance - 1) / (GAIN - 1),
             )
             if wave.relative_error <= tolerance:
@@ -433,7 +437,7 @@ def _first_level(tolerance: float) -> int:
     return (enough[0] if enough else len(EXPECTED) - 1) - 1
 
 
-def _orbit_difference(wave: SurfaceWave, other: SurfaceWave, at: np.ndarray) -> float:
+def orbit_difference(wave: SurfaceWave, other: SurfaceWave, at: np.ndarray) -> float:
     """Largest relative difference of the orbits at places; a common phase, which moves nothing, does not count."""
     orbits = []
     for each in (wave, other):
@@ -444,7 +448,8 @@ def _orbit_difference(wave: SurfaceWave, other: SurfaceWave, at: np.ndarray) -> 
     return float(np.max(change / size))
 
 
-def _surface_wave(solution: Solution) -> SurfaceWave:
+def surface_wave(solution: Solution) -> SurfaceWave:
+    """Surface motion of a solution; its errors and powers are yet to be found (infinite and NaN)."""
     modes, section, wired = solution.modes, solution.section, solution.circuit
     surface = modes.rayleigh
     shape = section.surface_rows @ modes.right[:, surface]

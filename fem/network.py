@@ -80,6 +80,27 @@ class Scatterer:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Walls:
+    """Ends of the stator as condensed pieces: their matrices on the lines where they begin.
+
+    Attributes
+    ----------
+    matrices : tuple of ndarray, shape (n, n)
+        Outward nodal flux of the left piece on its right line, of the right piece on its left line, per unknown.
+    """
+
+    matrices: tuple[np.ndarray, np.ndarray]
+
+    def sent_back(self, modes: GuidedModes, side: int, arriving: np.ndarray) -> np.ndarray:
+        """Amplitudes of all modes sent back for each that arrives at the line: (E - X_back) q = -(E + X_on) p."""
+        wall = self.matrices[side]
+        on, back = (modes.left_end, modes.right_end) if side == 0 else (modes.right_end, modes.left_end)
+        shapes = (modes.left if side == 0 else modes.right)[:, arriving]
+        returned = -np.linalg.solve(wall - back, (wall + on) @ shapes)
+        return modes.right_amplitudes(returned) if side == 0 else modes.left_amplitudes(returned)
+
+
+@dataclass(frozen=True, kw_only=True)
 class Network:
     """Scatterers in a row between two ends.
 
@@ -92,8 +113,8 @@ class Network:
         Where their left lines lie, length units.
     start, stop : float
         The stator's ends, length units.
-    ends : str
-        "absorbing", "free" or "clamped".
+    ends : str or Walls
+        "absorbing", "free", "clamped", or condensed pieces that begin at start and stop.
     """
 
     modes: GuidedModes
@@ -101,7 +122,7 @@ class Network:
     places: tuple[float, ...]
     start: float
     stop: float
-    ends: str
+    ends: str | Walls
 
     @property
     def ports(self) -> int:
@@ -223,13 +244,13 @@ class PortSolution:
     charges: np.ndarray
 
 
-def end_reflection(modes: GuidedModes, ends: str, side: int, arriving: np.ndarray) -> np.ndarray:
+def end_reflection(modes: GuidedModes, ends: str | Walls, side: int, arriving: np.ndarray) -> np.ndarray:
     """Amplitudes of all modes sent back by an end for each mode that arrives there.
 
     Parameters
     ----------
     modes : GuidedModes
-    ends : str
+    ends : str or Walls
         "free": no traction, D_n = 0; "clamped": u = 0, D_n = 0.
     side : int
         0 for the left end, 1 for the right one.
@@ -240,6 +261,8 @@ def end_reflection(modes: GuidedModes, ends: str, side: int, arriving: np.ndarra
     -------
     ndarray, shape (n, arriving)
     """
+    if isinstance(ends, Walls):
+        return ends.sent_back(modes, side, arriving)
     shapes = (modes.left, modes.right) if side == 0 else (modes.right, modes.left)
     fluxes = (modes.left_flux, modes.right_flux) if side == 0 else (modes.right_flux, modes.left_flux)
     held = np.zeros(modes.section.size, dtype=bool)
