@@ -9,6 +9,12 @@ def reference_speed(velocity: float, orbits: tuple[Orbit, ...]) -> float:
     return max(abs(velocity), max(o.omega * abs(o.tangential) for o in orbits) / 10.0)
 
 
+def relative_to_reference(difference: float, velocity: float, orbits: tuple[Orbit, ...]) -> float:
+    """Return a velocity difference over the reference speed; zero if nothing moves at all."""
+    reference = reference_speed(velocity, orbits)
+    return float(abs(difference) / reference) if reference > 0.0 else 0.0
+
+
 def drive_direction(orbits: tuple[Orbit, ...]) -> float:
     """Return +1 or -1, the direction in which the crests drive an unloaded slider (+1 if neither)."""
     return -1.0 if sum(orbit.crest_velocity for orbit in orbits) < 0.0 else 1.0

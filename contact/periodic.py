@@ -16,6 +16,10 @@ from contact.convergence import ConvergenceError
 from contact.motion import Motion
 
 
+# no motion that is worth searching leaves this many length units
+BOUND = 1e6
+
+
 @dataclass(frozen=True, kw_only=True)
 class Periodic:
     """Periodic motion, in the units of the balance's problem.
@@ -47,8 +51,33 @@ class Periodic:
     work: np.ndarray
 
 
-def periodic(balance: Balance, *, nodes: int, truncation: float, near: Periodic | None = None) -> Periodic:
-    """Return the periodic motion at one order of collocation, started from the balance or a motion near it."""
+def periodic(
+    balance: Balance, *, nodes: int, truncation: float, near: Periodic | None = None, settle: int = 0
+) -> Periodic:
+    """Return the periodic motion at one order of collocation.
+
+    Parameters
+    ----------
+    balance : Balance
+        The averaged steady state: where to start.
+    nodes : int
+        Collocation points per stretch.
+    truncation : float
+        Allowed per stretch, see `Motion`.
+    near : Periodic, optional
+        Start from this motion instead, with its Jacobian.
+    settle : int
+        Cycles to follow the motion from the balance before the search.
+
+    Returns
+    -------
+    Periodic
+
+    Raises
+    ------
+    ConvergenceError
+        If the fixed point is not reached to 1e-6.
+    """
     motion = Motion(balance.problem, table=collocation(nodes), truncation=truncation)
     work = np.zeros(10, np.int64)
 
@@ -57,11 +86,18 @@ def periodic(balance: Balance, *, nodes: int, truncation: float, near: Periodic 
         motion.place(*y[:3], y[3:])
         motion.turn(1)
         work[:] += motion.tally
+        if not np.max(np.abs(motion.state)) < BOUND:
+            raise ConvergenceError(
+                "not finite",
+                "the cycle map throws the slider off; lower the contact damping or follow a burst",
+            )
         return motion.state.copy()
 
     if near is None:
         y = np.concatenate(([-balance.height, 0.0, balance.speed], balance.motion.state[3:]))
         y[3:] = cycle(y)[3:]  # the full motion's own deformations
+        for _ in range(settle):
+            y = cycle(y)
         jacobian = _jacobian(cycle, y)
     else:
         y, jacobian = near.state.copy(), near.jacobian

@@ -16,12 +16,14 @@ import numpy as np
 
 from contact import bounds
 from contact.convergence import ConvergenceError
-from contact.drive import available, drive_direction, reference_speed, towards_plus
+from contact.drive import available, drive_direction, relative_to_reference, towards_plus
 from contact.limits import riding_height
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
 
 METHODS = ("auto", "exact", "averaged")
+# largest ratio of contact resonance to wave for which a periodic motion is searched
+SLOWEST_WAVE = 20.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,7 +139,20 @@ def _searched(slider, orbits, tolerance, method):
     if balance.held:
         return _held(slider, driven, balance, tolerance)
     unit = balance.problem.speed
-    fine = periodic(balance, nodes=16, truncation=1e-12)
+    ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
+    if ratio > SLOWEST_WAVE:
+        raise ConvergenceError(
+            "slow wave",
+            f"the contact resonates {ratio:.3g} times as fast as the wave, too far for the search of a periodic motion; "
+            "follow a burst with method exact",
+        )
+    try:
+        fine = periodic(balance, nodes=16, truncation=1e-12)
+    except ConvergenceError as failed:
+        if failed.status != "not converged":
+            raise
+        # averaging is no start here: let the motion settle by itself first
+        fine = periodic(balance, nodes=16, truncation=1e-12, settle=200)
     coarse = periodic(balance, nodes=10, truncation=1e-8, near=fine)
     growth = float(np.max(np.abs(np.linalg.eigvals(fine.jacobian))))
     if growth > 1.0 + 1e-6:
@@ -146,12 +161,12 @@ def _searched(slider, orbits, tolerance, method):
             f"the motion that repeats with the wave's period grows by {growth:.6g} per cycle: the slider hops; "
             "add normal damping or follow a burst with method exact",
         )
-    velocity, reference = fine.speed * unit, reference_speed(fine.speed * unit, orbits)
-    error = (abs(fine.speed - coarse.speed) + fine.step) * unit / reference
+    velocity = fine.speed * unit
+    error = relative_to_reference((abs(fine.speed - coarse.speed) + fine.step) * unit, velocity, orbits)
     used, note = "exact", "periodic motion of the full equations"
     if method == "averaged":
         velocity, used, note = balance.speed * unit, "averaged", "cycle means at constant height and velocity"
-        error = abs(balance.speed - fine.speed) * unit / reference
+        error = relative_to_reference((balance.speed - fine.speed) * unit, velocity, orbits)
     status = "ok"
     if error > tolerance:
         status, note = "above tolerance", f"{note}; estimated error {error:.2g} exceeds {tolerance:.2g}"
@@ -174,7 +189,7 @@ def _held(slider, orbits, balance, tolerance):
     ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
     # just above the threshold the averaging error is 12 (f_n/f)^2; see the velocity at an amplitude larger by that
     beyond = balanced(slider, tuple(orbit.scaled(1.0 + min(12.0 * ratio**2, 0.5)) for orbit in orbits))
-    error = abs(beyond.speed) * beyond.problem.speed / reference_speed(0.0, orbits)
+    error = relative_to_reference(beyond.speed * beyond.problem.speed, 0.0, orbits)
     statistics = _counted(balance.motion, balance.work + beyond.work)
     regime = "intermittent" if statistics["release"] else "slip" if statistics["stick_to_slip"] else "stick"
     status, note = "ok", "held by friction"

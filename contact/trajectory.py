@@ -15,7 +15,7 @@ import numpy as np
 
 from contact import bounds
 from contact.convergence import ConvergenceError
-from contact.drive import available, reference_speed, towards_plus
+from contact.drive import available, reference_speed, relative_to_reference, towards_plus
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
 
@@ -139,9 +139,7 @@ def burst(
         for name, number in still.events().items():
             statistics[f"after_{name}"] = number
     end = side * speed_at_end * problem.speed
-    relative = (
-        error * problem.speed / reference_speed(end, listed) if reference_speed(end, listed) > 0.0 else 0.0
-    )
+    relative = relative_to_reference(error * problem.speed, end, listed)
     status, message = "ok", f"{cycles} cycles from rest"
     if relative > tolerance:
         status = "above tolerance"

@@ -155,3 +155,42 @@ def test_an_estimate_above_the_tolerance_is_not_called_ok():
     rough = steady(slider(), orbit(1e-9), tolerance=1e-9, method="averaged")
     assert rough.status == "above tolerance"
     assert "exceeds" in rough.message
+
+
+def test_an_orbit_without_tangential_motion_drives_nothing():
+    found = steady(slider(), Orbit(frequency=2.2e6, normal=5e-9, tangential=0.0), tolerance=1e-6)
+    assert (found.velocity, found.relative_error) == (0.0, 0.0)
+    shear = steady(slider(), Orbit(frequency=2.2e6, normal=0.0, tangential=3e-9), tolerance=1e-6)
+    assert shear.velocity == 0.0
+
+
+@pytest.mark.parametrize(
+    ("changed", "frequency", "status"),
+    [
+        ({"mass": 1e-12}, 2.2e6, "slow wave"),
+        ({}, 1.0, "slow wave"),
+        ({"contact_damping": 1e6}, 2.2e6, "not finite"),
+    ],
+)
+def test_what_cannot_be_found_is_refused_with_a_next_step(changed, frequency, status):
+    with pytest.raises(ConvergenceError, match="follow a burst") as caught:
+        steady(slider(**changed), orbit(3e-9, frequency=frequency), tolerance=1e-6)
+    assert caught.value.status == status
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"effective_modulus": 64e12, "tangential_modulus": 12e12},
+        {"preload": 1e-6},
+        {"mass": 1e-9},
+        {"mass": 1.0},
+        {"radius": 1.0},
+        {"normal_damping": 1e3, "tangential_damping": 1e3},
+        {"friction_coefficient": 5.0},
+    ],
+)
+def test_extremes_are_answered_within_the_tolerance(changed):
+    found = steady(slider(**changed), orbit(3e-9), tolerance=1e-6)
+    assert found.status == "ok"
+    assert abs(found.velocity) <= 2.0 * math.pi * 2.2e6 * 0.7 * 3e-9
