@@ -44,6 +44,7 @@ def direct_solution(
     resolution: Resolution,
     wavelength: float,
     stretch_size: float = 0.5,
+    stretch_layers: int = 0,
 ) -> DirectSolution:
     """Solve the driven stator by brute force.
 
@@ -60,6 +61,8 @@ def direct_solution(
         Length unit in m, the slowest bulk wave's.
     stretch_size : float
         Largest element in the uniform stretches, wavelengths.
+    stretch_layers : int
+        Geometric layers towards both ends of every stretch, where evanescent fields vary fast.
 
     Returns
     -------
@@ -78,7 +81,7 @@ def direct_solution(
         wavelength=wavelength,
         surface_scale=min(transducer.finger_width / 2 for transducer in transducers),
     )
-    across = _x_lines(stator, transducers, resolution, wavelength, stretch_size)
+    across = _x_lines(stator, transducers, resolution, wavelength, (stretch_layers, stretch_size))
     mesh = MeshQuad.init_tensor(across, section.breakpoints)
     basis = Basis(mesh, ElementQuadP(resolution.order), intorder=2 * resolution.order)
     body = medium(stator.solid, names)
@@ -107,7 +110,7 @@ def _by_port(by_comb: DirectSolution, count: int, floats: bool) -> DirectSolutio
     )
 
 
-def _x_lines(stator, transducers, resolution, wavelength, stretch_size) -> np.ndarray:
+def _x_lines(stator, transducers, resolution, wavelength, stretch) -> np.ndarray:
     """Element ends along x in length units: graded to every finger edge, even in the stretches between."""
     layers, largest = resolution.edge_layers, resolution.element_size
     sizes, here = [], 0.0
@@ -117,14 +120,14 @@ def _x_lines(stator, transducers, resolution, wavelength, stretch_size) -> np.nd
             graded(gap / wavelength, layers, largest=largest, smallest_first=later)
             for gap, later in zip(gaps, (False, True), strict=True)
         )
-        sizes += [graded(fingers[0, 0] - before.sum() - here, 0, largest=stretch_size), before]
+        sizes += [_both_graded(fingers[0, 0] - before.sum() - here, *stretch), before]
         for number, (left, right) in enumerate(fingers):
             if number:
                 sizes.append(_both_graded(left - fingers[number - 1, 1], layers, largest))
             sizes.append(_both_graded(right - left, layers, largest))
         sizes.append(after)
         here = fingers[-1, 1] + after.sum()
-    sizes.append(graded(stator.length / wavelength - here, 0, largest=stretch_size))
+    sizes.append(_both_graded(stator.length / wavelength - here, *stretch))
     return np.append(0.0, np.cumsum(np.concatenate(sizes)))
 
 
