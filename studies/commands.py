@@ -12,7 +12,7 @@ from studies.refusal import SceneError, shown
 from studies.results import result_directory
 from studies.scene import Scene, read_table, scene_path, shipped_scenes
 
-__all__ = ["check", "run", "scenes", "wave"]
+__all__ = ["check", "run", "scenes", "study", "wave"]
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -57,6 +57,23 @@ def wave(arguments: argparse.Namespace) -> int:
         print(json.dumps(answer, indent=1, ensure_ascii=False, allow_nan=False))
     else:
         print(half_space_answer(answer))
+    return 0
+
+
+def study(arguments: argparse.Namespace) -> int:
+    """Run a study, or list them with their questions."""
+    from studies.progress import Progress
+    from studies.study import STUDIES, module, question, run_study
+
+    if arguments.name is None:
+        width = max(map(len, STUDIES))
+        print("\n".join(f"{name:<{width}}  {question(name)}" for name in STUDIES))
+        return 0
+    module(arguments.name)
+    out = arguments.out or Path("results") / arguments.name
+    with result_directory(out) as folder, Progress() as progress:
+        answer = run_study(arguments.name, arguments.scene, folder, progress=progress)
+    print(f"{answer}\nresults  {out}")
     return 0
 
 

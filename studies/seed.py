@@ -1,0 +1,38 @@
+"""The slider and the wave of the seed paper's simulation, and what its figures ask of them."""
+
+from collections.abc import Callable
+
+from studies import bridge
+from studies.resolved import resolved
+from studies.scene import Scene
+
+__all__ = ["Seed"]
+
+TOLERANCE = 1e-3  # of steady velocities
+
+
+class Seed:
+    """The paper's slider and wave, and what several figures share."""
+
+    def __init__(self, say: Callable[[str], None]):
+        scene = resolved(Scene.load("twente-contact"))
+        self.say = say
+        self.slider = bridge.contact_slider(scene.slider)
+        self.shape = bridge.given_orbits(scene.wave)
+        self.levels = scene.levels
+
+    def orbits(self, amplitude: float) -> tuple:
+        """Return the wave of a normal amplitude in m."""
+        return bridge.scaled(self.shape, amplitude)
+
+    def steady(self, amplitude: float):
+        """Return the steady state at a normal amplitude in m."""
+        import contact
+
+        return contact.steady(self.slider, self.orbits(amplitude), tolerance=TOLERANCE)
+
+    def history(self, amplitude: float, **span):
+        """Return the history of the contact at a normal amplitude in m."""
+        import contact
+
+        return contact.contact_history(self.slider, self.orbits(amplitude), **span)

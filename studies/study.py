@@ -1,0 +1,150 @@
+"""A study: one question to the models, answered by panels to look at and findings to check.
+
+Each study is a file named by its question.  Its docstring says question, method, expected answer and run
+time; ``run(...)`` returns a record; ``figure(record, ax)`` draws the record, or one of its panels.
+"""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from importlib import import_module
+from pathlib import Path
+
+from studies.record import Record, plain, provenance
+from studies.refusal import SceneError, nearest
+
+__all__ = ["STUDIES", "Finding", "Panel", "StudyRecord", "question", "run_study"]
+
+STUDIES = ("voltage_to_velocity", "rayleigh", "seed_figures")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """A statement and the number that confirms or contradicts it.
+
+    Attributes
+    ----------
+    statement : str
+        A sentence of the paper in quotation marks, or of the theory.
+    quantity : str
+        What was computed, with its unit.
+    expected : str
+        The number or the range that confirms it.
+    found : float
+        The number.
+    confirmed : bool
+        Whether it does.
+    remark : str
+        What to know about it.
+    """
+
+    statement: str
+    quantity: str
+    expected: str
+    found: float
+    confirmed: bool
+    remark: str = ""
+
+    def __str__(self):
+        verdict = "confirmed" if self.confirmed else "contradicted"
+        remark = f"\n    {self.remark}" if self.remark else ""
+        numbers = f"{self.quantity}: {self.found:.6g}, expected {self.expected}: {verdict}"
+        return f"{self.statement}\n    {numbers}{remark}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Panel:
+    """One picture's numbers.
+
+    Attributes
+    ----------
+    name : str
+        Of its file.
+    title : str
+    data : dict
+        Arrays and numbers in SI units, named with their unit.
+    """
+
+    name: str
+    title: str
+    data: dict = field(repr=False)
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyRecord:
+    """What a study found."""
+
+    name: str
+    panels: tuple[Panel, ...]
+    findings: tuple[Finding, ...]
+    seconds: float
+
+    def to_dict(self) -> dict:
+        """Return what study.json holds."""
+        findings = [vars(finding) for finding in self.findings]
+        panels = {panel.name: {"title": panel.title, **panel.data} for panel in self.panels}
+        whole = {
+            "name": self.name,
+            "question": question(self.name),
+            "findings": findings,
+            "panels": panels,
+            "seconds": self.seconds,
+            "provenance": provenance(),
+        }
+        return {key: plain(key, value) for key, value in whole.items()}
+
+    def __str__(self):
+        lines = [question(self.name), "", *(str(finding) for finding in self.findings)]
+        return "\n".join([*lines, "", f"seconds  {self.seconds:.1f}"])
+
+
+def module(name: str):
+    """Return the module of a study.
+
+    Raises
+    ------
+    SceneError
+        If there is none of that name.
+    """
+    if name not in STUDIES:
+        raise SceneError("study", f"{name!r} does not exist{nearest(name, STUDIES)}")
+    return import_module(f"studies.{name}")
+
+
+def question(name: str) -> str:
+    """Return the question of a study: the first line of its docstring."""
+    return module(name).__doc__.splitlines()[0]
+
+
+def run_study(name: str, scene: str | None, folder: Path, *, progress: Callable[[str], None]) -> str:
+    """Run a study, leave its files in a directory and return its answer as text."""
+    chosen = module(name)
+    if scene is not None and not getattr(chosen, "TAKES_SCENE", False):
+        raise SceneError("study", f"{name} has its own scenes and takes none")
+    record = chosen.run(scene, progress=progress) if scene is not None else chosen.run(progress=progress)
+    if isinstance(record, Record):
+        from studies.answer import answer
+        from studies.files import write_run
+
+        write_run(record, folder, plot=False, field=False)
+        text, panels = answer(record), {name: record}
+    else:
+        text, panels = str(record), {panel.name: panel for panel in record.panels}
+        whole = json.dumps(record.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
+        (folder / "study.json").write_text(whole + "\n", encoding="utf-8")
+    progress("drawing")
+    from studies.figures import saved
+
+    for file, panel in panels.items():
+        saved(folder / f"{file}.png", lambda ax, panel=panel: chosen.figure(panel, ax))
+    return text
+
+
+def command(name: str) -> int:
+    """Run a study as a script: what ``python -m studies.NAME`` does."""
+    import sys
+
+    from studies.__main__ import main
+
+    sys.argv = ["sawmotor", "study", name, *sys.argv[1:]]
+    return main()

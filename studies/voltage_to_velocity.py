@@ -1,0 +1,53 @@
+"""How fast the slider runs for each drive voltage.
+
+Method: the chain of the scene (``twente`` when none is named): stator at the drive's frequency, times the
+voltage, steady motion of the slider.  Expected: rest below a threshold voltage, then a speed that rises
+through slip to intermittent contact, towards the driven transducer.  Run time: about 3 s.
+"""
+
+import sys
+from collections.abc import Callable
+
+from studies.chain import run as run_chain
+from studies.record import Record
+from studies.scene import Scene
+
+__all__ = ["figure", "run"]
+
+TAKES_SCENE = True
+
+
+def run(
+    scene: str | Scene = "twente",
+    *,
+    tolerance: float = 1e-3,
+    progress: Callable[[str], None] | None = None,
+) -> Record:
+    """Return the record of a scene with a slider.
+
+    Parameters
+    ----------
+    scene : str or Scene
+        A path, a shipped name or a scene.
+    tolerance : float
+        Of the velocity, relative to max(|v|, omega |u_x| / 10).
+    progress : callable, optional
+        Told what is being done.
+    """
+    loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
+    if loaded.slider is None:
+        loaded.refuse("slider", "is missing: without a slider there is no velocity")
+    return run_chain(loaded, tolerance=tolerance, progress=progress)
+
+
+def figure(record: Record, ax):
+    """Draw velocity against voltage, or against amplitude where the wave is given."""
+    from studies.figures import velocity
+
+    return velocity(record, ax)
+
+
+if __name__ == "__main__":
+    from studies.study import command
+
+    sys.exit(command("voltage_to_velocity"))
