@@ -15,7 +15,6 @@ from contact.collocation import collocation
 from contact.convergence import ConvergenceError
 from contact.motion import Motion
 
-
 # no motion that is worth searching leaves this many length units
 BOUND = 1e6
 

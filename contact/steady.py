@@ -143,7 +143,7 @@ def _searched(slider, orbits, tolerance, method):
     if ratio > SLOWEST_WAVE:
         raise ConvergenceError(
             "slow wave",
-            f"the contact resonates {ratio:.3g} times as fast as the wave, too far for the search of a periodic motion; "
+            f"the contact resonates {ratio:.3g} times as fast as the wave, too far to search a periodic motion; "
             "follow a burst with method exact",
         )
     try:
