@@ -1,14 +1,15 @@
 """How the stator's surface moves: piezoelectric fields of a SAW motor's stator, from voltage to surface motion.
 
 Conventions: exp(+i omega t), complex peak amplitudes, SI; x along the propagation, z out of the surface, body at
-z < 0; Voigt order 11 22 33 23 13 12 with engineering shear.  The rooms, bottom to top: materials - spectral - forms -
-half_space - geometry - section - guided, modes - cell - chain - network - electrodes - surface - harmonic, free -
-field; direct stands beside them as the check.
+z < 0; Voigt order 11 22 33 23 13 12 with engineering shear.  The rooms, bottom to top: materials - spectral, forms -
+stroh, half_space - geometry - section - guided, modes - cell - chain - network, electrodes - solution - surface,
+readout - audit, field - harmonic, free - reduced, band; direct stands beside them as the check.
 """
 
 from importlib import import_module
 
 _HOME = {
+    "Band": "band",
     "ConvergenceError": "convergence",
     "FreeWave": "free",
     "HalfSpaceWave": "half_space",
@@ -19,6 +20,8 @@ _HOME = {
     "Transducer": "geometry",
     "WaveField": "field",
     "anisotropic": "materials",
+    "automatic_period": "geometry",
+    "frequency_band": "band",
     "catalogue": "materials",
     "coupling": "half_space",
     "direct_solution": "direct",

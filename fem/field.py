@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.harmonic import Solution, column_fields
+from fem.readout import column_fields
+from fem.solution import Solution
 from fem.surface import Covered, SurfaceWave
 
 DISPLACEMENT, POTENTIAL = "displacement_m_per_V", "potential_V_per_V"

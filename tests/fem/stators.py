@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from fem.geometry import Stator, Transducer
-from fem.harmonic import Solution, solved
+from fem.solution import Solution, solved
 from fem.materials import Solid, material, rotated
 from fem.section import Resolution, Section, discretise
 from fem.wavelength import slowest_wavelength
