@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from fem.geometry import Stator, Transducer
-from fem.solution import Solution, solved
 from fem.materials import Solid, material, rotated
 from fem.section import Resolution, Section, discretise
+from fem.solution import Solution, solved
 from fem.wavelength import slowest_wavelength
 
 FREQUENCY = 2.3e6
