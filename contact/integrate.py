@@ -8,9 +8,9 @@ does not gain, is halved.
 """
 
 import numpy as np
-from numba import njit
 
 from contact.collocation import ROOT_AT_END, ROOT_AT_START, SMOOTH
+from contact.compiled import compiled
 from contact.regimes import CONTACT, CREEP, FAR_SIDE, GRAZE, SEPARATED, SLIP, STICK, follow, guard, opening
 from contact.stretch import (
     CLIMB,
@@ -41,7 +41,7 @@ STRETCHES, HALVINGS, SWEEPS, CYCLES, TALLY = 6, 7, 8, 9, 10
 TRACTION, SUPPORT, DISPLACEMENT = 0, 1, 2
 
 
-@njit(cache=True)
+@compiled
 def open_regimes(parameters, waves, phase, state, regime, sign):
     """Set regime and sign of every contact, and its deformation within the slip limit, from the state at a phase."""
     c, s = np.cos(phase), np.sin(phase)
@@ -54,14 +54,14 @@ def open_regimes(parameters, waves, phase, state, regime, sign):
         )
 
 
-@njit(cache=True)
+@compiled
 def _lay_out(parameters, waves, tau, once, twice, state, regime, sign, phase, length, shared, own, mobile):
     surface(phase, length, tau, waves, own)
     guess(state, length, tau, shared[PUSH, 0], shared[PULL, 0], shared)
     return sweep(parameters, state, length, tau, once, twice, regime, sign, shared, own, mobile, 25)
 
 
-@njit(cache=True)
+@compiled
 def _earliest(sigma, bary, rates, regime, sign, shared, own, c, band, values):
     """Return (sigma, contact, guard) of the earliest root on the stretch; sigma = 2 if there is none."""
     first, who, which = 2.0, -1, -1
@@ -76,7 +76,7 @@ def _earliest(sigma, bary, rates, regime, sign, shared, own, c, band, values):
     return first, who, which
 
 
-@njit(cache=True)
+@compiled
 def _end_guard(i, which, regime, sign, shared, own, waves, phase, c, band):
     """Return a guard at the end of the stretch and its rate there."""
     n = shared.shape[1] - 1
@@ -92,7 +92,7 @@ def _end_guard(i, which, regime, sign, shared, own, waves, phase, c, band):
     return value, guard(regime[i], which, sign[i], z_rate, x_rate, 0.0, 0.0, c, band) - FAR_SIDE
 
 
-@njit(cache=True)
+@compiled
 def _fraction(s, map_):
     """Return tau at s in [0, 1]."""
     if map_ == ROOT_AT_START:
@@ -100,7 +100,7 @@ def _fraction(s, map_):
     return 1.0 - (1.0 - s) ** 2 if map_ == ROOT_AT_END else s
 
 
-@njit(cache=True)
+@compiled
 def _roughness(tail, own, length, push_scale, pull_scale):
     """Return the largest of the two highest Chebyshev coefficients of the forces, times length over scale."""
     worst = 0.0
@@ -114,7 +114,7 @@ def _roughness(tail, own, length, push_scale, pull_scale):
     return worst
 
 
-@njit(cache=True)
+@compiled
 def _record(phase, length, map_, sigma, bary, shared, own, regime, sample_phase, samples, taken):
     """Interpolate the samples that fall on the stretch; return how many are taken by now."""
     while taken < sample_phase.size and sample_phase[taken] <= phase + length:
@@ -132,7 +132,7 @@ def _record(phase, length, map_, sigma, bary, shared, own, regime, sample_phase,
     return taken
 
 
-@njit(cache=True)
+@compiled
 def advance(parameters, waves, sigma, bary, taus, onces, twices, rates, tail, state, regime, sign, phase, stop, mobile,
             tolerance, tally, sums, sample_phase, samples, limit):  # fmt: skip
     """Move the state from one phase to another; return the reason for ending.
@@ -272,7 +272,7 @@ def advance(parameters, waves, sigma, bary, taus, onces, twices, rates, tail, st
     return DONE
 
 
-@njit(cache=True)
+@compiled
 def cycles(parameters, waves, sigma, bary, taus, onces, twices, rates, tail, state, regime, sign, number, mobile,
            tolerance, tally, sums, stride, speeds, limit):  # fmt: skip
     """Move through whole cycles; record phase-0 velocity and height every `stride` cycles; return the reason.

@@ -13,7 +13,7 @@ DV, so the contact still counts as stuck and carries mu P. With DV = 0 stick and
 Every transition lands on its far side: the state is set to the new regime's side of the guard, so that none chatters.
 """
 
-from numba import njit
+from contact.compiled import compiled
 
 SEPARATED, STICK, SLIP, CREEP = 0, 1, 2, 3
 # how far past its root a guard is accepted, in units of the scaled problem: above rounding, below everything else
@@ -23,7 +23,7 @@ CONTACT, RELEASE, STICK_TO_SLIP, SLIP_TO_STICK, REVERSAL, GRAZE = 0, 1, 2, 3, 4,
 NAMES = ("contact", "release", "stick_to_slip", "slip_to_stick", "reversal", "graze")
 
 
-@njit(cache=True)
+@compiled
 def guard(regime, which, sign, z, x, z_rate, x_rate, c, band):
     """Return guard number `which` (0, 1, 2) of a regime; 1.0 where the regime has no such guard."""
     if which == 0:
@@ -37,7 +37,7 @@ def guard(regime, which, sign, z, x, z_rate, x_rate, c, band):
     return 1.0
 
 
-@njit(cache=True)
+@compiled
 def follow(regime, which, sign, z, x, z_rate, x_rate, c, band):
     """Return (regime, sign, x, kind of event) on the far side of guard `which`."""
     slip_speed = sign * x_rate - c * z_rate
@@ -62,7 +62,7 @@ def follow(regime, which, sign, z, x, z_rate, x_rate, c, band):
     return STICK, sign, sign * c * z, SLIP_TO_STICK
 
 
-@njit(cache=True)
+@compiled
 def opening(z, x, z_rate, x_rate, c, band):
     """Return (regime, sign, x) of a contact that is found with approach z and deformation x."""
     if z < 0.0 or (z == 0.0 and z_rate <= 0.0):
@@ -80,7 +80,7 @@ def opening(z, x, z_rate, x_rate, c, band):
     return STICK, sign, x
 
 
-@njit(cache=True)
+@compiled
 def traction(regime, sign, z, x, normal_force, mu, c):
     """Return Q; in stick the smooth branch of sign s is continued past x = 0 and held at mu P past the limit."""
     if regime == SEPARATED or z <= 0.0:

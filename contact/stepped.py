@@ -12,10 +12,11 @@ tabulated. Not for a stick band (creep), nor where the contact resonance is not 
 """
 
 import numpy as np
-from numba import njit
+
+from contact.compiled import compiled
 
 
-@njit(cache=True, fastmath=False)
+@compiled
 def _entry(z0, z1, r0, r1):
     """Return the fraction of the step (rates times step in r0, r1) at which the cubic approach leaves zero."""
     s = z0 / (z0 - z1)
@@ -28,7 +29,7 @@ def _entry(z0, z1, r0, r1):
     return s
 
 
-@njit(cache=True)
+@compiled
 def steps(parameters, waves, state, number, per_cycle, stride, rows):
     """Move through `number` whole cycles of `per_cycle` steps; record (v, z_s, mean v) every `stride` cycles.
 

@@ -6,8 +6,8 @@ about (omega_n L)^2/2: four digits and more at a wave of 2 MHz, and a shorter st
 """
 
 import numpy as np
-from numba import njit
 
+from contact.compiled import compiled
 from contact.regimes import SEPARATED, SLIP, guard, traction
 
 # rows of the table of node values common to all contacts
@@ -16,7 +16,7 @@ HEIGHT, CLIMB, TRAVEL, SPEED, PUSH, PULL = 0, 1, 2, 3, 4, 5
 U_Z, U_X, U_Z_RATE, U_X_RATE, Z, X, P, Q = 0, 1, 2, 3, 4, 5, 6, 7
 
 
-@njit(cache=True)
+@compiled
 def surface(phase, length, tau, waves, own):
     """Fill the surface's displacement (u_x relative to the start) and velocity at the nodes."""
     c0, s0 = np.cos(phase), np.sin(phase)
@@ -30,7 +30,7 @@ def surface(phase, length, tau, waves, own):
             own[U_X_RATE, i, j] = waves[i, 3] * c - waves[i, 2] * s
 
 
-@njit(cache=True)
+@compiled
 def forces(parameters, regime, sign, start_x, shared, own, mobile):
     """Fill approach, deformation, forces and accelerations at the nodes from the slider's motion there."""
     kappa, chi, d_n, p, d_t, q, mu, c = parameters[:8]
@@ -60,7 +60,7 @@ def forces(parameters, regime, sign, start_x, shared, own, mobile):
             shared[PULL, j] = 0.0
 
 
-@njit(cache=True)
+@compiled
 def sweep(parameters, state, length, tau, once, twice, regime, sign, shared, own, mobile, most):
     """Iterate to the fixed point; return (converged, sweeps).
 
@@ -101,7 +101,7 @@ def sweep(parameters, state, length, tau, once, twice, regime, sign, shared, own
     return False, most
 
 
-@njit(cache=True)
+@compiled
 def guess(state, length, tau, push, pull, shared):
     """Fill the first guess: constant accelerations from the end of the last stretch."""
     for j in range(tau.size):
@@ -112,7 +112,7 @@ def guess(state, length, tau, push, pull, shared):
         shared[SPEED, j] = state[2] + t * pull
 
 
-@njit(cache=True)
+@compiled
 def guards(i, which, regime, sign, shared, own, c, band, out):
     """Fill `out` with guard `which` of contact i at all nodes."""
     for j in range(out.size):
@@ -122,7 +122,7 @@ def guards(i, which, regime, sign, shared, own, c, band, out):
         )  # fmt: skip
 
 
-@njit(cache=True)
+@compiled
 def interpolate(s, sigma, bary, values):
     """Return the interpolating polynomial at s (barycentric formula)."""
     above, below = 0.0, 0.0
@@ -136,7 +136,7 @@ def interpolate(s, sigma, bary, values):
     return above / below
 
 
-@njit(cache=True)
+@compiled
 def root(a, b, sigma, bary, values):
     """Return the root of the interpolant between a (positive side) and b (negative side) to 1e-9 (Illinois)."""
     fa = interpolate(a, sigma, bary, values)
@@ -159,7 +159,7 @@ def root(a, b, sigma, bary, values):
     return b
 
 
-@njit(cache=True)
+@compiled
 def _wiggles(u, v, du, dv):
     """Return whether the cubic with these ends and end slopes (times width) turns within the interval."""
     quadratic, linear = 3.0 * (2.0 * (u - v) + du + dv), 2.0 * (3.0 * (v - u) - 2.0 * du - dv)
@@ -170,7 +170,7 @@ def _wiggles(u, v, du, dv):
     return 0.0 < -0.5 * linear / quadratic < 1.0
 
 
-@njit(cache=True)
+@compiled
 def first_root(sigma, bary, rates, values):
     """Return the earliest place in sigma where a guard turns negative, 2.0 if nowhere.
 
@@ -201,7 +201,7 @@ def first_root(sigma, bary, rates, values):
     return 2.0
 
 
-@njit(cache=True)
+@compiled
 def _searched(start, stop, sigma, bary, values):
     """Return the first place between two nodes where the interpolant turns negative, 2.0 if nowhere.
 

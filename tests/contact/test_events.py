@@ -160,3 +160,12 @@ def test_plain_and_compiled_path_agree():
         check=True,
     )
     assert float(plain.stdout) == pytest.approx(speed_after(10e-9, 2, 9, 1e-7), rel=1e-12)
+
+
+def test_kernels_are_cached_under_a_digest_of_all_their_sources():
+    # numba alone would go on running the old code of a function that lives in another file
+    from contact import compiled, integrate, stepped, stretch
+
+    kernels = (integrate.advance, integrate.cycles, stretch.sweep, regimes.follow, stepped.steps)
+    assert len({os.path.dirname(kernel.stats.cache_path) for kernel in kernels}) == 1
+    assert os.path.basename(compiled._folder("")) in kernels[0].stats.cache_path
