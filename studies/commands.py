@@ -12,7 +12,7 @@ from studies.refusal import SceneError, shown
 from studies.results import result_directory
 from studies.scene import Scene, read_table, scene_path, shipped_scenes
 
-__all__ = ["check", "run", "scenes", "study", "wave"]
+__all__ = ["check", "run", "scenes", "study", "view", "wave"]
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -74,6 +74,21 @@ def study(arguments: argparse.Namespace) -> int:
     with result_directory(out) as folder, Progress() as progress:
         answer = run_study(arguments.name, arguments.scene, folder, progress=progress)
     print(f"{answer}\nresults  {out}")
+    return 0
+
+
+def view(arguments: argparse.Namespace) -> int:
+    """Draw the wave field of a run into a file, or open it in a window."""
+    from studies.progress import Progress
+    from studies.view import screenshot, show
+
+    with Progress() as progress:
+        if arguments.screenshot is None:
+            show(arguments.run, progress=progress)
+        else:
+            screenshot(arguments.run, arguments.screenshot, progress=progress)
+    if arguments.screenshot is not None:
+        print(arguments.screenshot)
     return 0
 
 

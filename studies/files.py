@@ -47,7 +47,7 @@ def write_run(record: Record, folder: Path, *, plot: bool, field: bool) -> None:
     if field and record.surface_wave is not None:
         import fem
 
-        fem.write_vtu(folder / "field.vtu", fem.wave_field(record.surface_wave))
+        fem.write_vtu(fem.wave_field(record.surface_wave), folder / "field.vtu")
     if plot:
         from studies.figures import draw_run
 

@@ -1,0 +1,130 @@
+"""Studies: each lists, runs, draws and is written; what they must find is found."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from studies.__main__ import main
+from studies.refusal import SceneError
+from studies.study import STUDIES, Finding, module, question, run_study
+
+
+def quiet(text):
+    return None
+
+
+def test_every_study_says_question_method_expectation_and_run_time():
+    for name in STUDIES:
+        text = " ".join(module(name).__doc__.split())
+        assert question(name).endswith(".")
+        assert all(word in text for word in ("Method:", "Expected:", "Run time:"))
+        assert callable(module(name).run)
+        assert callable(module(name).figure)
+
+
+def test_the_list_names_every_study(monkeypatch, capsys):
+    monkeypatch.setattr("sys.argv", ["sawmotor", "study"])
+    assert main() == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == list(STUDIES)
+
+
+@pytest.fixture(scope="module")
+def seed(tmp_path_factory):
+    from studies import seed_slider
+
+    folder = tmp_path_factory.mktemp("seed")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(seed_slider, "STEPS", (seed_slider.CHOSEN,))  # the other bursts are only drawn
+        text = run_study("seed_figures", None, folder, progress=quiet)
+    return folder, text, json.loads((folder / "study.json").read_text())
+
+
+def test_all_figures_of_the_seed_are_drawn(seed):
+    folder, _, _ = seed
+    names = {f"fig_{name}.png" for name in ("2", "5a", "5b", "6a", "6b", "7a", "7b")}
+    assert {path.name for path in folder.iterdir()} == names | {"study.json"}
+
+
+def test_the_paper_is_borne_out_but_for_the_damping_of_figure_7b(seed):
+    _, text, record = seed
+    contradicted = [finding for finding in record["findings"] if not finding["confirmed"]]
+    assert len(record["findings"]) == 15
+    assert [finding["statement"] for finding in contradicted] == [
+        'Section IV: "A damped oscillation will occur."'
+    ]
+    assert text.count(": confirmed") == 14
+
+
+def test_the_numbers_of_the_seed_figures_are_those_of_the_closed_forms(seed):
+    _, _, record = seed
+    found = {finding["quantity"]: finding["found"] for finding in record["findings"]}
+    assert found["frequency of the ring (Hz)"] == pytest.approx(6581, rel=2e-3)  # design.md
+    release = found["release amplitude (nm); 1 % below slip, 1 % above intermittent"]
+    assert release == pytest.approx(4.17258, rel=1e-5)  # design.md
+
+
+@pytest.fixture(scope="module")
+def rayleigh():
+    from studies import rayleigh
+
+    meshes = {2: (2, 4), 4: (1, 2), 8: (1, 2)}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(rayleigh, "MESHES", meshes)
+        patch.setattr(rayleigh, "REPEATS", 1)
+        yield rayleigh, rayleigh.run()
+
+
+def test_the_cell_gives_the_half_space_on_both_surfaces(rayleigh):
+    _, record = rayleigh
+    kinds = {}
+    for finding in record.findings:
+        kinds.setdefault(finding.statement.split("(")[1], []).append(finding)
+    assert set(kinds) == {"open).", "metallised)."}
+    best = [finding for finding in record.findings if "nine digits" in finding.statement]
+    assert all(finding.found < 1e-9 for finding in best)
+    shapes = [f for f in record.findings if "profile" in f.statement or "ratio" in f.statement]
+    assert len(shapes) == 4
+    assert all(finding.found < 1e-6 for finding in shapes)
+
+
+def test_orders_are_measured_on_the_two_finest_meshes(rayleigh):
+    chosen, _ = rayleigh
+    table = {"order": [2, 2, 2], "columns": [1, 2, 4], "relative_error": [1.0, 1e-3, 1e-3 / 16]}
+    (finding,) = chosen._orders(table, "open")
+    assert finding.found == pytest.approx(4.0, rel=1e-12)
+    assert finding.confirmed
+    table["relative_error"][-1] = 1e-3 / 8
+    assert not chosen._orders(table, "open")[0].confirmed
+
+
+def test_a_study_of_a_scene_takes_one_and_leaves_its_run(tmp_path):
+    text = run_study("voltage_to_velocity", "twente-contact", tmp_path, progress=quiet)
+    assert "threshold" in text
+    files = {path.name for path in tmp_path.iterdir()}
+    assert files == {"run.json", "scene.toml", "velocity.csv", "voltage_to_velocity.png"}
+
+
+@pytest.mark.parametrize(
+    ("name", "scene", "words"),
+    [
+        ("rayliegh", None, "did you mean rayleigh"),
+        ("rayleigh", "twente", "takes none"),
+        ("voltage_to_velocity", "rayleigh", "slider is missing"),
+    ],
+)
+def test_a_study_that_cannot_be_is_refused(tmp_path, name, scene, words):
+    with pytest.raises(SceneError, match=words):
+        run_study(name, scene, tmp_path, progress=quiet)
+
+
+def test_a_study_is_a_script_too():
+    for name in STUDIES:
+        source = Path(module(name).__file__).read_text()
+        assert f'sys.exit(command("{name}"))' in source
+
+
+def test_a_finding_reads_as_a_sentence_with_its_verdict():
+    finding = Finding(statement="It moves.", quantity="v (m/s)", expected="> 0", found=-1.0, confirmed=False)
+    assert str(finding) == "It moves.\n    v (m/s): -1, expected > 0: contradicted"
