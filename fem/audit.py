@@ -36,9 +36,9 @@ def audit(solution: Solution) -> Audit:
     modes, n = solution.modes, solution.section.size
     frequency = modes.frequency
     stress = solution.section.solid.stress_unit
-    each = solution.network.scatterers[0].potentials.shape[1]
-    apertures = [transducer.aperture for transducer in solution.transducers]
-    driven = apertures[solution.circuit.driven // each]
+    counts = [len(own.kinds) for own in solution.wiring]
+    owners = np.repeat(np.arange(len(counts)), counts)
+    driven = solution.transducers[owners[solution.circuit.driven]].aperture
     worst, outward = 0.0, np.zeros(2)
     for index, scatterer in enumerate(solution.network.scatterers):
         sides, arriving = solution.sides(index), solution.incoming(index)
@@ -47,7 +47,7 @@ def audit(solution: Solution) -> Audit:
         right = modes.right_end @ leaving[n:] - modes.left_end @ arriving[n:]
         fluxes = power(sides[:n], left, frequency), power(sides[n : 2 * n], right, frequency)
         reaction = scatterer.charge(sides[: 2 * n, None], sides[2 * n :, None])[:, 0]
-        voltages = solution.weights[index * each : (index + 1) * each]
+        voltages = solution.weights[owners == index]
         taken = np.pi * frequency * np.imag(np.sum(reaction * np.conj(voltages)))
         lost = sum(recovery.loss(places) for recovery, _, places in column_fields(solution, index))
         worst = max(worst, abs(taken - (fluxes[1] - fluxes[0]) - lost) * stress * driven)

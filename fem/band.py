@@ -22,9 +22,18 @@ from fem.guided import guided_modes
 from fem.harmonic import LEVELS, driven_wave, orbit_difference
 from fem.network import Walls
 from fem.readout import surface_wave
-from fem.reduced import WALL_WIDTH, ReducedSection, bases_of, finger_key, parity_groups, snapshots
+from fem.reduced import (
+    WALL_WIDTH,
+    ReducedSection,
+    bases_of,
+    even_row,
+    finger_key,
+    no_bare_cells,
+    parity_groups,
+    snapshots,
+)
 from fem.section import Resolution, Section, discretise
-from fem.solution import Solution, assembled, transducer_row
+from fem.solution import Solution, assembled
 from fem.surface import SurfaceWave
 from fem.wavelength import slowest_wavelength
 
@@ -102,10 +111,11 @@ class Band:
         made: dict[tuple, Block] = {}
         blocks = []
         for transducer in self.transducers:
-            key = (*finger_key(transducer), transducer.finger_pairs)
+            key = (*finger_key(transducer), transducer.signs)
             if key not in made:
                 halves = self.half_cells[finger_key(transducer)]
-                made[key] = transducer_row(self._cell(halves, weights), transducer.finger_pairs)
+                cell = self._cell(halves, weights)
+                made[key] = even_row(transducer, lambda cell=cell: cell, no_bare_cells)
             blocks.append(made[key])
         return assembled(
             self.stator,

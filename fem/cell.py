@@ -39,6 +39,8 @@ class Block:
         The two blocks it was joined of and the line between them as a function of the sides, (n, 2 n + 2); or empty.
     column : Column or None
         What it was condensed from, for a single column.
+    floating : ndarray or None, shape (2 n + 2,)
+        For an open strip: its potential, in the place of comb 0, as a function of the sides.
     """
 
     size: int
@@ -46,6 +48,7 @@ class Block:
     width: float
     parts: tuple = field(default=(), repr=False)
     column: "Column | None" = field(default=None, repr=False)
+    floating: np.ndarray | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -5,7 +5,7 @@ log2(N) joins instead of N (block cyclic reduction, Buzbee, Golub and Nielson 19
 found again from the sides, level by level.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -177,6 +177,72 @@ def finger_cell(section: Section, frequency: float, shape: FingerShape, resoluti
     return joined(rising, falling, phi=section.surface_dofs["phi"], comb=0)
 
 
+def bare_cell(section: Section, frequency: float, width: float, resolution: Resolution) -> Block:
+    """Condense a stretch of bare surface as wide as a finger's cell (length units)."""
+    widths = graded(width, 0, largest=resolution.element_size)
+    return repeated(condensed(section, frequency, width=widths[0], comb=None), len(widths))
+
+
+def opened(block: Block) -> Block:
+    """The same piece with its finger of comb 0 cut off from the comb: whatever potential leaves it no charge."""
+    finger = 2 * block.size
+    row = -block.matrix[finger] / block.matrix[finger, finger]
+    row[finger] = 0.0
+    matrix = block.matrix + np.outer(block.matrix[finger], row)
+    matrix[finger], matrix[:, finger] = 0.0, 0.0
+    return replace(block, matrix=0.5 * (matrix + matrix.T), floating=row)
+
+
+def fingers_in_row(
+    signs: str,
+    gaps: Callable[[int], tuple[float, float]],
+    cell: Callable[[float, float], Block],
+    bare: Callable[[float, float], Block],
+) -> Block:
+    """Join the cells of a row of fingers; equal runs are joined once.
+
+    Parameters
+    ----------
+    signs : str
+        "+", "-", "0" (left out) or "o" (open) for each finger.
+    gaps : callable
+        Number of a finger -> bare surface left and right of it.
+    cell, bare : callable
+        Both gaps -> block of a finger of comb 0, or of bare surface of the same width.
+
+    Returns
+    -------
+    Block
+    """
+    singles: dict[tuple, Block] = {}
+
+    def single(sign: str, left: float, right: float) -> Block:
+        if (sign, left, right) not in singles:
+            make = {
+                "+": cell,
+                "-": lambda *gap: swapped(cell(*gap)),
+                "0": bare,
+                "o": lambda *gap: opened(cell(*gap)),
+            }
+            singles[sign, left, right] = make[sign](left, right)
+        return singles[sign, left, right]
+
+    kinds = [(sign, *gaps(place)) for place, sign in enumerate(signs)]
+    runs: dict[tuple, Block] = {}
+
+    def run(start: int, stop: int) -> Block:
+        key = tuple(kinds[start:stop])
+        if key not in runs:
+            if stop - start == 1:
+                runs[key] = single(*kinds[start])
+            else:
+                half = start + 2 ** ((stop - start - 1).bit_length() - 1)
+                runs[key] = joined(run(start, half), run(half, stop))
+        return runs[key]
+
+    return run(0, len(kinds))
+
+
 def lines(
     block: Block, sides: np.ndarray, start: float = 0.0, *, finest: float = 0.0
 ) -> Iterator[tuple[float, Block, np.ndarray]]:
@@ -196,6 +262,9 @@ def lines(
     ------
     start, column block, sides
     """
+    if block.floating is not None:
+        sides = np.concatenate([sides[: 2 * block.size], sides[2 * block.size :]])
+        sides[2 * block.size] = block.floating @ sides
     if not block.parts or block.width <= finest:
         yield start, block, sides
         return

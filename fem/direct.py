@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fem.electrodes import port_potentials
+from fem.electrodes import ports_of
 from fem.forms import Medium, medium, scikit_fem_derivatives, units
 from fem.geometry import Stator, Transducer, check_layout, outer_gaps
 from fem.guided import guided_modes
@@ -93,20 +93,33 @@ def direct_solution(
     combs = _comb_dofs(basis, transducers, wavelength, len(names), names.index("phi"))
     held = _held_dofs(basis, stator, names, section.breakpoints[0], across[[0, -1]])
     reduced = _reduced_solution(system, basis, names, combs, held, wavelength, units(stator.solid))
-    return _by_port(reduced, len(transducers), section.floats)
+    return _by_port(reduced, transducers, section.floats)
 
 
-def _by_port(by_comb: DirectSolution, count: int, floats: bool) -> DirectSolution:
-    """Combs to ports; where the section floats, each transducer takes the mean potential at which it has no charge."""
-    ports = np.kron(np.eye(count), port_potentials(floats))
-    if floats:
-        means = np.kron(np.eye(count), np.ones((2, 1)))
-        among = means.T @ by_comb.charges @ means
-        ports = ports - means @ np.linalg.pinv(among, rcond=1e-8) @ (means.T @ by_comb.charges @ ports)
+def _by_port(by_strip: DirectSolution, transducers: tuple[Transducer, ...], floats: bool) -> DirectSolution:
+    """Strips to ports: open strips, and where the section floats also each transducer's mean, take no charge."""
+    total, columns, uncharged = len(by_strip.charges), [], []
+    at = 0
+    for transducer in transducers:
+        own = ports_of(transducer, floats)
+        column = np.zeros((total, own.potentials.shape[1]))
+        column[at : at + 2] = own.potentials
+        columns.append(column)
+        combs = [float(sign in transducer.signs) for sign in "+-"]
+        if floats and any(combs):
+            uncharged.append(np.eye(total)[:, at : at + 2] @ combs)
+        strips = transducer.signs.count("o")
+        uncharged += list(np.eye(total)[at + 2 : at + 2 + strips])
+        at += 2 + strips
+    ports = np.hstack(columns)
+    if uncharged:
+        free = np.stack(uncharged, axis=1)
+        among = free.T @ by_strip.charges @ free
+        ports = ports - free @ np.linalg.pinv(among, rcond=1e-8) @ (free.T @ by_strip.charges @ ports)
     return DirectSolution(
-        charges=ports.T @ by_comb.charges @ ports,
-        unknowns=by_comb.unknowns,
-        surface=lambda places: by_comb.surface(places) @ ports,
+        charges=ports.T @ by_strip.charges @ ports,
+        unknowns=by_strip.unknowns,
+        surface=lambda places: by_strip.surface(places) @ ports,
     )
 
 
@@ -171,13 +184,21 @@ def _comb_dofs(basis, transducers, wavelength, count, phi) -> list[np.ndarray]:
     mesh = basis.mesh
     combs = []
     for transducer in transducers:
-        for parity in (0, 1):
-            edges = transducer.fingers[parity::2] / wavelength
+        groups = [
+            transducer.strips("+"),
+            transducer.strips("-"),
+            *(strip[None] for strip in transducer.strips("o")),
+        ]
+        for group in groups:
+            edges = group / wavelength
             chosen = mesh.facets_satisfying(
                 lambda x, edges=edges: (
                     (abs(x[1]) < 1e-12) & np.any((x[0] > edges[:, :1]) & (x[0] < edges[:, 1:]), axis=0)
                 )
             )
+            if not len(chosen):
+                combs.append((np.empty(0, dtype=int), np.empty(0, dtype=int)))
+                continue
             dofs = basis.get_dofs(chosen)
             vertices = np.unique(next(iter(dofs.nodal.values())))
             combs.append((vertices * count + phi, np.setdiff1d(dofs.flatten(), vertices) * count + phi))

@@ -11,13 +11,33 @@ import numpy as np
 
 from fem.geometry import Transducer
 
-VOLTAGE = np.array([[0.5], [-0.5]])
-VOLTAGE_AND_MEAN = np.array([[0.5, 1.0], [-0.5, 1.0]])
+
+@dataclass(frozen=True, kw_only=True)
+class Ports:
+    """Ways in which a transducer's combs can be driven.
+
+    Attributes
+    ----------
+    kinds : tuple of str
+        "voltage" between two combs, "mean" of all there are.
+    potentials : ndarray, shape (2, ports)
+        Of the positive and the negative comb, per unit of each port.
+    """
+
+    kinds: tuple[str, ...]
+    potentials: np.ndarray = field(repr=False)
 
 
-def port_potentials(floats: bool) -> np.ndarray:
-    """Comb potentials of a transducer's ports, shape (2, ports); ``floats``: nothing fixes the mean potential."""
-    return VOLTAGE if floats else VOLTAGE_AND_MEAN
+def ports_of(transducer: Transducer, floats: bool) -> Ports:
+    """Ports of a transducer; ``floats``: nothing fixes the mean potential, which is then a matter of gauge."""
+    combs = [sign in transducer.signs for sign in "+-"]
+    found = []
+    if all(combs):
+        found.append(("voltage", (0.5, -0.5)))
+    if any(combs) and not floats:
+        found.append(("mean", tuple(map(float, combs))))
+    potentials = np.array([potentials for _, potentials in found]).reshape(-1, 2).T
+    return Ports(kinds=tuple(kind for kind, _ in found), potentials=potentials)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +70,7 @@ class Circuit:
 
 
 def port_admittances(
-    charges: np.ndarray, transducers: tuple[Transducer, ...], ports: int, frequency: float
+    charges: np.ndarray, transducers: tuple[Transducer, ...], ports: list[Ports], frequency: float
 ) -> np.ndarray:
     """Short-circuit admittance matrix of all ports.
 
@@ -59,8 +79,8 @@ def port_admittances(
     charges : ndarray, shape (n, n)
         Reactions q per unit port voltage, C/m per V.
     transducers : tuple of Transducer
-    ports : int
-        Ports of each.
+    ports : list of Ports
+        One each.
     frequency : float
         Hz.
 
@@ -69,7 +89,8 @@ def port_admittances(
     ndarray, shape (n, n)
         S.
     """
-    apertures = np.repeat([transducer.aperture for transducer in transducers], ports)
+    counts = [len(each.kinds) for each in ports]
+    apertures = np.repeat([transducer.aperture for transducer in transducers], counts)
     shared = np.minimum(apertures[:, None], apertures[None, :])
     return -2j * np.pi * frequency * shared * charges
 
@@ -77,7 +98,7 @@ def port_admittances(
 def circuit(
     admittances: np.ndarray,
     transducers: tuple[Transducer, ...],
-    ports: int,
+    ports: list[Ports],
     *,
     driven: str,
     source_impedance: complex,
@@ -89,8 +110,8 @@ def circuit(
     admittances : ndarray, shape (n, n)
         S, of `port_admittances`.
     transducers : tuple of Transducer
-    ports : int
-        Ports of each.
+    ports : list of Ports
+        One each.
     driven : str
         Name of the driven transducer: a source of 1 V behind ``source_impedance`` (ohm), combs at +V/2 and -V/2.
 
@@ -101,7 +122,7 @@ def circuit(
     Raises
     ------
     ValueError
-        If no transducer has that name.
+        If no transducer has that name, or it has one comb only.
     """
     names = [transducer.name for transducer in transducers]
     if driven not in names:
@@ -110,17 +131,23 @@ def circuit(
     system, source = np.zeros((size, size), dtype=complex), np.zeros(size, dtype=complex)
     scale = abs(np.diag(admittances))
     unit = np.eye(size)
-    for index, transducer in enumerate(transducers):
-        voltage = index * ports
-        if transducer.name == driven:
-            system[voltage] = unit[voltage] + source_impedance * admittances[voltage]
-            source[voltage] = 1.0
-        elif transducer.termination == "open":
-            system[voltage] = admittances[voltage] / scale[voltage]
-        else:
-            load = 0.0 if transducer.termination == "short" else transducer.termination
-            system[voltage] = unit[voltage] + load * admittances[voltage]
-        for mean in range(voltage + 1, voltage + ports):
-            system[mean] = unit[mean] if transducer.name == driven else admittances[mean] / scale[mean]
+    row, port = 0, None
+    for transducer, own in zip(transducers, ports, strict=True):
+        lit = transducer.name == driven
+        for kind in own.kinds:
+            if kind == "mean":
+                system[row] = unit[row] if lit else admittances[row] / scale[row]
+            elif lit:
+                port = row
+                system[row] = unit[row] + source_impedance * admittances[row]
+                source[row] = 1.0
+            elif transducer.termination == "open":
+                system[row] = admittances[row] / scale[row]
+            else:
+                load = 0.0 if transducer.termination == "short" else transducer.termination
+                system[row] = unit[row] + load * admittances[row]
+            row += 1
+    if port is None:
+        raise ValueError(f"drive.transducer must have two combs, but {driven!r} has not")
     voltages = np.linalg.solve(system, source)
-    return Circuit(voltages=voltages, currents=admittances @ voltages, driven=names.index(driven) * ports)
+    return Circuit(voltages=voltages, currents=admittances @ voltages, driven=port)

@@ -1,7 +1,10 @@
 """The stator and its transducers: the sagittal section, x along the surface, z out of it, body at z < 0.
 
-A transducer is two combs of massless, perfectly conducting, equipotential fingers, alternating: finger 0 on the
-positive comb, finger 1 on the negative one, and so on.  Two fingers and two gaps make a period.
+A transducer is a row of massless, perfectly conducting, equipotential fingers of equal width and pitch.  In the plain
+one they alternate: finger 0 on the positive comb, finger 1 on the negative one; two fingers and two gaps make a period.
+A pattern says otherwise, one sign per finger: "+" and "-" the combs, "0" a finger left out (weighted comb), "o" an open
+strip, at whatever potential leaves it without charge.  Split fingers are four to a period, "++--".  A row of "o" is an
+open reflector, a row of "+" a shorted one.
 """
 
 from dataclasses import dataclass
@@ -17,6 +20,7 @@ Bottom = Literal["free", "grounded", "clamped", "absorbing"]
 Ends = Literal["absorbing", "free", "clamped"]
 Above = Literal["none", "vacuum"]
 BOTTOMS: tuple[str, ...] = ("free", "grounded", "clamped", "absorbing")
+SIGNS = "+-0o"
 ENDS: tuple[str, ...] = ("absorbing", "free", "clamped")
 CLEARANCE = 0.45  # of the bare surface between two transducers that one of them may take for its outer gap
 ABOVES: tuple[str, ...] = ("none", "vacuum")
@@ -87,6 +91,10 @@ class Transducer:
         Overlap of the fingers along y, in m.
     termination : str or complex
         Of a transducer that is not driven: "open", "short" or an impedance in ohm between its combs.
+    pattern : str, optional
+        One of "+-0o" per finger; "+-" (split: "++--") over and over if not given.
+    split : bool
+        Four fingers to a period instead of two.
     """
 
     name: str
@@ -96,6 +104,8 @@ class Transducer:
     metallisation: float
     aperture: float
     termination: str | complex = "open"
+    pattern: str | None = None
+    split: bool = False
 
     def __post_init__(self):
         owner = f"transducer {self.name!r}"
@@ -108,6 +118,13 @@ class Transducer:
             )
         if not 0 < self.metallisation < 1:
             raise ValueError(f"{owner}.metallisation must lie between 0 and 1, got {self.metallisation!r}")
+        count = self.finger_pairs * (4 if self.split else 2)
+        if self.pattern is not None and (len(self.pattern) != count or set(self.pattern) - set(SIGNS)):
+            raise ValueError(
+                f"{owner}.pattern must be {count} of the signs {' '.join(SIGNS)}, one per finger, got {self.pattern!r}"
+            )
+        if set(self.signs) == {"0"}:
+            raise ValueError(f"{owner}.pattern must leave at least one finger, got {self.pattern!r}")
         if isinstance(self.termination, str):
             if self.termination not in ("open", "short"):
                 raise ValueError(
@@ -117,21 +134,40 @@ class Transducer:
             raise ValueError(f"{owner}.termination must be a finite impedance, got {self.termination!r} ohm")
 
     @property
+    def signs(self) -> str:
+        """One of "+-0o" per finger, from left to right."""
+        return self.pattern or ("++--" if self.split else "+-") * self.finger_pairs
+
+    @property
+    def pitch(self) -> float:
+        """From finger to finger in m."""
+        return self.period / (4 if self.split else 2)
+
+    @property
     def finger_width(self) -> float:
         """Width of a finger in m."""
-        return self.metallisation * self.period / 2
+        return self.metallisation * self.pitch
+
+    @property
+    def half_gap(self) -> float:
+        """Half the bare surface between two fingers in m."""
+        return (1 - self.metallisation) * self.pitch / 2
 
     @property
     def extent(self) -> tuple[float, float]:
-        """Outer edges of the first and the last finger in m."""
-        half = (self.finger_pairs * self.period - (1 - self.metallisation) * self.period / 2) / 2
+        """Outer edges of the first and the last finger, there or left out, in m."""
+        half = len(self.signs) * self.pitch / 2 - self.half_gap
         return self.center - half, self.center + half
 
     @property
     def fingers(self) -> np.ndarray:
-        """Left and right edges of the fingers in m, shape (2 * finger_pairs, 2); even ones on the positive comb."""
-        left = self.extent[0] + np.arange(2 * self.finger_pairs) * self.period / 2
+        """Left and right edges of the fingers in m, shape (fingers, 2), those left out included."""
+        left = self.extent[0] + np.arange(len(self.signs)) * self.pitch
         return np.stack([left, left + self.finger_width], axis=1)
+
+    def strips(self, sign: str) -> np.ndarray:
+        """Edges of the fingers of one sign in m, shape (n, 2)."""
+        return self.fingers[[each == sign for each in self.signs]]
 
 
 def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
@@ -177,7 +213,7 @@ def outer_gaps(stator: Stator, transducers: tuple[Transducer, ...]) -> list[tupl
     """
     gaps = []
     for index, transducer in enumerate(transducers):
-        half = (transducer.period / 2 - transducer.finger_width) / 2
+        half = transducer.half_gap
         left, right = transducer.extent
         before = left - (transducers[index - 1].extent[1] if index else 0.0)
         last = index == len(transducers) - 1

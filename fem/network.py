@@ -177,17 +177,19 @@ class Network:
             decay_left = np.exp(-1j * modes.wavenumbers[arrive_left] * lengths[index])
             decay_right = np.exp(1j * modes.backwards[arrive_right] * lengths[index + 1])
             incoming[:n, : len(arrive_left)] = modes.right[:, arrive_left] * decay_left
-            incoming[n:, len(arrive_left) : -count] = modes.left[:, arrive_right] * decay_right
+            incoming[n:, len(arrive_left) : len(arrive_left) + len(arrive_right)] = (
+                modes.left[:, arrive_right] * decay_right
+            )
             potentials = np.zeros((PORTS, incoming.shape[1]))
-            potentials[:, -count:] = scatterer.potentials
+            potentials[:, len(arrive_left) + len(arrive_right) :] = scatterer.potentials
             sides = scatterer.sides(incoming, potentials)
             sent_left = modes.left_amplitudes(sides[:n] - incoming[:n])
             sent_right = modes.right_amplitudes(sides[n:] - incoming[n:])
             for slot, sent, chosen in ((to_left, sent_left, before), (to_right, sent_right, after)):
                 rows = sent[chosen[: slot.stop - slot.start]]
                 system[slot, from_left] -= rows[:, : len(arrive_left)]
-                system[slot, from_right] -= rows[:, len(arrive_left) : -count]
-                load[slot, mine] += rows[:, -count:]
+                system[slot, from_right] -= rows[:, len(arrive_left) : len(arrive_left) + len(arrive_right)]
+                load[slot, mine] += rows[:, len(arrive_left) + len(arrive_right) :]
             answers.append((sides, potentials, incoming, mine, from_left, from_right))
         if walls:
             self._reflect(system, slots, kept, lengths)
@@ -218,7 +220,7 @@ class Network:
             reach = from_left.stop - from_left.start
             weights[:reach] = amplitudes[from_left]
             weights[reach : weights.shape[0] - count] = amplitudes[from_right]
-            weights[-count:, mine] = np.eye(count)
+            weights[len(weights) - count :, mine] = np.eye(count)
             sides.append(own @ weights)
             incoming.append(arriving @ weights)
             charges[mine] = scatterer.charge(sides[-1], potentials @ weights)

@@ -20,7 +20,7 @@ def surface_wave(solution: Solution) -> SurfaceWave:
     frequency = modes.frequency
     speed = 2 * np.pi * frequency * section.length_unit / np.mean(modes.wavenumbers[surface].real)
     resolution = solution.resolution
-    columns = sum(2 * t.finger_pairs * 4 * (resolution.edge_layers + 1) for t in solution.transducers)
+    columns = sum(len(t.signs) * 4 * (resolution.edge_layers + 1) for t in solution.transducers)
     driven = solution.circuit.driven
     return SurfaceWave(
         frequency=frequency,

@@ -4,18 +4,19 @@ The fields of all fingers, all ports and all waves that arrive span few dimensio
 full solutions at some frequencies of a band); one basis serves the lines in mid-gap, another those in mid-finger.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
-from fem.cell import PORTS
-from fem.chain import joined, lines
+from fem.cell import PORTS, Block
+from fem.chain import fingers_in_row, joined, lines
 from fem.geometry import Transducer
 from fem.guided import GuidedModes, guided_modes
 from fem.network import end_reflection
 from fem.section import Section
-from fem.solution import assembled, transducer_row
+from fem.solution import assembled
 
 WALL_WIDTH = (
     0.2  # wavelengths of a free or clamped end that are condensed: too narrow for a resonance in the band
@@ -115,7 +116,19 @@ def parity_groups(section: Section, apart: bool) -> list[np.ndarray]:
 
 def finger_key(transducer: Transducer) -> tuple[float, float]:
     """What a transducer's half cells depend on: finger width and gap, m."""
-    return transducer.finger_width, transducer.period / 2 - transducer.finger_width
+    return transducer.finger_width, 2 * transducer.half_gap
+
+
+def even_row(transducer: Transducer, cell: Callable[[], Block], bare: Callable[[], Block]) -> Block:
+    """Block of a transducer whose gaps are all alike, from the cell of a finger of comb 0 and a bare one."""
+    return fingers_in_row(
+        transducer.signs, lambda place: (0.0, 0.0), lambda *gaps: cell(), lambda *gaps: bare()
+    )
+
+
+def no_bare_cells() -> Block:
+    """Refuse: the half cells of a band all carry a finger."""
+    raise ValueError("a band of frequencies takes transducers without left-out fingers")
 
 
 def bases_of(
@@ -159,13 +172,13 @@ def snapshots(stator, transducers, section, frequency, halves, resolution, drive
     """Fields on the lines in mid-gap and in mid-finger: of every port, and of every mode that may arrive."""
     modes = guided_modes(section, frequency)
     phi = section.surface_dofs["phi"]
-    rows = {}
+    rows: dict[tuple, Block] = {}
     for each in transducers:
-        key = (*finger_key(each), each.finger_pairs)
+        key = (*finger_key(each), each.signs)
         if key not in rows:
-            rising, falling = halves[finger_key(each)]
-            rows[key] = transducer_row(joined(rising, falling, phi=phi, comb=0), each.finger_pairs)
-    blocks = [rows[(*finger_key(each), each.finger_pairs)] for each in transducers]
+            cell = joined(*halves[finger_key(each)], phi=phi, comb=0)
+            rows[key] = even_row(each, lambda cell=cell: cell, no_bare_cells)
+    blocks = [rows[(*finger_key(each), each.signs)] for each in transducers]
     solution = assembled(
         stator, transducers, blocks, modes=modes, driven=driven, source_impedance=0.0, resolution=resolution
     )
@@ -181,9 +194,9 @@ def snapshots(stator, transducers, section, frequency, halves, resolution, drive
         incoming[n:, len(arriving) :] = modes.left[:, arriving]
         quiet = np.zeros((PORTS, incoming.shape[1]))
         scattered = np.concatenate([scatterer.sides(incoming, quiet), quiet])
-        each = scatterer.potentials.shape[1]
         lit = np.zeros((PORTS, solution.network.ports))
-        lit[:, index * each : (index + 1) * each] = scatterer.potentials
+        before = sum(other.potentials.shape[1] for other in solution.network.scatterers[:index])
+        lit[:, before : before + scatterer.potentials.shape[1]] = scatterer.potentials
         sent = np.concatenate([solution.ports.sides[index], lit])
         together = np.hstack([scattered, sent])
         for count, (_, _, sides) in enumerate(lines(scatterer.block, together, finest=1.001 * quarter)):

@@ -9,8 +9,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem.cell import Block
-from fem.chain import FingerShape, finger_cell, joined, repeated, swapped
-from fem.electrodes import Circuit, circuit, port_admittances, port_potentials
+from fem.chain import FingerShape, bare_cell, finger_cell, fingers_in_row
+from fem.electrodes import Circuit, Ports, circuit, port_admittances, ports_of
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.guided import GuidedModes, guided_modes
 from fem.network import Network, PortSolution, Scatterer, Walls
@@ -27,6 +27,7 @@ class Solution:
     section: Section
     modes: GuidedModes
     network: Network
+    wiring: tuple[Ports, ...]
     ports: PortSolution
     circuit: Circuit
     resolution: Resolution
@@ -77,7 +78,7 @@ def solved(
     made: dict[tuple, Block] = {}
     blocks = []
     for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
-        key = (transducer.finger_pairs, transducer.period, transducer.metallisation, gaps)
+        key = (transducer.signs, transducer.pitch, transducer.metallisation, gaps)
         if key not in made:
             made[key] = _transducer_block(section, frequency, transducer, gaps, resolution)
         blocks.append(made[key])
@@ -126,8 +127,11 @@ def assembled(
     """
     section, frequency = modes.section, modes.frequency
     unit = section.length_unit
-    potentials = port_potentials(section.floats)
-    scatterers = {id(block): Scatterer(block=block, modes=modes, potentials=potentials) for block in blocks}
+    wiring = [ports_of(transducer, section.floats) for transducer in transducers]
+    scatterers = {
+        id(block): Scatterer(block=block, modes=modes, potentials=own.potentials)
+        for block, own in zip(blocks, wiring, strict=True)
+    }
     gaps = outer_gaps(stator, transducers)
     network = Network(
         modes=modes,
@@ -139,20 +143,19 @@ def assembled(
     )
     ports = network.solve()
     medium = section.solid
-    each = potentials.shape[1]
     charges = ports.charges * (medium.stress_unit / medium.potential_unit**2)
-    admittances = port_admittances(charges, transducers, each, frequency)
-    wired = circuit(admittances, transducers, each, driven=driven, source_impedance=source_impedance)
+    admittances = port_admittances(charges, transducers, wiring, frequency)
+    wired = circuit(admittances, transducers, wiring, driven=driven, source_impedance=source_impedance)
     weights = wired.voltages / medium.potential_unit
-    combs = tuple(
-        potentials @ weights[index * each : (index + 1) * each] for index in range(len(transducers))
-    )
+    owned = np.split(weights, np.cumsum([len(own.kinds) for own in wiring])[:-1])
+    combs = tuple(own.potentials @ weight for own, weight in zip(wiring, owned, strict=True))
     return Solution(
         stator=stator,
         transducers=transducers,
         section=section,
         modes=modes,
         network=network,
+        wiring=tuple(wiring),
         ports=ports,
         circuit=wired,
         resolution=resolution,
@@ -161,25 +164,27 @@ def assembled(
     )
 
 
-def transducer_row(cell: Block, finger_pairs: int) -> Block:
-    """Block of a transducer of equal cells, combs alternating."""
-    return repeated(joined(cell, swapped(cell)), finger_pairs)
-
-
 def _transducer_block(section, frequency, transducer, gaps, resolution) -> Block:
     unit = section.length_unit
-    half_gap = (transducer.period / 2 - transducer.finger_width) / 2 / unit
-    outer = gaps[0] / unit, gaps[1] / unit
+    half_gap = transducer.half_gap / unit
+    made: dict[tuple, Block] = {}
 
     def cell(left: float, right: float) -> Block:
-        shape = FingerShape(half_finger=transducer.finger_width / 2 / unit, half_gaps=(left, right))
-        return finger_cell(section, frequency, shape, resolution)
+        if (left, right) not in made:
+            shape = FingerShape(half_finger=transducer.finger_width / 2 / unit, half_gaps=(left, right))
+            made[left, right] = finger_cell(section, frequency, shape, resolution)
+        return made[left, right]
 
-    positive = cell(half_gap, half_gap)
-    pairs = transducer.finger_pairs
-    if max(abs(outer[0] - half_gap), abs(outer[1] - half_gap)) < 1e-9 * half_gap:
-        return transducer_row(positive, pairs)
-    first, last = cell(outer[0], half_gap), swapped(cell(half_gap, outer[1]))
-    if pairs == 1:
-        return joined(first, last)
-    return joined(joined(first, repeated(joined(swapped(positive), positive), pairs - 1)), last)
+    def bare(width: float) -> Block:
+        if width not in made:
+            made[width] = bare_cell(section, frequency, width, resolution)
+        return made[width]
+
+    outer = [half_gap if abs(gap / unit - half_gap) < 1e-9 * half_gap else gap / unit for gap in gaps]
+    last = len(transducer.signs) - 1
+    return fingers_in_row(
+        transducer.signs,
+        lambda place: (outer[0] if place == 0 else half_gap, outer[1] if place == last else half_gap),
+        cell,
+        lambda left, right: bare(left + transducer.finger_width / unit + right),
+    )

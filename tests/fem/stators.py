@@ -86,5 +86,4 @@ def admittances(solution: Solution) -> np.ndarray:
 
     body = solution.section.solid
     charges = solution.ports.charges * (body.stress_unit / body.potential_unit**2)
-    ports = solution.network.scatterers[0].potentials.shape[1]
-    return port_admittances(charges, solution.transducers, ports, solution.modes.frequency)
+    return port_admittances(charges, solution.transducers, solution.wiring, solution.modes.frequency)

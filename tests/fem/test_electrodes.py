@@ -7,17 +7,23 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fem.electrodes import circuit, port_admittances, port_potentials
+from fem.electrodes import circuit, port_admittances, ports_of
 from fem.geometry import Transducer
 
 A = Transducer(name="a", center=0.1, finger_pairs=1, period=1e-3, metallisation=0.5, aperture=0.02)
 B = replace(A, name="b", center=0.2)
+FLOATING = [ports_of(A, True)] * 2
+GROUNDED = [ports_of(A, False)] * 2
 Y = np.array([[3e-3 + 8e-3j, -1e-3 + 5e-4j], [-1e-3 + 5e-4j, 2e-3 + 6e-3j]])
 
 
 def seen(termination, source_impedance=0.0, matrix=Y):
     return circuit(
-        matrix, (A, replace(B, termination=termination)), 1, driven="a", source_impedance=source_impedance
+        matrix,
+        (A, replace(B, termination=termination)),
+        FLOATING,
+        driven="a",
+        source_impedance=source_impedance,
     )
 
 
@@ -73,7 +79,7 @@ def test_grounded_sections_have_a_mean_port():
         found = circuit(
             matrix,
             (A, replace(B, termination=termination)),
-            2,
+            GROUNDED,
             driven="b" if termination == "open" else "a",
             source_impedance=0.0,
         )
@@ -82,16 +88,27 @@ def test_grounded_sections_have_a_mean_port():
         assert found.voltages[driven] == pytest.approx(1, rel=1e-14)
         assert abs(found.voltages[driven + 1]) < 1e-15
         assert abs(found.currents[other + 1]) < 1e-16
-    assert port_potentials(True).shape == (2, 1)
-    assert port_potentials(False).shape == (2, 2)
-    assert np.array_equal(port_potentials(False)[:, 0], [0.5, -0.5])
+    assert ports_of(A, True).potentials.shape == (2, 1)
+    assert ports_of(A, False).potentials.shape == (2, 2)
+    assert np.array_equal(ports_of(A, False).potentials[:, 0], [0.5, -0.5])
+
+
+def test_one_comb_has_no_voltage():
+    """A shorted reflector is one conductor, an open one none; neither can be driven."""
+    shorted, opened = replace(A, pattern="++"), replace(A, pattern="oo")
+    assert ports_of(shorted, True).kinds == ports_of(opened, False).kinds == ()
+    assert ports_of(shorted, False).kinds == ("mean",)
+    assert np.array_equal(ports_of(shorted, False).potentials[:, 0], [1.0, 0.0])
+    with pytest.raises(ValueError, match="must have two combs, but 'b' has not"):
+        wiring = [ports_of(A, True), ports_of(shorted, True)]
+        circuit(Y[:1, :1], (A, replace(shorted, name="b")), wiring, driven="b", source_impedance=0.0)
 
 
 def test_charges_become_currents():
     """I = i omega Q aperture with Q = -q; the narrower beam is shared."""
     q = np.array([[-2e-10, 1e-11], [1e-11, -3e-10]])
     wide = replace(B, aperture=0.05)
-    y = port_admittances(q, (A, wide), 1, 1e6)
+    y = port_admittances(q, (A, wide), FLOATING, 1e6)
     omega = 2e6 * np.pi
     assert y[0, 0] == pytest.approx(1j * omega * 2e-10 * 0.02, rel=1e-14)
     assert y[1, 1] == pytest.approx(1j * omega * 3e-10 * 0.05, rel=1e-14)
@@ -100,4 +117,4 @@ def test_charges_become_currents():
 
 def test_unknown_transducer_is_refused():
     with pytest.raises(ValueError, match=r"drive\.transducer must be one of a, b, got 'c'"):
-        circuit(Y, (A, B), 1, driven="c", source_impedance=0.0)
+        circuit(Y, (A, B), FLOATING, driven="c", source_impedance=0.0)
