@@ -1,0 +1,248 @@
+"""The driven stator on one discretisation: against the sparse direct solve, and by reciprocity, symmetry and power."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem.audit import audit
+from fem.direct import direct_solution
+from fem.materials import VACUUM_PERMITTIVITY
+from fem.readout import surface_wave
+from fem.section import Resolution
+from fem.wavelength import slowest_wavelength
+from tests.fem.stators import FREQUENCY, admittances, comb, cut, lossless, plate, solution
+
+GENERAL = (17.0, 31.0, 49.0)
+
+
+@pytest.mark.parametrize(
+    ("solid", "rest", "layers"),
+    [
+        (cut("PZT-8", "Z"), {"ends": "free"}, 1),
+        (cut("PZT-8", "X"), {"ends": "absorbing", "bottom": "grounded"}, 0),
+        (lossless("LiNbO3 (Kovacs)", "128YX"), {"ends": "absorbing"}, 0),
+        (lossless("LiNbO3 (Warner)", "YZ"), {"ends": "clamped", "bottom": "clamped"}, 0),
+        (cut("LiNbO3 (Ogi)", GENERAL, quality=300.0), {"ends": "free", "bottom": "grounded"}, 0),
+    ],
+    ids=["PZT free", "X-poled grounded", "128YX absorbing", "YZ clamped", "general free"],
+)
+def test_structured_and_direct_solve_agree(solid, rest, layers):
+    """Two different transducers.  What differs is the direct mesh along the stretches: 1e-6 of the field there."""
+    order = 7 - layers
+    stator = plate(solid, length=3.2, thickness=0.4, **rest)
+    pair = comb(stator, "a", 0.9), comb(stator, "b", 2.4, period=0.8, metallisation=0.4)
+    ours = solution(stator, pair, order=order, layers=layers)
+    direct = direct_solution(
+        stator,
+        pair,
+        frequency=FREQUENCY,
+        resolution=Resolution(order=order, edge_layers=layers),
+        wavelength=slowest_wavelength(solid, FREQUENCY),
+        stretch_size=0.25,
+        stretch_layers=1,
+    )
+    body = ours.section.solid
+    charges = ours.ports.charges * (body.stress_unit / body.potential_unit**2)
+    assert np.abs(charges - direct.charges).max() < 1e-9 * np.abs(charges).max()
+    x = np.linspace(1e-3, 1 - 1e-3, 61) * stator.length
+    moved, reference = surface_wave(ours).motion(x), direct.surface(x) @ ours.circuit.voltages
+    difference = np.abs(moved - reference).max(axis=0) / np.abs(reference).max()
+    covered = np.array([np.any([(abs(x_ - t.center) < 0.35 * t.period) for t in pair]) for x_ in x])
+    assert difference.max() < 1e-5
+    clamped_corners = stator.ends == "clamped"  # singular: they converge slowly along x in the direct mesh
+    assert difference[covered].max() < (1e-7 if clamped_corners else 5e-9)
+
+
+STATORS = (
+    (cut("PZT-8", "Z"), {"ends": "free"}),
+    (cut("PZT-5H", "X"), {"ends": "absorbing", "bottom": "grounded"}),
+    (lossless("LiNbO3 (Warner)", "YZ"), {"ends": "absorbing", "bottom": "clamped"}),
+    (lossless("LiNbO3 (Kovacs)", "128YX"), {"ends": "clamped"}),
+    (cut("LiNbO3 (Ogi)", GENERAL, quality=300.0), {"ends": "free", "bottom": "clamped"}),
+    (cut("PZT-4", "Z"), {"ends": "absorbing", "bottom": "grounded", "above": "vacuum"}),
+)
+NAMES = [f"{solid.name} {solid.frame} {rest['ends']}" for solid, rest in STATORS]
+
+
+@pytest.fixture(scope="module", params=STATORS, ids=NAMES)
+def three(request):
+    """Three transducers, no two alike, driven at the left one."""
+    solid, rest = request.param
+    stator = plate(solid, length=9.0, **rest)
+    row = (
+        comb(stator, "a", 1.7, finger_pairs=2),
+        comb(stator, "b", 4.6, period=0.9, metallisation=0.3, termination="short"),
+        comb(stator, "c", 7.4, period=1.1, metallisation=0.7, termination=50.0 - 20.0j),
+    )
+    return solution(stator, row)
+
+
+def test_reciprocity(three):
+    y = admittances(three)
+    assert np.abs(y - y.T).max() < 1e-11 * np.abs(y - np.diag(np.diag(y))).max()
+
+
+def test_passive(three):
+    """No combination of voltages draws power out of the stator."""
+    dissipated = np.linalg.eigvalsh((admittances(three) + admittances(three).conj().T).real / 2)
+    assert dissipated[0] > -1e-11 * np.abs(admittances(three)).max()
+    if three.stator.ends == "absorbing" or three.stator.solid.is_lossy:
+        assert dissipated[-1] > 1e-4 * np.abs(admittances(three)).max()
+
+
+def test_power_goes_where_the_audit_says(three):
+    """Power in at the combs = flux through the lines + loss between them, each from other matrices."""
+    powers = audit(three)
+    assert powers.input > 0
+    assert powers.residual < 1e-6
+
+
+def test_order_of_the_list_does_not_matter(three):
+    turned = solution(three.stator, three.transducers[::-1])
+    assert turned.circuit.admittance == three.circuit.admittance
+
+
+@pytest.mark.parametrize(
+    ("name", "orientation"), [("PZT-8", "Z"), ("PZT-8", "X"), ("LiNbO3 (Kovacs)", "128YX")]
+)
+@pytest.mark.parametrize("ends", ["free", "absorbing"])
+def test_left_and_right_are_mirror_images(name, orientation, ends):
+    """Equal transducers, the one driven and then the other: |u| at x and at length - x."""
+    stator = plate(cut(name, orientation), length=8.0, ends=ends)
+    pair = comb(stator, "a", 1.6, finger_pairs=2), comb(stator, "b", 6.4, finger_pairs=2)
+    x = np.linspace(0.01, 0.99, 37) * stator.length
+    one, other = (
+        surface_wave(solution(stator, pair, driven=name_)).motion(places)
+        for name_, places in (("a", x), ("b", stator.length - x))
+    )
+    assert np.abs(abs(one) - abs(other)).max() < 1e-9 * abs(one).max()
+    sign = one[1, 0] / other[1, 0]
+    assert np.abs(one - sign * np.array([[-1.0], [1.0]]) * other).max() < 1e-9 * abs(one).max()
+
+
+def test_terminations_in_the_field():
+    """A huge impedance is open, none is short; both move the motion of the driven one's field."""
+    solid = cut("PZT-8", "Z")
+    stator = plate(solid, length=8.0)
+    x = np.linspace(0.02, 0.98, 25) * stator.length
+    motion = {}
+    for termination in ("open", "short", 1e13, 0.0, 200.0):
+        pair = comb(stator, "a", 1.6), comb(stator, "b", 5.4, finger_pairs=2, termination=termination)
+        motion[termination] = surface_wave(solution(stator, pair)).motion(x)
+    size = np.abs(motion["open"]).max()
+    assert np.abs(motion["open"] - motion[1e13]).max() < 1e-8 * size
+    assert np.abs(motion["short"] - motion[0.0]).max() == 0
+    assert np.abs(motion["short"] - motion["open"]).max() > 1e-2 * size
+    assert np.abs(motion[200.0] - motion["open"]).max() > 1e-3 * size
+
+
+@pytest.mark.parametrize("ends", ["free", "clamped"])
+def test_closed_lossless_stator_takes_no_power(ends):
+    """No loss and no open end: Re Y = 0 to the rounding of |Y|."""
+    stator = plate(lossless("PZT-8", "Z"), length=5.0, ends=ends)
+    y = admittances(solution(stator, (comb(stator, "a", 1.6), comb(stator, "b", 3.6))))
+    assert np.abs(y.real).max() < 1e-9 * np.abs(y).max()
+
+
+@pytest.mark.parametrize(
+    ("solid", "rest"),
+    [
+        (lossless("PZT-8", "Z"), {}),
+        (lossless("LiNbO3 (Warner)", "YZ"), {"bottom": "grounded"}),
+        (lossless("quartz (Bechmann)", "ST-X"), {"bottom": "clamped"}),
+        (lossless("LiNbO3 (Ogi)", GENERAL), {}),
+    ],
+    ids=["PZT", "YZ", "ST-X", "general"],
+)
+def test_lossless_power_leaves_through_the_ends(solid, rest):
+    """Electrical power in = mechanical power out through two lines, and what a resistor takes."""
+    stator = plate(solid, length=7.0, **rest)
+    ohm = 75.0 + 30.0j
+    pair = comb(stator, "a", 1.6, finger_pairs=2), comb(stator, "b", 5.1, termination=ohm)
+    solved = solution(stator, pair, source_impedance=20.0)
+    powers = audit(solved)
+    port = len(solved.circuit.currents) // 2
+    load = 0.5 * ohm.real * abs(solved.circuit.currents[port]) ** 2
+    assert powers.radiated + load == pytest.approx(powers.input, rel=1e-9)
+    assert powers.residual < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("solid", "rest"),
+    [
+        (lossless("PZT-8", "Z"), {}),
+        (lossless("LiNbO3 (Warner)", "YZ"), {}),
+        (cut("LiNbO3 (Kovacs)", "128YX"), {"thickness": np.inf}),
+        (cut("LiNbO3 (Ogi)", GENERAL), {}),
+    ],
+    ids=["PZT", "YZ", "128YX half-space", "general"],
+)
+def test_absorbing_ends_send_no_surface_wave_back(solid, rest):
+    """Right of the transducer: amplitudes of the modes going left, found from the lines and their fluxes alone."""
+    stator = plate(solid, length=7.0, **rest)
+    solved = solution(stator, (comb(stator, "a", 1.6, finger_pairs=2),))
+    modes, n = solved.modes, solved.section.size
+    line = solved.sides(0)[n : 2 * n]
+    block = solved.network.scatterers[0].block
+    flux = block.matrix[n : 2 * n] @ solved.sides(0)
+    both = np.block([[modes.right, modes.left], [modes.right_flux, modes.left_flux]])
+    travels = np.abs(modes.wavenumbers.imag) < 0.05 * np.abs(modes.wavenumbers.real)
+    constant = modes.wavenumbers == 0  # right and left alike: one column of the two
+    keep = np.append(np.ones(n, dtype=bool), ~constant)
+    amplitudes = np.linalg.lstsq(both[:, keep], np.concatenate([line, flux]), rcond=None)[0]
+    right, left = amplitudes[:n], np.zeros(n, dtype=complex)
+    left[~constant] = amplitudes[n:]
+    assert np.abs(right[travels]).max() > 0
+    assert np.abs(left[travels]).max() < 1e-9 * np.abs(right[travels]).max()
+
+
+def test_capacitance_at_low_frequency():
+    """Im Y / omega does not depend on the frequency, and its real part is the loss tangent's."""
+    solid = cut("PZT-8", "Z", quality=np.inf, loss=0.004)
+    stator = plate(solid, length=12.0, thickness=4.0)
+    transducer = comb(stator, "a", 6.0, finger_pairs=3)
+    found = []
+    for frequency in (FREQUENCY * 1e-3, FREQUENCY * 2e-3):
+        y = solution(stator, (transducer,), frequency=frequency, order=8, layers=2).circuit.admittance
+        found.append(y / (2j * np.pi * frequency))
+    assert found[0].real == pytest.approx(found[1].real, rel=1e-3)
+    assert 0 < -found[0].imag / found[0].real < 0.0041
+    assert 1e-11 < found[0].real < 1e-9
+
+
+def test_vacuum_adds_its_capacitance():
+    """Half-metallised fingers have eps per period and aperture, K(k)/K(k') = 1 (Engan 1969): vacuum adds eps_0.
+
+    One period more of a long transducer; 5 periods already see the stator's bottom, 1.5 below, to 1e-3.
+    """
+    solid = lossless("LiNbO3 (Kovacs)", "128YX")
+    slow = 1e-2 * FREQUENCY
+    each = []
+    for above in ("none", "vacuum"):
+        stator = plate(solid, length=16.0, thickness=1.5, above=above)
+        found = [
+            solution(
+                stator, (comb(stator, "a", 8.0, finger_pairs=pairs),), frequency=slow, order=8, layers=1
+            ).circuit.admittance
+            for pairs in (5, 6)
+        ]
+        each.append((found[1] - found[0]).imag / (2 * np.pi * slow * 0.02))
+    assert each[1] - each[0] == pytest.approx(VACUUM_PERMITTIVITY, rel=2e-3)
+    assert each[0] / VACUUM_PERMITTIVITY == pytest.approx(55, rel=0.03)  # eps_p^T of 128YX, Campbell 1998
+
+
+def test_transducers_near_ends_and_each_other():
+    """Outer gaps smaller than half a gap: the same stator seen from its mirror image."""
+    solid = cut("PZT-8", "Z")
+    stator = plate(solid, length=4.0, ends="free")
+    near = comb(stator, "a", 0.0)
+    left = replace(near, center=near.center - near.extent[0] + 0.03 * near.period)
+    right = replace(left, name="b", center=left.center + left.extent[1] - left.extent[0] + 0.04 * left.period)
+    one = solution(stator, (left, right), order=7)
+    turned = tuple(replace(each, center=stator.length - each.center) for each in (left, right))
+    other = solution(stator, turned, order=7)
+    y, back = admittances(one), admittances(other)[::-1, ::-1]
+    assert np.abs(y - back).max() < 1e-9 * np.abs(y).max()
+    moved = solution(stator, (replace(left, center=left.center + 0.2 * near.period),), order=7)
+    assert abs(moved.circuit.admittance / y[0, 0] - 1) > 1e-3
