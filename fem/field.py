@@ -68,7 +68,7 @@ def wave_field(wave: SurfaceWave, *, per_wavelength: int = 16) -> WaveField:
         else:
             start, stop = max(piece.start, 0.0), min(piece.stop, wave.length)
             x = np.linspace(start, stop, max(3, int(np.ceil((stop - start) / step)) + 1))
-            part = _between(solution, piece, x, body)
+            part = _between(solution, piece, x, body, first=not transducer)
             if transducer:
                 offset_here, offset = offset, offset + _gauge_step(solution, piece)
                 part[:, :, 3] += offset_here
@@ -87,12 +87,14 @@ def wave_field(wave: SurfaceWave, *, per_wavelength: int = 16) -> WaveField:
     )
 
 
-def _constant_shape(solution: Solution) -> tuple[int, float] | None:
-    """Index of the mode of constant potential and its (scaled) potential; None where the section is grounded."""
-    constant = np.flatnonzero(solution.modes.wavenumbers == 0)
+def _constant_shape(solution: Solution) -> tuple[int, complex, complex] | None:
+    """Index of the mode of constant potential, its potential going right and left; None where it is grounded."""
+    modes = solution.modes
+    constant = np.flatnonzero(modes.wavenumbers == 0)
     if not len(constant):
         return None
-    return int(constant[0]), float(np.abs(solution.modes.right[:, constant[0]]).max())
+    index, surface = int(constant[0]), solution.section.surface_dofs["phi"]
+    return index, complex(modes.right[surface, index]), complex(modes.left[surface, index])
 
 
 def _gauge_step(solution: Solution, piece) -> complex:
@@ -100,17 +102,19 @@ def _gauge_step(solution: Solution, piece) -> complex:
     constant = _constant_shape(solution)
     if constant is None or not np.isfinite(piece.stop):
         return 0.0
-    return constant[1] * (piece.right[constant[0]] - piece.left[constant[0]])
+    index, rightwards, leftwards = constant
+    return rightwards * piece.right[index] - leftwards * piece.left[index]
 
 
-def _between(solution: Solution, piece, x: np.ndarray, body: slice) -> np.ndarray:
+def _between(solution: Solution, piece, x: np.ndarray, body: slice, *, first: bool) -> np.ndarray:
     section, modes = solution.section, solution.modes
-    left = piece.left.copy()
+    right, left = piece.right.copy(), piece.left.copy()
     constant = _constant_shape(solution)
-    if constant is not None and np.any(piece.right):
-        left[constant[0]] = 0.0  # potentials here refer to the transducer on the left
-    phases = np.exp(-1j * np.outer(piece.wavenumbers, x - piece.start)) if np.any(piece.right) else 0.0
-    lines = modes.right @ (piece.right[:, None] * phases) if np.any(piece.right) else 0.0
+    if constant is not None:
+        # Potentials refer to the transducer on the left; before the first one, to that.
+        (right if first else left)[constant[0]] = 0.0
+    phases = np.exp(-1j * np.outer(piece.wavenumbers, x - piece.start)) if np.any(right) else 0.0
+    lines = modes.right @ (right[:, None] * phases) if np.any(right) else 0.0
     if np.any(left):
         lines = lines + modes.left @ (left[:, None] * np.exp(-1j * np.outer(piece.backwards, x - piece.stop)))
     out = np.zeros((len(x), len(section.dofs), 4), dtype=complex)
