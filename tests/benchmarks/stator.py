@@ -1,0 +1,106 @@
+"""The driven stator's error against run time, level by level, and a band of frequencies: prints the README's tables.
+
+    python tests/benchmarks/stator.py
+
+The seed's stator (160 x 5 mm, two transducers of 10 finger pairs, 2.2 MHz), absorbing and free ends, one thread.  The
+error is that of the surface motion 65 mm from the driven transducer's centre and of the admittance, against the finest
+level; times are medians of three.
+"""
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import platform
+import statistics
+import time
+from dataclasses import replace
+
+import numpy as np
+
+from fem.band import frequency_band
+from fem.geometry import Stator, Transducer
+from fem.harmonic import LEVELS, orbit_difference
+from fem.materials import material
+from fem.readout import surface_wave
+from fem.solution import solved
+
+FREQUENCY, PLACE = 2.2e6, np.array([0.08])
+STATOR = Stator(solid=material("PZT-8"), length=0.16, thickness=5e-3, ends="absorbing")
+LEFT = Transducer(
+    name="left", center=0.015, finger_pairs=10, period=0.983e-3, metallisation=0.5, aperture=0.02
+)
+TRANSDUCERS = (LEFT, replace(LEFT, name="right", center=0.145))
+
+
+def timed(work, repeats: int = 3):
+    """Result and median time in s of some work."""
+    times = []
+    for _ in range(repeats):
+        begun = time.perf_counter()
+        result = work()
+        times.append(time.perf_counter() - begun)
+    return result, statistics.median(times)
+
+
+def levels(stator: Stator) -> None:
+    """Print a row for each level but the finest, which is the reference."""
+    rows = []
+    for resolution in LEVELS:
+        solution, seconds = timed(
+            lambda resolution=resolution: solved(
+                stator,
+                TRANSDUCERS,
+                frequency=FREQUENCY,
+                driven="left",
+                source_impedance=0.0,
+                resolution=resolution,
+            ),
+            1 if resolution is LEVELS[-1] else 3,
+        )
+        rows.append((resolution, surface_wave(solution), seconds))
+    reference = rows[-1][1]
+    print(f"\n{stator.ends} ends\n")
+    print("| order | edge layers | unknowns | error of u | error of Y | seconds |")
+    print("|---|---|---|---|---|---|")
+    for resolution, wave, seconds in rows[:-1]:
+        motion = orbit_difference(wave, reference, PLACE)
+        admittance = abs(wave.admittance / reference.admittance - 1)
+        print(
+            f"| {resolution.order} | {resolution.edge_layers} | {wave.unknowns} | {motion:.1e} | {admittance:.1e} "
+            f"| {seconds:.2f} |"
+        )
+
+
+def bands(stator: Stator) -> None:
+    """Print set-up time, size and time per frequency of a 2.1 to 2.3 MHz band at 1e-3."""
+    made, setup = timed(
+        lambda: frequency_band(
+            stator, TRANSDUCERS, lowest=2.1e6, highest=2.3e6, driven="left", tolerance=1e-3, places=(0.08,)
+        ),
+        1,
+    )
+    sweep = np.linspace(2.1e6, 2.3e6, 21)
+    _, seconds = timed(lambda: [made.wave(float(frequency), driven="left") for frequency in sweep])
+    print(
+        f"| {stator.ends} | {made.section.full.size} | {made.section.size} | {made.relative_error:.1e} "
+        f"| {made.admittance_error:.1e} | {setup:.1f} | {1e3 * seconds / len(sweep):.0f} |"
+    )
+
+
+def main() -> None:
+    """Print both tables."""
+    print(f"{platform.machine()}, {os.cpu_count()} cores, one thread, numpy {np.__version__}")
+    stators = (STATOR, replace(STATOR, ends="free"))
+    for stator in stators:
+        levels(stator)
+    print(
+        "\n| ends | unknowns of a line | reduced | error of u | error of Y | set-up, s | per frequency, ms |"
+    )
+    print("|---|---|---|---|---|---|---|")
+    for stator in stators:
+        bands(stator)
+
+
+if __name__ == "__main__":
+    main()
