@@ -96,9 +96,8 @@ class PeriodicCell:
         if not np.all((z <= 0) & (z >= lowest)):
             raise ValueError(f"depth must lie between 0 and {-lowest:g} wavelengths, got {-z!r}")
         line = copy(self.down)
-        line.elem = (
-            self.element()
-        )  # ElementLinePp caches its values by the number of points alone: a fresh one
+        # ElementLinePp remembers its values by the number of points alone: ask a fresh one
+        line.elem = self.element()
         values = line.probes(z[None, :]) @ shape
         displacement, potential = np.zeros((len(z), 3), dtype=complex), np.zeros(len(z), dtype=complex)
         for column, name in enumerate(self.body.fields):

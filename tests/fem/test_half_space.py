@@ -86,6 +86,29 @@ def test_the_oracle_finds_the_same_wave(name, orientation, surface):
     assert problem.defect(wave.velocity) < 1e-10
 
 
+@pytest.mark.parametrize(("name", "orientation"), CUTS)
+def test_limiting_velocity_is_where_partial_waves_cease_to_decay(name, orientation):
+    solid = rotated(material(name), orientation)
+    limit = rayleigh(solid).limiting_velocity
+    problem = oracle(solid, "open")
+    assert problem.conditions(limit * (1 - 1e-6)) is not None
+    assert problem.conditions(limit * (1 + 1e-6)) is None
+
+
+@pytest.mark.parametrize(
+    ("name", "orientation", "surface"),
+    [
+        ("LiNbO3 (Kovacs)", (128.66553957152496, 6.045403554983584, 82.67596071477988), "vacuum"),
+        ("LiNbO3 (Kovacs)", (-21.93544421554904, 179.15396460981498, 129.0367171995074), "metallised"),
+        ("PZT-8", (12.827432927828085, 145.6060652996077, -87.24033913818488), "vacuum"),
+    ],
+)
+def test_root_search_ends_where_false_position_creeps(name, orientation, surface):
+    """Cuts on which a false position that weakens both ends of its bracket needs more than 60 steps."""
+    solid = rotated(material(name), orientation)
+    assert oracle(solid, surface).defect(rayleigh(solid, surface).velocity) < 1e-9
+
+
 @settings(deadline=None, max_examples=40)
 @given(
     name=st.sampled_from(["LiNbO3 (Kovacs)", "quartz (Bechmann)", "PZT-5A"]),

@@ -184,6 +184,7 @@ def test_a_shift_without_a_travelling_wave_is_refused():
         ({"grading": 0.0}, r"grading must be positive and finite, got 0\.0$"),
         ({"order": 0}, r"order must be an integer of at least 1, got 0"),
         ({"order": 1, "columns": 1}, r"too few unknowns, got 1, 1, 4"),
+        ({"order": 1, "columns": 2, "layers": 1}, r"too few unknowns, got 1, 2, 1"),
         ({"surface": "gold"}, r"surface must be one of"),
     ],
 )
