@@ -47,6 +47,18 @@ def test_quarter_turn_about_x_exchanges_axes():
     assert eps[1, 1] / VACUUM == pytest.approx(635)
 
 
+def test_cyclic_turn_knows_its_direction():
+    """New x, y, z along old y, z, x: the polar axis 3 becomes axis 2, not axis 1."""
+    a = np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]])
+    c, e, eps = rotated_tables(a, STIFFNESS, COUPLING, PERMITTIVITY)
+    assert c[1, 1] == pytest.approx(C33)
+    assert c[0, 0] == pytest.approx(C11)
+    assert c[4, 4] == pytest.approx(C66)
+    assert e[1, 1] == pytest.approx(15.1)
+    assert e[0, 5] == pytest.approx(12.7)
+    assert np.diag(eps) / VACUUM == pytest.approx([730, 635, 730])
+
+
 @pytest.mark.parametrize("surface", ["vacuum", "metallised"])
 def test_bleustein_gulyaev_wave(surface):
     """Class 6mm poled along y, Bleustein 1968: v^2 = v_s^2 (1 - K^4); K^2/(1 + eps/eps0) under vacuum."""
