@@ -17,13 +17,13 @@ UNAVAILABLE = {
 }
 
 
-def main() -> int:
-    """Run the command in ``sys.argv`` and return its exit code."""
+def main(words: list[str] | None = None) -> int:
+    """Run the command in ``sys.argv``, or of these words, and return its exit code."""
     # many small dense problems: two threads of BLAS that wait for each other take ten times as long as one
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     try:
         try:
-            status = _dispatch(sys.argv[1:])
+            status = _dispatch(sys.argv[1:] if words is None else words)
         finally:
             sys.stdout.flush()
         return status

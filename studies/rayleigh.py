@@ -183,6 +183,6 @@ def _best(table: dict, surface: str) -> Finding:
 
 
 if __name__ == "__main__":
-    from studies.study import command
+    from studies.__main__ import main
 
-    sys.exit(command("rayleigh"))
+    sys.exit(main(["study", "rayleigh", *sys.argv[1:]]))

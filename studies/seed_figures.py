@@ -70,6 +70,6 @@ def figure(record: Panel, ax):
 
 
 if __name__ == "__main__":
-    from studies.study import command
+    from studies.__main__ import main
 
-    sys.exit(command("seed_figures"))
+    sys.exit(main(["study", "seed_figures", *sys.argv[1:]]))

@@ -138,13 +138,3 @@ def run_study(name: str, scene: str | None, folder: Path, *, progress: Callable[
     for file, panel in panels.items():
         saved(folder / f"{file}.png", lambda ax, panel=panel: chosen.figure(panel, ax))
     return text
-
-
-def command(name: str) -> int:
-    """Run a study as a script: what ``python -m studies.NAME`` does."""
-    import sys
-
-    from studies.__main__ import main
-
-    sys.argv = ["sawmotor", "study", name, *sys.argv[1:]]
-    return main()

@@ -48,6 +48,6 @@ def figure(record: Record, ax):
 
 
 if __name__ == "__main__":
-    from studies.study import command
+    from studies.__main__ import main
 
-    sys.exit(command("voltage_to_velocity"))
+    sys.exit(main(["study", "voltage_to_velocity", *sys.argv[1:]]))

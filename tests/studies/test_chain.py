@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from studies import Scene, SceneError, Wave, bridge
+from studies import Scene, SceneError, Wave, bridge, chain
 from studies.chain import run
 from studies.override import assigned
 from studies.record import plain
@@ -187,6 +187,18 @@ def test_the_error_holds_against_a_sharper_run(chip, driven):
     for coarse, fine in zip(rough.points[1:], driven.points[1:], strict=True):
         true = abs(coarse["velocity_m_per_s"] / fine["velocity_m_per_s"] - 1)
         assert true <= 2 * coarse["relative_error"]
+
+
+def test_a_stator_that_is_too_rough_for_the_slider_is_solved_again(chip, monkeypatch):
+    monkeypatch.setattr(chain, "SHARE", 30.0)
+    said = []
+    record = run(chip, tolerance=1e-3, progress=said.append)
+    assert sum("power balance" in text for text in said) == 2
+    assert record.error["relative"] <= 1e-3
+    monkeypatch.setattr(chain, "ROUNDS", 1)
+    rough = run(chip, tolerance=1e-3)
+    assert rough.error["relative"] > 1e-3
+    assert "1.0e-03 was asked for" in rough.shortfall
 
 
 def test_without_a_slider_the_amplitude_is_the_result(chip):

@@ -158,6 +158,7 @@ def test_the_wave_of_a_material(call):
 
 
 def test_help_advertises_no_sweep(call):
+    assert "not available in this version" in call("sweep", "twente", "--over", "slider.preload=1:2:3")[2]
     status, out, _ = call("--help")
     assert status == 0
     assert "sweep" not in out

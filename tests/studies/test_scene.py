@@ -63,6 +63,12 @@ def test_a_shipped_scene_survives_being_written(name):
     assert Scene.from_table("", tomllib.loads(document(scene.to_table()))) == scene
 
 
+@pytest.mark.parametrize("title", ['"quoted"', "back\\slash", "Größe µm # no comment", "a = 'b'"])
+def test_a_title_of_any_characters_survives_being_written(title):
+    scene = replace(Scene.load("twente-contact"), title=title)
+    assert Scene.from_table("", tomllib.loads(document(scene.to_table()))) == scene
+
+
 positive = st.floats(1e-9, 1e9)
 SLIDERS = st.builds(
     Slider,

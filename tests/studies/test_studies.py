@@ -122,7 +122,7 @@ def test_a_study_that_cannot_be_is_refused(tmp_path, name, scene, words):
 def test_a_study_is_a_script_too():
     for name in STUDIES:
         source = Path(module(name).__file__).read_text()
-        assert f'sys.exit(command("{name}"))' in source
+        assert f'sys.exit(main(["study", "{name}", *sys.argv[1:]]))' in source
 
 
 def test_a_finding_reads_as_a_sentence_with_its_verdict():

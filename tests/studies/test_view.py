@@ -94,6 +94,9 @@ def test_a_free_wave_is_drawn_from_its_profile(tmp_path):
     u_x, _, u_z = found.field.displacement[0, -1]
     assert u_z == pytest.approx(1.0, abs=1e-12)
     assert (u_x / u_z).imag > 0  # retrograde: exp(+i omega t), towards +x
+    steps = np.diff(np.unwrap(np.angle(found.field.displacement[:, -1, 2])))
+    advance = 2 * np.pi * np.diff(found.field.x) / found.wavelength
+    np.testing.assert_allclose(steps, -advance, rtol=1e-9)
 
 
 def test_a_scene_without_a_stator_says_why_there_is_no_field(tmp_path):
