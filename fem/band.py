@@ -38,8 +38,11 @@ from fem.surface import SurfaceWave
 from fem.wavelength import slowest_wavelength
 
 WALL_COLUMNS = 2
-NODES = 6
-SNAPSHOTS = (0, 2, 3, 5)  # nodes whose full solution feeds the basis
+NODES = (
+    (0.12, 4),
+    (0.25, 5),
+    (0.5, 7),
+)  # relative width of the band up to which so many nodes serve: 1e-7 and better
 
 
 def _barycentric(nodes: np.ndarray, at: float) -> np.ndarray:
@@ -240,8 +243,8 @@ def _prepared(stator, transducers, lowest, highest, resolution, driven) -> Band:
     unit = slowest_wavelength(stator.solid, highest)
     scale = min(transducer.finger_width / 2 for transducer in transducers)
     section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)
-    angles = np.pi * (np.arange(NODES) + 0.5) / NODES
-    squares = (2 * np.pi) ** 2 * (lowest**2 + (highest**2 - lowest**2) * (1 + np.cos(angles)) / 2)
+    squares = _nodes(lowest, highest)
+    feeding = {0, len(squares) // 2, len(squares) - 1}  # nodes whose full solution feeds the basis
     kinds = {finger_key(each): each for each in transducers}
     matrices: dict[tuple, list] = {key: [] for key in kinds}
     gap_fields, finger_fields, walls = [], [], []
@@ -254,7 +257,7 @@ def _prepared(stator, transducers, lowest, highest, resolution, driven) -> Band:
             matrices[key].append(halves[key])
         if stator.ends != "absorbing":
             walls.append(_wall_matrices(section, frequency, stator.ends))
-        if index in SNAPSHOTS:
+        if index in feeding:
             gaps, fingers = snapshots(stator, transducers, section, frequency, halves, resolution, driven)
             gap_fields.append(gaps)
             finger_fields.append(fingers)
@@ -276,6 +279,18 @@ def _prepared(stator, transducers, lowest, highest, resolution, driven) -> Band:
         nodes=squares,
         walls=np.stack([bases[0].T @ pair @ bases[0] for pair in walls]) if walls else None,
     )
+
+
+def _nodes(lowest: float, highest: float) -> np.ndarray:
+    """Chebyshev nodes of a band in omega^2, (rad/s)^2."""
+    width = 2 * (highest - lowest) / (highest + lowest)
+    count = next((count for widest, count in NODES if width <= widest), None)
+    if count is None:
+        raise ValueError(
+            f"a band must not be wider than {NODES[-1][0]:g} of its middle, got {lowest:g} to {highest:g} Hz: split it"
+        )
+    angles = np.pi * (np.arange(count) + 0.5) / count
+    return (2 * np.pi) ** 2 * (lowest**2 + (highest**2 - lowest**2) * (1 + np.cos(angles)) / 2)
 
 
 def _projected_halves(pairs: list[tuple[Block, Block]], bases, both: bool) -> HalfCell:

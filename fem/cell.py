@@ -39,6 +39,8 @@ class Block:
         The two blocks it was joined of and the line between them as a function of the sides, (n, 2 n + 2); or empty.
     column : Column or None
         What it was condensed from, for a single column.
+    turned : bool
+        Whether the parts and the column know the two combs the other way round.
     floating : ndarray or None, shape (2 n + 2,)
         For an open strip: its potential, in the place of comb 0, as a function of the sides.
     """
@@ -48,6 +50,7 @@ class Block:
     width: float
     parts: tuple = field(default=(), repr=False)
     column: "Column | None" = field(default=None, repr=False)
+    turned: bool = False
     floating: np.ndarray | None = field(default=None, repr=False)
 
 

@@ -69,18 +69,10 @@ def repeated(block: Block, count: int) -> Block:
 
 
 def swapped(block: Block) -> Block:
-    """The same piece with its fingers on the other comb."""
+    """The same piece with its fingers on the other comb; inside, it keeps its own."""
     n = block.size
     order = np.r_[0 : 2 * n, 2 * n + 1, 2 * n]
-    column = block.column
-    if column is not None:
-        if column.comb is None:
-            return block
-        column = replace(column, comb=1 - column.comb, faces_from=column.faces_from[:, order])
-    parts = block.parts and (swapped(block.parts[0]), swapped(block.parts[1]), block.parts[2][:, order])
-    return Block(
-        size=n, matrix=block.matrix[np.ix_(order, order)], width=block.width, parts=parts, column=column
-    )
+    return replace(block, matrix=block.matrix[np.ix_(order, order)], turned=not block.turned)
 
 
 def mirrored(block: Block, odd: np.ndarray, phi: int) -> Block:
@@ -261,10 +253,13 @@ def lines(
     Yields
     ------
     start, column block, sides
+        The combs' potentials are in the column's own order: a finger is always on comb 0.
     """
+    first = 2 * block.size
+    if block.turned:
+        sides = np.concatenate([sides[:first], sides[first:][::-1]])
     if block.floating is not None:
-        sides = np.concatenate([sides[: 2 * block.size], sides[2 * block.size :]])
-        sides[2 * block.size] = block.floating @ sides
+        sides = np.concatenate([sides[:first], block.floating[None] @ sides, sides[first + 1 :]])
     if not block.parts or block.width <= finest:
         yield start, block, sides
         return

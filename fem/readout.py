@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from fem.chain import lines, swapped, widths
+from fem.chain import lines, widths
 from fem.interior import ColumnField
 from fem.materials import fields
 from fem.network import end_reflection
@@ -91,21 +91,12 @@ def _returned(modes, ends, side, arriving):
 
 def column_fields(solution: Solution, index: int):
     """Columns of a transducer by kind: (recovery, left edges in m, sides (2 n + 2, places))."""
-    unit, n = solution.section.length_unit, solution.section.size
-    turned = np.r_[0 : 2 * n, 2 * n + 1, 2 * n]
+    unit = solution.section.length_unit
     kinds: dict[tuple, tuple] = {}
     for start, part, sides in _columns(solution, index):
-        column = part.column
-        if column.comb == 1:
-            sides = sides[turned]
-        covered = column.comb is not None
-        if (column.width, covered) not in kinds:
-            if column.comb == 1:
-                column = swapped(part).column
-            kinds[column.width, covered] = (column, [], [])
-        kind = kinds[column.width, covered]
-        kind[1].append(start * unit)
-        kind[2].append(sides)
+        column, starts, found = kinds.setdefault((part.width, part.column.comb), (part.column, [], []))
+        starts.append(start * unit)
+        found.append(sides)
     for column, starts, sides in kinds.values():
         yield ColumnField(column), np.array(starts), np.stack(sides, axis=-1)
 
