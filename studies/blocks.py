@@ -9,7 +9,7 @@ from typing import Annotated, ClassVar
 
 from studies.block import Block, OneOf, Within
 from studies.refusal import SceneError, shown
-from studies.rule import Choice, Count, Flag, Impedance, Listed, Matrix, Quantity, Rule, Text
+from studies.rule import Choice, Count, Flag, Impedance, Listed, Matrix, Quantity, Rule, Signs, Text
 
 __all__ = [
     "Damping",
@@ -98,7 +98,11 @@ class Stator(Block):
 
 @dataclass(frozen=True, kw_only=True)
 class Transducer(Block):
-    """Two interleaved combs of fingers on the surface."""
+    """Two interleaved combs of fingers on the surface.
+
+    ``split``: four fingers to a period, ``++--``, instead of two.  ``pattern``: one sign per finger from left to
+    right, ``+`` and ``-`` the combs, ``0`` a finger left out, ``o`` an open strip.
+    """
 
     block: ClassVar[str] = "transducer"
     name: Annotated[str, Text()]
@@ -108,6 +112,29 @@ class Transducer(Block):
     metallisation: Annotated[float, Quantity(below=1.0)]
     aperture: Annotated[float, Quantity("m")]
     termination: Annotated[str | float | complex, Impedance(("open", "short"))] = "open"
+    pattern: Annotated[str | None, Signs("+-0o")] = None
+    split: Annotated[bool, Flag()] = False
+
+    def check(self):
+        """Keep one sign per finger, and at least one finger."""
+        if self.pattern is None:
+            return
+        if len(self.pattern) != self.fingers:
+            each = "four" if self.split else "two"
+            rule = f"must have {self.fingers} signs, {each} for each of the {self.finger_pairs} finger_pairs"
+            self.refuse("pattern", f"{rule}, got {len(self.pattern)}: {shown(self.pattern)}")
+        if set(self.pattern) == {"0"}:
+            self.refuse("pattern", f"must leave at least one finger, got {shown(self.pattern)}")
+
+    @property
+    def fingers(self) -> int:
+        """Places of fingers, those left out included."""
+        return self.finger_pairs * (4 if self.split else 2)
+
+    @property
+    def has_two_combs(self) -> bool:
+        """Whether a voltage can stand between its combs."""
+        return self.pattern is None or {"+", "-"} <= set(self.pattern)
 
 
 @dataclass(frozen=True, kw_only=True)

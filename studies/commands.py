@@ -145,9 +145,9 @@ def _contents(scene: Scene) -> list[str]:
             if transducer.name == scene.drive.transducer
             else f"not driven ({transducer.termination})"
         )
-        lines.append(
-            f"transducer  {transducer.name}: {transducer.finger_pairs} pairs, period {period}, {driven}"
-        )
+        kind = transducer.pattern or ("split fingers" if transducer.split else "plain")
+        pairs = f"{transducer.finger_pairs} pairs, {kind}, period {period}"
+        lines.append(f"transducer  {transducer.name}: {pairs}, {driven}")
     frequency = scene.frequency
     lines.append(f"frequency   {frequency if isinstance(frequency, str) else f'{frequency / 1e6:g} MHz'}")
     if scene.levels:

@@ -96,6 +96,8 @@ def transducers(scene: Scene) -> tuple:
                 metallisation=block.metallisation,
                 aperture=block.aperture,
                 termination=block.termination,
+                pattern=block.pattern,
+                split=block.split,
             )
             for block in scene.transducer
         )

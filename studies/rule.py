@@ -12,7 +12,7 @@ from typing import Any
 from studies.quantity import si_value
 from studies.refusal import SceneError, nearest, shown
 
-__all__ = ["Choice", "Count", "Flag", "Impedance", "Listed", "Matrix", "Quantity", "Rule", "Text"]
+__all__ = ["Choice", "Count", "Flag", "Impedance", "Listed", "Matrix", "Quantity", "Rule", "Signs", "Text"]
 
 
 class Rule:
@@ -79,6 +79,20 @@ class Text(Rule):
         """Return the text."""
         if not isinstance(value, str) or not value.isprintable():
             raise SceneError(path, f"must be text on one line, got {shown(value)}")
+        return value
+
+
+@dataclass(frozen=True)
+class Signs(Rule):
+    """A row of signs, at least one."""
+
+    allowed: str
+
+    def read(self, path, value):
+        """Return the text."""
+        if not isinstance(value, str) or not value or set(value) - set(self.allowed):
+            signs = " ".join(self.allowed)
+            raise SceneError(path, f"must be a text of the signs {signs}, got {shown(value)}")
         return value
 
 

@@ -28,8 +28,8 @@ class RunField:
         Of the surface wave, m.
     close : tuple of (str, float)
         What to show from near: its name and its place in m.
-    fingers : tuple of (float, float)
-        Edges of the electrodes in m, alternately of the one and the other comb.
+    fingers : dict
+        Edges of the electrodes in m by sign: "+" and "-" the combs, "o" open strips.
     balls : tuple of float
         Places of the contacts, m.
     radius : float
@@ -44,7 +44,7 @@ class RunField:
     field: object = field(repr=False)
     wavelength: float
     close: tuple
-    fingers: tuple
+    fingers: dict
     balls: tuple[float, ...]
     radius: float
     title: str
@@ -99,12 +99,12 @@ def _driven(folder: Path, scene: Scene, record: dict, tolerance: float, progress
     driven = next(each for each in scene.transducer if each.name == scene.drive.transducer)
     close = [(f"driven transducer {driven.name!r}", driven.center)]
     close.append(("mid-stator", scene.stator.length / 2) if slider is None else ("slider", slider.position))
-    combs = [tuple(map(tuple, transducer.fingers)) for transducer in resolved.transducers(scene)]
+    rows = resolved.transducers(scene)
     return RunField(
         field=field,
         wavelength=record["wave"]["phase_velocity_m_per_s"] / scene.frequency,
         close=tuple(close),
-        fingers=tuple(strip for comb in combs for strip in comb),
+        fingers={sign: [tuple(edges) for row in rows for edges in row.strips(sign)] for sign in "+-o"},
         balls=()
         if slider is None
         else tuple(slider.position + offset for offset in dict.fromkeys(slider.offsets)),
@@ -141,7 +141,7 @@ def _free(scene: Scene, tolerance: float) -> RunField:
         ),
         wavelength=wavelength,
         close=(),
-        fingers=(),
+        fingers={},
         balls=(),
         radius=0.0,
         title=scene.title,

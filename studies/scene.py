@@ -116,6 +116,10 @@ class Scene(Block):
         if names and self.drive.transducer not in names:
             rule = f"must name one of the transducers, got {shown(self.drive.transducer)}"
             self.refuse("drive.transducer", rule + nearest(self.drive.transducer, names))
+        for index, transducer in enumerate(self.transducer):
+            if transducer.name == self.drive.transducer and not transducer.has_two_combs:
+                rule = f"must have + and - fingers on the driven transducer, got {shown(transducer.pattern)}"
+                self.refuse(f"transducer.{index}.pattern", rule)
         if self.drive.frequency == "center":
             if not names:
                 self.refuse("drive.frequency", 'must be a number in Hz without a transducer, got "center"')
@@ -134,7 +138,8 @@ class Scene(Block):
         placed = []
         for index, transducer in enumerate(self.transducer):
             known = 0.0 if transducer.period == "auto" else transducer.period
-            half = known * (transducer.finger_pairs - (1 - transducer.metallisation) / 2) / 2
+            gap = (1 - transducer.metallisation) * transducer.finger_pairs / transducer.fingers
+            half = known * (transducer.finger_pairs - gap) / 2
             left, right = transducer.center - half, transducer.center + half
             if left <= 0 or right >= self.stator.length:
                 rule = f"must keep the fingers on the stator, 0 to {self.stator.length:g} m, got"

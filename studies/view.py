@@ -20,7 +20,7 @@ AMPLITUDE = 0.08  # of a wavelength: as large as the largest displacement is dra
 CLOSE, DEPTH = 7.0, 3.0  # wavelengths either side and below, in the close pictures
 WIDTH, WHOLE_HEIGHT, CLOSE_HEIGHT = 1600, 260, 420  # pixels
 MM = 1e3
-COMB_COLOURS = ("#000000", "#E69F00")
+COMB_COLOURS = {"+": "#000000", "-": "#E69F00", "o": "#999999"}
 
 
 def screenshot(folder: str | Path, file: str | Path, *, progress: Callable[[str], None]) -> None:
@@ -119,11 +119,11 @@ def _draw(plotter, found: RunField, factor: float, start: float, stop: float, bo
         grid, scalars=found.label, cmap="coolwarm", clim=(-reach, reach), lighting=False, scalar_bar_args=bar
     )
     lift = 0.03 * found.wavelength * MM
-    for sign, colour in enumerate(COMB_COLOURS):
-        strips = [strip for strip in found.fingers[sign::2] if strip[1] > start and strip[0] < stop]
+    for sign, edges in found.fingers.items():
+        strips = [strip for strip in edges if strip[1] > start and strip[0] < stop]
         blocks = [pyvista.Box((a * MM, b * MM, -lift, lift, 3 * lift, 6 * lift)) for a, b in strips]
         if blocks:
-            plotter.add_mesh(pyvista.merge(blocks), color=colour, lighting=False)
+            plotter.add_mesh(pyvista.merge(blocks), color=COMB_COLOURS[sign], lighting=False)
     for place in found.balls:
         if start <= place <= stop:
             ball = pyvista.Sphere(radius=found.radius * MM, center=(place * MM, 0, found.radius * MM))

@@ -1,0 +1,145 @@
+"""Patterns, split fingers and impedances from the text of a scene to its record.
+
+Properties: one and the same comb written in two ways, combs that change places, the circuit's closed forms.
+"""
+
+import tomllib
+from dataclasses import replace
+
+import pytest
+
+from studies import Scene, SceneError
+from studies.chain import run
+from studies.override import assigned
+from studies.resolved import resolved, transducers
+from studies.run_field import run_field
+from studies.scene import read_table
+from studies.toml import document
+
+CHIP = [
+    "stator.length=24 mm",
+    "transducer.0.center=5 mm",
+    "transducer.1.center=19 mm",
+    "transducer.0.finger_pairs=2",
+    "transducer.1.finger_pairs=2",
+    "slider.position=11 mm",
+    "drive.voltage=60",
+]
+
+
+def chip(*settings, slider=False):
+    table = read_table("twente")
+    for setting in [*CHIP, *settings]:
+        table = assigned(table, setting)
+    scene = Scene.from_table("", table)
+    return scene if slider else replace(scene, slider=None)
+
+
+def answer(*settings):
+    record = run(chip(*settings), tolerance=3e-2)
+    return record.electrical, record.wave
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        (["transducer.0.pattern=+-+"], r"transducer\.0\.pattern must have 4 signs, two .* got 3: '\+-\+'"),
+        (
+            ["transducer.1.split=true", "transducer.1.pattern=+-+-"],
+            r"transducer\.1\.pattern must have 8 .*four",
+        ),
+        (["transducer.0.pattern=+-x-"], r"transducer\.0\.pattern must be a text of the signs \+ - 0 o"),
+        (["transducer.0.pattern=1"], r"transducer\.0\.pattern must be a text .* got 1"),
+        (["transducer.0.pattern=''"], r"transducer\.0\.pattern must be a text"),
+        (["transducer.1.pattern=0000"], r"transducer\.1\.pattern must leave at least one finger"),
+        (["transducer.0.pattern=+0+o"], r"transducer\.0\.pattern must have \+ and - .*driven"),
+        (["transducer.0.split=1"], r"transducer\.0\.split must be true or false"),
+        (["transducer.0.patern=+-+-"], r"did you mean pattern\?"),
+    ],
+)
+def test_an_impossible_comb_is_refused(settings, words):
+    with pytest.raises(SceneError, match=words):
+        chip(*settings)
+
+
+def test_a_reflector_may_stand_where_nothing_is_driven():
+    assert chip("transducer.1.pattern=oooo").transducer[1].pattern == "oooo"
+    assert chip("transducer.1.pattern=++++").transducer[1].fingers == 4
+
+
+def test_patterns_and_impedances_survive_being_written():
+    settings = ["transducer.0.pattern=+-0-", "transducer.1.split=true", "transducer.1.termination=50 ohm"]
+    scene = chip(*settings, "drive.source_impedance=[25.0, -12.5]")
+    assert Scene.from_table("", tomllib.loads(document(scene.to_table()))) == scene
+    assert scene.transducer[1].termination == 50.0
+    assert scene.drive.source_impedance == 25 - 12.5j
+
+
+def test_fem_gets_the_comb_of_the_scene():
+    scene = resolved(chip("transducer.0.pattern=+-0o", "transducer.1.split=true"))
+    first, second = transducers(scene)
+    assert first.signs == "+-0o"
+    assert second.signs == "++--++--"
+    assert second.pitch == pytest.approx(first.pitch / 2, rel=1e-14)
+
+
+def test_the_fingers_of_a_split_comb_reach_as_far_as_the_scene_allows():
+    """The scene's own check of the edges, before any physics, uses fem's extent."""
+    period = 1e-3
+    for split, fingers in (("false", 4), ("true", 8)):
+        half = fingers * period * 2 / fingers / 2 - 0.25 * period * 2 / fingers
+        both = [f"transducer.0.split={split}", f"transducer.0.period={period}"]
+        chip(*both, f"transducer.0.center={half * 1.001}")
+        with pytest.raises(SceneError, match="keep the fingers on the stator"):
+            chip(*both, f"transducer.0.center={half * 0.999}")
+
+
+def test_one_comb_written_in_two_ways():
+    plain, other = answer(), answer("transducer.0.pattern=+-+-", "transducer.1.pattern=+-+-")
+    assert plain == other
+    split = answer("transducer.0.split=true")
+    assert split == answer("transducer.0.split=true", "transducer.0.pattern=++--++--")
+    assert abs(split[0]["admittance_S"] / plain[0]["admittance_S"] - 1) > 0.1
+
+
+def test_combs_that_change_places_turn_the_wave_over():
+    (plain, wave), (turned, other) = answer(), answer("transducer.0.pattern=-+-+")
+    assert turned["admittance_S"] == pytest.approx(plain["admittance_S"], rel=1e-10)
+    assert other["normal_m_per_V"] == pytest.approx(-wave["normal_m_per_V"], rel=1e-10)
+
+
+def test_the_source_s_impedance_divides_its_volt():
+    bare, wave = answer()
+    loaded, other = answer("drive.source_impedance=[30, 20]")
+    share = 1 / (1 + (30 + 20j) * bare["admittance_S"])
+    assert loaded["admittance_S"] == pytest.approx(bare["admittance_S"], rel=1e-10)
+    assert loaded["comb_voltage_per_volt"] == pytest.approx(share, rel=1e-10)
+    assert other["normal_m_per_V"] == pytest.approx(share * wave["normal_m_per_V"], rel=1e-10)
+    assert loaded["power_W_per_V2"] == pytest.approx(abs(share) ** 2 * bare["power_W_per_V2"], rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("text", "impedance"), [("50 ohm", 50.0), ("[15.0, 40.0]", 15 + 40j), ("0.2 kohm", 200.0)]
+)
+def test_a_termination_loads_the_driven_transducer(text, impedance):
+    """Y_in = Y11 (1 + Z Y_open) / (1 + Z Y11) where mirror symmetry makes Y22 = Y11."""
+    short = answer("transducer.1.termination=short")[0]["admittance_S"]
+    opened = answer("transducer.1.termination=open")[0]["admittance_S"]
+    loaded = answer(f"transducer.1.termination={text}")[0]["admittance_S"]
+    expected = short * (1 + impedance * opened) / (1 + impedance * short)
+    assert loaded == pytest.approx(expected, rel=1e-9)
+    assert abs(opened / short - 1) > 1e-3
+    assert abs(loaded / short - 1) > 1e-4
+
+
+def test_the_picture_colours_fingers_by_their_comb(tmp_path):
+    from studies.files import write_run
+
+    scene = chip("transducer.0.pattern=++-o", "transducer.1.pattern=0+-0", slider=True)
+    record = run(replace(scene, slider=None), tolerance=3e-2)
+    write_run(record, tmp_path, plot=False, field=True)
+    fingers = run_field(tmp_path, progress=lambda text: None).fingers
+    assert {sign: len(strips) for sign, strips in fingers.items()} == {"+": 3, "-": 2, "o": 1}
+    left = transducers(record.scene)[0].fingers
+    assert fingers["-"][0] == tuple(left[2])
+    assert fingers["o"] == [tuple(left[3])]
