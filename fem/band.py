@@ -35,8 +35,11 @@ from fem.reduced import (
 from fem.section import Resolution, Section, discretise
 from fem.solution import Solution, assembled
 from fem.surface import SurfaceWave
+from fem.threads import one_blas_thread
 from fem.wavelength import slowest_wavelength
 
+KEPT = 1e-2  # share of the tolerance below which a singular value of the lines' fields is left out
+MOST_LEFT_OUT = 1e-5
 WALL_COLUMNS = 2
 NODES = (
     (0.12, 4),
@@ -176,6 +179,7 @@ def _reflected(block: Block, odd: np.ndarray, phi_odd: bool) -> Block:
     return Block(size=n, matrix=matrix, width=block.width)
 
 
+@one_blas_thread
 def frequency_band(
     stator: Stator,
     transducers: tuple[Transducer, ...],
@@ -227,7 +231,9 @@ def frequency_band(
         stator, transducers, frequency=middle, driven=driven, tolerance=tolerance, places=tuple(at)
     )
     resolution = LEVELS[level] if level is not None else checked.solution.resolution
-    prepared = _prepared(stator, transducers, lowest, highest, resolution, driven)
+    prepared = _prepared(
+        stator, transducers, lowest, highest, resolution, driven, min(KEPT * tolerance, MOST_LEFT_OUT)
+    )
     wave = surface_wave(prepared.solution(middle, driven=driven))
     reduction = orbit_difference(wave, checked, at)
     of_admittance = abs(wave.admittance / checked.admittance - 1)
@@ -239,7 +245,7 @@ def frequency_band(
     )
 
 
-def _prepared(stator, transducers, lowest, highest, resolution, driven) -> Band:
+def _prepared(stator, transducers, lowest, highest, resolution, driven, kept) -> Band:
     unit = slowest_wavelength(stator.solid, highest)
     scale = min(transducer.finger_width / 2 for transducer in transducers)
     section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)
@@ -258,12 +264,14 @@ def _prepared(stator, transducers, lowest, highest, resolution, driven) -> Band:
         if stator.ends != "absorbing":
             walls.append(_wall_matrices(section, frequency, stator.ends))
         if index in feeding:
-            gaps, fingers = snapshots(stator, transducers, section, frequency, halves, resolution, driven)
+            gaps, fingers = snapshots(
+                stator, transducers, section, frequency, halves, resolution, driven, kept
+            )
             gap_fields.append(gaps)
             finger_fields.append(fingers)
     gap_fields.append(section.constant_potential[:, None])
     groups = parity_groups(section, stator.ends == "clamped")
-    bases = bases_of((np.hstack(gap_fields), np.hstack(finger_fields)), groups)
+    bases = bases_of((np.hstack(gap_fields), np.hstack(finger_fields)), groups, kept)
     odd = None
     if section.odd is not None:
         odd = np.array([section.odd[np.argmax(abs(column))] for column in bases[0].T])

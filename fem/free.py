@@ -14,6 +14,7 @@ from fem.convergence import ConvergenceError
 from fem.geometry import Stator
 from fem.guided import guided_modes
 from fem.section import FIELD_COLUMN, Resolution, discretise
+from fem.threads import one_blas_thread
 from fem.wavelength import slowest_wavelength
 
 ORDERS = (4, 6, 8, 10, 12)
@@ -57,6 +58,7 @@ class FreeWave:
     left_out: tuple[str, ...]
 
 
+@one_blas_thread
 def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave:
     """Rayleigh wave of a bare section at a frequency.
 

@@ -25,13 +25,13 @@ POLISHING_STEPS = 6
 WIDE_SPECTRUM = (
     1e9  # k^2 in (rad per wavelength)^2 above which one eigensolve cannot serve both ends of the spectrum
 )
-RICCATI_TOLERANCE = 1e-9
+RICCATI_TOLERANCE = 1e-8
 PROPAGATING = 0.3  # a mode whose |Im k| is below this share of |Re k| counts as propagating
 NEAR_HALF_SPACE = (
     0.02  # relative distance of k from the half-space's that halves a mode's claim to be the surface wave
 )
 NEARLY_REAL = 3e-3  # |Im k| over |Re k| below which a mode that carries power is told by its flux
-TWIN_MODES = 5e-3  # relative distance of k within which two localised modes are one wave
+TWIN_MODES = 3e-2  # relative distance of k within which two localised modes are one wave
 
 
 @dataclass(frozen=True, kw_only=True)

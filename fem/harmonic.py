@@ -18,6 +18,7 @@ from fem.readout import surface_wave
 from fem.section import Resolution
 from fem.solution import solved
 from fem.surface import SurfaceWave
+from fem.threads import one_blas_thread
 
 # From coarse to fine: measured on the seed's stator (admittance and surface motion move together).
 LEVELS = (
@@ -32,6 +33,7 @@ EXPECTED = (np.inf, 5e-3, 1e-3, 1e-4, 1e-5, 1e-6)  # error of each level on an o
 GAIN = 8.0  # a level divides the error by more than this: 6.7 per edge layer, and more by the order (11 to 25 seen)
 
 
+@one_blas_thread
 def driven_wave(
     stator: Stator,
     transducers: tuple[Transducer, ...],

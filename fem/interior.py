@@ -37,12 +37,15 @@ class ColumnField:
             yield element, height, medium, full
 
     def loss(self, sides: np.ndarray) -> float:
-        """Power lost in all places together, scaled: (omega / 2) sum u^H Im(A) u."""
+        """Power lost in all places together, scaled, (omega / 2) sum u^H Im(A) u; what an absorbing layer takes too."""
         column, order = self.column, self.column.section.order
         angular = 2 * np.pi * column.frequency * column.section.length_unit
         total = 0.0
         for _, height, medium, values in self._elements(sides):
-            if np.iscomplexobj(medium.xx):
+            if height.imag:
+                whole = element_matrix(medium, column.width, height, order, angular)
+                total += float(np.vdot(values, whole @ values).imag)
+            elif np.iscomplexobj(medium.xx):
                 loss = element_matrix(medium, column.width, height.real, order, angular, part="loss")
                 total += float(np.vdot(values, loss @ values).real)
         return np.pi * column.frequency * total

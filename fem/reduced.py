@@ -22,11 +22,8 @@ WALL_WIDTH = (
     0.2  # wavelengths of a free or clamped end that are condensed: too narrow for a resonance in the band
 )
 WALL_DISTANCES = (1.0, 1.5, 3.0)  # in wall widths, where the fields sent back feed the basis
-ARRIVING_AT_WALL = 1e-3
-ARRIVING = (
-    1e-6  # modes that keep this share of their amplitude over the shortest stretch may arrive at a transducer
-)
-KEPT = 1e-5  # singular values of the lines' fields below this share of the largest are left out
+ARRIVING_AT_WALL = 100.0  # likewise after a wavelength, at a wall: the basis forgives more there
+ARRIVING = 0.1  # modes that keep this times ``kept`` of their amplitude over the shortest stretch may arrive
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,9 +129,12 @@ def no_bare_cells() -> Block:
 
 
 def bases_of(
-    fields_seen: tuple[np.ndarray, np.ndarray], groups: list[np.ndarray]
+    fields_seen: tuple[np.ndarray, np.ndarray], groups: list[np.ndarray], kept: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Orthonormal bases of both kinds of line, equally many vectors of every group."""
+    """Orthonormal bases of both kinds of line, equally many vectors of every group.
+
+    Singular values below ``kept`` times the largest are left out.
+    """
     size = len(fields_seen[0])
     columns: tuple[list, list] = ([], [])
     for group in groups:
@@ -144,7 +144,7 @@ def bases_of(
             here = part[own] / abs(part).max()
             values, vectors = np.linalg.eigh(np.real(here @ np.conj(here.T)))
             found.append((own, vectors[:, ::-1], np.sqrt(np.maximum(values[::-1], 0.0))))
-        count = max(int(np.sum(values > KEPT * values[0])) for _, _, values in found)
+        count = max(int(np.sum(values > kept * values[0])) for _, _, values in found)
         count = min(count, *(len(own) for own, _, _ in found))
         for side, (own, vectors, _) in enumerate(found):
             block = np.zeros((size, count))
@@ -153,12 +153,12 @@ def bases_of(
     return np.hstack(columns[0]), np.hstack(columns[1])
 
 
-def _end_fields(modes: GuidedModes, ends: str) -> list[np.ndarray]:
+def _end_fields(modes: GuidedModes, ends: str, kept: float) -> list[np.ndarray]:
     """Fields near a wall for every mode that may arrive there, at some distances from it."""
     if ends == "absorbing":
         return []
     arriving = np.flatnonzero(
-        (abs(np.exp(-1j * modes.wavenumbers)) > ARRIVING_AT_WALL) & (modes.wavenumbers != 0)
+        (abs(np.exp(-1j * modes.wavenumbers)) > min(ARRIVING_AT_WALL * kept, 0.5)) & (modes.wavenumbers != 0)
     )
     found = []
     for side, go, wavenumbers in ((1, modes.left, -modes.backwards), (0, modes.right, modes.wavenumbers)):
@@ -168,7 +168,7 @@ def _end_fields(modes: GuidedModes, ends: str) -> list[np.ndarray]:
     return found
 
 
-def snapshots(stator, transducers, section, frequency, halves, resolution, driven):
+def snapshots(stator, transducers, section, frequency, halves, resolution, driven, kept):
     """Fields on the lines in mid-gap and in mid-finger: of every port, and of every mode that may arrive."""
     modes = guided_modes(section, frequency)
     phi = section.surface_dofs["phi"]
@@ -183,9 +183,9 @@ def snapshots(stator, transducers, section, frequency, halves, resolution, drive
         stator, transducers, blocks, modes=modes, driven=driven, source_impedance=0.0, resolution=resolution
     )
     n = section.size
-    gaps, fingers = _end_fields(modes, stator.ends), []
+    gaps, fingers = _end_fields(modes, stator.ends, kept), []
     nearest = np.diff(solution.network.stretches, axis=1).min()
-    arriving = np.flatnonzero(abs(np.exp(-1j * modes.wavenumbers * nearest)) > ARRIVING)
+    arriving = np.flatnonzero(abs(np.exp(-1j * modes.wavenumbers * nearest)) > ARRIVING * kept)
     gaps += [modes.right[:, arriving], modes.left[:, arriving]]
     for index, scatterer in enumerate(solution.network.scatterers):
         quarter = halves[finger_key(transducers[index])][0].width

@@ -113,7 +113,8 @@ class SurfaceWave:
     comb_voltage_per_volt : complex
         Between the driven combs.
     power_input, power_dissipated, power_radiated : float
-        W per V^2 of the source (peak), over the aperture of the driven transducer.
+        W per V^2 of the source (peak), over the aperture of the driven transducer: given, sent out through the
+        ends, and the rest, lost in the solid (and to an absorbing bottom and the other transducers' loads).
     power_residual : float
         Worst imbalance of a transducer's audit over ``power_input``.
     relative_error : float

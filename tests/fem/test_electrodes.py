@@ -99,8 +99,8 @@ def test_one_comb_has_no_voltage():
     assert ports_of(shorted, True).kinds == ports_of(opened, False).kinds == ()
     assert ports_of(shorted, False).kinds == ("mean",)
     assert np.array_equal(ports_of(shorted, False).potentials[:, 0], [1.0, 0.0])
+    wiring = [ports_of(A, True), ports_of(shorted, True)]
     with pytest.raises(ValueError, match="must have two combs, but 'b' has not"):
-        wiring = [ports_of(A, True), ports_of(shorted, True)]
         circuit(Y[:1, :1], (A, replace(shorted, name="b")), wiring, driven="b", source_impedance=0.0)
 
 

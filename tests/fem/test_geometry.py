@@ -95,6 +95,7 @@ def test_outer_gaps_leave_room_for_the_neighbour():
     first, second = outer_gaps(STATOR, (LEFT, near))
     assert first == pytest.approx((half, CLEARANCE * 0.1e-3))
     assert second == pytest.approx((CLEARANCE * 0.1e-3, half))
+    assert first[1] + second[0] < 0.95 * 0.1e-3
     edge = replace(LEFT, center=LEFT.center - LEFT.extent[0] + 0.02e-3)
     assert outer_gaps(STATOR, (edge,))[0] == pytest.approx((CLEARANCE * 0.02e-3, half))
 

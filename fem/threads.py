@@ -1,0 +1,21 @@
+"""One BLAS thread while the stator is solved.
+
+Its matrices are small and many.  Threads of a BLAS that wait for each other, and for those of other libraries in the
+process, make it several times slower than one (69 s against 5 s were seen); frequencies and scenes are what to spread.
+"""
+
+from collections.abc import Callable
+from functools import wraps
+
+
+def one_blas_thread(work: Callable) -> Callable:
+    """Return the function, run with one BLAS thread whatever the process allows."""
+
+    @wraps(work)
+    def limited(*args, **kwargs):
+        from threadpoolctl import threadpool_limits
+
+        with threadpool_limits(limits=1, user_api="blas"):
+            return work(*args, **kwargs)
+
+    return limited
