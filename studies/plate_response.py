@@ -1,0 +1,139 @@
+"""Response of an infinite piezoelectric plate to charge on its surface, from exact partial waves: no mesh.
+
+Fields exp(i (omega t - k x)) in a plate -h < z < 0 of one solid, in the plane x, z.  With U = (u_x, u_z, phi) and
+t = (T_xz, T_zz, D_z) on planes z = const, and A_lm the 3 x 3 tables of T_l = A_lm d_m U (l, m in x, z),
+
+    U' = A_zz^-1 (t + i k A_zx U),    t' = (k^2 (A_xx - A_xz A_zz^-1 A_zx) - rho omega^2 P) U + i k A_xz A_zz^-1 t,
+
+P the projection on displacements.  The six eigenvectors are the partial waves, exp(lambda z); the three that decay
+downwards are counted from the top, the others from the bottom, so that no exponential grows.  Top: no traction,
+D_z = -1 (unit charge, nothing above); bottom: no traction, D_z = 0.  Nothing here is shared with `fem`.
+
+Limits: u_y uncoupled; loss in the solid, so that no pole lies on the real axis; x -> -x a symmetry (ceramic poled
+along z).
+
+Sources: Stroh, J. Math. Phys. 41 (1962) 77; Milsom, Reilly and Redwood, IEEE Trans. SU-24 (1977) 147.
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+__all__ = ["PlateResponse"]
+
+_ROWS = {0: (0, 4), 2: (4, 2)}  # Voigt strain that d_x and d_z of u_x and u_z feed
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlateResponse:
+    """A plate at one frequency.
+
+    Attributes
+    ----------
+    stiffness : ndarray, shape (6, 6), complex
+        c^E with loss, Pa.
+    coupling : ndarray, shape (3, 6)
+        e, C/m2.
+    permittivity : ndarray, shape (3, 3), complex
+        eps^S with loss, F/m.
+    density : float
+        kg/m3.
+    thickness : float
+        m.
+    frequency : float
+        Hz.
+    """
+
+    stiffness: np.ndarray = field(repr=False)
+    coupling: np.ndarray = field(repr=False)
+    permittivity: np.ndarray = field(repr=False)
+    density: float
+    thickness: float
+    frequency: float
+
+    @cached_property
+    def _units(self) -> tuple[float, float, float]:
+        """Stress (Pa), potential over displacement (V/m), length (m)."""
+        stress = float(abs(self.stiffness).max())
+        potential = float(np.sqrt(stress / abs(self.permittivity).max()))
+        return stress, potential, float(np.sqrt(stress / self.density) / (2 * np.pi * self.frequency))
+
+    @cached_property
+    def _tables(self) -> tuple[np.ndarray, ...]:
+        """A_xx, A_xz, A_zx, A_zz in scaled units."""
+        stress, potential, _ = self._units
+        law = np.zeros((9, 9), dtype=complex)
+        law[:6, :6] = self.stiffness / stress
+        law[6:, :6] = self.coupling * (potential / stress)
+        law[:6, 6:] = law[6:, :6].T
+        law[6:, 6:] = -self.permittivity * (potential**2 / stress)
+        across = [_ROWS[0][0], _ROWS[2][0], 6]
+        down = [_ROWS[0][1], _ROWS[2][1], 8]
+        return tuple(law[np.ix_(rows, columns)] for rows in (across, down) for columns in (across, down))
+
+    @property
+    def low_wavenumber(self) -> complex:
+        """Factor c of c / k^2 in phi per charge as k -> 0: the plate as a conductor of D along x, V/C per m.
+
+        E_x = e_0 - and u_z, u_x such that no mean stress T_xz, no T_xx of the middle plane enter at this order: the
+        inertia of the section resists both, D_x = eps_xx E_x + e_15 S_13 with the profile that inertia allows.
+        """
+        small = np.array([1e-3, 2e-3]) / self.thickness
+        values = self.surface(small)[:, 2] * small**2
+        return complex((4 * values[0] - values[1]) / 3)
+
+    @cached_property
+    def high_wavenumber(self) -> complex:
+        """Factor c of c / |k| in phi per charge as k -> infinity: the static half-space, m/F."""
+        return complex(self._solved(np.array([1.0 / self._units[2]]), static=True)[0, 2] / self._units[2])
+
+    def surface(self, wavenumbers: np.ndarray) -> np.ndarray:
+        """u_x, u_z (m) and phi (V) at the surface for unit charge (C/m2) at wavenumbers (rad/m), Re k > 0.
+
+        Parameters
+        ----------
+        wavenumbers : ndarray, shape (n,), real or complex
+
+        Returns
+        -------
+        ndarray, shape (n, 3)
+        """
+        return self._solved(np.asarray(wavenumbers), static=False)
+
+    def _solved(self, wavenumbers, *, static: bool) -> np.ndarray:
+        stress, potential, length = self._units
+        k = (wavenumbers * length)[:, None, None].astype(complex)
+        xx, xz, zx, zz = self._tables
+        inverse = np.linalg.inv(zz)
+        inertia = np.diag([0.0, 0.0, 0.0] if static else [1.0, 1.0, 0.0])
+        system = np.empty((len(wavenumbers), 6, 6), dtype=complex)
+        system[:, :3, :3] = 1j * k * (inverse @ zx)
+        system[:, :3, 3:] = inverse
+        system[:, 3:, :3] = k**2 * (xx - xz @ inverse @ zx) - inertia
+        system[:, 3:, 3:] = 1j * k * (xz @ inverse)
+        # t is measured in k, which balances the two halves for short waves
+        scale = np.maximum(abs(k[:, 0]), 1.0)
+        balance = np.concatenate([np.ones((len(k), 3)), np.repeat(scale, 3, axis=1)], axis=1)
+        system *= balance[:, None, :] / balance[:, :, None]
+        rates, waves = np.linalg.eig(system)
+        order = np.argsort(-rates.real, axis=1)
+        rates = np.take_along_axis(rates, order, axis=1)
+        waves = np.take_along_axis(waves, order[:, None, :], axis=2)
+        depth = np.inf if static else self.thickness / length
+        decay = np.exp(-np.abs(depth) * np.where(np.arange(6) < 3, rates, -rates)) if not static else 0.0
+        at_top = np.ones((len(k), 6), dtype=complex)
+        at_bottom = np.ones((len(k), 6), dtype=complex)
+        at_top[:, 3:] = decay if static else decay[:, 3:]
+        at_bottom[:, :3] = decay if static else decay[:, :3]
+        conditions = np.concatenate(
+            [waves[:, 3:] * at_top[:, None], waves[:, 3:] * at_bottom[:, None]], axis=1
+        )
+        load = np.zeros((len(k), 6, 1), dtype=complex)
+        load[:, 2, 0] = -1.0 / scale[:, 0]
+        amplitudes = np.linalg.solve(conditions, load)
+        fields = ((waves[:, :3] * at_top[:, None]) @ amplitudes)[:, :, 0]
+        # scaled: D = stress / potential, U = length for displacements, length * potential for phi
+        fields = fields * (potential / stress * length)
+        fields[:, 2] *= potential
+        return fields
