@@ -113,7 +113,14 @@ def _draw(plotter, found: RunField, factor: float, start: float, stop: float, bo
     pyvista = _pyvista()
     grid = section(found, factor, start, stop, bottom)
     reach = float(abs(found.field.displacement[:, :, 2]).max()) * found.scale
-    bar = {"title": found.label, "vertical": True, "position_x": 0.91, "position_y": 0.15, "height": 0.7}
+    bar = {
+        "title": f"{found.label}\n",
+        "vertical": True,
+        "position_x": 0.935,
+        "position_y": 0.1,
+        "height": 0.8,
+        "width": 0.05,
+    }
     bar |= {"title_font_size": 14, "label_font_size": 12, "n_labels": 3}
     plotter.add_mesh(
         grid, scalars=found.label, cmap="coolwarm", clim=(-reach, reach), lighting=False, scalar_bar_args=bar
@@ -136,7 +143,7 @@ def _frame(plotter, x: tuple[float, float], z: tuple[float, float], aspect: floa
 
     pyvista = _pyvista()
     (left, right), (low, top) = x, z
-    half_height = max(1.25 * (right - left) / 2 / aspect, 1.5 * (top - low) / 2)
+    half_height = max(1.35 * (right - left) / 2 / aspect, 1.5 * (top - low) / 2)
     gap = 0.06 * half_height
     along, down = np.linspace(left, right, 5), np.linspace(low, 0, 3)
     marks = {f"x = {place:g} mm": (place, 0, low - 3 * gap) for place in np.round(along, 2)}
