@@ -17,6 +17,8 @@ import numpy as np
 from contact import scaling
 from contact.collocation import collocation
 from contact.convergence import ConvergenceError
+from contact.energy import SUPPORT, TRACTION
+from contact.integrate import TALLY
 from contact.limits import riding_height
 from contact.motion import Motion
 from contact.orbit import Orbit
@@ -41,7 +43,7 @@ class Balance:
         True: a sticking contact keeps the slider at rest.
     motion : Motion
         At the end of a repeating cycle at constant height and velocity; its tally is of that cycle.
-    work : (10,) int array
+    work : (11,) int array
         Stretches, halvings, sweeps, cycles computed (`integrate.STRETCHES` and so on).
     """
 
@@ -52,14 +54,43 @@ class Balance:
     motion: Motion
     work: np.ndarray
 
+    @property
+    def support(self) -> float:
+        """Mean of the normal forces over the cycle, scaled."""
+        return float(self.motion.sums[SUPPORT]) / (2.0 * math.pi)
+
 
 def balanced(slider: Slider, orbits: tuple[Orbit, ...]) -> Balance:
     """Return the averaged steady state; the crests should drive towards +x (`drive.towards_plus`)."""
     # at the trough the contact is parted or slips, and old deformation is forgotten
     start = math.pi - float(np.angle(orbits[0].normal)) if orbits[0].normal != 0 else 0.0
     problem = scaling.scaled(slider, orbits, direction=1.0, start=start)
-    height = riding_height(slider, orbits) / problem.length
-    work = np.zeros(10, np.int64)
+    high = riding_height(slider, orbits) / problem.length
+    work = np.zeros(TALLY, np.int64)
+    found = _at_height(slider, orbits, problem, start, high, work)
+    if not slider.reciprocal:
+        return found
+    # the back force only adds to the support, so the slider rides higher: mean approach below `high`
+    preload = problem.parameters[scaling.PRELOAD]
+    low = -max(abs(orbit.normal) for orbit in orbits) / problem.length
+    above, below = found.support - preload, -preload
+    for count in range(100):
+        middle = high - above * (high - low) / (above - below)
+        if not low < middle < high or count % 8 == 7:
+            middle = 0.5 * (low + high)
+        found = _at_height(slider, orbits, problem, start, middle, work)
+        excess = found.support - preload
+        if abs(excess) < 1e-12 * preload or high - low < 1e-14 * (1.0 + abs(high)):
+            break
+        if excess > 0.0:
+            high, above, below = middle, excess, below * 0.5
+        else:
+            low, below, above = middle, excess, above * 0.5
+    return found
+
+
+def _at_height(slider, orbits, problem, start, height, work):
+    """Return the balance of the tractions at one mean approach."""
     far = 10.0 * (1.0 + abs(height)) * (1.0 + slider.limit_slope)
     low, low_motion = traction(problem, height, 0.0, -far, work)
     high, high_motion = traction(problem, height, 0.0, far, work)
@@ -96,7 +127,7 @@ def traction(problem, height, speed, deformations, work):
         work += motion.tally
         if np.max(np.abs(motion.state[3:] - before)) < 1e-13:
             break
-    return motion.sums[0] / (2.0 * math.pi), motion
+    return motion.sums[TRACTION] / (2.0 * math.pi), motion
 
 
 def _balance(problem, height, way, rest_traction, load, work):

@@ -11,24 +11,24 @@ import numpy as np
 
 from contact.collocation import ROOT_AT_END, ROOT_AT_START, SMOOTH
 from contact.compiled import compiled
+from contact.energy import DISPLACEMENT, account, mark
 from contact.regimes import CONTACT, CREEP, FAR_SIDE, GRAZE, SEPARATED, SLIP, STICK, follow, guard, opening
+from contact.roots import first_root, interpolate
 from contact.stretch import (
     CLIMB,
     HEIGHT,
+    PLANES,
     PULL,
     PUSH,
     SPEED,
-    TRAVEL,
     U_X_RATE,
     U_Z_RATE,
     P,
     Q,
     X,
     Z,
-    first_root,
     guards,
     guess,
-    interpolate,
     surface,
     sweep,
 )
@@ -36,9 +36,8 @@ from contact.stretch import (
 # why a run ended
 DONE, NOT_FINITE, TOO_MANY, STIFF = 0, 1, 2, 3
 # places in the tally after the kinds of event: stretches, halvings, sweeps, cycles
-STRETCHES, HALVINGS, SWEEPS, CYCLES, TALLY = 6, 7, 8, 9, 10
-# places in the sums: integrals over phase of sum Q, sum P and slider displacement
-TRACTION, SUPPORT, DISPLACEMENT = 0, 1, 2
+# and, after them, events at one instant beyond one per contact
+STRETCHES, HALVINGS, SWEEPS, CYCLES, CHATTER, TALLY = 6, 7, 8, 9, 10, 11
 
 
 @compiled
@@ -151,15 +150,15 @@ def advance(parameters, waves, sigma, bary, taus, onces, twices, rates, tail, st
         False: the slider's velocity stays as it is whatever the forces (a body of infinite mass).
     tolerance : float
         Truncation allowed per stretch, relative to the friction and preload impulse of a radian.
-    tally, sums : (10,) int array, (3,) array
-        Added to.
+    tally, sums : (TALLY,) int array, (SUMS,) array
+        Added to; see `energy` for the sums.
     sample_phase, samples : (k,), (k, contacts, 6) arrays
         Where to record z, x, P, Q, regime and v; rising, in (phase, stop]. Recording alters nothing else.
     limit : int
         Largest number of stretches.
     """
     contacts, n = regime.size, sigma.size
-    shared, own, values = np.zeros((6, n)), np.zeros((8, contacts, n)), np.empty(n)
+    shared, own, values = np.zeros((6, n)), np.zeros((PLANES, contacts, n)), np.empty(n)
     c, band, longest = parameters[7], parameters[8], parameters[9]
     push_scale, pull_scale = parameters[3] + 1e-300, parameters[6] * parameters[3] + 1e-300
     length, idle, taken, spent = longest, 0, 0, 0
@@ -229,12 +228,7 @@ def advance(parameters, waves, sigma, bary, taus, onces, twices, rates, tail, st
                 tally[HALVINGS] += 1
                 continue
             tally[STRETCHES] += 1
-            for k in range(n):
-                weight = length * onces[map_, n - 1, k]
-                for i in range(contacts):
-                    sums[TRACTION] += weight * own[Q, i, k]
-                    sums[SUPPORT] += weight * own[P, i, k]
-            sums[DISPLACEMENT] += shared[TRAVEL, n - 1]
+            account(parameters, length, onces[map_], regime, sign, shared, own, sums)
             taken = _record(
                 phase, length, map_, sigma, bary, shared, own, regime, sample_phase, samples, taken
             )
@@ -247,6 +241,8 @@ def advance(parameters, waves, sigma, bary, taus, onces, twices, rates, tail, st
             length = max(length * change, 0.3 * full)
         else:
             idle += 1
+            if idle > contacts:
+                tally[CHATTER] += 1
             if idle > 20 * contacts + 20:
                 return TOO_MANY
             length = full
@@ -254,6 +250,7 @@ def advance(parameters, waves, sigma, bary, taus, onces, twices, rates, tail, st
             _, rate = _end_guard(who, which, regime, sign, shared, own, waves, phase, c, band)
             if not rate < 0.0:
                 tally[GRAZE] += 1
+            mark(sums)
             for i in range(contacts):
                 for k in range(3):
                     met = i == who and k == which

@@ -40,6 +40,19 @@ def tangential_force(deformation, slip_limit, friction_limit):
     return np.where(x_max > 0.0, np.sign(x) * friction_limit * (1.0 - (1.0 - ratio) ** 1.5), 0.0)
 
 
+def reciprocal_force(deformation, slip_limit, friction_limit, limit_slope):
+    """Return the normal force dW/dz in N with which the spring of `stored_energy` W(z, x) acts back on the approach.
+
+    With r = abs(x)/x_max, w(r) = r - 0.4 (1 - (1 - r)^2.5), W = mu P c z w(r) and P proportional to z^1.5:
+    dW/dz at constant x is c mu P (2.5 w - r w'), never negative, c mu P/2 at the slip limit. Arguments as for
+    `tangential_force` with abs(x) <= x_max, and c of `limit_slope`.
+    """
+    x_max = np.asarray(slip_limit, float)
+    ratio = np.minimum(np.abs(deformation) / np.where(x_max > 0.0, x_max, 1.0), 1.0)
+    w, slope = ratio - 0.4 * (1.0 - (1.0 - ratio) ** 2.5), 1.0 - (1.0 - ratio) ** 1.5
+    return limit_slope * friction_limit * (2.5 * w - ratio * slope)
+
+
 def initial_stiffness(approach, radius, tangential_modulus):
     """Return dQ/dx at x = 0, 8 a G, in N/m (Mindlin 1949; Johnson, eq. 7.43)."""
     return 8.0 * np.sqrt(radius * np.maximum(approach, 0.0)) * tangential_modulus

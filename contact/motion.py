@@ -4,10 +4,11 @@ The only class here that changes: it guards the state of one slider on one wave,
 """
 
 import copy
+import math
 
 import numpy as np
 
-from contact import integrate, regimes
+from contact import energy, integrate, mindlin, regimes, scaling
 from contact.collocation import Collocation
 from contact.convergence import ConvergenceError
 from contact.scaling import Scaled
@@ -43,7 +44,7 @@ class Motion:
         self.problem, self.table, self.truncation = problem, table, truncation
         self.state = np.zeros(3 + contacts)
         self.regime, self.sign = np.zeros(contacts, np.int64), np.ones(contacts)
-        self.tally, self.sums = np.zeros(integrate.TALLY, np.int64), np.zeros(3)
+        self.tally, self.sums = np.zeros(integrate.TALLY, np.int64), np.zeros(energy.SUMS)
 
     def place(self, height, climb, speed, deformations=0.0):
         """Set the state at phase 0: slider position and its rate, slider velocity, deformations; all scaled."""
@@ -65,7 +66,7 @@ class Motion:
         rows = np.empty((number // stride if stride else 0, 3))
         why = integrate.cycles(
             self.problem.parameters, self.problem.waves, *self._matrices(), self.state, self.regime, self.sign,
-            number, mobile, self.truncation, self.tally, self.sums, stride, rows, 100_000,
+            number, mobile, self.truncation, self.tally, self.sums, stride, rows, self._limit(2.0 * np.pi),
         )  # fmt: skip
         self._refuse(why)
         return rows
@@ -75,15 +76,38 @@ class Motion:
         samples = np.zeros((at.size, self.regime.size, 6))
         why = integrate.advance(
             self.problem.parameters, self.problem.waves, *self._matrices(), self.state, self.regime, self.sign,
-            start, stop, True, self.truncation, self.tally, self.sums, at, samples, 10_000_000,
+            start, stop, True, self.truncation, self.tally, self.sums, at, samples, self._limit(stop - start),
         )  # fmt: skip
         self._refuse(why)
         return samples
 
     def events(self) -> dict[str, int]:
         """Return the number of events by kind, and of stretches, halvings and sweeps."""
-        names = (*regimes.NAMES, "stretches", "halvings", "sweeps", "cycles")
+        names = (*regimes.NAMES, "stretches", "halvings", "sweeps", "cycles", "chatter")
         return {name: int(number) for name, number in zip(names, self.tally, strict=True)}
+
+    def energy(self) -> np.ndarray:
+        """Return the energy of the contacts' springs, of the preload and of the slider, in units m (omega ell)^2.
+
+        At phase 0: the surface's height there is what the approach is taken from.
+        """
+        parameters, waves = self.problem.parameters, self.problem.waves
+        kappa, mu, c = parameters[scaling.KAPPA], parameters[scaling.MU], parameters[scaling.LIMIT_SLOPE]
+        height, climb, speed = self.state[:3]
+        z = np.maximum(waves[:, 0] - height, 0.0)
+        P = kappa * z**1.5
+        stored = np.sum(0.4 * P * z + mindlin.stored_energy(self.state[3:], c * z, mu * P))
+        return np.array([stored, parameters[scaling.PRELOAD] * height, 0.5 * (climb**2 + speed**2)])
+
+    def smallest_gap(self) -> float:
+        """Return the smallest time between two events since the sums were cleared, s; inf if there were not two."""
+        crowding = self.sums[energy.CROWDING]
+        return float(1.0 / (crowding * self.problem.omega)) if crowding > 0.0 else math.inf
+
+    def _limit(self, span):
+        """Return the stretches that a run may take: a guard that fires for ever must fail, not hang."""
+        events = 500.0 * self.regime.size * (1.0 + span / (2.0 * math.pi))
+        return int(min(events + 40.0 * span / self.problem.parameters[scaling.LONGEST], 1e9))
 
     def _matrices(self):
         table = self.table

@@ -13,6 +13,8 @@ import numpy as np
 from contact.balance import Balance
 from contact.collocation import collocation
 from contact.convergence import ConvergenceError
+from contact.energy import DISPLACEMENT, SUPPORT
+from contact.integrate import TALLY
 from contact.motion import Motion
 
 # no motion that is worth searching leaves this many length units
@@ -28,7 +30,7 @@ class Periodic:
     speed : float
         Mean of v over the cycle.
     support : float
-        Mean of the elastic normal forces.
+        Mean of the normal forces without the contact's damper.
     state : (3 + n,) array
         z_s, z_s', v and the deformations x_i at phase 0.
     jacobian : (3 + n, 3 + n) array
@@ -37,7 +39,9 @@ class Periodic:
         Last Newton step: how far the fixed point may still be.
     motion : Motion
         After the last cycle, its tally of that cycle.
-    work : (10,) int array
+    before : (3,) array
+        `Motion.energy` at the start of that cycle.
+    work : (11,) int array
         As in `Balance`.
     """
 
@@ -47,6 +51,7 @@ class Periodic:
     jacobian: np.ndarray
     step: float
     motion: Motion
+    before: np.ndarray
     work: np.ndarray
 
 
@@ -78,11 +83,12 @@ def periodic(
         If the fixed point is not reached to 1e-6.
     """
     motion = Motion(balance.problem, table=collocation(nodes), truncation=truncation)
-    work = np.zeros(10, np.int64)
+    work, before = np.zeros(TALLY, np.int64), np.zeros(3)
 
     def cycle(y):
         motion.tally[:], motion.sums[:] = 0, 0.0
         motion.place(*y[:3], y[3:])
+        before[:] = motion.energy()
         motion.turn(1)
         work[:] += motion.tally
         if not np.max(np.abs(motion.state)) < BOUND:
@@ -117,12 +123,13 @@ def periodic(
         )
     turn = 2.0 * math.pi
     return Periodic(
-        speed=motion.sums[2] / turn + step[2],
-        support=motion.sums[1] / turn,
+        speed=motion.sums[DISPLACEMENT] / turn + step[2],
+        support=motion.sums[SUPPORT] / turn,
         state=y,
         jacobian=jacobian,
         step=size,
         motion=motion,
+        before=before,
         work=work,
     )
 

@@ -91,3 +91,18 @@ def traction(regime, sign, z, x, normal_force, mu, c):
             return sign * mu * normal_force
         return sign * mu * normal_force * (1.0 - left * left**0.5)
     return sign * mu * normal_force
+
+
+@compiled
+def back_force(regime, sign, z, x, normal_force, mu, c):
+    """Return dW/dz at constant x, W the energy of the tangential spring: mu P c (2.5 w(r) - r w'(r)), r = s x/(c z).
+
+    W = mu P c z w(r), w = r - 0.4 (1 - (1 - r)^2.5), P proportional to z^1.5; at the slip limit it is mu P c/2.
+    """
+    if regime == SEPARATED or z <= 0.0 or c == 0.0:
+        return 0.0
+    if regime != STICK:
+        return 0.5 * mu * normal_force * c
+    left = max(1.0 - sign * x / (c * z), 0.0)
+    power = left * left**0.5
+    return mu * normal_force * c * (2.5 * (0.6 - left + 0.4 * left * power) - (1.0 - left) * (1.0 - power))

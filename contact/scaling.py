@@ -15,9 +15,19 @@ from contact.orbit import Orbit
 from contact.slider import Slider
 
 # places in the parameter array
-KAPPA, CHI, NORMAL_DAMPING, PRELOAD, TANGENTIAL_DAMPING, LOAD, MU, LIMIT_SLOPE, STICK_BAND, LONGEST = range(
-    10
-)
+(
+    KAPPA,
+    CHI,
+    NORMAL_DAMPING,
+    PRELOAD,
+    TANGENTIAL_DAMPING,
+    LOAD,
+    MU,
+    LIMIT_SLOPE,
+    STICK_BAND,
+    LONGEST,
+    RECIPROCAL,
+) = range(11)
 
 
 @dataclass(frozen=True)
@@ -26,7 +36,7 @@ class Scaled:
 
     Attributes
     ----------
-    parameters : (10,) array
+    parameters : (11,) array
         In the order of the names of this module; LOAD carries the sign of the load.
     waves : (n, 4) array
         Per contact a, b of u_z = a cos phi + b sin phi, then a, b of u_x.
@@ -80,6 +90,7 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
             slider.limit_slope,
             slider.stick_band / (omega * length),
             min(2.0 * math.pi / 8.0 if reach > 0.0 else math.inf, 0.8 / stiffest),
+            float(slider.reciprocal),
         ]
     )
     waves = np.array([[n.real, -n.imag, t.real, -t.imag] for n, t in turned])

@@ -16,7 +16,8 @@ import numpy as np
 
 from contact import bounds
 from contact.convergence import ConvergenceError
-from contact.drive import available, drive_direction, relative_to_reference, towards_plus
+from contact.drive import drive_direction, relative_to_reference, towards_plus
+from contact.ledger import Ledger, ledger
 from contact.limits import riding_height
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
@@ -46,8 +47,11 @@ class SteadyState:
         "ok", or what is to be known about the answer, and a sentence.
     method : str
         What was used: "exact" or "averaged".
+    ledger : Ledger
+        Energies over one cycle; all zero where a closed form answers.
     statistics : dict
-        Events by kind in one cycle; stretches, sweeps and cycles computed; multipliers of the cycle map.
+        Events by kind in one cycle, smallest gap between two in s (inf: fewer), chatter (whether events crowded at
+        one instant); stretches, sweeps and cycles computed; growth per cycle.
     seconds : float
         Time taken.
     """
@@ -61,6 +65,7 @@ class SteadyState:
     status: str
     message: str
     method: str
+    ledger: Ledger
     statistics: dict
     seconds: float
 
@@ -98,9 +103,14 @@ def steady(
     listed = as_orbits(orbits)
     bounds.positive("tolerance", tolerance, "")
     bounds.choice("method", method, METHODS)
-    available(slider)
+    _known(slider)
     found = _without_traction(slider, listed) or _searched(slider, listed, tolerance, method)
     return SteadyState(slider=slider, orbits=listed, seconds=time.perf_counter() - begun, **found)
+
+
+def _known(slider):
+    if slider.law != "elastic":
+        raise ValueError(f'slider.law must be "elastic": "{slider.law}" is not available yet')
 
 
 def _without_traction(slider, orbits):
@@ -126,6 +136,7 @@ def _without_traction(slider, orbits):
     return {
         "velocity": velocity, "regime": regime, "relative_error": 0.0, "height": height, "status": "ok",
         "message": f"{why}: closed form", "method": "exact", "statistics": {},
+        "ledger": Ledger(**dict.fromkeys(Ledger.__annotations__, 0.0)),
     }  # fmt: skip
 
 
@@ -178,7 +189,7 @@ def _searched(slider, orbits, tolerance, method):
     return {
         "velocity": float(side * velocity), "regime": "intermittent" if statistics["release"] else "slip",
         "relative_error": float(error), "height": float(-fine.state[0] * balance.problem.length), "status": status,
-        "message": note, "method": used, "statistics": statistics,
+        "message": note, "method": used, "ledger": ledger(slider, fine.motion, fine.before), "statistics": statistics,
     }  # fmt: skip
 
 
@@ -199,13 +210,15 @@ def _held(slider, orbits, balance, tolerance):
     return {
         "velocity": 0.0, "regime": regime, "relative_error": float(error),
         "height": float(balance.height * balance.problem.length), "status": status, "message": note,
-        "method": "averaged", "statistics": statistics,
+        "method": "averaged", "ledger": ledger(slider, balance.motion, balance.motion.energy()),
+        "statistics": statistics,
     }  # fmt: skip
 
 
 def _counted(motion, work):
     """Return the events of one cycle and the whole work of the search."""
     counted = motion.events()
-    for name, number in zip(("stretches", "halvings", "sweeps", "cycles"), work[6:], strict=True):
+    for name, number in zip(("stretches", "halvings", "sweeps", "cycles"), work[6:10], strict=True):
         counted[name] = int(number)
+    counted["smallest_gap"], counted["chatter"] = motion.smallest_gap(), bool(counted["chatter"])
     return counted

@@ -8,12 +8,12 @@ about (omega_n L)^2/2: four digits and more at a wave of 2 MHz, and a shorter st
 import numpy as np
 
 from contact.compiled import compiled
-from contact.regimes import SEPARATED, SLIP, guard, traction
+from contact.regimes import SEPARATED, SLIP, back_force, guard, traction
 
 # rows of the table of node values common to all contacts
 HEIGHT, CLIMB, TRAVEL, SPEED, PUSH, PULL = 0, 1, 2, 3, 4, 5
 # planes of the table of node values per contact
-U_Z, U_X, U_Z_RATE, U_X_RATE, Z, X, P, Q = 0, 1, 2, 3, 4, 5, 6, 7
+U_Z, U_X, U_Z_RATE, U_X_RATE, Z, X, P, Q, BACK, PLANES = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
 
 
 @compiled
@@ -34,6 +34,7 @@ def surface(phase, length, tau, waves, own):
 def forces(parameters, regime, sign, start_x, shared, own, mobile):
     """Fill approach, deformation, forces and accelerations at the nodes from the slider's motion there."""
     kappa, chi, d_n, p, d_t, q, mu, c = parameters[:8]
+    reciprocal = parameters[10] != 0.0
     for j in range(shared.shape[1]):
         push, pull = 0.0, 0.0
         for i in range(regime.size):
@@ -42,6 +43,7 @@ def forces(parameters, regime, sign, start_x, shared, own, mobile):
             own[P, i, j] = 0.0
             own[Q, i, j] = 0.0
             own[X, i, j] = 0.0
+            own[BACK, i, j] = 0.0
             if regime[i] == SEPARATED:
                 continue
             x = sign[i] * c * z if regime[i] == SLIP else start_x[i] + own[U_X, i, j] - shared[TRAVEL, j]
@@ -52,6 +54,9 @@ def forces(parameters, regime, sign, start_x, shared, own, mobile):
                 own[Q, i, j] = traction(regime[i], sign[i], z, x, elastic, mu, c)
                 push += elastic * (1.0 + chi * (own[U_Z_RATE, i, j] - shared[CLIMB, j]))
                 pull += own[Q, i, j]
+                if reciprocal:
+                    own[BACK, i, j] = back_force(regime[i], sign[i], z, x, elastic, mu, c)
+                    push += own[BACK, i, j]
         if mobile:
             shared[PUSH, j] = push - d_n * shared[CLIMB, j] - p
             shared[PULL, j] = pull - d_t * shared[SPEED, j] - q
@@ -120,113 +125,3 @@ def guards(i, which, regime, sign, shared, own, c, band, out):
             regime[i], which, sign[i], own[Z, i, j], own[X, i, j], own[U_Z_RATE, i, j] - shared[CLIMB, j],
             own[U_X_RATE, i, j] - shared[SPEED, j], c, band,
         )  # fmt: skip
-
-
-@compiled
-def interpolate(s, sigma, bary, values):
-    """Return the interpolating polynomial at s (barycentric formula)."""
-    above, below = 0.0, 0.0
-    for k in range(sigma.size):
-        gap = s - sigma[k]
-        if gap == 0.0:
-            return values[k]
-        weight = bary[k] / gap
-        above += weight * values[k]
-        below += weight
-    return above / below
-
-
-@compiled
-def root(a, b, sigma, bary, values):
-    """Return the root of the interpolant between a (positive side) and b (negative side) to 1e-9 (Illinois)."""
-    fa = interpolate(a, sigma, bary, values)
-    fb = interpolate(b, sigma, bary, values)
-    if not fa > 0.0:
-        return a
-    for _ in range(60):
-        m = b - fb * (b - a) / (fb - fa)
-        fm = interpolate(m, sigma, bary, values)
-        if fm > 0.0:
-            if b - m < 1e-9:
-                return m
-            a, fa, fb = m, fm, 0.5 * fb
-        else:
-            if m - a < 1e-9:
-                return m
-            b, fb, fa = m, fm, 0.5 * fa
-        if b - a < 1e-9:
-            return b
-    return b
-
-
-@compiled
-def _wiggles(u, v, du, dv):
-    """Return whether the cubic with these ends and end slopes (times width) turns within the interval."""
-    quadratic, linear = 3.0 * (2.0 * (u - v) + du + dv), 2.0 * (3.0 * (v - u) - 2.0 * du - dv)
-    if (du < 0.0) != (dv < 0.0):
-        return True
-    if quadratic == 0.0 or linear * linear < 4.0 * quadratic * du:
-        return False
-    return 0.0 < -0.5 * linear / quadratic < 1.0
-
-
-@compiled
-def first_root(sigma, bary, rates, values):
-    """Return the earliest place in sigma where a guard turns negative, 2.0 if nowhere.
-
-    Even roots and several roots between two nodes are searched where the cubic through values and slopes turns close
-    enough to zero; what the nodes resolve is then found.
-    """
-    n = sigma.size
-    before = 0.0
-    for j in range(n):
-        slope = 0.0
-        for k in range(n):
-            slope += rates[j, k] * values[k]
-        if j > 0:
-            width = sigma[j] - sigma[j - 1]
-            reach = 0.5 * width * max(abs(before), abs(slope))
-            near = min(values[j - 1], values[j]) < reach
-            if j == 1 and values[0] < 1e-12 * np.max(np.abs(values)):
-                near = (
-                    False  # a guard that has just opened: a dip there would be the interpolation's own error
-                )
-            if near and _wiggles(values[j - 1], values[j], before * width, slope * width):
-                place = _searched(sigma[j - 1], sigma[j], sigma, bary, values)
-                if place < 2.0:
-                    return place
-            if values[j] < 0.0:
-                return root(sigma[j - 1], sigma[j], sigma, bary, values)
-        before = slope
-    return 2.0
-
-
-@compiled
-def _searched(start, stop, sigma, bary, values):
-    """Return the first place between two nodes where the interpolant turns negative, 2.0 if nowhere.
-
-    Negative beyond the rounding of the interpolation: a guard that starts from zero with zero slope is no root.
-    """
-    rounding = -1e-13 * np.max(np.abs(values))
-    parts = 8
-    step = (stop - start) / parts
-    left, middle = interpolate(start - step, sigma, bary, values), interpolate(start, sigma, bary, values)
-    for m in range(parts + 1):
-        if m > 0 and middle < rounding:
-            return root(start + (m - 1) * step, start + m * step, sigma, bary, values)
-        right = interpolate(start + (m + 1) * step, sigma, bary, values)  # one beyond the end at the last
-        if middle <= left and middle <= right:  # golden section for a negative dip
-            a, b = max(start + (m - 1) * step, start), min(start + (m + 1) * step, stop)
-            for _ in range(40):
-                p, q = a + 0.381966011250105 * (b - a), b - 0.381966011250105 * (b - a)
-                f, g = interpolate(p, sigma, bary, values), interpolate(q, sigma, bary, values)
-                if min(f, g) < rounding:
-                    return root(
-                        max(start + (m - 1) * step, start), p if f < rounding else q, sigma, bary, values
-                    )
-                if f < g:
-                    b = q
-                else:
-                    a = p
-        left, middle = middle, right
-    return 2.0

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from contact import ConvergenceError, regimes, scaling
 from contact.collocation import ROOT_AT_END, ROOT_AT_START, SMOOTH, collocation
 from contact.motion import Motion
-from contact.stretch import first_root
+from contact.roots import first_root
 from contact.trajectory import rest, rest_problem
 from tests.contact.motors import orbit, slider
 

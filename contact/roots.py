@@ -1,0 +1,120 @@
+r"""Roots of what is known at the nodes of a stretch: the interpolant and its first sign change.
+
+Values at Chebyshev-Lobatto points in sigma on [-1, 1] define a polynomial (barycentric formula, Berrut and Trefethen,
+SIAM Review 46 (2004) 501). A guard is positive until its first root; even roots and several roots between two nodes
+are searched too.
+"""
+
+import numpy as np
+
+from contact.compiled import compiled
+
+
+@compiled
+def interpolate(s, sigma, bary, values):
+    """Return the interpolating polynomial at s (barycentric formula)."""
+    above, below = 0.0, 0.0
+    for k in range(sigma.size):
+        gap = s - sigma[k]
+        if gap == 0.0:
+            return values[k]
+        weight = bary[k] / gap
+        above += weight * values[k]
+        below += weight
+    return above / below
+
+
+@compiled
+def root(a, b, sigma, bary, values):
+    """Return the root of the interpolant between a (positive side) and b (negative side) to 1e-9 (Illinois)."""
+    fa = interpolate(a, sigma, bary, values)
+    fb = interpolate(b, sigma, bary, values)
+    if not fa > 0.0:
+        return a
+    for _ in range(60):
+        m = b - fb * (b - a) / (fb - fa)
+        fm = interpolate(m, sigma, bary, values)
+        if fm > 0.0:
+            if b - m < 1e-9:
+                return m
+            a, fa, fb = m, fm, 0.5 * fb
+        else:
+            if m - a < 1e-9:
+                return m
+            b, fb, fa = m, fm, 0.5 * fa
+        if b - a < 1e-9:
+            return b
+    return b
+
+
+@compiled
+def _wiggles(u, v, du, dv):
+    """Return whether the cubic with these ends and end slopes (times width) turns within the interval."""
+    quadratic, linear = 3.0 * (2.0 * (u - v) + du + dv), 2.0 * (3.0 * (v - u) - 2.0 * du - dv)
+    if (du < 0.0) != (dv < 0.0):
+        return True
+    if quadratic == 0.0 or linear * linear < 4.0 * quadratic * du:
+        return False
+    return 0.0 < -0.5 * linear / quadratic < 1.0
+
+
+@compiled
+def first_root(sigma, bary, rates, values):
+    """Return the earliest place in sigma where a guard turns negative, 2.0 if nowhere.
+
+    Even roots and several roots between two nodes are searched where the cubic through values and slopes turns close
+    enough to zero; what the nodes resolve is then found.
+    """
+    n = sigma.size
+    before = 0.0
+    for j in range(n):
+        slope = 0.0
+        for k in range(n):
+            slope += rates[j, k] * values[k]
+        if j > 0:
+            width = sigma[j] - sigma[j - 1]
+            reach = 0.5 * width * max(abs(before), abs(slope))
+            near = min(values[j - 1], values[j]) < reach
+            if j == 1 and values[0] < 1e-12 * np.max(np.abs(values)):
+                near = (
+                    False  # a guard that has just opened: a dip there would be the interpolation's own error
+                )
+            if near and _wiggles(values[j - 1], values[j], before * width, slope * width):
+                place = _searched(sigma[j - 1], sigma[j], sigma, bary, values)
+                if place < 2.0:
+                    return place
+            if values[j] < 0.0:
+                return root(sigma[j - 1], sigma[j], sigma, bary, values)
+        before = slope
+    return 2.0
+
+
+@compiled
+def _searched(start, stop, sigma, bary, values):
+    """Return the first place between two nodes where the interpolant turns negative, 2.0 if nowhere.
+
+    Negative beyond the rounding of the interpolation: a guard that starts from zero with zero slope is no root.
+    """
+    rounding = -1e-13 * np.max(np.abs(values))
+    parts = 8
+    step = (stop - start) / parts
+    left, middle = interpolate(start - step, sigma, bary, values), interpolate(start, sigma, bary, values)
+    for m in range(parts + 1):
+        if m > 0 and middle < rounding:
+            return root(start + (m - 1) * step, start + m * step, sigma, bary, values)
+        right = interpolate(start + (m + 1) * step, sigma, bary, values)  # one beyond the end at the last
+        if middle <= left and middle <= right:  # golden section for a negative dip
+            a, b = max(start + (m - 1) * step, start), min(start + (m + 1) * step, stop)
+            for _ in range(40):
+                p, q = a + 0.381966011250105 * (b - a), b - 0.381966011250105 * (b - a)
+                f, g = interpolate(p, sigma, bary, values), interpolate(q, sigma, bary, values)
+                if min(f, g) < rounding:
+                    return root(
+                        max(start + (m - 1) * step, start), p if f < rounding else q, sigma, bary, values
+                    )
+                if f < g:
+                    b = q
+                else:
+                    a = p
+        left, middle = middle, right
+    return 2.0
