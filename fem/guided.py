@@ -233,15 +233,18 @@ def _graded_eigenpairs(left, right, shift):
 
     The inverted problem gives small ones to all digits and the direct one large ones; each is asked for its half.
     """
-    from scipy.linalg import eig, solve
+    from scipy.linalg import eig, lu_factor, lu_solve
 
-    values, vectors = eig(solve(right - shift * left, left))
+    def over(matrix, load):  # ill-conditioned by nature, where every half is asked only for what it knows
+        return lu_solve(lu_factor(matrix, check_finite=False), load, check_finite=False)
+
+    values, vectors = eig(over(right - shift * left, left))
     squares = shift + 1.0 / values
     order = np.argsort(abs(squares))
     squares, vectors = squares[order], vectors[:, order]
     if abs(squares[-1]) < WIDE_SPECTRUM:
         return squares, vectors
-    large, large_vectors = eig(solve(left, right))
+    large, large_vectors = eig(over(left, right))
     order = np.argsort(abs(large))
     large, large_vectors = large[order], large_vectors[:, order]
     middle = int(np.searchsorted(abs(large), np.sqrt(abs(large[-1]) * abs(shift))))

@@ -241,3 +241,13 @@ def test_nothing_propagates_where_the_loss_eats_all():
     modes = guided_modes(depth, FREQUENCY)
     with pytest.raises(ConvergenceError, match=r"no mode of this section propagates at 2\.3e"):
         _ = modes.rayleigh
+
+
+def test_long_waves_in_fine_layers_raise_no_warning():
+    """A ten-thousandth of the frequency: k^2 over 24 decades, and no word from the linear algebra."""
+    stator = plate(cut("PZT-8", "Z"), thickness=1.0)
+    slow = 1e-4 * FREQUENCY
+    depth = section(stator, order=8, layers=3, frequency=slow, scale=1e-5)
+    modes = guided_modes(depth, slow)
+    assert np.all(np.isfinite(modes.right_end))
+    assert np.abs(modes.right_end @ depth.constant_potential).max() < 1e-5 * np.abs(modes.right_end).max()
