@@ -11,6 +11,7 @@ from importlib import import_module
 _HOME = {
     "Band": "band",
     "ConvergenceError": "convergence",
+    "Estimate": "estimate",
     "FreeWave": "free",
     "HalfSpaceWave": "half_space",
     "PeriodicWave": "modes",
@@ -26,6 +27,7 @@ _HOME = {
     "coupling": "half_space",
     "direct_solution": "direct",
     "driven_wave": "harmonic",
+    "estimate": "estimate",
     "fields": "materials",
     "free_wave": "free",
     "isotropic": "materials",
@@ -34,6 +36,7 @@ _HOME = {
     "rayleigh": "half_space",
     "read_vtu": "field",
     "rotated": "materials",
+    "swept": "band",
     "wave_field": "field",
     "write_vtu": "field",
 }

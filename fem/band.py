@@ -11,13 +11,14 @@ The reduction is checked where it was not fitted: between the nodes, against the
 """
 
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from fem.cell import PORTS, Block, condensed
 from fem.chain import FingerShape, half_cells, joined, repeated
-from fem.geometry import Stator, Transducer, check_layout
+from fem.geometry import Stator, Transducer, check_layout, outer_gaps
 from fem.guided import guided_modes
 from fem.harmonic import LEVELS, driven_wave, orbit_difference
 from fem.network import Walls
@@ -170,6 +171,24 @@ class Band:
         )
 
 
+@one_blas_thread
+def swept(
+    band: Band,
+    frequencies: np.ndarray,
+    *,
+    driven: str,
+    source_impedance: complex = 0.0,
+    workers: int = 2,
+) -> list[SurfaceWave]:
+    """Surface motion at many frequencies of a band (Hz), in their order, ``workers`` at a time."""
+
+    def at(frequency: float) -> SurfaceWave:
+        return band.wave(float(frequency), driven=driven, source_impedance=source_impedance)
+
+    with ThreadPoolExecutor(workers) as pool:
+        return list(pool.map(at, frequencies))
+
+
 def _reflected(block: Block, odd: np.ndarray, phi_odd: bool) -> Block:
     n = block.size
     signs = np.where(odd, -1.0, 1.0)
@@ -190,6 +209,7 @@ def frequency_band(
     tolerance: float,
     places: tuple[float, ...] = (),
     level: int | None = None,
+    workers: int = 2,
 ) -> Band:
     """Prepare a driven stator for the frequencies of a band.
 
@@ -208,6 +228,8 @@ def frequency_band(
         m; mid-stator if empty.
     level : int, optional
         Discretisation to use, an index of `fem.harmonic.LEVELS`; by the tolerance if not given.
+    workers : int
+        Threads over the nodes; the linear algebra of each runs outside the interpreter's lock.
 
     Returns
     -------
@@ -225,6 +247,12 @@ def frequency_band(
             f"the band must run from a lower to a higher frequency, got {lowest!r} to {highest!r} Hz"
         )
     transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
+    for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
+        if min(gaps) < (1 - 1e-9) * transducer.half_gap:
+            raise ValueError(
+                f"a band takes transducers with half a gap of bare surface on either side, "
+                f"{transducer.half_gap:g} m; {transducer.name!r} has {min(gaps):g} m"
+            )
     at = np.array(places or (stator.length / 2,))
     middle = float(np.sqrt((lowest**2 + highest**2) / 2))
     checked = driven_wave(
@@ -232,7 +260,14 @@ def frequency_band(
     )
     resolution = LEVELS[level] if level is not None else checked.solution.resolution
     prepared = _prepared(
-        stator, transducers, lowest, highest, resolution, driven, min(KEPT * tolerance, MOST_LEFT_OUT)
+        stator,
+        transducers,
+        lowest,
+        highest,
+        resolution,
+        driven,
+        min(KEPT * tolerance, MOST_LEFT_OUT),
+        workers,
     )
     wave = surface_wave(prepared.solution(middle, driven=driven))
     reduction = orbit_difference(wave, checked, at)
@@ -245,47 +280,48 @@ def frequency_band(
     )
 
 
-def _prepared(stator, transducers, lowest, highest, resolution, driven, kept) -> Band:
+def _prepared(stator, transducers, lowest, highest, resolution, driven, kept, workers) -> Band:
     unit = slowest_wavelength(stator.solid, highest)
     scale = min(transducer.finger_width / 2 for transducer in transducers)
     section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)
     squares = _nodes(lowest, highest)
     feeding = {0, len(squares) // 2, len(squares) - 1}  # nodes whose full solution feeds the basis
-    kinds = {finger_key(each): each for each in transducers}
-    matrices: dict[tuple, list] = {key: [] for key in kinds}
-    gap_fields, finger_fields, walls = [], [], []
-    for index, square in enumerate(squares):
-        frequency = float(np.sqrt(square) / (2 * np.pi))
+    kinds = list(dict.fromkeys(finger_key(each) for each in transducers))
+
+    def at_node(index: int):
+        frequency = float(np.sqrt(squares[index]) / (2 * np.pi))
         halves = {}
         for key in kinds:
             shape = FingerShape(half_finger=key[0] / 2 / unit, half_gaps=(key[1] / 2 / unit,) * 2)
             halves[key] = half_cells(section, frequency, shape, resolution)
-            matrices[key].append(halves[key])
-        if stator.ends != "absorbing":
-            walls.append(_wall_matrices(section, frequency, stator.ends))
+        walls = None if stator.ends == "absorbing" else _wall_matrices(section, frequency, stator.ends)
+        seen = None
         if index in feeding:
-            gaps, fingers = snapshots(
-                stator, transducers, section, frequency, halves, resolution, driven, kept
-            )
-            gap_fields.append(gaps)
-            finger_fields.append(fingers)
-    gap_fields.append(section.constant_potential[:, None])
+            seen = snapshots(stator, transducers, section, frequency, halves, resolution, driven, kept)
+        return halves, walls, seen
+
+    with ThreadPoolExecutor(workers) as pool:
+        nodes = list(pool.map(at_node, range(len(squares))))
+    gap_fields, finger_fields = zip(*(seen for _, _, seen in nodes if seen is not None), strict=True)
+    gap_fields = (*gap_fields, section.constant_potential[:, None])
     groups = parity_groups(section, stator.ends == "clamped")
     bases = bases_of((np.hstack(gap_fields), np.hstack(finger_fields)), groups, kept)
     odd = None
     if section.odd is not None:
         odd = np.array([section.odd[np.argmax(abs(column))] for column in bases[0].T])
-    reduced = ReducedSection(full=section, basis=bases[0], odd=odd)
-    projected = {key: _projected_halves(pairs, bases, section.odd is None) for key, pairs in matrices.items()}
+    walls = [bases[0].T @ pair @ bases[0] for _, pair, _ in nodes if pair is not None]
     return Band(
         stator=stator,
         transducers=transducers,
         limits=(lowest, highest),
         resolution=resolution,
-        section=reduced,
-        half_cells=projected,
+        section=ReducedSection(full=section, basis=bases[0], odd=odd),
+        half_cells={
+            key: _projected_halves([halves[key] for halves, _, _ in nodes], bases, section.odd is None)
+            for key in kinds
+        },
         nodes=squares,
-        walls=np.stack([bases[0].T @ pair @ bases[0] for pair in walls]) if walls else None,
+        walls=np.stack(walls) if walls else None,
     )
 
 

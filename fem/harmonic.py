@@ -29,7 +29,14 @@ LEVELS = (
     Resolution(order=9, edge_layers=4),
     Resolution(order=10, edge_layers=5),
 )
-EXPECTED = (np.inf, 5e-3, 2e-4, 2e-5, 2e-6, 3e-7)  # estimate at each level on an ordinary motor: where to begin
+EXPECTED = (
+    np.inf,
+    5e-3,
+    2e-4,
+    2e-5,
+    2e-6,
+    3e-7,
+)  # estimate at each level on an ordinary motor: where to begin
 GAIN = 8.0  # a level divides the error by more than this: 6.7 per edge layer, and more by the order (11 to 25 seen)
 
 

@@ -13,6 +13,7 @@ def one_blas_thread(work: Callable) -> Callable:
 
     @wraps(work)
     def limited(*args, **kwargs):
+        import scipy.linalg  # noqa: F401  its BLAS is another than numpy's, and only a loaded one can be limited
         from threadpoolctl import threadpool_limits
 
         with threadpool_limits(limits=1, user_api="blas"):
