@@ -3,7 +3,7 @@
 Conventions: exp(+i omega t), complex peak amplitudes, SI; x along the propagation, z out of the surface, body at
 z < 0; Voigt order 11 22 33 23 13 12 with engineering shear.  The rooms, bottom to top: materials - spectral, forms -
 stroh, half_space - geometry - section - guided, modes - cell - chain - network, electrodes - solution - surface,
-readout - audit, field - harmonic, free - reduced, band; direct stands beside them as the check.
+readout - audit, field - harmonic, free - reduced - band - preparation; direct stands beside them as the check.
 """
 
 from importlib import import_module
@@ -22,7 +22,7 @@ _HOME = {
     "WaveField": "field",
     "anisotropic": "materials",
     "automatic_period": "geometry",
-    "frequency_band": "band",
+    "frequency_band": "preparation",
     "catalogue": "materials",
     "coupling": "half_space",
     "direct_solution": "direct",

@@ -196,12 +196,22 @@ class Network:
         amplitudes = np.linalg.solve(system, load) if total else load
         return self._gathered(amplitudes, answers)
 
+    @cached_property
+    def reflections(self) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
+        """Of the left and the right end: the modes that arrive, and all modes sent back for each, (n, arriving)."""
+        found = []
+        for stretch, side in ((0, 0), (-1, 1)):
+            start, stop = self.stretches[stretch]
+            arriving = self.survivors(stop - start)
+            found.append((arriving, end_reflection(self.modes, self.ends, side, arriving)))
+        return tuple(found)
+
     def _reflect(self, system, slots, kept, lengths):
         """Equations of the two ends: amplitudes leaving an end from those that arrive there."""
         for stretch, side in ((0, 0), (len(kept) - 1, 1)):
             going_right, going_left = slots[stretch]
-            keep = kept[stretch]
-            reflected = end_reflection(self.modes, self.ends, side, keep)[keep]
+            keep, sent = self.reflections[side]
+            reflected = sent[keep]
             if side == 0:
                 decay = np.exp(1j * self.modes.backwards[keep] * lengths[stretch])
                 system[going_right, going_left] -= reflected * decay

@@ -7,7 +7,6 @@ import numpy as np
 from fem.chain import lines, widths
 from fem.interior import ColumnField
 from fem.materials import fields
-from fem.network import end_reflection
 from fem.solution import Solution
 from fem.surface import Covered, Stretch, SurfaceWave
 
@@ -61,9 +60,9 @@ def surface_pieces(solution: Solution) -> tuple:
             out = solution.sides(index)[:n] - solution.incoming(index)[:n]
             left = modes.left_amplitudes(out)
         if network.ends != "absorbing" and index == 0:
-            right = _returned(modes, network.ends, 0, left * np.exp(1j * modes.backwards * (stop - start)))
+            right = _returned(network, 0, left * np.exp(1j * modes.backwards * (stop - start)))
         if network.ends != "absorbing" and index == last:
-            left = _returned(modes, network.ends, 1, right * np.exp(-1j * modes.wavenumbers * (stop - start)))
+            left = _returned(network, 1, right * np.exp(-1j * modes.wavenumbers * (stop - start)))
         pieces.append(
             Stretch(
                 start=start * unit,
@@ -84,9 +83,9 @@ def surface_pieces(solution: Solution) -> tuple:
     return tuple(pieces)
 
 
-def _returned(modes, ends, side, arriving):
-    chosen = np.flatnonzero(abs(arriving) > 0)
-    return end_reflection(modes, ends, side, chosen) @ arriving[chosen]
+def _returned(network, side, at_end):
+    arriving, sent = network.reflections[side]
+    return sent @ at_end[arriving]
 
 
 def column_fields(solution: Solution, index: int):

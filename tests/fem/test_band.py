@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.band import frequency_band
 from fem.geometry import Stator, Transducer
 from fem.harmonic import LEVELS, orbit_difference
 from fem.materials import material, rotated
+from fem.preparation import frequency_band
 from fem.readout import surface_wave
 from fem.solution import solved
 
