@@ -2,8 +2,8 @@
 
 Conventions: exp(+i omega t), complex peak amplitudes, SI; x along the propagation, z out of the surface, body at
 z < 0; Voigt order 11 22 33 23 13 12 with engineering shear.  The rooms, bottom to top: materials - spectral, forms -
-stroh, half_space - geometry - section - guided, modes - cell - chain - network, electrodes - solution - surface,
-readout - audit, field - harmonic, free - reduced - band - preparation; direct stands beside them as the check.
+stroh, half_space - geometry - quasistatic - section - guided, modes - cell - chain - network, electrodes - solution -
+surface, readout - audit, field - harmonic, free - reduced - band - preparation; direct stands beside them as the check.
 """
 
 from importlib import import_module
@@ -11,7 +11,6 @@ from importlib import import_module
 _HOME = {
     "Band": "band",
     "ConvergenceError": "convergence",
-    "Estimate": "estimate",
     "FreeWave": "free",
     "HalfSpaceWave": "half_space",
     "PeriodicWave": "modes",
@@ -19,6 +18,7 @@ _HOME = {
     "Stator": "geometry",
     "SurfaceWave": "surface",
     "Transducer": "geometry",
+    "TransducerEstimate": "quasistatic",
     "WaveField": "field",
     "anisotropic": "materials",
     "automatic_period": "geometry",
@@ -27,7 +27,6 @@ _HOME = {
     "coupling": "half_space",
     "direct_solution": "direct",
     "driven_wave": "harmonic",
-    "estimate": "estimate",
     "fields": "materials",
     "free_wave": "free",
     "isotropic": "materials",
@@ -37,6 +36,7 @@ _HOME = {
     "read_vtu": "field",
     "rotated": "materials",
     "swept": "band",
+    "transducer_estimate": "quasistatic",
     "wave_field": "field",
     "write_vtu": "field",
 }

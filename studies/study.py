@@ -15,7 +15,13 @@ from studies.refusal import SceneError, nearest
 
 __all__ = ["STUDIES", "Finding", "Panel", "StudyRecord", "question", "run_study"]
 
-STUDIES = ("voltage_to_velocity", "rayleigh", "seed_figures")
+STUDIES = (
+    "voltage_to_velocity",
+    "rayleigh",
+    "seed_figures",
+    "admittance",
+    "frequency_response",
+)
 
 
 @dataclass(frozen=True, kw_only=True)

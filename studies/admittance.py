@@ -1,0 +1,129 @@
+"""What a driven transducer asks of its source: conductance and susceptance against frequency.
+
+Method: admittance of the scene's driven transducer (``twente`` when none is named), the others terminated as they are,
+at 81 frequencies of a band; beside it the quasi-static estimate of a transducer without reflections.  Expected: a
+conductance that is never negative, its largest value within a factor of 2 of the estimate's, a susceptance that is the
+capacitance's within a quarter at the band's edges, where hardly a wave is sent.  Run time: about 10 s.
+"""
+
+import sys
+import time
+from collections.abc import Callable
+
+from studies import passband
+from studies.scene import Scene
+from studies.spectrum import response, spectrum
+from studies.study import Finding, Panel, StudyRecord
+
+__all__ = ["figure", "run"]
+
+TAKES_SCENE = True
+COUNT = 81
+
+
+def run(
+    scene: str | Scene = "twente",
+    *,
+    count: int = COUNT,
+    tolerance: float = 1e-2,
+    progress: Callable[[str], None] | None = None,
+) -> StudyRecord:
+    """Return the admittance against frequency and its estimate.
+
+    Parameters
+    ----------
+    scene : str or Scene
+        A path, a shipped name or a scene with transducers.
+    count : int
+        Frequencies.
+    tolerance : float
+        Relative, of the surface motion; the admittance's error is reported.
+    progress : callable, optional
+        Told what is being done.
+    """
+    import numpy as np
+
+    begun = time.perf_counter()
+    say = progress or (lambda text: None)
+    chosen = passband.driven_scene(scene)
+    place, at = passband.place(chosen), passband.frequencies(chosen, count)
+    prepared = response(chosen, at[0], at[-1], places=(place,), tolerance=tolerance, progress=say)
+    say(f"stator: {count} frequencies")
+    found = spectrum(chosen, prepared, at, place)
+    theory = passband.expected(chosen)
+    susceptance = 2 * np.pi * at * theory.capacitance
+    data = {
+        "frequency_Hz": at,
+        "conductance_S": found.admittance.real,
+        "susceptance_S": found.admittance.imag,
+        "estimated_conductance_S": theory.conductance(at),
+        "capacitive_susceptance_S": susceptance,
+        "relative_error": found.admittance_error,
+    }
+    most = found.admittance.real.max() / data["estimated_conductance_S"].max()
+    edge = float(np.mean((found.admittance.imag / susceptance)[[0, -1]]))
+    findings = (
+        Finding(
+            statement="A transducer takes power and gives none.",
+            quantity="smallest conductance (S)",
+            expected="above 0",
+            found=float(found.admittance.real.min()),
+            confirmed=bool(found.admittance.real.min() > 0),
+        ),
+        Finding(
+            statement="The largest conductance is that of charges which send one Rayleigh wave.",
+            quantity="largest conductance over the estimate's",
+            expected="between 0.5 and 2: the estimate knows no reflections and no bulk waves",
+            found=float(most),
+            confirmed=bool(0.5 < most < 2),
+        ),
+        Finding(
+            statement="Off the passband it is a capacitor.",
+            quantity="susceptance at the band's edges over that of the static capacitance, mean",
+            expected="between 0.75 and 1.25",
+            found=edge,
+            confirmed=0.75 < edge < 1.25,
+        ),
+        Finding(
+            statement="The frequencies are known as well as was asked for.",
+            quantity="estimated error of the admittance, relative",
+            expected="below 5 times the tolerance of the surface motion",
+            found=found.admittance_error,
+            confirmed=found.admittance_error < 5 * tolerance,
+        ),
+    )
+    panel = Panel(name="admittance", title=f"{chosen.title}: {chosen.drive.transducer!r}", data=data)
+    seconds = time.perf_counter() - begun
+    return StudyRecord(name="admittance", panels=(panel,), findings=findings, seconds=seconds)
+
+
+def figure(record: Panel, ax):
+    """Draw conductance and susceptance, computed points and estimated lines."""
+    from studies.figures import COLOURS
+
+    data = record.data
+    at = data["frequency_Hz"] / 1e6
+    for part, theory, colour, label, line in (
+        ("conductance_S", "estimated_conductance_S", "slip", "Re Y", "Re Y, no reflections (estimate)"),
+        (
+            "susceptance_S",
+            "capacitive_susceptance_S",
+            "intermittent",
+            "Im Y",
+            "static capacitance (estimate)",
+        ),
+    ):
+        ax.plot(at, data[part] * 1e3, "o", color=COLOURS[colour], markersize=3, label=label)
+        ax.plot(at, data[theory] * 1e3, "-", color=COLOURS[colour], linewidth=1, label=line)
+    ax.set_xlabel("frequency (MHz)")
+    ax.set_ylabel("admittance (mS)")
+    ax.set_title(record.title, fontsize="medium")
+    ax.grid(alpha=0.3)
+    ax.legend(frameon=False, fontsize="small")
+    return ax
+
+
+if __name__ == "__main__":
+    from studies.__main__ import main
+
+    sys.exit(main(["study", "admittance", *sys.argv[1:]]))

@@ -1,0 +1,176 @@
+"""How large the wave at the slider is for each frequency, how wide its band, and how late it comes.
+
+Method: u_z per volt under the slider of the scene (``twente-left`` when none is named; mid-stator without a slider) at
+161 frequencies of a band, the whole motion and the surface mode's part of it; group delay -d(phase)/d(omega) of that
+part; beside them the quasi-static estimate, with the loss on the way.  Expected: a maximum within a factor of 2 of the
+estimate's, half of the power within 0.6 to 1.1 of f/N (0.886 f/N of sin x / x without the way's and the circuit's
+influence), and a delay in that band, its median, of the way from the fingers' middle at the Rayleigh wave's velocity.
+Run time: about 8 s.
+"""
+
+import sys
+import time
+from collections.abc import Callable
+
+from studies import passband, resolved
+from studies.scene import Scene
+from studies.spectrum import response, spectrum
+from studies.study import Finding, Panel, StudyRecord
+
+__all__ = ["figure", "run"]
+
+TAKES_SCENE = True
+COUNT = 161
+
+
+def run(
+    scene: str | Scene = "twente-left",
+    *,
+    count: int = COUNT,
+    tolerance: float = 1e-2,
+    progress: Callable[[str], None] | None = None,
+) -> StudyRecord:
+    """Return amplitude and group delay against frequency.
+
+    Parameters
+    ----------
+    scene : str or Scene
+        A path, a shipped name or a scene with transducers.
+    count : int
+        Frequencies.
+    tolerance : float
+        Relative, of the surface motion.
+    progress : callable, optional
+        Told what is being done.
+    """
+    import numpy as np
+
+    import fem
+
+    begun = time.perf_counter()
+    say = progress or (lambda text: None)
+    chosen = passband.driven_scene(scene)
+    place, at = passband.place(chosen), passband.frequencies(chosen, count)
+    driven = next(each for each in chosen.transducer if each.name == chosen.drive.transducer)
+    prepared = response(chosen, at[0], at[-1], places=(place,), tolerance=tolerance, progress=say)
+    say(f"stator: {count} frequencies")
+    found = spectrum(chosen, prepared, at, place)
+    surface = found.normal if np.isnan(found.rayleigh_normal).any() else found.rayleigh_normal
+    way = abs(place - driven.center)
+    free = fem.free_wave(resolved.stator(chosen.stator), frequency=float(np.median(at)), tolerance=1e-4)
+    theory = passband.expected(chosen).normal(at) * np.exp(-free.attenuation * way)
+    delay = -np.gradient(np.unwrap(np.angle(surface)), 2 * np.pi * at)
+    band = _half_power(at, abs(surface))
+    inside = (at >= band[0]) & (at <= band[1])
+    width = (band[1] - band[0]) / (sum(band) / 2) * driven.finger_pairs
+    middle_delay = float(np.median(delay[inside]))
+    ratio = float(abs(surface).max() / theory.max())
+    title = f"{chosen.title}: x = {place * 1e3:g} mm"
+    panels = (
+        Panel(
+            name="amplitude",
+            title=title,
+            data={
+                "frequency_Hz": at,
+                "normal_m_per_V": found.normal,
+                "surface_mode_m_per_V": surface,
+                "estimate_m_per_V": theory,
+                "half_power_Hz": np.array(band),
+                "relative_error": found.relative_error,
+            },
+        ),
+        Panel(
+            name="group_delay",
+            title=title,
+            data={"frequency_Hz": at[inside], "group_delay_s": delay[inside], "way_s": way / free.velocity},
+        ),
+    )
+    findings = (
+        Finding(
+            statement="The amplitude is that of charges which send one Rayleigh wave.",
+            quantity="largest surface-mode amplitude over the estimate's",
+            expected="between 0.5 and 2: the estimate knows no reflections and no bulk waves",
+            found=ratio,
+            confirmed=0.5 < ratio < 2,
+        ),
+        Finding(
+            statement="N finger pairs pass a band of 0.886 f/N.",
+            quantity="width of half power, in f/N",
+            expected="between 0.6 and 1.1",
+            found=float(width),
+            confirmed=bool(0.6 < width < 1.1),
+            remark="The surface mode of a plate mixes with the plate's other modes where their branches cross: steps.",
+        ),
+        Finding(
+            statement="The wave comes from the fingers' middle at the Rayleigh wave's velocity.",
+            quantity=f"median group delay in that band over {way / free.velocity * 1e6:.4g} us",
+            expected="1, within 10 %",
+            found=middle_delay * free.velocity / way,
+            confirmed=abs(middle_delay * free.velocity / way - 1) < 0.1,
+        ),
+    )
+    seconds = time.perf_counter() - begun
+    return StudyRecord(name="frequency_response", panels=panels, findings=findings, seconds=seconds)
+
+
+def figure(record: Panel, ax):
+    """Draw the amplitude with its estimate, or the group delay with the way's."""
+    from studies.figures import COLOURS
+
+    data = record.data
+    at = data["frequency_Hz"] / 1e6
+    if "group_delay_s" in data:
+        ax.plot(
+            at, data["group_delay_s"] * 1e6, "o", color=COLOURS["slip"], markersize=3, label="surface mode"
+        )
+        ax.axhline(
+            data["way_s"] * 1e6, color=COLOURS["line"], linewidth=1, label="way over velocity (theory)"
+        )
+        ax.set_ylabel("group delay (us)")
+    else:
+        ax.plot(
+            at,
+            abs(data["normal_m_per_V"]) * 1e9,
+            "-",
+            color=COLOURS["stick"],
+            linewidth=0.8,
+            label="all modes",
+        )
+        ax.plot(
+            at, abs(data["surface_mode_m_per_V"]) * 1e9, "o", color=COLOURS["slip"], markersize=3,
+            label="surface mode",
+        )  # fmt: skip
+        ax.plot(at, data["estimate_m_per_V"] * 1e9, "-", color=COLOURS["line"], linewidth=1,
+                label="no reflections, no bulk waves (estimate)")  # fmt: skip
+        low, high = data["half_power_Hz"] / 1e6
+        ax.axvspan(low, high, color=COLOURS["stick"], alpha=0.2, linewidth=0, label="half of the power")
+        ax.set_ylim(bottom=0)
+        ax.set_ylabel("normal amplitude per volt, peak (nm/V)")
+    ax.set_xlabel("frequency (MHz)")
+    ax.set_title(record.title, fontsize="medium")
+    ax.grid(alpha=0.3)
+    ax.legend(frameon=False, fontsize="small")
+    return ax
+
+
+def _half_power(at, size) -> tuple[float, float]:
+    """Return where the amplitude first falls below its maximum over root 2 on either side, Hz."""
+    import numpy as np
+
+    peak = int(np.argmax(size))
+    level = size[peak] / np.sqrt(2)
+    edges = []
+    for step, stop in ((-1, 0), (1, len(at) - 1)):
+        place = peak
+        while place != stop and size[place] > level:
+            place += step
+        inner = place - step if place != peak else place
+        share = np.interp(level, [size[place], size[inner]], [0.0, 1.0]) if size[place] < level else 0.0
+        edges.append(float(at[place] + share * (at[inner] - at[place])))
+    return edges[0], edges[1]
+
+
+if __name__ == "__main__":
+    from studies.__main__ import main
+
+    sys.exit(main(["study", "frequency_response", *sys.argv[1:]]))

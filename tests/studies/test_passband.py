@@ -1,0 +1,111 @@
+"""Studies of a passband: a short motor's admittance and response against single runs, definitions and the estimate."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from studies import Scene, SceneError, admittance, frequency_response, passband
+from studies.chain import run
+from studies.figures import saved
+from studies.override import assigned
+from studies.scene import read_table
+
+
+@pytest.fixture(scope="module")
+def chip():
+    settings = [
+        "stator.length=30 mm",
+        "stator.thickness=3 mm",
+        "transducer.0.center=7 mm",
+        "transducer.0.finger_pairs=6",
+        "slider.position=20 mm",
+        "drive.voltage=60",
+    ]
+    table = read_table("twente-left")
+    for setting in settings:
+        table = assigned(table, setting)
+    return Scene.from_table("", table)
+
+
+def drawn(chosen, panel, tmp_path):
+    """Labels of a panel's picture."""
+    labels = []
+
+    def draw(ax):
+        chosen.figure(panel, ax)
+        labels.extend([ax.get_xlabel(), ax.get_ylabel()])
+        assert len(ax.lines) >= 2
+
+    saved(tmp_path / "panel.png", draw)
+    assert (tmp_path / "panel.png").stat().st_size > 5000
+    return labels
+
+
+@pytest.fixture(scope="module")
+def electrical(chip):
+    return admittance.run(chip, count=9, tolerance=3e-2)
+
+
+def test_the_admittance_is_that_of_a_single_run(chip, electrical):
+    data = electrical.panels[0].data
+    at = float(data["frequency_Hz"][3])
+    fixed = replace(passband.driven_scene(chip), slider=None)  # with the period of the scene's own frequency
+    record = run(replace(fixed, drive=replace(fixed.drive, frequency=at)), tolerance=3e-2)
+    found = data["conductance_S"][3] + 1j * data["susceptance_S"][3]
+    assert found == pytest.approx(record.electrical["admittance_S"], rel=2e-2)
+
+
+def test_the_findings_on_the_admittance_are_the_panel_s(electrical, tmp_path):
+    data = electrical.panels[0].data
+    smallest, ratio, edge, error = electrical.findings
+    assert smallest.found == data["conductance_S"].min()
+    assert ratio.found == data["conductance_S"].max() / data["estimated_conductance_S"].max()
+    assert edge.found == pytest.approx(
+        np.mean(data["susceptance_S"][[0, -1]] / data["capacitive_susceptance_S"][[0, -1]]), rel=1e-12
+    )
+    assert error.found == data["relative_error"]
+    assert all(finding.confirmed for finding in electrical.findings)
+    assert drawn(admittance, electrical.panels[0], tmp_path) == ["frequency (MHz)", "admittance (mS)"]
+
+
+def test_the_range_is_three_bandwidths_about_v_over_the_period(chip):
+    scene = passband.driven_scene(chip)
+    at = passband.frequencies(scene, 5)
+    middle = 2181.92 / scene.transducer[0].period  # v of PZT-8 with D_n = 0
+    assert at[2] == pytest.approx(middle, rel=5e-3)
+    assert at[-1] - at[0] == pytest.approx(3 * at[2] / 6, rel=1e-12)
+
+
+@pytest.fixture(scope="module")
+def motion(chip):
+    return frequency_response.run(chip, count=41, tolerance=3e-2)
+
+
+def test_the_response_is_the_estimate_s_within_a_factor_of_two(motion):
+    assert all(finding.confirmed for finding in motion.findings)
+    width, delay = motion.findings[1:]
+    assert 0.7 < width.found < 1.0
+    assert delay.found == pytest.approx(1.0, abs=0.05)
+
+
+def test_the_response_is_drawn(motion, tmp_path):
+    amplitude, delay = motion.panels
+    labels = drawn(frequency_response, amplitude, tmp_path)
+    assert labels == ["frequency (MHz)", "normal amplitude per volt, peak (nm/V)"]
+    assert drawn(frequency_response, delay, tmp_path)[1] == "group delay (us)"
+
+
+def test_half_power_of_a_known_lobe():
+    """1 / (1 + x^2)^(1/2) falls to 1 / sqrt 2 at x = 1; at a range's end it is the end."""
+    at = np.linspace(-3.0, 2.5, 2201)
+    low, high = frequency_response._half_power(at, 1 / np.sqrt(1 + at**2))
+    assert (low, high) == pytest.approx((-1.0, 1.0), rel=1e-5)
+    cut = at[at < 0.5]
+    assert frequency_response._half_power(cut, 1 / np.sqrt(1 + cut**2))[1] == cut[-1]
+
+
+@pytest.mark.parametrize("study", [admittance, frequency_response])
+def test_a_scene_without_transducers_is_refused(study):
+    with pytest.raises(SceneError, match="transducer is missing: the study drives one"):
+        study.run("rayleigh")
