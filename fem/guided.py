@@ -19,12 +19,10 @@ from functools import cached_property
 import numpy as np
 
 from fem.convergence import ConvergenceError
+from fem.eigenpairs import even_odd_modes
 from fem.section import Section
 
 POLISHING_STEPS = 6
-WIDE_SPECTRUM = (
-    1e9  # k^2 in (rad per wavelength)^2 above which one eigensolve cannot serve both ends of the spectrum
-)
 RICCATI_TOLERANCE = 1e-8
 PROPAGATING = 0.3  # a mode whose |Im k| is below this share of |Re k| counts as propagating
 NEAR_HALF_SPACE = (
@@ -127,7 +125,7 @@ def guided_modes(section: Section, frequency: float) -> GuidedModes:
     second, first, zeroth = section.matrices(frequency)
     if section.odd is not None:
         mirror = np.where(section.odd, -1.0, 1.0)
-        wavenumbers, right = _even_odd(second, first, zeroth, section.odd)
+        wavenumbers, right = even_odd_modes(second, first, zeroth, section.odd)
         right_flux = _flux(second, first, wavenumbers, right)
         turned = ~_goes_right(wavenumbers, right, right_flux)
         wavenumbers = np.where(turned, -wavenumbers, wavenumbers)
@@ -205,53 +203,6 @@ def _grounded(section, wavenumbers, shapes):
         wavenumbers = wavenumbers.copy()
         wavenumbers[at], shapes[:, at] = 0.0, constant
     return wavenumbers, shapes
-
-
-def _even_odd(second, first, zeroth, odd):
-    """Eigenpairs (k, v), one of each pair k, -k, from the problem linear in k^2 (odd unknowns u_o = -i k w)."""
-    even = ~odd
-    across = (first - first.T)[np.ix_(odd, even)]
-    odds, size = int(odd.sum()), len(odd)
-    left = np.zeros_like(second, shape=(size, size))
-    left[:odds, :odds] = second[np.ix_(odd, odd)]
-    left[odds:, odds:] = second[np.ix_(even, even)]
-    left[odds:, :odds] = -across.T
-    right = np.zeros_like(zeroth, shape=(size, size))
-    right[:odds, :odds] = -zeroth[np.ix_(odd, odd)]
-    right[:odds, odds:] = across
-    right[odds:, odds:] = -zeroth[np.ix_(even, even)]
-    squares, vectors = _graded_eigenpairs(left, right, (2 * np.pi) ** 2 * (-0.3 + 0.9j))
-    wavenumbers = np.sqrt(squares.astype(complex))
-    shapes = np.empty((size, size), dtype=complex)
-    shapes[odd] = -1j * wavenumbers * vectors[:odds]
-    shapes[even] = vectors[odds:]
-    return wavenumbers, shapes
-
-
-def _graded_eigenpairs(left, right, shift):
-    """All eigenpairs of right v = s left v whose s span many decades (fine layers: up to 1e14).
-
-    The inverted problem gives small ones to all digits and the direct one large ones; each is asked for its half.
-    """
-    from scipy.linalg import eig, lu_factor, lu_solve
-
-    def over(matrix, load):  # ill-conditioned by nature, where every half is asked only for what it knows
-        return lu_solve(lu_factor(matrix, check_finite=False), load, check_finite=False)
-
-    values, vectors = eig(over(right - shift * left, left))
-    squares = shift + 1.0 / values
-    order = np.argsort(abs(squares))
-    squares, vectors = squares[order], vectors[:, order]
-    if abs(squares[-1]) < WIDE_SPECTRUM:
-        return squares, vectors
-    large, large_vectors = eig(over(left, right))
-    order = np.argsort(abs(large))
-    large, large_vectors = large[order], large_vectors[:, order]
-    middle = int(np.searchsorted(abs(large), np.sqrt(abs(large[-1]) * abs(shift))))
-    near = np.arange(max(1, middle - 8), min(len(large) - 1, middle + 8))
-    gaps = np.minimum(abs(large[near]) / abs(large[near - 1]), abs(squares[near]) / abs(squares[near - 1]))
-    cut = int(near[np.argmax(gaps)])
-    return np.append(squares[:cut], large[cut:]), np.hstack([vectors[:, :cut], large_vectors[:, cut:]])
 
 
 def _both_ways(section, second, first, zeroth):
