@@ -21,6 +21,7 @@ STUDIES = (
     "seed_figures",
     "admittance",
     "frequency_response",
+    "dispersion",
 )
 
 
