@@ -5,7 +5,9 @@ velocity positive along +x, SI units. The model is that of Feenstra and Breedvel
 Motor*, with stick and slip as a stop operator. The compiled parts are loaded when first used.
 """
 
+from contact.averaged import MeanMotion, mean_motion
 from contact.convergence import ConvergenceError
+from contact.envelope import Envelope
 from contact.history import History, contact_history
 from contact.limits import (
     release_amplitude,
@@ -21,13 +23,16 @@ from contact.trajectory import Trajectory, burst
 
 __all__ = [
     "ConvergenceError",
+    "Envelope",
     "History",
+    "MeanMotion",
     "Orbit",
     "Slider",
     "SteadyState",
     "Trajectory",
     "burst",
     "contact_history",
+    "mean_motion",
     "release_amplitude",
     "release_factor",
     "riding_height",

@@ -33,5 +33,3 @@ def available(slider: Slider) -> None:
     """Refuse a slider whose law this version cannot compute yet."""
     if slider.law != "elastic":
         raise ValueError(f'slider.law must be "elastic": "{slider.law}" is not available yet')
-    if slider.reciprocal:
-        raise ValueError("slider.reciprocal must be false: true is not available yet")

@@ -13,7 +13,7 @@ from contact import bounds
 from contact.drive import available, towards_plus
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
-from contact.trajectory import rest, rest_problem, silence
+from contact.ways import rest, rest_problem, silence
 
 STAGES = ("start", "steady", "after")
 REGIMES = np.array(["separated", "stick", "slip", "creep"])

@@ -1,51 +1,61 @@
 r"""Many cycles in fixed steps: the stop operator inside a Verlet step.
 
 Positions by Verlet, forces at the step's ends, and the stop operator as a projection: the deformation follows the
-surface and is cut to [-c z, c z]. Two corrections keep the order at about 2.5 where plain projection drops to 1:
+surface and is cut to [-c z, c z]. The slider is heavy, so its own step errs little; what plain projection loses, it
+loses at the events. These are located on cubics through values and rates, the deformation is laid out from there, and
+the trapezoidal sums of the forces get the terms that belong to a fractional power at an edge (`edges`): contact,
+release, end of stick, x = 0. The surface motion of one cycle is tabulated.
 
-* entry: the instant of contact is found on the cubic through the approach and its rates, and the deformation grows
-  from that instant only;
-* end of slip: where the slip speed changes sign within the step, the deformation leaves the limit from that instant.
+An envelope scales the wave: e(t), complex, linear within each cycle, u = Re(e U exp(i phi)).
 
-The force is known to h^2.5 at a contact in mid-step (t^1.5), whatever else is done. The surface motion of one cycle is
-tabulated. Not for a stick band (creep), nor where the contact resonance is not well resolved by the step.
+Not for a stick band (creep), nor where the contact resonance is not well resolved by the step.
 """
 
 import numpy as np
 
 from contact.compiled import compiled
+from contact.edges import cubic, edge_excess, passage_excess, rising_root
 
 
 @compiled
-def _entry(z0, z1, r0, r1):
-    """Return the fraction of the step (rates times step in r0, r1) at which the cubic approach leaves zero."""
-    s = z0 / (z0 - z1)
-    for _ in range(4):
-        value = z0 + s * (r0 + s * (3.0 * (z1 - z0) - 2.0 * r0 - r1 + s * (2.0 * (z0 - z1) + r0 + r1)))
-        slope = r0 + s * (2.0 * (3.0 * (z1 - z0) - 2.0 * r0 - r1) + s * 3.0 * (2.0 * (z0 - z1) + r0 + r1))
-        if slope <= 0.0:
-            return s
-        s = min(max(s - value / slope, 0.0), 1.0)
-    return s
+def _tabulate(waves, per_cycle, before, after, u_z, u_x, w_z, w_x):
+    """Fill surface displacement and velocity of one cycle under an envelope that goes from `before` to `after`."""
+    h = 2.0 * np.pi / per_cycle
+    turn = (after - before) / (2.0 * np.pi)
+    for k in range(per_cycle + 1):
+        co, si = np.cos(h * (k % per_cycle)), np.sin(h * (k % per_cycle))
+        e = before + (after - before) * (k / per_cycle)
+        for i in range(waves.shape[0]):
+            u, w = waves[i, 0] * co + waves[i, 1] * si, waves[i, 1] * co - waves[i, 0] * si
+            u_z[k, i] = e.real * u + e.imag * w
+            w_z[k, i] = e.real * w - e.imag * u + turn.real * u + turn.imag * w
+            u, w = waves[i, 2] * co + waves[i, 3] * si, waves[i, 3] * co - waves[i, 2] * si
+            u_x[k, i] = e.real * u + e.imag * w
+            w_x[k, i] = e.real * w - e.imag * u + turn.real * u + turn.imag * w
 
 
 @compiled
-def steps(parameters, waves, state, number, per_cycle, stride, rows):
+def _contact_edge(kappa, chi, z_rate, z_bend, h):
+    """Return the coefficients of t^1.5 and t^2.5 in the elastic force at contact or release."""
+    first = kappa * z_rate * np.sqrt(z_rate)
+    return first, first * min(max(0.75 * z_bend / z_rate, -1.0 / h), 1.0 / h)
+
+
+@compiled
+def steps(parameters, waves, state, number, per_cycle, stride, rows, envelope):
     """Move through `number` whole cycles of `per_cycle` steps; record (v, z_s, mean v) every `stride` cycles.
 
-    `state` (z_s, z_s', v, x_1..x_n) is changed in place; arguments as in `integrate.cycles`. Returns False if the
-    motion is not finite.
+    `state` (z_s, z_s', v, x_1..x_n) is changed in place; arguments as in `integrate.cycles`. `envelope`: empty, or
+    complex values at the ends of the cycles, number + 1 of them. Returns False if the motion is not finite.
     """
     kappa, chi, d_n, p, d_t, q, mu, c = parameters[:8]
     n = waves.shape[0]
     h = 2.0 * np.pi / per_cycle
     u_z, u_x = np.empty((per_cycle + 1, n)), np.empty((per_cycle + 1, n))
     w_z, w_x = np.empty((per_cycle + 1, n)), np.empty((per_cycle + 1, n))
-    for k in range(per_cycle + 1):
-        co, si = np.cos(h * (k % per_cycle)), np.sin(h * (k % per_cycle))
-        for i in range(n):
-            u_z[k, i], u_x[k, i] = waves[i, 0] * co + waves[i, 1] * si, waves[i, 2] * co + waves[i, 3] * si
-            w_z[k, i], w_x[k, i] = waves[i, 1] * co - waves[i, 0] * si, waves[i, 3] * co - waves[i, 2] * si
+    shaped = envelope.size > 0
+    e = envelope[0] if shaped else 1.0 + 0.0j
+    _tabulate(waves, per_cycle, e, e, u_z, u_x, w_z, w_x)
     height, climb, speed = state[0], state[1], state[2]
     x = state[3:].copy()
     slip = np.zeros(n)  # sign of the slip, 0 in stick
@@ -61,6 +71,8 @@ def steps(parameters, waves, state, number, per_cycle, stride, rows):
             slip[i] = np.sign(x[i]) if left < 1e-13 else 0.0
     damp_n, damp_t = 1.0 / (1.0 + 0.5 * h * d_n), 1.0 / (1.0 + 0.5 * h * d_t)
     for cycle in range(number):
+        if shaped:
+            _tabulate(waves, per_cycle, envelope[cycle], envelope[cycle + 1], u_z, u_x, w_z, w_x)
         travelled = 0.0
         for k in range(per_cycle):
             climb_half = climb + 0.5 * h * (push - p - d_n * climb)
@@ -70,44 +82,102 @@ def steps(parameters, waves, state, number, per_cycle, stride, rows):
             travelled += travel
             climb_next = 2.0 * climb_half - climb  # enough for rates at the step's end
             speed_next = 2.0 * speed_half - speed
-            push, pull = 0.0, 0.0
+            push, pull, push_excess, pull_excess = 0.0, 0.0, 0.0, 0.0
             for i in range(n):
                 z_old, z_new = z[i], u_z[k + 1, i] - height
                 z[i] = z_new
                 if z_new <= 0.0:
-                    x[i], slip[i] = 0.0, 0.0
+                    if z_old > 0.0:
+                        r0, r1 = h * (w_z[k, i] - climb), h * (w_z[k + 1, i] - climb_next)
+                        s = rising_root(-z_old, -z_new, -r0, -r1)
+                        rate = max(-(r0 + s * (r1 - r0)) / h, 1e-6)
+                        first, second = _contact_edge(kappa, chi, rate, -height, h)
+                        sign = 1.0 if x[i] > 0.0 else -1.0
+                        push_excess += edge_excess(s, h, first * (1.0 - chi * rate), second)
+                        pull_excess += sign * mu * edge_excess(s, h, first, second)
+                        x[i], slip[i] = 0.0, 0.0
                     continue
                 z_rate, x_rate = w_z[k + 1, i] - climb_next, w_x[k + 1, i] - speed_next
                 limit = c * z_new
-                if z_old <= 0.0:
-                    s = _entry(z_old, z_new, h * (w_z[k, i] - climb), h * z_rate)
-                    x_rate_old = w_x[k, i] - speed
-                    mean_rate = 0.5 * ((1.0 + s) * x_rate + (1.0 - s) * x_rate_old)
-                    deformation = h * (1.0 - s) * mean_rate
-                else:
-                    deformation = x[i] + u_x[k + 1, i] - u_x[k, i] - travel
-                    if slip[i] != 0.0:
-                        v_old = slip[i] * (w_x[k, i] - speed) - c * (w_z[k, i] - climb)
-                        v_new = slip[i] * x_rate - c * z_rate
-                        if v_new < 0.0 < v_old:  # slip ends within the step
-                            rest = h * v_new / (v_new - v_old)
-                            deformation = slip[i] * (limit + 0.5 * rest * v_new)
-                slip[i] = 0.0
-                if deformation >= limit:
-                    deformation, slip[i] = limit, 1.0
-                elif deformation <= -limit:
-                    deformation, slip[i] = -limit, -1.0
-                x[i] = deformation
+                along = u_x[k + 1, i] - u_x[k, i] - travel
                 elastic = kappa * z_new * np.sqrt(z_new)
+                if z_old > 0.0 and slip[i] == 0.0:
+                    old = x[i]
+                    deformation = old + along
+                    if abs(deformation) < limit:  # stick all along
+                        x[i] = deformation
+                        push += elastic * (1.0 + chi * z_rate)
+                        left = 1.0 - abs(deformation) / limit
+                        force = mu * elastic * (1.0 - left * np.sqrt(left))
+                        pull += force if deformation > 0.0 else -force
+                        if old * deformation < 0.0:
+                            bend = 0.375 * mu * elastic * x_rate * abs(x_rate) / (limit * limit)
+                            pull_excess += passage_excess(old / (old - deformation), h, bend)
+                        continue
+                    sign = 1.0 if deformation > 0.0 else -1.0
+                    v_old = sign * (w_x[k, i] - speed) - c * (w_z[k, i] - climb)
+                    v_new = sign * x_rate - c * z_rate
+                    s = rising_root(sign * old - c * z_old, sign * deformation - limit, h * v_old, h * v_new)
+                    v_edge = max(v_old + s * (v_new - v_old), 0.0)
+                    z_edge = z_old + s * (z_new - z_old)
+                    # left = (v_f/c z) t before the edge
+                    loss = v_edge / (c * z_edge)
+                    force = mu * kappa * z_edge * np.sqrt(z_edge) * loss * np.sqrt(loss)
+                    pull_excess -= sign * edge_excess(s, h, force, 0.0)
+                    if v_new >= 0.0:
+                        x[i], slip[i] = sign * limit, sign
+                    else:  # slips and sticks again within the step
+                        x[i] = sign * limit
+                else:
+                    if z_old <= 0.0:
+                        r0, r1 = h * (w_z[k, i] - climb), h * z_rate
+                        s = rising_root(z_old, z_new, r0, r1)
+                        y0, y1 = h * (w_x[k, i] - speed), h * x_rate
+                        rate, drift = max((r0 + s * (r1 - r0)) / h, 1e-6), (y0 + s * (y1 - y0)) / h
+                        sign = 1.0 if drift > 0.0 else -1.0
+                        x[i] = along - cubic(s, 0.0, along, y0, y1)
+                        first, second = _contact_edge(kappa, chi, rate, -height, h)
+                        push_excess += edge_excess(1.0 - s, h, first * (1.0 + chi * rate), second)
+                        ratio = min(sign * drift / (c * rate), 1.0)
+                        root = np.sqrt(1.0 - ratio)
+                        share = 1.0 - (1.0 - ratio) * root
+                        turn = 0.0
+                        if ratio < 1.0:
+                            turn = (
+                                0.75
+                                * root
+                                * (sign * (w_x[k + 1, i] - w_x[k, i]) / (h * c) + ratio * height)
+                                / rate
+                            )
+                            turn = min(max(turn, -1.0 / h), 1.0 / h)
+                        pull_excess += (
+                            sign * mu * edge_excess(1.0 - s, h, first * share, second * share + first * turn)
+                        )
+                        slip[i] = sign if ratio == 1.0 else 0.0
+                        v_old = sign * drift - c * rate
+                    else:
+                        s, sign = 0.0, slip[i]
+                        v_old = sign * (w_x[k, i] - speed) - c * (w_z[k, i] - climb)
+                    if slip[i] != 0.0:
+                        v_new = sign * x_rate - c * z_rate
+                        if v_new >= 0.0:
+                            x[i] = sign * limit
+                        else:  # slip ends within the step: what follows is stick from the limit there
+                            rest = (1.0 - s) * h * v_new / (v_new - v_old)
+                            x[i] = sign * (limit + 0.5 * rest * v_new)
+                            slip[i] = 0.0
+                    elif abs(x[i]) >= limit:
+                        slip[i] = 1.0 if x[i] > 0.0 else -1.0
+                        x[i] = slip[i] * limit
                 push += elastic * (1.0 + chi * z_rate)
                 if slip[i] != 0.0:
                     pull += slip[i] * mu * elastic
                 else:
-                    left = 1.0 - abs(deformation) / limit
+                    left = max(1.0 - abs(x[i]) / limit, 0.0)
                     force = mu * elastic * (1.0 - left * np.sqrt(left))
-                    pull += force if deformation > 0.0 else -force
-            climb = (climb_half + 0.5 * h * (push - p)) * damp_n
-            speed = (speed_half + 0.5 * h * (pull - q)) * damp_t
+                    pull += force if x[i] > 0.0 else -force
+            climb = (climb_half + 0.5 * h * (push - p) - push_excess) * damp_n
+            speed = (speed_half + 0.5 * h * (pull - q) - pull_excess) * damp_t
         if not np.isfinite(height + climb + speed):
             return False
         if stride > 0 and (cycle + 1) % stride == 0:

@@ -3,25 +3,24 @@ r"""The slider during a burst of the wave and after it: v(t) from rest.
 The burst starts at rest, at the instant at which u_z of the first contact passes zero upwards; it lasts a whole number
 of cycles; then the surface stands still. The surface's velocity is what drives the contact, so the tangential
 displacement may start anywhere on its orbit. Other contacts on other phases of the wave are moved to their place at
-once. During the burst the motion is followed event by event ("exact") or in fixed steps ("stepped"); after it always
+once. During the burst the motion is followed event by event ("exact"), in fixed steps ("stepped") or by cycle means
+("averaged"); "auto" takes the cheapest whose error estimate keeps the tolerance. After the burst it is always followed
 event by event, with stretches as long as the contact's resonance allows.
+
+With an envelope the wave swells and fades as it says; what is left of it at the end of the burst stops there.
 """
 
-import math
 import time as clock
 from dataclasses import dataclass
 
 import numpy as np
 
 from contact import bounds
-from contact.convergence import ConvergenceError
-from contact.drive import available, reference_speed, relative_to_reference, towards_plus
+from contact.drive import available, relative_to_reference, towards_plus
+from contact.envelope import Envelope
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
-
-METHODS = ("auto", "exact", "stepped")
-# up to here "auto" follows every event, whatever the tolerance
-EXACT_CYCLES = 3000
+from contact.ways import METHODS, rest_problem, run, silence
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,7 +36,7 @@ class Trajectory:
     velocity : (k,) array
         Slider velocity, m/s.
     position : (k,) array
-        Slider's normal position z_s, m: minus the rest approach at the start.
+        Slider's normal position z_s, m: minus the rest approach at the start; cycle means when averaged.
     duration : float
         Length of the burst in whole cycles, s.
     cycles : int
@@ -47,9 +46,10 @@ class Trajectory:
     relative_error : float
         Estimated error of `velocity_at_burst_end` over max(|v|, omega |u_x|/10), from a second computation.
     status, message, method : str
-        "ok" or what is to be known; a sentence; "exact" or "stepped".
+        "ok" or what is to be known; a sentence; "exact", "stepped" or "averaged".
     statistics : dict
-        Events by kind (those after the burst, and those during it when exact), steps per cycle when stepped.
+        Events by kind (those after the burst, and those during it when exact); steps per cycle and omega_n dt when
+        stepped; order and steps when averaged.
     seconds : float
         Time taken.
     """
@@ -79,6 +79,7 @@ def burst(
     tolerance: float,
     samples: int,
     method: str = "auto",
+    envelope: Envelope | None = None,
 ) -> Trajectory:
     """Return the motion over a burst from rest and for a while after it.
 
@@ -95,11 +96,18 @@ def burst(
     samples : int
         About how many instants to report, over burst and after in proportion to their lengths.
     method : str
-        "exact", "stepped" or "auto".
+        "exact", "stepped", "averaged" or "auto".
+    envelope : Envelope, optional
+        Factor on the orbits over time; only the stepped way takes one.
 
     Returns
     -------
     Trajectory
+
+    Raises
+    ------
+    ConvergenceError
+        Status "not applicable" if a way asked for by name does not apply, or what the motion ran into.
     """
     begun = clock.perf_counter()
     listed = as_orbits(orbits)
@@ -115,10 +123,10 @@ def burst(
     stride = max(1, round(cycles / max(1.0, samples * share)))
     side, driven = towards_plus(listed)
     problem = rest_problem(slider, driven)
-    if method == "auto":
-        method = "exact" if cycles <= EXACT_CYCLES or _why_not_stepped(slider, problem, 64) else "stepped"
-    run = _exact if method == "exact" else _stepped
-    motion, rows, error, statistics = run(slider, driven, problem, cycles, stride, tolerance)
+    shape = envelope.at(np.arange(cycles + 1) / frequency) if envelope is not None else np.empty(0, complex)
+    motion, rows, error, statistics, method = run(
+        method, slider, driven, problem, cycles, stride, tolerance, shape
+    )
     speed_at_end = float(motion.state[2])
     length = problem.length
     time = [np.zeros(1), np.arange(1, len(rows) + 1) * stride / frequency, np.full(1, cycles / frequency)]
@@ -150,84 +158,3 @@ def burst(
         duration=cycles / frequency, cycles=cycles, velocity_at_burst_end=end, relative_error=float(relative),
         status=status, message=message, method=method, statistics=statistics, seconds=clock.perf_counter() - begun,
     )  # fmt: skip
-
-
-def rest_problem(slider, orbits):
-    """Return the scaled problem whose phase 0 is where u_z of the first contact passes zero upwards."""
-    from contact.scaling import scaled
-
-    return scaled(slider, orbits, direction=1.0, start=-0.5 * math.pi - float(np.angle(orbits[0].normal)))
-
-
-def rest(slider, orbits, problem, *, nodes, truncation):
-    """Return the motion at phase 0 of a slider at rest, its contacts deformed by the load alone."""
-    from contact.collocation import collocation
-    from contact.motion import Motion
-
-    contacts = len(orbits)
-    motion = Motion(problem, table=collocation(nodes), truncation=truncation)
-    depth = slider.rest_approach(contacts) / problem.length
-    friction = slider.friction_coefficient * slider.preload
-    used = min(slider.load / friction, 1.0) if friction > 0.0 else 0.0
-    x = slider.limit_slope * depth * (1.0 - (1.0 - used) ** (2.0 / 3.0))
-    motion.place(-depth, 0.0, 0.0, x)
-    return motion
-
-
-def silence(motion):
-    """Return the motion that goes on where this one stands, at phase 0, when the wave stops."""
-    from contact.scaling import quiet
-
-    still = motion.copy()
-    still.problem = quiet(motion.problem)
-    still.tally[:], still.sums[:] = 0, 0.0
-    still.place(*motion.state[:3], motion.state[3:])
-    return still
-
-
-def _exact(slider, orbits, problem, cycles, stride, tolerance):
-    fine = rest(slider, orbits, problem, nodes=16, truncation=1e-12)
-    rows = fine.turn(cycles, stride=stride)
-    coarse = rest(slider, orbits, problem, nodes=10, truncation=max(1e-9, min(1e-6, 1e-3 * tolerance)))
-    coarse.turn(cycles)
-    return fine, rows, abs(float(fine.state[2] - coarse.state[2])), fine.events()
-
-
-def _stepped(slider, orbits, problem, cycles, stride, tolerance):
-    """Double the steps until two runs agree; the error of the finer is the fall of a method of order 2.5 or less."""
-    from contact.stepped import steps
-
-    refusal = _why_not_stepped(slider, problem, 64)
-    if refusal:
-        raise ConvergenceError(
-            "not applicable", f"the stepped way does not apply: {refusal}; use method exact"
-        )
-    motion = rest(slider, orbits, problem, nodes=16, truncation=1e-12)
-    begin, before, per_cycle = motion.state.copy(), None, 32
-    while True:
-        state, rows = begin.copy(), np.empty((cycles // stride, 3))
-        if not steps(problem.parameters, problem.waves, state, cycles, per_cycle, stride, rows):
-            raise ConvergenceError("not finite", "the stepped motion overflowed; use method exact")
-        error = math.inf if before is None else 0.5 * abs(float(state[2] - before))
-        reference = reference_speed(float(state[2]) * problem.speed, orbits) / problem.speed
-        if error < tolerance * reference or (per_cycle >= 256 and before is not None) or reference == 0.0:
-            break
-        before, per_cycle = float(state[2]), per_cycle * 2
-    motion.state[:] = state
-    return motion, rows, error, {"steps_per_cycle": per_cycle, "cycles": cycles}
-
-
-def _why_not_stepped(slider, problem, per_cycle):
-    """Return why fixed steps cannot follow this motion, or an empty string."""
-    if slider.stick_band > 0.0:
-        return "slider.stick_band needs the events"
-    if slider.limit_slope == 0.0:
-        return "no friction"
-    kappa, d_n, d_t = problem.parameters[0], problem.parameters[2], problem.parameters[4]
-    step = 2.0 * math.pi / per_cycle
-    if (
-        step * math.sqrt(1.5 * kappa * len(problem.waves) * math.sqrt(2.0)) > 0.2
-        or step * max(d_n, d_t) > 0.2
-    ):
-        return "contact resonance or dampers are too fast for 64 steps per cycle"
-    return ""

@@ -13,7 +13,7 @@ from contact import ConvergenceError, regimes, scaling
 from contact.collocation import ROOT_AT_END, ROOT_AT_START, SMOOTH, collocation
 from contact.motion import Motion
 from contact.roots import first_root
-from contact.trajectory import rest, rest_problem
+from contact.ways import rest, rest_problem
 from tests.contact.motors import orbit, slider
 
 

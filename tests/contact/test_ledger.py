@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from contact import contact_history, hertz, mindlin, regimes, steady
 from contact.ledger import ledger
-from contact.trajectory import rest, rest_problem, silence
+from contact.ways import rest, rest_problem, silence
 from tests.contact.motors import orbit, slider
 
 E, G, MU, RADIUS = 71e9, 13.3e9, 0.23, 1.7e-3

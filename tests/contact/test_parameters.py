@@ -70,7 +70,7 @@ def test_contacts_share_one_frequency_and_there_is_at_least_one():
         as_orbits((1e-9,))
 
 
-@pytest.mark.parametrize("changed", [{"law": "hysteretic"}, {"reciprocal": True}])
+@pytest.mark.parametrize("changed", [{"law": "hysteretic"}])
 def test_laws_to_come_are_refused_clearly(changed):
     calls = (
         lambda s: burst(s, orbit(3e-9), duration=1e-5, after=0.0, tolerance=1e-6, samples=2),

@@ -1,0 +1,303 @@
+r"""One cycle of the wave under a heavy slider: means of the contact forces between exact events.
+
+The slider's path is given: mean approach h, mean velocity v, and a fast part in a few harmonics of the wave that
+repeats. With phase phi, each contact then has z = h + sum z_k and, while it sticks, x = x_1 + y - y_1 with
+y = -v phi + sum y_k. Everything that ends a regime is then known or bracketed without a search:
+
+* contact and release: z = 0, a cosine;
+* slip towards s = +1, -1 goes on while g_s = s y' - c z' > 0, a window of the cycle (Feenstra and Breedveld, eq. 3,
+  with the sign left out there);
+* stick ends where D_s = c z - s x = 0; D_s' = -g_s, so D_s falls only inside the window of s: one root at most in it;
+* x = 0 lies between the turning points of y.
+
+The forces are integrated from event to event in theta, phi = phi_1 + (phi_2 - phi_1)(1 - cos theta)/2, which makes the
+square roots at contact, release and the end of stick smooth: Gauss-Legendre quadrature is spectral.
+"""
+
+from functools import cache
+
+import numpy as np
+
+from contact.compiled import compiled
+
+TURN = 2.0 * np.pi
+# places in the counts: contacts made, slips begun, reversals, contacts that never slipped
+MADE, SLIPS, REVERSALS, STUCK = 0, 1, 2, 3
+
+
+@cache
+def quadrature(nodes: int) -> np.ndarray:
+    """Return (2, n): places in [0, 1] and weights of Gauss-Legendre in theta."""
+    point, weight = np.polynomial.legendre.leggauss(nodes)
+    theta = 0.5 * np.pi * (point + 1.0)
+    return np.array([0.5 * (1.0 - np.cos(theta)), 0.25 * np.pi * weight * np.sin(theta)])
+
+
+@compiled
+def place(h, v, path, phi):
+    """Return z, z', y, y', cos phi, sin phi; `path` has rows cos z, sin z, cos y, sin y by harmonic."""
+    co, si = np.cos(phi), np.sin(phi)
+    c, s = co, si
+    z, z_rate, y, y_rate = h, 0.0, -v * phi, -v
+    for k in range(path.shape[1]):
+        z += path[0, k] * c + path[1, k] * s
+        y += path[2, k] * c + path[3, k] * s
+        z_rate += (k + 1) * (path[1, k] * c - path[0, k] * s)
+        y_rate += (k + 1) * (path[3, k] * c - path[2, k] * s)
+        c, s = c * co - s * si, s * co + c * si
+    return z, z_rate, y, y_rate, co, si
+
+
+@compiled
+def _crossing(h, v, path, alpha, beta, x1, y1, low, high):
+    """Return the root of alpha z + beta x between `low` and `high`, where its signs differ (safeguarded Newton)."""
+    z, _, y, _, _, _ = place(h, v, path, low)
+    f_low = alpha * z + beta * (x1 + y - y1)
+    phi = 0.5 * (low + high)
+    for _ in range(60):
+        z, zr, y, yr, _, _ = place(h, v, path, phi)
+        f, rate = alpha * z + beta * (x1 + y - y1), alpha * zr + beta * yr
+        if (f > 0.0) == (f_low > 0.0):
+            low = phi
+        else:
+            high = phi
+        step = -f / rate if rate != 0.0 else 0.0
+        new = phi + step
+        if not low < new < high:
+            new = 0.5 * (low + high)
+        if abs(new - phi) < 4e-15 * (1.0 + abs(phi)) or high - low < 4e-15:
+            return new
+        phi = new
+    return phi
+
+
+@compiled
+def _window(v, path, c, s, h):
+    """Return (start, end, kind) of slip towards s: kind 0 never, 1 a window, 2 always."""
+    across, along = s * path[3, 0] - c * path[1, 0], c * path[0, 0] - s * path[2, 0]
+    size = np.hypot(across, along)
+    if s * v >= size:
+        return 0.0, 0.0, 0.0
+    if s * v <= -size:
+        return 0.0, 0.0, 2.0
+    centre, half = np.arctan2(along, across), np.arccos(s * v / size)
+    ends = np.empty(2)
+    for side in range(2):
+        phi = centre + (half if side == 1 else -half)
+        slope = -size * np.sin(phi - centre)
+        if path.shape[1] > 1 and abs(slope) > 1e-3 * size:
+            for _ in range(12):
+                _, zr, _, yr, _, _ = place(h, v, path, phi)
+                step = -(s * yr - c * zr) / slope
+                phi += step
+                if abs(step) < 1e-15:
+                    break
+        ends[side] = phi
+    return ends[0], ends[1], 1.0
+
+
+@compiled
+def _next_slip(h, v, path, c, s, window, x1, y1, start, stop):
+    """Return the first phase in (start, stop) at which stick ends by slip towards s; stop if none."""
+    if window[2] == 0.0:
+        return stop
+    low, high = window[0], window[1]
+    if window[2] == 2.0:
+        low, high = start, stop
+    else:
+        shift = TURN * np.ceil((start + 1e-9 - high) / TURN)
+        low, high = low + shift, high + shift
+    while low < stop:
+        a, b = max(low, start), min(high, stop)
+        z, _, y, _, _, _ = place(h, v, path, b)
+        if b > a and c * z - s * (x1 + y - y1) < 0.0:
+            return _crossing(h, v, path, c, -s, x1, y1, a, b)
+        low, high = low + TURN, high + TURN
+    return stop
+
+
+@compiled
+def _gather(parameters, h, v, path, start, stop, slip, x1, y1, parted, rule, sums):
+    """Add the integrals of the forces from one event to the next; `slip` is the sign of slip, 0 in stick.
+
+    A contact that almost parts at its trough has its singular points just off the real axis there: cut at it.
+    """
+    if not parted:
+        trough = np.arctan2(path[1, 0], path[0, 0]) + np.pi
+        trough += TURN * np.ceil((start - trough) / TURN)
+        while trough < stop:
+            _piece(parameters, h, v, path, start, trough, slip, x1, y1, rule, sums)
+            start, trough = trough, trough + TURN
+    _piece(parameters, h, v, path, start, stop, slip, x1, y1, rule, sums)
+
+
+@compiled
+def _piece(parameters, h, v, path, start, stop, slip, x1, y1, rule, sums):
+    """Add the integrals of the forces over one smooth piece."""
+    kappa, chi, mu, c = parameters[0], parameters[1], parameters[6], parameters[7]
+    harmonics = path.shape[1]
+    width = stop - start
+    for j in range(rule.shape[1]):
+        z, z_rate, y, _, co, si = place(h, v, path, start + width * rule[0, j])
+        if z <= 0.0:
+            continue
+        elastic = kappa * z * np.sqrt(z) * width * rule[1, j]
+        if slip != 0.0:
+            pull = slip * mu * elastic
+        else:
+            x = x1 + y - y1
+            left = max(1.0 - abs(x) / (c * z), 0.0)
+            pull = mu * elastic * (1.0 - left * np.sqrt(left))
+            if x < 0.0:
+                pull = -pull
+        push = elastic * (1.0 + chi * z_rate)
+        sums[0] += push
+        sums[1] += pull
+        if sums.size > 2:
+            cos, sin = co, si
+            for k in range(harmonics):
+                m = 2 + 4 * k
+                sums[m] += push * cos
+                sums[m + 1] += push * sin
+                sums[m + 2] += pull * cos
+                sums[m + 3] += pull * sin
+                cos, sin = cos * co - sin * si, sin * co + cos * si
+
+
+@compiled
+def _stick(parameters, h, v, path, start, stop, x1, y1, parted, rule, sums):
+    """Add the integrals of a stretch of stick, cut where x passes zero; return the number of passages."""
+    size = np.hypot(path[3, 0], path[2, 0])
+    edges = np.empty(8)
+    edges[0], count = start, 1
+    if abs(v) < size:
+        centre, half = np.arctan2(-path[2, 0], path[3, 0]), np.arccos(v / size)
+        for turn in range(3):
+            for side in range(2):
+                phi = centre - half if side == 0 else centre + half
+                phi += TURN * (np.ceil((start - phi) / TURN) + turn)
+                if start < phi < stop and count < 7:
+                    edges[count] = phi
+                    count += 1
+    inner = np.sort(edges[:count])
+    begin, passages = start, 0
+    before = x1
+    for m in range(1, count + 1):
+        end = stop if m == count else inner[m]
+        after = x1 + place(h, v, path, end)[2] - y1
+        if before * after < 0.0:
+            root = _crossing(h, v, path, 0.0, 1.0, x1, y1, inner[m - 1], end)
+            _gather(parameters, h, v, path, begin, root, 0.0, x1, y1, parted, rule, sums)
+            begin = root
+            passages += 1
+        before = after
+    _gather(parameters, h, v, path, begin, stop, 0.0, x1, y1, parted, rule, sums)
+    return passages
+
+
+@compiled
+def _contact(parameters, h, v, path, rule, sums, counts):
+    """Add the integrals of one contact over one cycle of the motion that repeats."""
+    c = parameters[7]
+    reach = np.hypot(path[0, 0], path[1, 0])
+    if h <= -reach:
+        return
+    windows = np.zeros((2, 3))
+    for m in range(2):
+        windows[m, 0], windows[m, 1], windows[m, 2] = _window(v, path, c, 1.0 - 2.0 * m, h)
+    parted = h < reach
+    slip, x = 0.0, 0.0
+    if parted:
+        crest, half = np.arctan2(path[1, 0], path[0, 0]), np.arccos(-h / reach)
+        start, stop = crest - half, crest + half
+        for _ in range(8 if path.shape[1] > 1 else 0):
+            z, rate, _, _, _, _ = place(h, v, path, start)
+            z_end, rate_end, _, _, _, _ = place(h, v, path, stop)
+            if rate <= 0.0 or rate_end >= 0.0:
+                break
+            start, stop = start - z / rate, stop - z_end / rate_end
+        counts[MADE] += 1
+        _, zr, _, yr, _, _ = place(h, v, path, start)
+        sign = 1.0 if yr >= 0.0 else -1.0
+        slip = sign if sign * yr - c * zr > 0.0 else 0.0
+    else:
+        # a cycle with v > 0 stretches every contact backwards, so it must slip that way, up to the window's end
+        first = 0 if v < 0.0 else 1
+        back = 1.0 - 2.0 * first
+        if windows[first, 2] == 2.0:
+            slip, start = back, 0.0
+        else:
+            start = windows[first, 1]
+            x = back * c * place(h, v, path, start)[0]
+        stop = start + TURN
+    slips, reversals, phi = 0, 0, start
+    if slip != 0.0:
+        slips += 1
+    for _ in range(40):
+        if slip != 0.0:
+            m = 0 if slip > 0.0 else 1
+            end = stop
+            if windows[m, 2] == 1.0:
+                end = windows[m, 1] + TURN * np.ceil((phi + 1e-12 - windows[m, 1]) / TURN)
+                if end > stop - 1e-12:
+                    end = stop
+            _gather(parameters, h, v, path, phi, end, slip, 0.0, 0.0, parted, rule, sums)
+            x, slip, phi = slip * c * max(place(h, v, path, end)[0], 0.0), 0.0, end
+        else:
+            y1 = place(h, v, path, phi)[2]
+            up = _next_slip(h, v, path, c, 1.0, windows[0], x, y1, phi, stop)
+            down = _next_slip(h, v, path, c, -1.0, windows[1], x, y1, phi, stop)
+            end = min(up, down)
+            reversals += _stick(parameters, h, v, path, phi, end, x, y1, parted, rule, sums)
+            x, phi = x + place(h, v, path, end)[2] - y1, end
+            if end < stop:
+                slip = 1.0 if up < down else -1.0
+                slips += 1
+        if phi >= stop:
+            break
+    counts[SLIPS] += slips
+    counts[REVERSALS] += reversals
+    if slips == 0 and not parted:
+        counts[STUCK] += 1
+
+
+@compiled
+def cycle(parameters, waves, h, v, fast, rule, sums, counts):
+    """Fill the means (sum of P (1 + chi z'), sum of Q) and their harmonics over one cycle that repeats.
+
+    Parameters
+    ----------
+    parameters, waves : arrays
+        See `scaling`.
+    h, v : float
+        Mean approach and mean velocity.
+    fast : (4, K) array
+        The slider's own fast motion by harmonic: cos and sin of z_s, cos and sin of its travel.
+    rule : (2, n) array
+        See `quadrature`.
+    sums : (2,) or (2 + 4 K,) array
+        Overwritten: means, then for each harmonic the amplitudes cos and sin of normal force and of traction.
+    counts : (4,) int array
+        Overwritten: see the names of this module.
+    """
+    path = np.empty((4, fast.shape[1]))
+    sums[:], counts[:] = 0.0, 0
+    for i in range(waves.shape[0]):
+        path[:] = -fast
+        for k in range(4):
+            path[k, 0] += waves[i, k]
+        _contact(parameters, h, v, path, rule, sums, counts)
+    sums[:2] /= TURN
+    sums[2:] /= np.pi
+
+
+@compiled
+def respond(parameters, sums, fast):
+    """Set the fast motion that the harmonics of the forces drive, dampers included."""
+    d_n, d_t = parameters[2], parameters[4]
+    for k in range(fast.shape[1]):
+        n, m = k + 1.0, 2 + 4 * k
+        height = complex(sums[m], -sums[m + 1]) / complex(-n * n, n * d_n)
+        travel = complex(sums[m + 2], -sums[m + 3]) / complex(-n * n, n * d_t)
+        fast[0, k], fast[1, k] = height.real, -height.imag
+        fast[2, k], fast[3, k] = travel.real, -travel.imag

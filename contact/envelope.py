@@ -1,0 +1,49 @@
+"""How the wave's amplitude and phase go during a burst: the stator's ring-up, its decay, a modulated drive."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, kw_only=True)
+class Envelope:
+    """Factor on the orbits, linear in time between its instants and constant before the first and after the last.
+
+    Attributes
+    ----------
+    time : (k,) array
+        s from the start of the burst, rising.
+    amplitude : (k,) array
+        Factor on the orbits, zero or positive.
+    phase : (k,) array
+        Advance of the wave, rad.
+    """
+
+    time: np.ndarray
+    amplitude: np.ndarray
+    phase: np.ndarray
+
+    def __post_init__(self):
+        for name in ("time", "amplitude", "phase"):
+            values = np.array(getattr(self, name), float)
+            values.setflags(write=False)
+            object.__setattr__(self, name, values)
+        if self.time.ndim != 1 or self.time.size < 1 or not np.all(np.diff(self.time) > 0.0):
+            raise ValueError("envelope.time must be a rising list of at least one instant in s")
+        for name in ("amplitude", "phase"):
+            values = getattr(self, name)
+            if values.shape != self.time.shape or not np.all(np.isfinite(values)):
+                raise ValueError(f"envelope.{name} must be finite and as long as envelope.time, got {values}")
+        if np.any(self.amplitude < 0.0):
+            raise ValueError(f"envelope.amplitude must be zero or positive, got {self.amplitude.min()}")
+
+    @classmethod
+    def ring_up(cls, *, time_constant: float, duration: float, points: int = 400) -> "Envelope":
+        """Return 1 - exp(-t/time_constant) over a duration in s: a resonance that is switched on."""
+        t = np.linspace(0.0, duration, points)
+        return cls(time=t, amplitude=-np.expm1(-t / time_constant), phase=np.zeros(points))
+
+    def at(self, time: np.ndarray) -> np.ndarray:
+        """Return the complex factor at given times in s."""
+        amplitude = np.interp(time, self.time, self.amplitude)
+        return amplitude * np.exp(1j * np.interp(time, self.time, self.phase))

@@ -1,0 +1,172 @@
+r"""Three ways through a burst, one model: every event, fixed steps, many cycles at once.
+
+Each takes a slider at rest at phase 0 and returns its motion at the end, rows (v, z_s) on the way, the estimated error
+of the last v and what it counted; each refuses where it does not apply. The errors come from two runs really made.
+"""
+
+import math
+
+import numpy as np
+
+from contact.averaged import averaged_run, why_not
+from contact.convergence import ConvergenceError
+from contact.drive import reference_speed
+
+METHODS = ("auto", "exact", "stepped", "averaged")
+# up to here "auto" follows every event, whatever the tolerance
+EXACT_CYCLES = 3000
+# steps per cycle that are tried, and the tolerance down to which each has been seen to serve
+STEPS = ((24, 2e-3), (32, 4e-4), (48, 4e-5), (64, 1e-5), (96, 2e-6), (128, 1e-6), (192, 2e-7), (256, 0.0))
+# change of the contact's own oscillation in a step, omega_n dt, above which fixed steps are refused
+LARGEST_STEP = 0.2
+
+
+def rest_problem(slider, orbits):
+    """Return the scaled problem whose phase 0 is where u_z of the first contact passes zero upwards."""
+    from contact.scaling import scaled
+
+    return scaled(slider, orbits, direction=1.0, start=-0.5 * math.pi - float(np.angle(orbits[0].normal)))
+
+
+def rest(slider, orbits, problem, *, nodes, truncation):
+    """Return the motion at phase 0 of a slider at rest, its contacts deformed by the load alone."""
+    from contact.collocation import collocation
+    from contact.motion import Motion
+
+    contacts = len(orbits)
+    motion = Motion(problem, table=collocation(nodes), truncation=truncation)
+    depth = slider.rest_approach(contacts) / problem.length
+    friction = slider.friction_coefficient * slider.preload
+    used = min(slider.load / friction, 1.0) if friction > 0.0 else 0.0
+    x = slider.limit_slope * depth * (1.0 - (1.0 - used) ** (2.0 / 3.0))
+    motion.place(-depth, 0.0, 0.0, x)
+    return motion
+
+
+def silence(motion):
+    """Return the motion that goes on where this one stands, at phase 0, when the wave stops."""
+    from contact.scaling import quiet
+
+    still = motion.copy()
+    still.problem = quiet(motion.problem)
+    still.tally[:], still.sums[:] = 0, 0.0
+    still.place(*motion.state[:3], motion.state[3:])
+    return still
+
+
+def run(method, slider, orbits, problem, cycles, stride, tolerance, envelope):
+    """Return (motion, rows, error, statistics, method used) of a burst; `envelope` as in `stepped.steps`."""
+    if method != "auto":
+        return (*_one(method, slider, orbits, problem, cycles, stride, tolerance, envelope), method)
+    reference = reference_speed(0.0, orbits) / problem.speed
+    tried = None
+    for way in _order(slider, orbits, problem, cycles, envelope):
+        try:
+            found = _one(way, slider, orbits, problem, cycles, stride, tolerance, envelope)
+        except ConvergenceError:
+            if way == "exact":
+                if tried is None:
+                    raise
+                break
+            continue
+        if tried is None or found[2] <= tried[2]:
+            tried = (*found, way)
+        if found[2] <= tolerance * max(reference, abs(float(found[0].state[2]))):
+            break
+        if way == "stepped" and cycles > 100 * EXACT_CYCLES:
+            break  # minutes of events are asked for by name
+    return tried
+
+
+def _order(slider, orbits, problem, cycles, envelope):
+    """Return the ways that may serve, the cheapest first."""
+    shaped = envelope.size > 0
+    steppable = not why_not_stepped(slider, problem, STEPS[0][0])
+    if cycles <= EXACT_CYCLES and not shaped:
+        return ("exact",)
+    ways = [] if shaped or why_not(slider, orbits) else ["averaged"]
+    ways += ["stepped"] if steppable else []
+    return (*ways, *(() if shaped and steppable else ("exact",)))
+
+
+def _one(method, slider, orbits, problem, cycles, stride, tolerance, envelope):
+    if method == "stepped":
+        return _stepped(slider, orbits, problem, cycles, stride, tolerance, envelope)
+    if envelope.size > 0:
+        raise ConvergenceError(
+            "not applicable",
+            f"the {method} way takes no envelope; use method stepped or leave the envelope out",
+        )
+    if method == "averaged":
+        if cycles < 3:
+            raise ConvergenceError(
+                "not applicable", f"{cycles} cycles are too few for the averaged way; use method exact"
+            )
+        begin = rest(slider, orbits, problem, nodes=14, truncation=1e-11)
+        return averaged_run(slider, orbits, problem, begin, cycles, stride, tolerance)
+    return _exact(slider, orbits, problem, cycles, stride, tolerance)
+
+
+def _exact(slider, orbits, problem, cycles, stride, tolerance):
+    fine = rest(slider, orbits, problem, nodes=16, truncation=1e-12)
+    rows = fine.turn(cycles, stride=stride)
+    coarse = rest(slider, orbits, problem, nodes=10, truncation=max(1e-9, min(1e-6, 1e-3 * tolerance)))
+    coarse.turn(cycles)
+    return fine, rows, abs(float(fine.state[2] - coarse.state[2])), fine.events()
+
+
+def _stepped(slider, orbits, problem, cycles, stride, tolerance, envelope):
+    """Refine the steps until two runs agree; half the difference bounds the error of a method of order 3 or so."""
+    from contact.stepped import steps
+
+    begin = rest(slider, orbits, problem, nodes=16, truncation=1e-12)
+    first = next(k for k, (_, down_to) in enumerate(STEPS) if tolerance >= down_to)
+    before = None
+    for k in range(max(first - 1, 0), len(STEPS)):
+        per_cycle = STEPS[k][0]
+        refusal = why_not_stepped(slider, problem, per_cycle)
+        if refusal:
+            if k < len(STEPS) - 1:
+                continue
+            raise ConvergenceError(
+                "not applicable", f"the stepped way does not apply: {refusal}; use method exact"
+            )
+        state, rows = begin.state.copy(), np.empty((cycles // stride, 3))
+        if not steps(problem.parameters, problem.waves, state, cycles, per_cycle, stride, rows, envelope):
+            raise ConvergenceError("not finite", "the stepped motion overflowed; use method exact")
+        reference = reference_speed(float(state[2]) * problem.speed, orbits) / problem.speed
+        error = math.inf if before is None else 0.5 * abs(float(state[2]) - before)
+        if error <= tolerance * reference or reference == 0.0:
+            break
+        before = float(state[2])
+    if reference == 0.0:
+        error = 0.0
+    begin.state[:] = state
+    statistics = {
+        "steps_per_cycle": per_cycle, "cycles": cycles, "omega_n_dt": _stiffness(problem) * 2.0 * math.pi / per_cycle,
+    }  # fmt: skip
+    return begin, rows, error, statistics
+
+
+def _stiffness(problem):
+    """Return the largest contact resonance over the wave's frequency; the approach is at most twice the unit."""
+    return math.sqrt(1.5 * problem.parameters[0] * len(problem.waves) * math.sqrt(2.0))
+
+
+def why_not_stepped(slider, problem, per_cycle):
+    """Return why fixed steps cannot follow this motion, or an empty string."""
+    if slider.stick_band > 0.0:
+        return "slider.stick_band needs the events"
+    if slider.law != "elastic" or slider.reciprocal:
+        return "it knows the elastic law without its reciprocal force only"
+    if slider.limit_slope == 0.0:
+        return "no friction"
+    step = 2.0 * math.pi / per_cycle
+    if step * _stiffness(problem) > LARGEST_STEP:
+        return (
+            f"the contact resonance is too fast: omega_n dt = {step * _stiffness(problem):.3g} with {per_cycle} steps "
+            f"per cycle, more than {LARGEST_STEP}"
+        )
+    if step * max(problem.parameters[2], problem.parameters[4]) > LARGEST_STEP:
+        return f"the dampers are too fast for {per_cycle} steps per cycle"
+    return ""
