@@ -68,7 +68,7 @@ def balanced(slider: Slider, orbits: tuple[Orbit, ...]) -> Balance:
     high = riding_height(slider, orbits) / problem.length
     work = np.zeros(TALLY, np.int64)
     found = _at_height(slider, orbits, problem, start, high, work)
-    if not slider.reciprocal:
+    if problem.parameters[scaling.LAW] != scaling.RECIPROCAL:
         return found
     # the back force only adds to the support, so the slider rides higher: mean approach below `high`
     preload = problem.parameters[scaling.PRELOAD]
@@ -120,12 +120,14 @@ def traction(problem, height, speed, deformations, work):
     """Return (<sum Q>, motion) of a repeating cycle at constant height and velocity, from given deformations."""
     motion = Motion(problem, table=collocation(NODES), truncation=TRUNCATION)
     motion.place(-height, 0.0, speed, deformations)
-    for _ in range(6):
+    for turn in range(6):
         before = motion.state[3:].copy()
         motion.tally[:], motion.sums[:] = 0, 0.0
         motion.turn(1, mobile=False)
         work += motion.tally
-        if np.max(np.abs(motion.state[3:] - before)) < 1e-13:
+        # a memory repeats a cycle after the deformation does
+        settled = turn > 1 or motion.memory is None
+        if settled and np.max(np.abs(motion.state[3:] - before)) < 1e-13:
             break
     return motion.sums[TRACTION] / (2.0 * math.pi), motion
 

@@ -30,6 +30,8 @@ def towards_plus(orbits: tuple[Orbit, ...]) -> tuple[float, tuple[Orbit, ...]]:
 
 
 def available(slider: Slider) -> None:
-    """Refuse a slider whose law this version cannot compute yet."""
-    if slider.law != "elastic":
-        raise ValueError(f'slider.law must be "elastic": "{slider.law}" is not available yet')
+    """Refuse a slider whose parameters do not go together."""
+    if slider.law == "hysteretic" and slider.stick_band > 0.0:
+        raise ValueError(
+            f"slider.stick_band must be 0 m/s with the hysteretic law, got {slider.stick_band} m/s"
+        )

@@ -16,7 +16,8 @@ from contact.slider import Slider
 from contact.ways import rest, rest_problem, silence
 
 STAGES = ("start", "steady", "after")
-REGIMES = np.array(["separated", "stick", "slip", "creep"])
+# in the order of the numbers in `regimes`; an annulus that slips is "partial", a growing contact sticks
+REGIMES = np.array(["separated", "stick", "slip", "creep", "partial", "stick"])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,7 +36,7 @@ class History:
     normal_force, tangential_force : (k, n) arrays
         Elastic P, and Q, N.
     regime : (k, n) array of str
-        "separated", "stick", "slip" or "creep" (the last only with a stick band).
+        "separated", "stick", "slip", "creep" (with a stick band) or "partial" (an annulus slips; hysteretic law).
     surface_velocity : (k, n) array
         Tangential velocity v_t of the surface, m/s.
     slider_velocity : (k,) array
@@ -139,5 +140,4 @@ def _steady_motion(slider, orbits):
         motion.place(-balance.height, 0.0, 0.0, balance.motion.state[3:])
         return motion
     found = periodic(balance, nodes=16, truncation=1e-12)
-    motion.place(*found.state[:3], found.state[3:])
-    return motion
+    return found.motion

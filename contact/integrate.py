@@ -12,83 +12,61 @@ import numpy as np
 from contact.collocation import ROOT_AT_END, ROOT_AT_START, SMOOTH
 from contact.compiled import compiled
 from contact.energy import DISPLACEMENT, account, mark
-from contact.regimes import CONTACT, CREEP, FAR_SIDE, GRAZE, SEPARATED, SLIP, STICK, follow, guard, opening
-from contact.roots import first_root, interpolate
+from contact.events import earliest, end_guard, transit
+from contact.memory import write_curve
+from contact.regimes import (
+    ANNULUS,
+    GROW,
+    SEPARATED,
+    STICK,
+)
+from contact.roots import interpolate
 from contact.stretch import (
     CLIMB,
     HEIGHT,
+    LEVEL,
     PLANES,
     PULL,
     PUSH,
     SPEED,
-    U_X_RATE,
-    U_Z_RATE,
     P,
     Q,
     X,
     Z,
-    guards,
     guess,
     surface,
     sweep,
 )
 
 # why a run ended
-DONE, NOT_FINITE, TOO_MANY, STIFF = 0, 1, 2, 3
+DONE, NOT_FINITE, TOO_MANY, STIFF, FULL = 0, 1, 2, 3, 4
 # places in the tally after the kinds of event: stretches, halvings, sweeps, cycles
 # and, after them, events at one instant beyond one per contact
-STRETCHES, HALVINGS, SWEEPS, CYCLES, CHATTER, TALLY = 6, 7, 8, 9, 10, 11
+STRETCHES, HALVINGS, SWEEPS, CYCLES, CHATTER, TALLY = 6, 7, 8, 9, 10, 12
 
 
 @compiled
-def open_regimes(parameters, waves, phase, state, regime, sign):
-    """Set regime and sign of every contact, and its deformation within the slip limit, from the state at a phase."""
-    c, s = np.cos(phase), np.sin(phase)
-    for i in range(regime.size):
-        z = waves[i, 0] * c + waves[i, 1] * s - state[0]
-        z_rate = waves[i, 1] * c - waves[i, 0] * s - state[1]
-        x_rate = waves[i, 3] * c - waves[i, 2] * s - state[2]
-        regime[i], sign[i], state[3 + i] = opening(
-            z, state[3 + i], z_rate, x_rate, parameters[7], parameters[8]
-        )
-
-
-@compiled
-def _lay_out(parameters, waves, tau, once, twice, state, regime, sign, phase, length, shared, own, mobile):
+def _lay_out(parameters, waves, tau, once, twice, sigma, bary, state, regime, sign, phase, length, shared, own,
+             mobile, memory):  # fmt: skip
     surface(phase, length, tau, waves, own)
     guess(state, length, tau, shared[PUSH, 0], shared[PULL, 0], shared)
-    return sweep(parameters, state, length, tau, once, twice, regime, sign, shared, own, mobile, 25)
-
-
-@compiled
-def _earliest(sigma, bary, rates, regime, sign, shared, own, c, band, values):
-    """Return (sigma, contact, guard) of the earliest root on the stretch; sigma = 2 if there is none."""
-    first, who, which = 2.0, -1, -1
-    for i in range(regime.size):
-        for k in range(3):
-            if (k > 0 and regime[i] == SEPARATED) or (k == 2 and regime[i] == SLIP):
-                continue
-            guards(i, k, regime, sign, shared, own, c, band, values)
-            place = first_root(sigma, bary, rates, values)
-            if place < first:
-                first, who, which = place, i, k
-    return first, who, which
-
-
-@compiled
-def _end_guard(i, which, regime, sign, shared, own, waves, phase, c, band):
-    """Return a guard at the end of the stretch and its rate there."""
-    n = shared.shape[1] - 1
-    z_rate, x_rate = own[U_Z_RATE, i, n] - shared[CLIMB, n], own[U_X_RATE, i, n] - shared[SPEED, n]
-    value = guard(regime[i], which, sign[i], own[Z, i, n], own[X, i, n], z_rate, x_rate, c, band)
-    co, si = np.cos(phase), np.sin(phase)
-    z_second = -waves[i, 0] * co - waves[i, 1] * si - shared[PUSH, n]
-    x_second = -waves[i, 2] * co - waves[i, 3] * si - shared[PULL, n]
-    if (regime[i] == SLIP or regime[i] == CREEP) and which == 1:
-        rate = sign[i] * x_second - c * z_second
-        return value, rate if regime[i] == SLIP else -rate
-    # the guards on position are linear in (z, x): their rate is the guard of the rates
-    return value, guard(regime[i], which, sign[i], z_rate, x_rate, 0.0, 0.0, c, band) - FAR_SIDE
+    return sweep(
+        parameters,
+        state,
+        length,
+        tau,
+        once,
+        twice,
+        regime,
+        sign,
+        shared,
+        own,
+        mobile,
+        sigma,
+        bary,
+        memory,
+        25,
+    )
 
 
 @compiled
@@ -133,7 +111,7 @@ def _record(phase, length, map_, sigma, bary, shared, own, regime, sample_phase,
 
 @compiled
 def advance(parameters, waves, sigma, bary, taus, onces, twices, rates, tail, state, regime, sign, phase, stop, mobile,
-            tolerance, tally, sums, sample_phase, samples, limit):  # fmt: skip
+            tolerance, tally, sums, sample_phase, samples, limit, memory):  # fmt: skip
     """Move the state from one phase to another; return the reason for ending.
 
     Parameters
@@ -156,6 +134,8 @@ def advance(parameters, waves, sigma, bary, taus, onces, twices, rates, tail, st
         Where to record z, x, P, Q, regime and v; rising, in (phase, stop]. Recording alters nothing else.
     limit : int
         Largest number of stretches.
+    memory : memory.Memory or None
+        Of the hysteretic law; None for the elastic one, and then nothing of it is compiled.
     """
     contacts, n = regime.size, sigma.size
     shared, own, values = np.zeros((6, n)), np.zeros((PLANES, contacts, n)), np.empty(n)
@@ -167,6 +147,8 @@ def advance(parameters, waves, sigma, bary, taus, onces, twices, rates, tail, st
         spent += 1
         if spent > limit:
             return TOO_MANY
+        if memory is not None and np.max(memory.count) > memory.kind.shape[1] - 4:
+            return FULL
         if not np.isfinite(state[0] + state[1] + state[2]):
             return NOT_FINITE
         length = min(length, longest)
@@ -174,8 +156,8 @@ def advance(parameters, waves, sigma, bary, taus, onces, twices, rates, tail, st
         if closing:
             length = stop - phase
         map_ = ROOT_AT_START if entered else SMOOTH
-        ok, count = _lay_out(parameters, waves, taus[map_], onces[map_], twices[map_], state, regime, sign, phase,
-                             length, shared, own, mobile)  # fmt: skip
+        ok, count = _lay_out(parameters, waves, taus[map_], onces[map_], twices[map_], sigma, bary, state, regime, sign,
+                             phase, length, shared, own, mobile, memory)  # fmt: skip
         tally[SWEEPS] += count
         if not ok:
             length *= 0.25
@@ -184,13 +166,14 @@ def advance(parameters, waves, sigma, bary, taus, onces, twices, rates, tail, st
                 return STIFF
             continue
         full = length
-        place, who, which = _earliest(sigma, bary, rates, regime, sign, shared, own, c, band, values)
+        place, who, which = earliest(sigma, bary, rates, regime, sign, shared, own, c, band, memory, values)
         for _ in range(12):
             if who < 0:
                 break
             closing = False
             length *= _fraction(0.5 * (min(place, 1.0) + 1.0), map_)
             sharp = (which == 0 and regime[who] != SEPARATED) or (which == 1 and regime[who] == STICK)
+            sharp = sharp or (which == 2 and regime[who] == ANNULUS)
             if sharp and entered and length > 1e-9:  # roots at both ends: cut in the middle
                 length *= 0.5
                 who = -1
@@ -199,13 +182,13 @@ def advance(parameters, waves, sigma, bary, taus, onces, twices, rates, tail, st
             for trial in range(12):
                 if length < 1e-14:
                     length = 0.0
-                _, count = _lay_out(parameters, waves, taus[map_], onces[map_], twices[map_], state, regime, sign,
-                                    phase, length, shared, own, mobile)  # fmt: skip
+                _, count = _lay_out(parameters, waves, taus[map_], onces[map_], twices[map_], sigma, bary, state,
+                                    regime, sign, phase, length, shared, own, mobile, memory)  # fmt: skip
                 tally[SWEEPS] += count
                 if who < 0:
                     break
-                value, rate = _end_guard(
-                    who, which, regime, sign, shared, own, waves, phase + length, c, band
+                value, rate = end_guard(
+                    who, which, regime, sign, shared, own, waves, phase + length, c, band, memory
                 )
                 if length == 0.0 or abs(value) < 1e-16 or not rate < 0.0:
                     break
@@ -216,7 +199,9 @@ def advance(parameters, waves, sigma, bary, taus, onces, twices, rates, tail, st
             if length == 0.0 or who < 0:
                 break
             # with the better motion another guard may come first
-            place, other, another = _earliest(sigma, bary, rates, regime, sign, shared, own, c, band, values)
+            place, other, another = earliest(
+                sigma, bary, rates, regime, sign, shared, own, c, band, memory, values
+            )
             if other < 0 or (other == who and another == which) or place > 1.0 - 1e-6:
                 break
             who, which = other, another
@@ -235,6 +220,8 @@ def advance(parameters, waves, sigma, bary, taus, onces, twices, rates, tail, st
             state[0], state[1], state[2] = shared[HEIGHT, n - 1], shared[CLIMB, n - 1], shared[SPEED, n - 1]
             for i in range(contacts):
                 state[3 + i] = own[X, i, n - 1]
+                if memory is not None and regime[i] == GROW:
+                    write_curve(memory, i, own[Z, i], own[X, i], own[LEVEL, i], c, rates)
             shared[PUSH, 0], shared[PULL, 0] = shared[PUSH, n - 1], shared[PULL, n - 1]
             phase = stop if closing else phase + length
             idle, entered = 0, False
@@ -247,31 +234,30 @@ def advance(parameters, waves, sigma, bary, taus, onces, twices, rates, tail, st
                 return TOO_MANY
             length = full
         if who >= 0:
-            _, rate = _end_guard(who, which, regime, sign, shared, own, waves, phase, c, band)
-            if not rate < 0.0:
-                tally[GRAZE] += 1
+            made = transit(
+                parameters,
+                waves,
+                sigma,
+                bary,
+                state,
+                regime,
+                sign,
+                phase,
+                who,
+                which,
+                shared,
+                own,
+                memory,
+                tally,
+            )
             mark(sums)
-            for i in range(contacts):
-                for k in range(3):
-                    met = i == who and k == which
-                    if i != who and (regime[i] != SEPARATED or k == 0):
-                        value, rate = _end_guard(i, k, regime, sign, shared, own, waves, phase, c, band)
-                        met = abs(value) < 4e-16 and rate < 0.0
-                    if met:
-                        regime[i], sign[i], state[3 + i], kind = follow(
-                            regime[i], k, sign[i], own[Z, i, n - 1], state[3 + i],
-                            own[U_Z_RATE, i, n - 1] - shared[CLIMB, n - 1],
-                            own[U_X_RATE, i, n - 1] - shared[SPEED, n - 1], c, band,
-                        )  # fmt: skip
-                        tally[kind] += 1
-                        entered = entered or kind == CONTACT
-                        break
+            entered = entered or made
     return DONE
 
 
 @compiled
 def cycles(parameters, waves, sigma, bary, taus, onces, twices, rates, tail, state, regime, sign, number, mobile,
-           tolerance, tally, sums, stride, speeds, limit):  # fmt: skip
+           tolerance, tally, sums, stride, speeds, limit, memory):  # fmt: skip
     """Move through whole cycles; record phase-0 velocity and height every `stride` cycles; return the reason.
 
     `speeds` has a row (v, z_s, mean v of the last cycle) per record; stride 0 records nothing.
@@ -280,7 +266,7 @@ def cycles(parameters, waves, sigma, bary, taus, onces, twices, rates, tail, sta
     for k in range(number):
         before = sums[DISPLACEMENT]
         why = advance(parameters, waves, sigma, bary, taus, onces, twices, rates, tail, state, regime, sign, 0.0,
-                      2.0 * np.pi, mobile, tolerance, tally, sums, nothing, none, limit)  # fmt: skip
+                      2.0 * np.pi, mobile, tolerance, tally, sums, nothing, none, limit, memory)  # fmt: skip
         if why != DONE:
             return why
         tally[CYCLES] += 1

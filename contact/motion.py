@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from contact import energy, integrate, mindlin, regimes, scaling
+from contact import energy, events, integrate, memory, mindlin, regimes, scaling
 from contact.collocation import Collocation
 from contact.convergence import ConvergenceError
 from contact.scaling import Scaled
@@ -18,6 +18,10 @@ _SENTENCES = {
     integrate.TOO_MANY: (
         "too many events",
         "events follow each other without end; try stick_band > 0 or another tolerance",
+    ),
+    integrate.FULL: (
+        "memory full",
+        "the contact remembers more reversals than there is room for; raise the dampers",
     ),
     integrate.STIFF: (
         "stiff",
@@ -45,12 +49,22 @@ class Motion:
         self.state = np.zeros(3 + contacts)
         self.regime, self.sign = np.zeros(contacts, np.int64), np.ones(contacts)
         self.tally, self.sums = np.zeros(integrate.TALLY, np.int64), np.zeros(energy.SUMS)
+        parameters = problem.parameters
+        hysteretic = parameters[scaling.LAW] == scaling.HYSTERETIC and parameters[scaling.LIMIT_SLOPE] > 0.0
+        self.memory = memory.blank(contacts, table.sigma.size) if hysteretic else None
 
     def place(self, height, climb, speed, deformations=0.0):
-        """Set the state at phase 0: slider position and its rate, slider velocity, deformations; all scaled."""
+        """Set the state at phase 0: slider position and its rate, slider velocity, deformations; all scaled.
+
+        With the hysteretic law contacts that have a memory are taken there from where they are, on a straight line in
+        approach and deformation.
+        """
+        if self.memory is not None:
+            self._displace(height, climb, speed, deformations)
+            return
         self.state[:3] = height, climb, speed
         self.state[3:] = deformations
-        integrate.open_regimes(
+        events.open_regimes(
             self.problem.parameters, self.problem.waves, 0.0, self.state, self.regime, self.sign
         )  # fmt: skip
 
@@ -59,6 +73,8 @@ class Motion:
         twin = copy.copy(self)
         for name in ("state", "regime", "sign", "tally", "sums"):
             setattr(twin, name, getattr(self, name).copy())
+        if self.memory is not None:
+            twin.memory = memory.copy(self.memory)
         return twin
 
     def turn(self, number: int, *, mobile: bool = True, stride: int = 0) -> np.ndarray:
@@ -67,6 +83,7 @@ class Motion:
         why = integrate.cycles(
             self.problem.parameters, self.problem.waves, *self._matrices(), self.state, self.regime, self.sign,
             number, mobile, self.truncation, self.tally, self.sums, stride, rows, self._limit(2.0 * np.pi),
+            self.memory,
         )  # fmt: skip
         self._refuse(why)
         return rows
@@ -77,13 +94,14 @@ class Motion:
         why = integrate.advance(
             self.problem.parameters, self.problem.waves, *self._matrices(), self.state, self.regime, self.sign,
             start, stop, True, self.truncation, self.tally, self.sums, at, samples, self._limit(stop - start),
+            self.memory,
         )  # fmt: skip
         self._refuse(why)
         return samples
 
     def events(self) -> dict[str, int]:
         """Return the number of events by kind, and of stretches, halvings and sweeps."""
-        names = (*regimes.NAMES, "stretches", "halvings", "sweeps", "cycles", "chatter")
+        names = (*regimes.NAMES, "stretches", "halvings", "sweeps", "cycles", "chatter", "wipe_out")
         return {name: int(number) for name, number in zip(names, self.tally, strict=True)}
 
     def energy(self) -> np.ndarray:
@@ -96,8 +114,32 @@ class Motion:
         height, climb, speed = self.state[:3]
         z = np.maximum(waves[:, 0] - height, 0.0)
         P = kappa * z**1.5
-        stored = np.sum(0.4 * P * z + mindlin.stored_energy(self.state[3:], c * z, mu * P))
+        stored = np.sum(0.4 * P * z)
+        if self.memory is None:
+            stored += np.sum(mindlin.stored_energy(self.state[3:], c * z, mu * P))
+        else:
+            table = self.table
+            for i in range(z.size):
+                stored += mu * kappa * energy.chain_energy(
+                    self.memory, i, self.regime[i], self.sign[i], z[i], self.state[3 + i], c, table.sigma, table.bary,
+                    table.rates,
+                )  # fmt: skip
         return np.array([stored, parameters[scaling.PRELOAD] * height, 0.5 * (climb**2 + speed**2)])
+
+    def _displace(self, height, climb, speed, deformations):
+        table, c = self.table, self.problem.parameters[scaling.LIMIT_SLOPE]
+        surface = self.problem.waves[:, 0]
+        target = np.broadcast_to(np.asarray(deformations, float), self.regime.shape)
+        for i in range(self.regime.size):
+            # a memory is known at the end of a run, where the surface is as at phase 0
+            old, new = surface[i] - self.state[0], surface[i] - height
+            if old == new and target[i] == self.state[3 + i] and self.regime[i] != regimes.SEPARATED:
+                continue
+            self.regime[i], self.sign[i], self.state[3 + i] = memory.jump(
+                self.memory, i, self.regime[i], self.sign[i], old, self.state[3 + i], new, target[i], c, table.sigma,
+                table.bary, table.rates,
+            )  # fmt: skip
+        self.state[:3] = height, climb, speed
 
     def smallest_gap(self) -> float:
         """Return the smallest time between two events since the sums were cleared, s; inf if there were not two."""

@@ -83,9 +83,13 @@ def periodic(
         If the fixed point is not reached to 1e-6.
     """
     motion = Motion(balance.problem, table=collocation(nodes), truncation=truncation)
+    base = motion
     work, before = np.zeros(TALLY, np.int64), np.zeros(3)
 
-    def cycle(y):
+    def cycle(y, keep=True):
+        nonlocal motion, base
+        if motion.memory is not None:  # a contact that does not forget starts from what it remembers
+            motion = base.copy()
         motion.tally[:], motion.sums[:] = 0, 0.0
         motion.place(*y[:3], y[3:])
         before[:] = motion.energy()
@@ -96,6 +100,8 @@ def periodic(
                 "not finite",
                 "the cycle map throws the slider off; lower the contact damping or follow a burst",
             )
+        if keep:
+            base = motion
         return motion.state.copy()
 
     if near is None:
@@ -136,10 +142,10 @@ def periodic(
 
 def _jacobian(cycle, y):
     """Return the derivative of the cycle map by differences; deformations are moved towards zero."""
-    base = cycle(y)
+    start = cycle(y, keep=False)
     columns = []
     for k in range(y.size):
         moved = y.copy()
         moved[k] += 1e-7 if k < 3 or y[k] < 0.0 else -1e-7
-        columns.append((cycle(moved) - base) / (moved[k] - y[k]))
+        columns.append((cycle(moved, keep=False) - start) / (moved[k] - y[k]))
     return np.array(columns).T

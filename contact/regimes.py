@@ -16,10 +16,14 @@ Every transition lands on its far side: the state is set to the new regime's sid
 from contact.compiled import compiled
 
 SEPARATED, STICK, SLIP, CREEP = 0, 1, 2, 3
+# of the hysteretic law, instead of stick: slip of an outer annulus, and an edge that grows without slip (`memory`)
+ANNULUS, GROW = 4, 5
 # how far past its root a guard is accepted, in units of the scaled problem: above rounding, below everything else
 FAR_SIDE = 1e-15
 # kinds of event
 CONTACT, RELEASE, STICK_TO_SLIP, SLIP_TO_STICK, REVERSAL, GRAZE = 0, 1, 2, 3, 4, 5
+# and, in the tally behind the figures of the work, a piece of memory wiped out
+WIPE_OUT = 11
 NAMES = ("contact", "release", "stick_to_slip", "slip_to_stick", "reversal", "graze")
 
 

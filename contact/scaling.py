@@ -26,8 +26,12 @@ from contact.slider import Slider
     LIMIT_SLOPE,
     STICK_BAND,
     LONGEST,
-    RECIPROCAL,
+    LAW,
 ) = range(11)
+
+
+# values of LAW: the hysteretic one has a potential, so that a reciprocal force would add nothing
+ELASTIC, RECIPROCAL, HYSTERETIC = 0.0, 1.0, 2.0
 
 
 @dataclass(frozen=True)
@@ -90,7 +94,7 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
             slider.limit_slope,
             slider.stick_band / (omega * length),
             min(2.0 * math.pi / 8.0 if reach > 0.0 else math.inf, 0.8 / stiffest),
-            float(slider.reciprocal),
+            HYSTERETIC if slider.law == "hysteretic" else RECIPROCAL if slider.reciprocal else ELASTIC,
         ]
     )
     waves = np.array([[n.real, -n.imag, t.real, -t.imag] for n, t in turned])

@@ -16,7 +16,7 @@ import numpy as np
 
 from contact import bounds
 from contact.convergence import ConvergenceError
-from contact.drive import drive_direction, relative_to_reference, towards_plus
+from contact.drive import available, drive_direction, relative_to_reference, towards_plus
 from contact.ledger import Ledger, ledger
 from contact.limits import riding_height
 from contact.orbit import Orbit, as_orbits
@@ -94,7 +94,7 @@ def steady(
     Raises
     ------
     ValueError
-        For a law that is not available.
+        For parameters that do not go together.
     ConvergenceError
         Status "runaway" (nothing balances the load), "unstable" (no stable motion repeats with the wave's period),
         or what the motion ran into.
@@ -103,14 +103,9 @@ def steady(
     listed = as_orbits(orbits)
     bounds.positive("tolerance", tolerance, "")
     bounds.choice("method", method, METHODS)
-    _known(slider)
+    available(slider)
     found = _without_traction(slider, listed) or _searched(slider, listed, tolerance, method)
     return SteadyState(slider=slider, orbits=listed, seconds=time.perf_counter() - begun, **found)
-
-
-def _known(slider):
-    if slider.law != "elastic":
-        raise ValueError(f'slider.law must be "elastic": "{slider.law}" is not available yet')
 
 
 def _without_traction(slider, orbits):

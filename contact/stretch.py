@@ -8,12 +8,13 @@ about (omega_n L)^2/2: four digits and more at a wave of 2 MHz, and a shorter st
 import numpy as np
 
 from contact.compiled import compiled
-from contact.regimes import SEPARATED, SLIP, back_force, guard, traction
+from contact.memory import memory_guard, moment
+from contact.regimes import ANNULUS, GROW, SEPARATED, SLIP, back_force, guard, traction
 
 # rows of the table of node values common to all contacts
 HEIGHT, CLIMB, TRAVEL, SPEED, PUSH, PULL = 0, 1, 2, 3, 4, 5
 # planes of the table of node values per contact
-U_Z, U_X, U_Z_RATE, U_X_RATE, Z, X, P, Q, BACK, PLANES = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
+U_Z, U_X, U_Z_RATE, U_X_RATE, Z, X, P, Q, BACK, FRONT, LEVEL, PLANES = range(12)
 
 
 @compiled
@@ -31,10 +32,12 @@ def surface(phase, length, tau, waves, own):
 
 
 @compiled
-def forces(parameters, regime, sign, start_x, shared, own, mobile):
+def forces(parameters, regime, sign, start_x, shared, own, mobile, length, once, sigma, bary, memory):
     """Fill approach, deformation, forces and accelerations at the nodes from the slider's motion there."""
     kappa, chi, d_n, p, d_t, q, mu, c = parameters[:8]
-    reciprocal = parameters[10] != 0.0
+    reciprocal = parameters[10] == 1.0
+    if memory is not None:
+        _edge(regime, c, shared, own, length, once, memory)
     for j in range(shared.shape[1]):
         push, pull = 0.0, 0.0
         for i in range(regime.size):
@@ -51,7 +54,13 @@ def forces(parameters, regime, sign, start_x, shared, own, mobile):
             if z > 0.0:
                 elastic = kappa * z * np.sqrt(z)
                 own[P, i, j] = elastic
-                own[Q, i, j] = traction(regime[i], sign[i], z, x, elastic, mu, c)
+                if memory is not None and regime[i] >= ANNULUS:
+                    own[Q, i, j] = mu * kappa * own[LEVEL, i, j]
+                    if regime[i] == ANNULUS:
+                        level, own[FRONT, i, j] = moment(memory, i, ANNULUS, sign[i], z, x, c, sigma, bary)
+                        own[Q, i, j] = mu * kappa * level
+                else:
+                    own[Q, i, j] = traction(regime[i], sign[i], z, x, elastic, mu, c)
                 push += elastic * (1.0 + chi * (own[U_Z_RATE, i, j] - shared[CLIMB, j]))
                 pull += own[Q, i, j]
                 if reciprocal:
@@ -66,7 +75,26 @@ def forces(parameters, regime, sign, start_x, shared, own, mobile):
 
 
 @compiled
-def sweep(parameters, state, length, tau, once, twice, regime, sign, shared, own, mobile, most):
+def _edge(regime, c, shared, own, length, once, memory):
+    """Fill the moment M at the nodes of contacts that grow without slip: dM = (3/2c) sqrt(z) dx."""
+    n = shared.shape[1]
+    for i in range(regime.size):
+        if regime[i] != GROW:
+            continue
+        for j in range(n):
+            z = max(own[U_Z, i, j] - shared[HEIGHT, j], 0.0)
+            own[FRONT, i, j] = np.sqrt(z) * (own[U_X_RATE, i, j] - shared[SPEED, j])
+        for j in range(n):
+            total = 0.0
+            for k in range(n):
+                total += once[j, k] * own[FRONT, i, k]
+            own[LEVEL, i, j] = memory.level[i] + 1.5 / c * length * total
+
+
+@compiled
+def sweep(
+    parameters, state, length, tau, once, twice, regime, sign, shared, own, mobile, sigma, bary, memory, most
+):
     """Iterate to the fixed point; return (converged, sweeps).
 
     The motion on entry is the first guess. Converged: the last change times the observed gain is below rounding.
@@ -74,7 +102,7 @@ def sweep(parameters, state, length, tau, once, twice, regime, sign, shared, own
     n = tau.size
     last = np.inf
     for count in range(1, most + 1):
-        forces(parameters, regime, sign, state[3:], shared, own, mobile)
+        forces(parameters, regime, sign, state[3:], shared, own, mobile, length, once, sigma, bary, memory)
         if not mobile:
             return True, 1
         change = 0.0
@@ -118,10 +146,14 @@ def guess(state, length, tau, push, pull, shared):
 
 
 @compiled
-def guards(i, which, regime, sign, shared, own, c, band, out):
+def guards(i, which, regime, sign, shared, own, c, band, memory, out):
     """Fill `out` with guard `which` of contact i at all nodes."""
     for j in range(out.size):
-        out[j] = guard(
-            regime[i], which, sign[i], own[Z, i, j], own[X, i, j], own[U_Z_RATE, i, j] - shared[CLIMB, j],
-            own[U_X_RATE, i, j] - shared[SPEED, j], c, band,
-        )  # fmt: skip
+        z, x = own[Z, i, j], own[X, i, j]
+        z_rate, x_rate = own[U_Z_RATE, i, j] - shared[CLIMB, j], own[U_X_RATE, i, j] - shared[SPEED, j]
+        if memory is not None and regime[i] >= ANNULUS:
+            out[j], _ = memory_guard(
+                memory, i, regime[i], which, sign[i], z, x, z_rate, x_rate, own[FRONT, i, j], c
+            )
+        else:
+            out[j] = guard(regime[i], which, sign[i], z, x, z_rate, x_rate, c, band)
