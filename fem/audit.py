@@ -31,7 +31,7 @@ def audit(solution: Solution) -> Audit:
     -------
     Audit
         ``residual``: worst over the transducers of |power in - flux out - power lost between the lines|, over the
-        power of the source.
+        apparent power |V I| / 2 of the source.
     """
     modes, n = solution.modes, solution.section.size
     frequency = modes.frequency
@@ -56,9 +56,11 @@ def audit(solution: Solution) -> Audit:
         outward[1] = fluxes[1]
     radiated = float(outward.sum() * stress * driven) if solution.network.ends == "absorbing" else 0.0
     given = solution.circuit.power
+    own = solution.circuit
+    apparent = 0.5 * abs(own.voltages[own.driven] * np.conj(own.currents[own.driven]))
     return Audit(
         input=given,
         dissipated=given - radiated,
         radiated=radiated,
-        residual=worst / given if given > 0 else np.inf,
+        residual=worst / apparent,
     )

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fem.cell import PORTS, Block, condensed, folded
-from fem.section import Resolution, Section, graded
+from fem.section import Resolution, Section, edge_layers, graded
 
 
 def joined(left: Block, right: Block, *, phi: int | None = None, comb: int | None = None) -> Block:
@@ -154,9 +154,11 @@ def half_cells(
             block = joined(block, piece(width, comb), phi=phi, comb=comb)
         return block
 
-    layers, largest = resolution.edge_layers, resolution.element_size
-    metal = graded(shape.half_finger, layers, largest=largest)
-    left, right = (graded(gap, layers, largest=largest) for gap in shape.half_gaps)
+    smallest = min(shape.half_finger, *shape.half_gaps)
+    metal, left, right = (
+        graded(length, edge_layers(resolution, length, smallest), largest=resolution.element_size)
+        for length in (shape.half_finger, *shape.half_gaps)
+    )
     rising = joined(row(left, None), row(metal[::-1], 0), phi=phi, comb=0)
     if section.odd is not None and shape.even:
         return rising, mirrored(rising, section.odd, phi)

@@ -15,7 +15,7 @@ from fem.forms import Medium, medium, scikit_fem_derivatives, units
 from fem.geometry import Stator, Transducer, check_layout, outer_gaps
 from fem.guided import guided_modes
 from fem.materials import fields
-from fem.section import FIELD_COLUMN, Resolution, Section, discretise, graded
+from fem.section import FIELD_COLUMN, Resolution, Section, discretise, edge_layers, graded
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,19 +125,24 @@ def _by_port(by_strip: DirectSolution, transducers: tuple[Transducer, ...], floa
 
 def _x_lines(stator, transducers, resolution, wavelength, stretch) -> np.ndarray:
     """Element ends along x in length units: graded to every finger edge, even in the stretches between."""
-    layers, largest = resolution.edge_layers, resolution.element_size
+    largest = resolution.element_size
     sizes, here = [], 0.0
     for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
         fingers = transducer.fingers / wavelength
+        halves = [gap / wavelength for gap in gaps]
+        halves += [transducer.half_gap / wavelength, transducer.finger_width / 2 / wavelength]
+        before, after, gap_layers, finger_layers = (
+            edge_layers(resolution, half, min(halves)) for half in halves
+        )
         before, after = (
-            graded(gap / wavelength, layers, largest=largest, smallest_first=later)
-            for gap, later in zip(gaps, (False, True), strict=True)
+            graded(half, layers, largest=largest, smallest_first=later)
+            for half, layers, later in zip(halves[:2], (before, after), (False, True), strict=True)
         )
         sizes += [_both_graded(fingers[0, 0] - before.sum() - here, *stretch), before]
         for number, (left, right) in enumerate(fingers):
             if number:
-                sizes.append(_both_graded(left - fingers[number - 1, 1], layers, largest))
-            sizes.append(_both_graded(right - left, layers, largest))
+                sizes.append(_both_graded(left - fingers[number - 1, 1], gap_layers, largest))
+            sizes.append(_both_graded(right - left, finger_layers, largest))
         sizes.append(after)
         here = fingers[-1, 1] + after.sum()
     sizes.append(_both_graded(stator.length / wavelength - here, *stretch))

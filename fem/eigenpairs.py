@@ -2,9 +2,7 @@
 
 import numpy as np
 
-WIDE_SPECTRUM = (
-    1e9  # k^2 in (rad per wavelength)^2 above which one eigensolve cannot serve both ends of the spectrum
-)
+WIDE_SPECTRUM = 1e7  # largest over typical eigenvalue above which one eigensolve cannot serve both ends
 
 
 def even_odd_modes(second, first, zeroth, odd):
@@ -28,8 +26,18 @@ def even_odd_modes(second, first, zeroth, odd):
     return wavenumbers, shapes
 
 
+def companion_modes(second, skew, zeroth):
+    """All eigenpairs (k, v) of k^2 second + k skew + zeroth, both directions together, 2 n of them."""
+    size = len(second)
+    nothing, unit = np.zeros((size, size)), np.eye(size)
+    left = np.block([[unit, nothing], [nothing, second]])
+    right = np.block([[nothing, unit], [-zeroth, -skew]])
+    wavenumbers, pairs = _graded_eigenpairs(left, right, 2 * np.pi * (0.31 + 0.57j))
+    return wavenumbers, pairs[:size]
+
+
 def _graded_eigenpairs(left, right, shift):
-    """All eigenpairs of right v = s left v whose s span many decades (fine layers: up to 1e14).
+    """All eigenpairs of right v = s left v whose s span many decades (fine layers: s = k^2 up to 1e14).
 
     The inverted problem gives small ones to all digits and the direct one large ones; each is asked for its half.
     """
@@ -38,17 +46,17 @@ def _graded_eigenpairs(left, right, shift):
     def over(matrix, load):  # ill-conditioned by nature, where every half is asked only for what it knows
         return lu_solve(lu_factor(matrix, check_finite=False), load, check_finite=False)
 
+    def sorted_pairs(values, vectors):
+        order = np.argsort(abs(values))
+        return values[order], vectors[:, order]
+
     values, vectors = eig(over(right - shift * left, left))
-    squares = shift + 1.0 / values
-    order = np.argsort(abs(squares))
-    squares, vectors = squares[order], vectors[:, order]
-    if abs(squares[-1]) < WIDE_SPECTRUM:
-        return squares, vectors
-    large, large_vectors = eig(over(left, right))
-    order = np.argsort(abs(large))
-    large, large_vectors = large[order], large_vectors[:, order]
+    small, small_vectors = sorted_pairs(shift + 1.0 / values, vectors)
+    if abs(small[-1]) < WIDE_SPECTRUM * abs(shift):
+        return small, small_vectors
+    large, large_vectors = sorted_pairs(*eig(over(left, right)))
     middle = int(np.searchsorted(abs(large), np.sqrt(abs(large[-1]) * abs(shift))))
     near = np.arange(max(1, middle - 8), min(len(large) - 1, middle + 8))
-    gaps = np.minimum(abs(large[near]) / abs(large[near - 1]), abs(squares[near]) / abs(squares[near - 1]))
+    gaps = np.minimum(abs(large[near]) / abs(large[near - 1]), abs(small[near]) / abs(small[near - 1]))
     cut = int(near[np.argmax(gaps)])
-    return np.append(squares[:cut], large[cut:]), np.hstack([vectors[:, :cut], large_vectors[:, cut:]])
+    return np.append(small[:cut], large[cut:]), np.hstack([small_vectors[:, :cut], large_vectors[:, cut:]])

@@ -57,7 +57,7 @@ def wave_field(wave: SurfaceWave, *, per_wavelength: int = 16) -> WaveField:
     """
     solution: Solution = wave.solution
     section = solution.section
-    body = slice(0, section.surface + 1)
+    body = slice(section.bottom, section.surface + 1)
     step = wave.phase_velocity / wave.frequency / per_wavelength
     places, values, offset = [], [], 0.0
     transducer = 0

@@ -105,6 +105,26 @@ def medium(solid: Solid, fields: tuple[str, ...], *, lossy: bool = True) -> Medi
     return _tabulated(law, fields, np.array(inertia), stress, potential)
 
 
+def damped(body: Medium, factor: complex) -> Medium:
+    """A medium of equal wave impedance in which waves decay: elastic tables over ``factor``, inertia times it.
+
+    Passive for any cut, which a stretched depth is not; the piezoelectric and dielectric tables stay.
+    """
+    moves = np.array([name != "phi" for name in body.fields])
+    both = moves[:, None] & moves[None, :]
+    tables = (np.where(both, table / factor, table) for table in (body.xx, body.xz, body.zz))
+    xx, xz, zz = tables
+    return Medium(
+        fields=body.fields,
+        xx=xx,
+        xz=xz,
+        zz=zz,
+        inertia=body.inertia * factor,
+        stress_unit=body.stress_unit,
+        potential_unit=body.potential_unit,
+    )
+
+
 def vacuum_medium(stress_unit: float, potential_unit: float) -> Medium:
     """Vacuum above the surface, in the units of the solid below: phi alone."""
     law = np.zeros((9, 9))

@@ -79,6 +79,8 @@ def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave
     ConvergenceError
         If the highest order does not reach the tolerance.
     """
+    if not (np.isfinite(tolerance) and tolerance > 0):
+        raise ValueError(f"tolerance must be positive and finite, got {tolerance!r}")
     begun = time.perf_counter()
     unit = slowest_wavelength(stator.solid, frequency)
     before = None
@@ -86,7 +88,7 @@ def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave
     for order in ORDERS:
         section = discretise(
             stator,
-            Resolution(order=order, edge_layers=0),
+            Resolution(order=order, edge_layers=0, lossy_elements=order + 2),
             wavelength=unit,
             surface_scale=np.inf,
         )

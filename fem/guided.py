@@ -19,7 +19,7 @@ from functools import cached_property
 import numpy as np
 
 from fem.convergence import ConvergenceError
-from fem.eigenpairs import even_odd_modes
+from fem.eigenpairs import companion_modes, even_odd_modes
 from fem.section import Section
 
 POLISHING_STEPS = 6
@@ -47,8 +47,6 @@ class GuidedModes:
         Mode shapes in columns.
     right_flux, left_flux : ndarray, shape (n, n)
         Their nodal fluxes.
-    right_end, left_end : ndarray, shape (n, n)
-        X with f = X u where the stretch goes on to the right for ever; with -f = X u to the left.
     """
 
     section: Section
@@ -60,8 +58,20 @@ class GuidedModes:
     right_flux: np.ndarray = field(repr=False)
     left_flux: np.ndarray = field(repr=False)
 
-    right_end: np.ndarray = field(repr=False)
-    left_end: np.ndarray = field(repr=False)
+    @cached_property
+    def right_end(self) -> np.ndarray:
+        """X with f = X u where the stretch goes on to the right for ever, shape (n, n)."""
+        second, first, zeroth = self.section.matrices(self.frequency)
+        return _end(second, first, zeroth, self.wavenumbers, self.right, self.right_flux)
+
+    @cached_property
+    def left_end(self) -> np.ndarray:
+        """X with -f = X u where the stretch goes on to the left for ever, shape (n, n)."""
+        if self.section.odd is not None:
+            mirror = np.where(self.section.odd, -1.0, 1.0)
+            return mirror[:, None] * self.right_end * mirror
+        second, first, zeroth = self.section.matrices(self.frequency)
+        return _end(second, -first, zeroth, -self.backwards, self.left, -self.left_flux)
 
     @cached_property
     def _factors(self):
@@ -132,16 +142,12 @@ def guided_modes(section: Section, frequency: float) -> GuidedModes:
         right = np.where(turned, mirror[:, None] * right, right)
         wavenumbers, right = _grounded(section, wavenumbers, right)
         right_flux = _flux(second, first, wavenumbers, right)
-        right_end = _end(second, first, zeroth, wavenumbers, right, right_flux)
         backwards, left = -wavenumbers, mirror[:, None] * right
         left_flux = -mirror[:, None] * right_flux
-        left_end = mirror[:, None] * right_end * mirror
     else:
         (wavenumbers, right), (backwards, left) = _both_ways(section, second, first, zeroth)
         right_flux = _flux(second, first, wavenumbers, right)
         left_flux = _flux(second, first, backwards, left)
-        right_end = _end(second, first, zeroth, wavenumbers, right, right_flux)
-        left_end = _end(second, -first, zeroth, -backwards, left, -left_flux)
     return GuidedModes(
         section=section,
         frequency=frequency,
@@ -151,8 +157,6 @@ def guided_modes(section: Section, frequency: float) -> GuidedModes:
         left=left,
         right_flux=right_flux,
         left_flux=left_flux,
-        right_end=right_end,
-        left_end=left_end,
     )
 
 
@@ -189,7 +193,8 @@ def _end(second, first, zeroth, wavenumbers, shapes, flux):
         ends = _symmetric(ends + lu_solve(factor, half.T, trans=1, check_finite=False).T)
     if not before < RICCATI_TOLERANCE:
         raise ConvergenceError(
-            f"the guided modes leave a residual of {before:.1e} in the open ends' equation: use fewer edge layers"
+            f"the guided modes leave a residual of {before:.1e} in the open ends' equation: "
+            "ask for a looser tolerance, or take less extreme fingers"
         )
     return best
 
@@ -207,17 +212,8 @@ def _grounded(section, wavenumbers, shapes):
 
 def _both_ways(section, second, first, zeroth):
     """Modes going right and going left where no symmetry pairs them, in matching order (backwards ~ -k)."""
-    from scipy.linalg import eig, lu_factor, lu_solve
-
     size = len(second)
-    shift = 2 * np.pi * (0.31 + 0.57j)
-    skew = 1j * (first - first.T)
-    # (shift^2 K2 + shift skew + K0) v_new = -(skew + shift K2) v - K2 w  for the companion pair (v, w = k v)
-    factor = lu_factor(shift**2 * second + shift * skew + zeroth, check_finite=False)
-    top = lu_solve(factor, np.hstack([-(skew + shift * second), -second]), check_finite=False)
-    inverse = np.vstack([top, np.hstack([np.eye(size), np.zeros((size, size))]) + shift * top])
-    values, vectors = eig(inverse)
-    wavenumbers, shapes = shift + 1.0 / values, vectors[:size]
+    wavenumbers, shapes = companion_modes(second, 1j * (first - first.T), zeroth)
     rightgoing = _goes_right(wavenumbers, shapes, _flux(second, first, wavenumbers, shapes))
     if section.floats:
         constant = section.constant_potential / np.linalg.norm(section.constant_potential)

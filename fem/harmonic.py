@@ -16,18 +16,19 @@ from fem.geometry import Stator, Transducer, check_layout
 from fem.materials import fields
 from fem.readout import surface_wave
 from fem.section import Resolution
+from fem.slowness import stretch_absorbs
 from fem.solution import solved
 from fem.surface import SurfaceWave
 from fem.threads import one_blas_thread
 
 # From coarse to fine: measured on the seed's stator (admittance and surface motion move together).
 LEVELS = (
-    Resolution(order=5, edge_layers=0),
-    Resolution(order=6, edge_layers=1),
-    Resolution(order=7, edge_layers=2),
-    Resolution(order=8, edge_layers=3),
-    Resolution(order=9, edge_layers=4),
-    Resolution(order=10, edge_layers=5),
+    Resolution(order=5, edge_layers=0, lossy_elements=5),
+    Resolution(order=6, edge_layers=1, lossy_elements=6),
+    Resolution(order=7, edge_layers=2, lossy_elements=8),
+    Resolution(order=8, edge_layers=3, lossy_elements=10),
+    Resolution(order=9, edge_layers=4, lossy_elements=12),
+    Resolution(order=10, edge_layers=5, lossy_elements=14),
 )
 EXPECTED = (
     np.inf,
@@ -37,7 +38,9 @@ EXPECTED = (
     2e-6,
     3e-7,
 )  # estimate at each level on an ordinary motor: where to begin
-GAIN = 8.0  # a level divides the error by more than this: 6.7 per edge layer, and more by the order (11 to 25 seen)
+GAIN = 8.0  # a level divides the error by more: 6.7 per edge layer, and more by the order (11 to 25 seen)
+CORNER_GAIN = 2.0  # where clamped and free sides meet the stress is singular, and only the order helps
+LOSSY_GAIN = 1.5  # where a lossy layer stands for the half-space its thickness decides, squared
 
 
 @one_blas_thread
@@ -84,13 +87,16 @@ def driven_wave(
     """
     check_layout(stator, transducers)
     if "phi" not in fields(stator.solid):
-        raise ValueError(f"a transducer needs a piezoelectric stator, and {stator.solid.name} is not one")
+        why = "uncouples phi in this orientation" if stator.solid.is_piezoelectric else "is not piezoelectric"
+        raise ValueError(f"a transducer needs a piezoelectric stator, and {stator.solid.name} {why}")
+    if not (np.isfinite(tolerance) and tolerance > 0):
+        raise ValueError(f"tolerance must be positive and finite, got {tolerance!r}")
     if not (np.isfinite(frequency) and frequency > 0):
         raise ValueError(f"drive.frequency must be positive and finite, got {frequency!r} Hz")
     begun = time.perf_counter()
     at = np.array(places or (stator.length / 2,))
     say = progress or (lambda text: None)
-    level = _first_level(tolerance)
+    level, gain = _first_level(tolerance), _gain(stator)
     coarse = None
     while True:
         resolution = LEVELS[level]
@@ -107,8 +113,8 @@ def driven_wave(
         if coarse is not None:
             wave = replace(
                 wave,
-                relative_error=orbit_difference(wave, coarse, at) / (GAIN - 1),
-                admittance_error=abs(wave.admittance / coarse.admittance - 1) / (GAIN - 1),
+                relative_error=orbit_difference(wave, coarse, at) / (gain - 1),
+                admittance_error=abs(wave.admittance / coarse.admittance - 1) / (gain - 1),
             )
             if wave.relative_error <= tolerance:
                 break
@@ -128,6 +134,14 @@ def driven_wave(
         power_residual=powers.residual,
         seconds=time.perf_counter() - begun,
     )
+
+
+def _gain(stator: Stator) -> float:
+    """By how much a level divides the error, at least."""
+    if stator.absorbs_below and not stretch_absorbs(stator.solid):
+        return LOSSY_GAIN
+    corners = stator.ends == "clamped" or (stator.ends == "free" and stator.bottom == "clamped")
+    return CORNER_GAIN if corners else GAIN
 
 
 def _first_level(tolerance: float) -> int:

@@ -129,6 +129,11 @@ def _left_out(solution: Solution) -> tuple[str, ...]:
         reasons.append("half of the guided-mode problem: x -> -x is a symmetry of this orientation")
     if solution.stator.above == "none":
         reasons.append("field in the vacuum above: D_n = 0 on the bare surface")
+    speed = solution.section.surface_speed
+    if speed is not None and solution.stator.thickness < speed / solution.modes.frequency:
+        reasons.append(
+            "a Rayleigh wave: the plate is thinner than a wavelength, what is named so is a plate mode"
+        )
     reasons.append("elements in the uniform stretches: sums of guided modes instead")
     reasons.append("interior field: only the surface was asked for")
     return tuple(reasons)

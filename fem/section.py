@@ -17,16 +17,22 @@ from functools import cached_property
 import numpy as np
 
 from fem.convergence import ConvergenceError
-from fem.forms import Medium, medium, units, vacuum_medium
+from fem.forms import Medium, damped, medium, units, vacuum_medium
 from fem.geometry import Stator
 from fem.half_space import rayleigh
 from fem.materials import fields as coupled_fields
+from fem.slowness import stretch_absorbs
 from fem.spectral import line_nodes, reference_matrices
 
 LAYER_RATIO = 0.15
 HALF_SPACE_DEPTH = 2.0  # wavelengths of ordinary solid above the absorbing layer
-PML_WAVELENGTHS = 2.0
-PML_STRETCH = 10.0 - 6.0j  # damps what travels and what only decays: a surface wave's velocity to 1e-10
+# Absorbing layer from above: height of an element in wavelengths and its stretch, gentle where waves arrive and large
+# where only the static field is left.  Motion to 4e-6 and better on PZT-8, LiNbO3 YZ and ST-X quartz.
+STRETCHED = ((0.5, 1 - 1j), (0.5, 1.5 - 2j), (0.5, 4 - 4j), (0.5, 12 - 8j), (0.5, 60 - 20j))
+MOST_LOSS = 0.6  # at the bottom, where a stretch would make waves grow and loss takes its place
+FINGER_SCALE = (
+    0.125  # wavelengths; above it a finger's near field needs no layers of its own through the depth
+)
 VACUUM_HEIGHT = (
     64.0  # length units; the field of a transducer without net charge decays as the distance squared
 )
@@ -44,11 +50,15 @@ class Resolution:
         Geometric layers towards finger edges and the surface, ratio 0.15 each.
     element_size : float
         Largest element in wavelengths of the slowest bulk wave.
+    lossy_elements : int
+        Wavelengths of ever more lossy solid below, in cuts whose waves a stretched depth does not absorb; its error
+        falls as the square.
     """
 
     order: int
     edge_layers: int
     element_size: float = 1.0
+    lossy_elements: int = 8
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,6 +79,8 @@ class Section:
         Number of the unknown for ux, uy, uz, phi at a node; -1 where there is none.
     surface : int
         Node of the surface.
+    bottom : int
+        Node of the solid's lower end: 0, or where an absorbing layer begins.
     surface_speed : float or None
         Velocity of the half-space's Rayleigh wave in m/s, by which the surface wave is told from the other modes;
         None where the cut has none.
@@ -81,6 +93,7 @@ class Section:
     length_unit: float
     dofs: np.ndarray = field(repr=False)
     surface: int
+    bottom: int
     surface_speed: float | None
 
     @property
@@ -233,17 +246,18 @@ def discretise(stator: Stator, resolution: Resolution, *, wavelength: float, sur
     if stator.absorbs_below:
         # Any thickness is the same half-space; too near the surface the layer errs by 1e-4.
         depth = max(depth, HALF_SPACE_DEPTH)
-    top = min(surface_scale / unit, depth / 2, largest) if layers else min(depth, largest)
+    scale = surface_scale / unit
+    top = min(max(scale, FINGER_SCALE), depth / 2, largest) if layers else min(depth, largest)
+    layers = edge_layers(resolution, top, min(scale, top)) if layers else 0
     pieces = [graded(depth - top, 0, largest=largest)] if depth > top * (1 + 1e-9) else []
     pieces.append(graded(top, layers, largest=largest))
     heights = np.concatenate(pieces)
     complex_heights = heights.astype(complex) if stator.absorbs_below else heights
-    if stator.absorbs_below:
-        absorber = graded(PML_WAVELENGTHS, 0, largest=min(largest, 0.5))
-        heights = np.concatenate([absorber, heights])
-        complex_heights = np.concatenate([absorber * PML_STRETCH, complex_heights])
+    below = _absorber(stator.solid, body, resolution.lossy_elements) if stator.absorbs_below else []
+    heights = np.concatenate([[each.real for each, _, _ in below], heights])
+    complex_heights = np.concatenate([[each * stretch for each, stretch, _ in below], complex_heights])
     solid_elements = len(heights)
-    media = [body] * solid_elements
+    media = [each for _, _, each in below] + [body] * (solid_elements - len(below))
     if stator.above == "vacuum" and "phi" in names:
         gap = vacuum_medium(*units(stator.solid))
         sizes = list(graded(top, layers, largest=largest, smallest_first=True))
@@ -262,8 +276,23 @@ def discretise(stator: Stator, resolution: Resolution, *, wavelength: float, sur
         length_unit=unit,
         dofs=_numbered(names, solid_elements, len(media), resolution.order, stator),
         surface=solid_elements * resolution.order,
+        bottom=len(below) * resolution.order,
         surface_speed=_surface_speed(stator.solid),
     )
+
+
+def edge_layers(resolution: Resolution, length: float, smallest: float) -> int:
+    """Layers for a length so that its last element is as fine as those of the smallest length beside it."""
+    more = np.log(length / smallest) / np.log(1 / LAYER_RATIO)
+    return resolution.edge_layers + (max(0, int(np.ceil(more - 0.5))) if resolution.edge_layers else 0)
+
+
+def _absorber(solid, body: Medium, count: int) -> list[tuple[float, complex, Medium]]:
+    """Elements below the solid from the bottom up: height, stretch of the depth, medium."""
+    if stretch_absorbs(solid):
+        return [(height, stretch, body) for height, stretch in STRETCHED[::-1]]
+    losses = MOST_LOSS * ((np.arange(count) + 0.5) / count) ** 2
+    return [(1.0, 1.0, damped(body, 1 - 1j * loss)) for loss in losses[::-1]]
 
 
 def _surface_speed(solid) -> float | None:

@@ -116,7 +116,7 @@ class SurfaceWave:
         W per V^2 of the source (peak), over the aperture of the driven transducer: given, sent out through the
         ends, and the rest, lost in the solid (and to an absorbing bottom and the other transducers' loads).
     power_residual : float
-        Worst imbalance of a transducer's audit over ``power_input``.
+        Worst imbalance of a transducer's audit over the source's apparent power.
     relative_error : float
         Of the surface motion at the places asked for, from two discretisations.
     admittance_error : float

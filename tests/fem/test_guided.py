@@ -78,11 +78,15 @@ def test_constant_potential_sends_nothing(guided):
 
 
 def test_modes_go_right_and_left(guided):
-    """As many as a line has unknowns to either side, by decay or, without loss, by power."""
+    """As many as a line has unknowns to either side, by decay or, without loss, by power.
+
+    An absorbing layer's discretisation error may turn a wave's decay by 1e-3 of k at this order.
+    """
     n = guided.section.size
+    slack = 1e-3 if np.iscomplexobj(guided.section.heights) else 1e-9
     assert guided.right.shape == guided.left.shape == (n, n)
-    assert np.all(guided.wavenumbers.imag < 1e-9 * (1 + np.abs(guided.wavenumbers)))
-    assert np.all(guided.backwards.imag > -1e-9 * (1 + np.abs(guided.backwards)))
+    assert np.all(guided.wavenumbers.imag < slack * (1 + np.abs(guided.wavenumbers)))
+    assert np.all(guided.backwards.imag > -slack * (1 + np.abs(guided.backwards)))
 
 
 @pytest.fixture(
