@@ -33,7 +33,7 @@ from fem.wavelength import slowest_wavelength
 
 STATIC = 1e-3  # of the stop band's frequency: there the admittance is the capacitance's, to 1e-5
 REACH = 0.04  # of the stop band's frequency, either side: where cells are interpolated
-NODES = 7
+NODES = 6
 STEP = 1e-4  # relative, of omega^2, for the derivative of B
 NEAR = 0.25  # relative distance of omega^2 within which edges are looked for
 STEPS = 8
@@ -178,7 +178,8 @@ class Grating:
                 f"no two standing waves near {self.middle:g} Hz: the cut guides no surface wave"
             )
         found = sorted(
-            self._polished((start - 1 / inverse[index]).real, vectors[:, index], open_fingers) for index in chosen
+            self._polished((start - 1 / inverse[index]).real, vectors[:, index], open_fingers)
+            for index in chosen
         )
         return StopBand(lower=found[0], upper=found[1], pitch=self.pitch)
 

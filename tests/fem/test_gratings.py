@@ -136,6 +136,7 @@ def test_a_finite_reflector_sends_back_tanh_of_its_fingers(sign):
     assert returned == pytest.approx(np.tanh(24 * band.reflectivity), rel=0.08)
 
 
+@pytest.mark.slow
 def test_the_error_of_the_edges_holds_against_a_finer_answer():
     solid = lossless("PZT-8", "Z")
     rough = cell_triple(solid, period=PERIOD, metallisation=0.5, tolerance=0.3)
