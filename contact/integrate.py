@@ -80,6 +80,10 @@ def _fraction(s, map_):
 @compiled
 def _roughness(tail, own, length, push_scale, pull_scale):
     """Return the largest of the two highest Chebyshev coefficients of the forces, times length over scale."""
+    # an impact without preload has its own scale
+    most = 1e-3 * np.max(own[P])
+    if most > push_scale:
+        push_scale, pull_scale = most, most * pull_scale / push_scale
     worst = 0.0
     for r in range(2):
         for i in range(own.shape[1]):

@@ -16,8 +16,7 @@ and the force is Q = mu K (3/2c) int sqrt(eta) dy = mu K M: a line adds +-(eta_2
     grow     no slip, |x'| <= c z'; the edge writes a curve
     slip     the line covers everything: gross slip, the chain is empty
 
-A front that comes back to the start of a piece wipes it out. Nothing is discretised but the curves, which are known at
-the nodes of their stretch.
+A front that comes back to the start of a piece wipes it out. Only curves are discretised, at their stretch's nodes.
 """
 
 from typing import NamedTuple
@@ -234,6 +233,8 @@ def memory_guard(memory, i, regime, which, s, z, x, z_rate, x_rate, eta, c):
         return FAR_SIDE + s * (start - x) + c * z, c * z_rate - s * x_rate
     if memory.kind[i, k] != 0:  # smooth even where the stretch has run too far
         eta = 0.5 * (z + s * (memory.corner[i, k, W if s > 0.0 else U] - x) / c)
+    else:  # a contact that opens just as it closed goes back along its curve: the front is at the edge all the way
+        eta -= 1e-11
     return FAR_SIDE + z - eta, 0.5 * (s * x_rate + c * z_rate) / c
 
 
