@@ -29,6 +29,9 @@ NEAR_HALF_SPACE = (
     0.02  # relative distance of k from the half-space's that halves a mode's claim to be the surface wave
 )
 NEARLY_REAL = 3e-3  # |Im k| over |Re k| below which a mode that carries power is told by its flux
+ONE_WAVE = (
+    1e-3  # relative distance of k within which two modes are one wave however localised each of them is
+)
 TWIN_MODES = 3e-2  # relative distance of k within which two localised modes are one wave
 
 
@@ -97,7 +100,8 @@ class GuidedModes:
 
         A mode is as localised as its motion at the surface, squared, is large against the mean over the depth.  In a
         block whose two faces are alike the surface wave is the sum of a symmetric and an antisymmetric mode of
-        nearly one velocity, each with half its motion at the bottom: both count.
+        nearly one velocity, each with half its motion at the bottom: both count.  The nearer they are the less the
+        eigensolver keeps them apart: two of one velocity count whatever each looks like.
         """
         moving = np.flatnonzero(abs(self.wavenumbers.imag) < PROPAGATING * abs(self.wavenumbers.real))
         if len(moving) == 0:
@@ -109,8 +113,9 @@ class GuidedModes:
             expected = 2 * np.pi * self.frequency * self.section.length_unit / self.section.surface_speed
             localised /= 1.0 + (abs(self.wavenumbers[moving] / expected - 1.0) / NEAR_HALF_SPACE) ** 2
         best = int(np.argmax(localised))
-        alike = abs(self.wavenumbers[moving] / self.wavenumbers[moving[best]] - 1) < TWIN_MODES
-        chosen = np.flatnonzero(alike & (localised > 0.4 * localised[best]))
+        apart = abs(self.wavenumbers[moving] / self.wavenumbers[moving[best]] - 1)
+        split = (apart < TWIN_MODES) & (localised > 0.4 * localised[best])
+        chosen = np.flatnonzero((apart < ONE_WAVE) | split)
         return moving[chosen[np.argsort(-localised[chosen])]]
 
 
