@@ -6,6 +6,7 @@ Motor*, with stick and slip as a stop operator. The compiled parts are loaded wh
 """
 
 from contact.averaged import MeanMotion, mean_motion
+from contact.batch import SteadyMap, steady_map
 from contact.convergence import ConvergenceError
 from contact.envelope import Envelope
 from contact.history import History, contact_history
@@ -17,6 +18,7 @@ from contact.limits import (
     threshold_factor,
 )
 from contact.orbit import Orbit
+from contact.planner import Step, cycles_for, step
 from contact.slider import Slider
 from contact.steady import SteadyState, steady
 from contact.trajectory import Trajectory, burst
@@ -28,15 +30,20 @@ __all__ = [
     "MeanMotion",
     "Orbit",
     "Slider",
+    "SteadyMap",
     "SteadyState",
+    "Step",
     "Trajectory",
     "burst",
     "contact_history",
+    "cycles_for",
     "mean_motion",
     "release_amplitude",
     "release_factor",
     "riding_height",
     "steady",
+    "steady_map",
+    "step",
     "threshold_amplitude",
     "threshold_factor",
 ]

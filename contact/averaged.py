@@ -22,7 +22,7 @@ from contact.slider import Slider
 
 # largest ratio of bounce to wave frequency, for v(t) and for the corrected steady state
 STIFFEST, STIFFEST_STEADY = 0.1, 0.3
-HARMONICS = 12
+HARMONICS = 8
 # share of the first-order error that the second order has been seen to leave in v(t), times two
 LEFT_BY_SECOND_ORDER = 0.05
 
@@ -104,7 +104,7 @@ def mean_motion(
     refuse_unless_applicable(slider, listed, STIFFEST_STEADY)
     side, driven = towards_plus(listed)
     problem = scaling.scaled(slider, driven, direction=1.0, start=0.0)
-    first, second, rule = np.zeros(7), np.zeros(7), quadrature(16)
+    first, second, rule = np.zeros(7), np.zeros(7), quadrature(20)
     why = slow.balance(problem.parameters, problem.waves, rule, 0, first)
     if first[0] < 0.0 and slider.load > 0.0 and slow.drives_back(problem.parameters, problem.waves, rule):
         problem = scaling.scaled(slider, driven, direction=-1.0, start=0.0)
@@ -161,7 +161,7 @@ def averaged_run(
     rows[ends <= 1] = begin.state[2], begin.state[0]
     at = np.minimum(at, stop)
     unit = reference_speed(0.0, orbits) / problem.speed
-    first, second, fine = np.zeros(7), np.zeros(7), quadrature(16)
+    first, second, fine = np.zeros(7), np.zeros(7), quadrature(20)
     slow.balance(problem.parameters, problem.waves, fine, 0, first)
     slow.balance(problem.parameters, problem.waves, fine, HARMONICS, second)
     by_average = abs(second[0] - first[0])

@@ -19,7 +19,7 @@ def compiled(function):
     usual = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = _folder(usual)
     try:
-        return numba.njit(cache=True)(function)
+        return numba.njit(cache=True, nogil=True)(function)
     finally:
         numba.config.CACHE_DIR = usual
 

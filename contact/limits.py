@@ -26,8 +26,8 @@ _PSI = 0.25 * math.pi * (_NODES + 1.0)
 _SIN, _RATE = np.sin(_PSI), 0.25 * math.pi * _WEIGHTS * np.cos(_PSI)
 
 
-def mean_power(height: float, amplitude: float) -> float:
-    """Return the cycle mean of max(h + A cos phi, 0)^1.5, in m^1.5; h and A in m.
+def mean_power(height: float, amplitude: float, power: float = 1.5) -> float:
+    """Return the cycle mean of max(h + A cos phi, 0)^power, 1.5 or 0.5; h and A in m.
 
     Gauss-Legendre on the arc in contact, half-angle beta, with phi = beta sin(psi): the root at the end of the arc
     becomes smooth.
@@ -36,7 +36,7 @@ def mean_power(height: float, amplitude: float) -> float:
     if h <= -A:
         return 0.0
     if A == 0.0:
-        return h * math.sqrt(h)
+        return h**power
     beta = math.pi if h >= A else 2.0 * math.asin(math.sqrt(0.5 * (A + h) / A))
     phi = beta * _SIN
     if h >= A:
@@ -44,7 +44,8 @@ def mean_power(height: float, amplitude: float) -> float:
     else:  # h + A cos(phi) = A (cos phi - cos beta), without cancellation
         z = 2.0 * A * np.sin(0.5 * (beta + phi)) * np.sin(0.5 * (beta - phi))
     z = np.maximum(z, 0.0)
-    return float(beta / math.pi * np.sum(_RATE * z * np.sqrt(z)))
+    root = np.sqrt(z)
+    return float(beta / math.pi * np.dot(_RATE, root if power == 0.5 else z * root))
 
 
 def riding_height(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
@@ -59,11 +60,21 @@ def riding_height(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
     if high == 0.0 or low == 0.0:
         return high if low == 0.0 else low
 
-    def excess(h):
-        return sum(mean_power(h, A) for A in amplitudes) - target
-
-    # Convexity of z^1.5: the mean at z0 is at least that of z0 itself, so [low, high] brackets the root.
-    return _bracketed_root(excess, low, high)
+    # Convexity of z^1.5: the mean at z0 is at least that of z0 itself, so [low, high] brackets the root. The mean to
+    # the power 2/3 is nearly straight in h, and Newton's method from above on it takes a few steps.
+    h = high
+    for _ in range(100):
+        mean = sum(mean_power(h, A) for A in amplitudes)
+        if mean > target:
+            high = h
+        else:
+            low = h
+        slope = sum(1.5 * mean_power(h, A, 0.5) for A in amplitudes)
+        step = 1.5 * (target ** (2.0 / 3.0) * mean ** (1.0 / 3.0) - mean) / slope if mean > 0.0 else math.inf
+        if abs(step) <= 2e-15 * (abs(h) + max(amplitudes)) or high - low <= 4e-16 * (abs(low) + abs(high)):
+            break
+        h = h + step if low < h + step < high else 0.5 * (low + high)
+    return h
 
 
 def release_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
@@ -90,13 +101,15 @@ def threshold_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float
         or slider.load >= slider.friction_coefficient * slider.preload
     ):
         return 0.0
-    z0 = slider.rest_approach(len(listed))
-    reach = max(abs(o.tangential - slider.limit_slope * o.normal) for o in listed)
-    reach = max(reach, max(abs(o.tangential + slider.limit_slope * o.normal) for o in listed))
-    high = 1.001 * slider.limit_slope * z0 / reach * len(listed)
-    while _holding_margin(slider, listed, high) > 0.0:
-        high *= 2.0
-    return _bracketed_root(lambda factor: _holding_margin(slider, listed, factor), 0.0, high)
+    c = slider.limit_slope
+    # room for the offsets: h over the factor is fixed where it ends, and the preload gives the factor
+    end = max(abs(o.tangential - c * o.normal) + abs(o.tangential + c * o.normal) for o in listed) / (2.0 * c)
+    unit = max(end, max(abs(o.normal) for o in listed))
+    mean = sum(mean_power(end / unit, abs(o.normal) / unit) for o in listed)
+    most = float(hertz.approach(slider.preload / mean, slider.hertz_stiffness)) / unit
+    if _holding_margin(slider, listed, most * (1.0 - 1e-9)) >= 0.0:
+        return most
+    return _bracketed_root(lambda factor: _holding_margin(slider, listed, factor), 0.0, most)
 
 
 def release_amplitude(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
@@ -151,13 +164,15 @@ def _bracketed_root(function, low, high):
         raise ConvergenceError(
             "not converged", f"no change of sign between {low} and {high} m; check the amplitudes"
         )
+    last = math.inf
     for count in range(300):
         x = high - f_high * (high - low) / (f_high - f_low)
         if count % 4 == 3 or not (min(low, high) < x < max(low, high)):
             x = 0.5 * (low + high)
         f = function(x)
-        if f == 0.0 or abs(high - low) <= 4e-16 * (abs(low) + abs(high)):
+        if f == 0.0 or abs(high - low) <= 1e-14 * (abs(low) + abs(high)) or abs(x - last) <= 1e-15 * abs(x):
             return x
+        last = x
         if (f > 0.0) == (f_high > 0.0):
             high, f_high, f_low = x, f, 0.5 * f_low
         else:

@@ -202,3 +202,10 @@ def first_order_gap(parameters, waves, v, span, rule, harmonics):
     settled(parameters, waves, h, v, fast, rule, all_sums, counts, 6)
     gap = abs(all_sums[1] - parameters[4] * v - parameters[5] - plain)
     return gap * min(span, 1.0 / max(-slope, 1e-300))
+
+
+@compiled
+def balances(parameters, waves, rule, harmonics, out, why, first, stride):
+    """Fill a row of `balance` and the reason for ending for every `stride`-th problem from `first` on."""
+    for m in range(first, parameters.shape[0], stride):
+        why[m] = balance(parameters[m], waves[m], rule, harmonics, out[m])

@@ -1,0 +1,92 @@
+"""One cycle under a heavy slider: against the general event-exact motion, and its closed forms."""
+
+import numpy as np
+import pytest
+
+from contact import scaling
+from contact.balance import balanced, traction
+from contact.cycle import MADE, SLIPS, STUCK, cycle, quadrature, respond
+from contact.integrate import TALLY
+from contact.limits import mean_power, riding_height
+from contact.slow import mean_push, riding
+from tests.contact.motors import orbit, slider
+
+
+def means(problem, h, v, nodes=20):
+    sums, counts = np.zeros(2), np.zeros(4, np.int64)
+    cycle(problem.parameters, problem.waves, h, v, np.zeros((4, 1)), quadrature(nodes), sums, counts)
+    return sums, counts
+
+
+# Oracle: the same cycle by collocation between events that are searched on interpolants
+@pytest.mark.parametrize("A", [1e-9, 3e-9, 4.1e-9, 4.3e-9, 10e-9, 20e-9])
+@pytest.mark.parametrize("share", [-1.1, -0.3, 0.03, 0.2, 0.6, 0.95, 1.1])
+def test_mean_forces_are_those_of_the_general_motion(A, share):
+    problem = balanced(slider(), (orbit(A),)).problem
+    h = riding_height(slider(), orbit(A)) / problem.length
+    v = share * float(np.hypot(*problem.waves[0, 2:]))
+    friction = problem.parameters[scaling.MU] * problem.parameters[scaling.PRELOAD]
+    (push, pull), _ = means(problem, h, v)
+    general, _ = traction(problem, h, v, 0.0, np.zeros(TALLY, int))
+    # where slip hardly begins both ways lose digits
+    assert pull == pytest.approx(general, abs=2e-7 * friction)
+    assert push == pytest.approx(problem.parameters[scaling.PRELOAD], rel=1e-11)
+
+
+def test_three_contacts_of_general_phase():
+    trio = tuple(orbit(5e-9).scaled((1 + 0.1 * k) * np.exp(0.4j - 2j * np.pi * k / 7.0)) for k in range(3))
+    problem = balanced(slider(), trio).problem
+    h = riding_height(slider(), trio) / problem.length
+    (push, pull), counts = means(problem, h, 0.2)
+    general, _ = traction(problem, h, 0.2, 0.0, np.zeros(TALLY, int))
+    assert pull == pytest.approx(general, rel=1e-8)
+    assert push == pytest.approx(problem.parameters[scaling.PRELOAD], rel=1e-11)
+    assert counts[MADE] == 3
+    assert counts[SLIPS] >= 3
+    assert counts[STUCK] == 0
+
+
+def test_beyond_the_surface_velocity_friction_is_full():
+    problem = balanced(slider(), (orbit(3e-9),)).problem
+    h = riding_height(slider(), orbit(3e-9)) / problem.length
+    (push, pull), _ = means(problem, h, 5.0)
+    assert pull == pytest.approx(-problem.parameters[scaling.MU] * push, rel=1e-13)
+
+
+def test_a_sticking_cycle_says_so():
+    problem = balanced(slider(), (orbit(0.3e-9),)).problem
+    h = riding_height(slider(), orbit(0.3e-9)) / problem.length
+    assert means(problem, h, 0.0)[1][STUCK] == 1
+
+
+def test_the_mean_push_and_the_riding_height_are_the_closed_ones():
+    problem = balanced(slider(), (orbit(10e-9),)).problem
+    kappa, p = problem.parameters[scaling.KAPPA], problem.parameters[scaling.PRELOAD]
+    rule, a = quadrature(24), float(np.hypot(*problem.waves[0, :2]))
+    for h in (-0.9 * a, -0.2 * a, 0.3 * a, 0.999 * a, 1.7 * a):
+        force, slope = mean_push(kappa, problem.waves, h, rule)
+        assert force == pytest.approx(kappa * mean_power(h, a), rel=1e-10)
+        step = 1e-5 * a
+        rise = kappa * (mean_power(h + step, a) - mean_power(h - step, a)) / (2.0 * step)
+        assert slope == pytest.approx(rise, rel=1e-6)  # the difference quotient's own error
+    height = riding_height(slider(), orbit(10e-9)) / problem.length
+    assert riding(kappa, problem.waves, p, rule) == pytest.approx(height, rel=1e-10)
+
+
+def test_the_fast_motion_obeys_its_equation():
+    # Property: z'' + d z' = F harmonic by harmonic, and the same for the travel
+    sums, fast = np.zeros(2 + 4 * 3), np.zeros((4, 3))
+    sums[2:] = np.arange(1.0, 13.0)
+    parameters = np.zeros(12)
+    parameters[scaling.NORMAL_DAMPING], parameters[scaling.TANGENTIAL_DAMPING] = 0.3, 0.07
+    respond(parameters, sums, fast)
+    phase = np.linspace(0.0, 2.0 * np.pi, 7)
+    for row, damping, first in ((0, 0.3, 2), (2, 0.07, 4)):
+        second = force = 0.0
+        for k in range(3):
+            n = k + 1
+            a, b = fast[row, k], fast[row + 1, k]
+            second += -n * n * (a * np.cos(n * phase) + b * np.sin(n * phase))
+            second += damping * n * (b * np.cos(n * phase) - a * np.sin(n * phase))
+            force += sums[first + 4 * k] * np.cos(n * phase) + sums[first + 1 + 4 * k] * np.sin(n * phase)
+        assert second == pytest.approx(force, rel=1e-12)

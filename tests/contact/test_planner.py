@@ -1,0 +1,98 @@
+"""Envelopes, steps, stopping."""
+
+import numpy as np
+import pytest
+
+from contact import ConvergenceError, Envelope, burst, cycles_for, step
+from tests.contact.motors import orbit, slider
+
+
+def flat(amplitude, phase):
+    return Envelope(time=[0.0], amplitude=[amplitude], phase=[phase])
+
+
+def run(o, **given):
+    return burst(slider(), o, duration=3e-4, after=0.0, tolerance=1e-4, samples=2, method="stepped", **given)
+
+
+def test_a_flat_envelope_scales_the_wave():
+    plain = run(orbit(6e-9))
+    assert run(orbit(3e-9), envelope=flat(2.0, 0.0)).velocity_at_burst_end == pytest.approx(
+        plain.velocity_at_burst_end, rel=1e-12
+    )
+
+
+def test_a_phase_that_runs_is_a_frequency():
+    # a phase of -2 pi per 100 cycles takes 1 % of the frequency away: 303 cycles of the slower wave
+    slow = 0.99 * 2.2e6
+    t = np.linspace(0.0, 300 / slow, 601)
+    e = Envelope(time=t, amplitude=np.ones(601), phase=2.0 * np.pi * (slow - 2.2e6) * t)
+    shifted = burst(
+        slider(), orbit(10e-9), duration=300 / slow, after=0.0, tolerance=1e-5, samples=2, method="stepped", envelope=e
+    )  # fmt: skip
+    own = burst(
+        slider(), orbit(10e-9, frequency=slow), duration=300 / slow, after=0.0, tolerance=1e-5, samples=2,
+        method="stepped",
+    )  # fmt: skip
+    # chords of the turning factor are short of the circle by (2 pi/100)^2/12 on average
+    assert shifted.velocity_at_burst_end == pytest.approx(own.velocity_at_burst_end, rel=2e-3)
+
+
+def test_ring_up_starts_slower():
+    e = Envelope.ring_up(time_constant=5e-5, duration=1e-3)
+    assert e.amplitude[0] == 0.0
+    assert e.at(np.array([5e-5]))[0] == pytest.approx(1.0 - np.exp(-1.0), rel=1e-3)  # chords
+    ringing, sudden = run(orbit(10e-9), envelope=e), run(orbit(10e-9))
+    assert 0.3 < ringing.velocity_at_burst_end / sudden.velocity_at_burst_end < 0.95
+    assert burst(
+        slider(), orbit(10e-9), duration=3e-4, after=0.0, tolerance=1e-3, samples=2, envelope=e
+    ).method == "stepped"  # fmt: skip
+    with pytest.raises(ConvergenceError, match="no envelope"):
+        burst(
+            slider(), orbit(3e-9), duration=1e-5, after=0.0, tolerance=1e-3, samples=2, method="exact", envelope=e
+        )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [({"time": [1.0, 0.0]}, "time"), ({"amplitude": [1.0, -1.0]}, "amplitude"), ({"phase": [0.0]}, "phase")],
+)
+def test_envelopes_that_are_refused(given, sentence):
+    good = {"time": [0.0, 1.0], "amplitude": [1.0, 1.0], "phase": [0.0, 0.0]}
+    with pytest.raises(ValueError, match=f"envelope.{sentence}"):
+        Envelope(**(good | given))
+
+
+def test_a_step_is_the_area_under_the_velocity():
+    # Oracle: trapezoidal sums over burst and slide, sampled densely; the ring's own offset stays below x_max
+    found = step(slider(), orbit(10e-9), cycles=1500)
+    whole = burst(slider(), orbit(10e-9), duration=1500 / 2.2e6, after=0.02, tolerance=1e-6, samples=200000)
+    area = float(np.trapezoid(whole.velocity, whole.time))
+    assert found.cycles == 1500
+    assert found.displacement == pytest.approx(area, abs=1e-9)
+    assert found.displacement == pytest.approx(found.during + found.stopping, rel=1e-14)
+    assert found.velocity == pytest.approx(whole.velocity_at_burst_end, rel=1e-6)
+    assert 0.0 < found.ring <= 1.0001 * slider().limit_slope * 2.0 * slider().rest_approach(1)
+
+
+def test_stopping_distance_of_a_quiet_slider():
+    # Closed form v^2/(2 mu g) once the bounce has died, no tangential damper: heavy normal damping makes it so
+    s = slider(normal_damping=5.0, tangential_damping=0.0)
+    found = step(s, orbit(10e-9), cycles=12000)
+    brake = s.friction_coefficient * s.preload / s.mass
+    assert found.stopping == pytest.approx(found.velocity**2 / (2.0 * brake), rel=3e-2)
+    assert found.stopping_time == pytest.approx(found.velocity / brake, rel=3e-2)
+
+
+def test_cycles_for_a_step_of_two_nanometres():
+    before, after = cycles_for(slider(), orbit(5e-9), displacement=2e-9)
+    assert after.cycles == before.cycles + 1
+    assert before.displacement < 2e-9 <= after.displacement
+    assert step(slider(), orbit(5e-9), cycles=after.cycles) == after
+    left, _ = cycles_for(slider(), orbit(5e-9).mirrored(), displacement=2e-9)
+    assert left.displacement == -before.displacement
+
+
+def test_a_slider_that_friction_cannot_hold():
+    with pytest.raises(ConvergenceError, match="never stops"):
+        step(slider(load=1e-3), orbit(5e-9), cycles=10)
