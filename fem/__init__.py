@@ -3,14 +3,15 @@
 Conventions: exp(+i omega t), complex peak amplitudes, SI; x along the propagation, z out of the surface, body at
 z < 0; Voigt order 11 22 33 23 13 12 with engineering shear.  The rooms, bottom to top: materials - spectral, forms -
 stroh, half_space - geometry - quasistatic - section - guided, modes - cell - chain - network, electrodes - solution -
-surface, readout - audit, field - gratings - harmonic, free - triple, reduced - band - preparation; direct stands beside
-them as the check.
+surface, readout - audit, field - gratings - harmonic, free - triple, reduced - band - preparation; burst reads
+waves; direct stands beside them as the check.
 """
 
 from importlib import import_module
 
 _HOME = {
     "Band": "band",
+    "BurstEnvelope": "burst",
     "CellTriple": "triple",
     "ConvergenceError": "convergence",
     "FreeWave": "free",
@@ -25,6 +26,7 @@ _HOME = {
     "anisotropic": "materials",
     "automatic_period": "geometry",
     "frequency_band": "preparation",
+    "burst_response": "burst",
     "catalogue": "materials",
     "cell_triple": "triple",
     "coupling": "half_space",
