@@ -72,16 +72,20 @@ class PlateResponse:
         down = [_ROWS[0][1], _ROWS[2][1], 8]
         return tuple(law[np.ix_(rows, columns)] for rows in (across, down) for columns in (across, down))
 
-    @property
-    def low_wavenumber(self) -> complex:
-        """Factor c of c / k^2 in phi per charge as k -> 0: the plate as a conductor of D along x, V/C per m.
+    @cached_property
+    def low_wavenumbers(self) -> np.ndarray:
+        """Laurent coefficients of phi per charge at k = 0, of k^-2, 1, k^2 ... k^10 (SI), by Cauchy's integral.
 
-        E_x = e_0 - and u_z, u_x such that no mean stress T_xz, no T_xx of the middle plane enter at this order: the
-        inertia of the section resists both, D_x = eps_xx E_x + e_15 S_13 with the profile that inertia allows.
+        The plate conducts D along x: a double pole.  The circle's radius is ``small_wavenumber``, inside all others.
         """
-        small = np.array([1e-3, 2e-3]) / self.thickness
-        values = self.surface(small)[:, 2] * small**2
-        return complex((4 * values[0] - values[1]) / 3)
+        circle = self.small_wavenumber * np.exp(2j * np.pi * (np.arange(32) + 0.5) / 32)
+        values = self.surface(circle)[:, 2]
+        return np.array([np.mean(values * circle**-power) for power in range(-2, 11, 2)])
+
+    @property
+    def small_wavenumber(self) -> float:
+        """A tenth over the thickness, rad/m."""
+        return 0.1 / self.thickness
 
     @cached_property
     def high_wavenumber(self) -> complex:
@@ -89,7 +93,7 @@ class PlateResponse:
         return complex(self._solved(np.array([1.0 / self._units[2]]), static=True)[0, 2] / self._units[2])
 
     def surface(self, wavenumbers: np.ndarray) -> np.ndarray:
-        """u_x, u_z (m) and phi (V) at the surface for unit charge (C/m2) at wavenumbers (rad/m), Re k > 0.
+        """u_x, u_z (m) and phi (V) at the surface for unit charge (C/m2) at wavenumbers (rad/m).
 
         Parameters
         ----------
