@@ -99,7 +99,6 @@ def run(
             expected="between 0.6 and 1.1",
             found=float(width),
             confirmed=bool(0.6 < width < 1.1),
-            remark="The surface mode of a plate mixes with the plate's other modes where their branches cross: steps.",
         ),
         Finding(
             statement="The wave comes from the fingers' middle at the Rayleigh wave's velocity.",
