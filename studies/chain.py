@@ -13,6 +13,7 @@ from studies import bridge, resolved
 from studies.points import SliderAnswer, slider_answer
 from studies.record import Record
 from studies.refusal import RunError
+from studies.ring_up import ring_up, ring_up_left_out
 from studies.scene import Scene
 
 __all__ = ["run"]
@@ -133,10 +134,13 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
     except fem.ConvergenceError as error:
         raise RunError(str(error)) from None
     stator_seconds = time.perf_counter() - begun
+    ringing = None
     if slider is None:
         blocks = _amplitude_blocks(scene, wave, place)
     else:
-        answer = _slider(scene, wave, place, tolerance, say)
+        ringing = _ring_up(scene, wave, place, say)
+        stator_seconds = time.perf_counter() - begun
+        answer = _slider(scene, wave, place, tolerance, say, ringing)
         for _ in range(ROUNDS - 1):
             goal = _needed(answer, wave.relative_error, tolerance)
             if goal is None:
@@ -147,14 +151,15 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
                 stator_seconds += time.perf_counter() - again
             except fem.ConvergenceError:
                 break  # what was reached is recorded, with its error
-            answer = _slider(scene, wave, place, tolerance, say)
+            answer = _slider(scene, wave, place, tolerance, say, ringing)
         blocks = _slider_blocks(answer, tolerance)
     total = time.perf_counter() - begun
     seconds = {"stator": stator_seconds} | ({} if slider is None else {"contact": total - stator_seconds})
     return Record(
         scene=scene,
         tolerance=tolerance,
-        wave=_wave_block(wave, place),
+        wave=_wave_block(wave, place)
+        | ({} if ringing is None else {"settling_time_s": ringing.found.settling}),
         electrical={
             "admittance_S": wave.admittance,
             "comb_voltage_per_volt": wave.comb_voltage_per_volt,
@@ -165,7 +170,7 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
             "admittance_relative_error": wave.admittance_error,
         },
         seconds=seconds,
-        left_out=wave.left_out,
+        left_out=wave.left_out + ring_up_left_out(scene, ringing, blocks.get("trajectories", ())),
         surface=_surface_columns(wave),
         surface_wave=wave,
         **blocks,
@@ -176,7 +181,15 @@ def _places(place: float, slider) -> tuple[float, ...]:
     return tuple(dict.fromkeys(place + offset for offset in (0.0, *slider.offsets)))
 
 
-def _slider(scene: Scene, wave, place: float, tolerance: float, say) -> SliderAnswer:
+def _ring_up(scene: Scene, wave, place: float, say):
+    """Return the ring-up of a burst under the slider, or None where there is none to follow."""
+    if scene.burst is None or wave.covered(place):
+        return None
+
+    return ring_up(scene, place, progress=say)
+
+
+def _slider(scene: Scene, wave, place: float, tolerance: float, say, ringing) -> SliderAnswer:
     tangential, normal = abs(wave.motion(place))
     return slider_answer(
         scene,
@@ -185,6 +198,7 @@ def _slider(scene: Scene, wave, place: float, tolerance: float, say) -> SliderAn
         stator_error=wave.relative_error,
         tolerance=tolerance * SHARE,
         progress=say,
+        ringing=ringing,
     )
 
 

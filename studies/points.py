@@ -13,6 +13,7 @@ __all__ = ["SliderAnswer", "slider_answer"]
 
 SAMPLES = 2000  # instants of a trajectory: it is drawn and kept, not integrated
 STEADY_METHODS, BURST_METHODS = ("auto", "exact", "averaged"), ("auto", "exact", "stepped")
+SHAPED_METHODS = ("auto", "stepped")  # which may follow an envelope
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,6 +46,7 @@ def slider_answer(
     stator_error: float,
     tolerance: float,
     progress: Callable[[str], None],
+    ringing=None,
 ) -> SliderAnswer:
     """Solve the contact at every level of a scene.
 
@@ -62,6 +64,8 @@ def slider_answer(
         For the contact's part of the error.
     progress : callable
         Told what is being done.
+    ringing : studies.ring_up.RingUp, optional
+        How the orbits grow during a burst.
     """
     slider = _refusing(lambda: bridge.contact_slider(scene.slider))
     points, parts, trajectories = [], [], []
@@ -71,7 +75,7 @@ def slider_answer(
         for side, amplitude in zip(("normal", "tangential"), amplitudes, strict=True):
             point[f"{side}_amplitude_m"] = amplitude * level
         here = bridge.scaled(orbits, level)
-        found, part, trajectory = _point(scene, slider, here, stator_error, tolerance)
+        found, part, trajectory = _point(scene, slider, here, stator_error, tolerance, ringing)
         points.append(point | found)
         parts.append(part)
         trajectories += [] if trajectory is None else [(level, trajectory)]
@@ -83,7 +87,7 @@ def slider_answer(
     )
 
 
-def _point(scene: Scene, slider, orbits: tuple, stator_error: float, tolerance: float):
+def _point(scene: Scene, slider, orbits: tuple, stator_error: float, tolerance: float, ringing):
     """Return the point's values, the parts of its error and its trajectory; a failure is its status."""
     import contact
 
@@ -98,8 +102,9 @@ def _point(scene: Scene, slider, orbits: tuple, stator_error: float, tolerance: 
         values = {"velocity_m_per_s": state.velocity, "regime": state.regime}
         from_contact, status, message, trajectory = state.relative_error, state.status, state.message, None
         if scene.burst is not None:
-            trajectory = _burst(scene, slider, orbits, state.velocity, tolerance)
+            trajectory = _burst(scene, slider, orbits, state.velocity, tolerance, ringing)
             values["velocity_at_burst_end_m_per_s"] = trajectory.velocity_at_burst_end
+            from_stator += 0.0 if ringing is None else ringing.error
             if trajectory.relative_error > from_contact or status == "ok":
                 from_contact = max(from_contact, trajectory.relative_error)
                 status, message = trajectory.status, trajectory.message
@@ -110,22 +115,35 @@ def _point(scene: Scene, slider, orbits: tuple, stator_error: float, tolerance: 
     return values, (from_stator, from_contact), trajectory
 
 
-def _burst(scene: Scene, slider, orbits: tuple, velocity: float, tolerance: float):
+def _burst(scene: Scene, slider, orbits: tuple, velocity: float, tolerance: float, ringing):
     """Follow the burst, and the slider until it has stopped and rung for some periods."""
     import contact
 
     friction = slider.friction_coefficient * slider.preload
     stopping = abs(velocity) * slider.mass / friction if friction > 0 else 0.0
-    ringing = 20 / slider.tangential_resonance(len(orbits)) if slider.preload > 0 else 0.0
-    return contact.burst(
-        slider,
-        orbits,
-        duration=scene.burst,
-        after=min(1.2 * stopping + ringing, 10 * scene.burst),
-        tolerance=tolerance,
-        samples=SAMPLES,
-        method=_method(scene, "a burst", BURST_METHODS),
-    )
+    after_ring = 20 / slider.tangential_resonance(len(orbits)) if slider.preload > 0 else 0.0
+    method = _method(scene, "a burst", BURST_METHODS)
+
+    def followed(shape):
+        return contact.burst(
+            slider,
+            orbits,
+            duration=scene.burst,
+            after=min(1.2 * stopping + after_ring, 10 * scene.burst),
+            tolerance=tolerance,
+            samples=SAMPLES,
+            method=method,
+            envelope=shape,
+        )
+
+    if ringing is None or method not in SHAPED_METHODS:
+        return followed(None)
+    try:
+        return followed(ringing.envelope)
+    except contact.ConvergenceError:
+        if method != "auto":
+            raise
+        return followed(None)  # this motion needs the events, and they take no envelope
 
 
 def _summary(scene: Scene, slider, orbits: tuple, amplitude: float) -> dict:

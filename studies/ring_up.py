@@ -1,0 +1,99 @@
+"""The ring-up of a burst under the slider: how the surface's motion grows to its steady size, for the contact.
+
+The response over a band about the drive's frequency gives the complex envelope (fem.burst); over the steady motion it
+is the factor on the orbits that the contact takes.  One factor serves all balls and both directions.  After the burst's
+end the contact lets the surface stand still: the ring-down is in the envelope, but not yet in the slider's motion.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from studies.refusal import RunError
+from studies.scene import Scene
+from studies.spectrum import response
+
+__all__ = ["RingUp", "ring_up", "ring_up_left_out"]
+
+LOBES = 2.2  # of 1/N: the band taken on either side
+WIDEST = 0.22  # of the frequency: one band of frequencies
+TOLERANCE = 1e-2  # of the response and of what rings on, over the steady amplitude
+
+
+@dataclass(frozen=True, kw_only=True)
+class RingUp:
+    """What a burst does under the slider.
+
+    Attributes
+    ----------
+    envelope : contact.Envelope
+        Factor on the steady orbits.
+    found : fem.BurstEnvelope
+    error : float
+        Of a velocity at the burst's end: the envelope's error for as long as it rings up, over the burst's length.
+    """
+
+    envelope: object = field(repr=False)
+    found: object = field(repr=False)
+    error: float
+
+    @property
+    def sentence(self) -> str:
+        """What it is, for a reader."""
+        return f"{self.found.settling * 1e6:.4g} us to within 1 % of the steady motion"
+
+
+def ring_up(scene: Scene, place: float, *, progress: Callable[[str], None]) -> RingUp:
+    """Return the ring-up at a place (m) of a scene with transducers, a burst and a frequency in Hz.
+
+    Raises
+    ------
+    RunError
+        If the stator rings for too long.
+    """
+    import numpy as np
+
+    import fem
+    from contact import Envelope
+
+    driven = next(each for each in scene.transducer if each.name == scene.drive.transducer)
+    half = min(LOBES / driven.finger_pairs, WIDEST) * scene.frequency
+    prepared = response(
+        scene,
+        scene.frequency - half,
+        scene.frequency + half,
+        places=(place,),
+        tolerance=TOLERANCE,
+        progress=progress,
+    )
+    progress("stator: ring-up of the burst")
+    try:
+        found = fem.burst_response(
+            prepared,
+            place,
+            driven=driven.name,
+            frequency=scene.frequency,
+            duration=scene.burst,
+            tolerance=TOLERANCE,
+            source_impedance=scene.drive.source_impedance,
+        )
+    except fem.ConvergenceError as error:
+        raise RunError(str(error)) from None
+    on = found.time < scene.burst
+    factor = found.normal[on] / found.steady_normal
+    envelope = Envelope(time=found.time[on], amplitude=abs(factor), phase=np.unwrap(np.angle(factor)))
+    error = found.relative_error * min(1.0, found.settling / scene.burst)
+    return RingUp(envelope=envelope, found=found, error=float(error))
+
+
+def ring_up_left_out(scene: Scene, ringing: RingUp | None, trajectories) -> tuple[str, ...]:
+    """Return what the slider's motion in a burst does without."""
+    if scene.slider is None or scene.burst is None:
+        return ()
+    if ringing is None:
+        return ("the burst's ring-up: the slider stands over a transducer",)
+    reasons = ["the burst's ring-down: once it ends the surface stands still"]
+    plain = sum(motion.method != "stepped" for _, motion in trajectories)
+    if plain:
+        which = f"{plain} of {len(trajectories)} bursts, whose motion takes a steady wave"
+        reasons.append(f"the burst's ring-up ({ringing.sentence}) in {which}")
+    return tuple(reasons)

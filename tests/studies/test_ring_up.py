@@ -1,0 +1,90 @@
+"""A burst through the whole chain: the contact sees the wave grow.  Limits and the record's words."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from studies import Scene
+from studies.chain import run
+from studies.override import assigned
+from studies.resolved import resolved
+from studies.ring_up import ring_up, ring_up_left_out
+from studies.scene import read_table
+
+
+def chip(*settings):
+    base = [
+        "stator.length=30 mm",
+        "stator.thickness=3 mm",
+        "transducer.0.center=7 mm",
+        "transducer.0.finger_pairs=8",
+        "slider.position=18 mm",
+        "drive.voltage=[0, 150]",
+        "drive.burst=0.1 ms",
+    ]
+    table = read_table("twente-left")
+    table["stator"]["material"] = {"name": "lossy", **_lossy()}
+    for setting in [*base, *settings]:
+        table = assigned(table, setting)
+    return Scene.from_table("", table)
+
+
+def _lossy():
+    """PZT-8 of quality 100, so that the plate falls silent soon."""
+    import fem
+
+    solid = fem.material("PZT-8")
+    return {
+        "stiffness": solid.stiffness.tolist(),
+        "coupling": solid.coupling.tolist(),
+        "permittivity": (solid.permittivity / 8.8541878128e-12).tolist(),
+        "density": solid.density,
+        "mechanical_quality": 100,
+    }
+
+
+@pytest.fixture(scope="module")
+def record():
+    return run(chip(), tolerance=2e-2)
+
+
+def test_the_slider_starts_when_the_wave_arrives(record):
+    """Nothing before the way over the velocity, less half the transit; steady waves start at once."""
+    (_, still), (_, motion) = record.trajectories
+    assert np.all(still.velocity == 0.0)
+    assert motion.method == "stepped"
+    speed = record.wave["phase_velocity_m_per_s"]
+    arrival, transit = 11e-3 / speed, 8e-3 / speed
+    before = motion.time < arrival - 0.6 * transit
+    during = (motion.time > 30e-6) & (motion.time < motion.duration)
+    assert abs(motion.velocity[before]).max() < 0.02 * abs(motion.velocity[during]).max()
+    steady = run(replace(chip(), slider=replace(chip().slider, method="exact")), tolerance=2e-2)
+    (_, plain) = steady.trajectories[1]
+    assert plain.method == "exact"
+    early = plain.velocity[plain.time < arrival - 0.6 * transit]
+    assert abs(early).max() > 5 * abs(motion.velocity[before]).max()
+    assert any("2 of 2 bursts, whose motion takes a steady wave" in reason for reason in steady.left_out)
+
+
+def test_the_record_says_how_long_the_wave_takes_to_settle(record):
+    speed = record.wave["phase_velocity_m_per_s"]
+    settling = record.wave["settling_time_s"]
+    assert (11e-3 + 3e-3) / speed < settling < 5 * 18e-3 / speed
+    assert "the burst's ring-down: once it ends the surface stands still" in record.left_out
+
+
+def test_the_error_knows_the_envelope_s(record):
+    """Its part: the envelope's error for as long as it rings up, over the burst."""
+    longer = run(chip("drive.burst=0.4 ms"), tolerance=2e-2)
+    parts = [each.error["parts"]["stator"] for each in (record, longer)]
+    scene = resolved(chip())
+    own = ring_up(scene, scene.slider.position, progress=lambda text: None)
+    assert own.error == pytest.approx(own.found.relative_error * own.found.settling / 0.1e-3, rel=1e-12)
+    assert parts[0] - parts[1] == pytest.approx(0.75 * own.error, rel=1e-2)
+
+
+def test_without_a_burst_nothing_rings():
+    scene = replace(chip(), drive=replace(chip().drive, burst=None))
+    assert ring_up_left_out(scene, None, ()) == ()
+    assert ring_up_left_out(chip(), None, ()) == ("the burst's ring-up: the slider stands over a transducer",)
