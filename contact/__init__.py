@@ -21,12 +21,14 @@ from contact.orbit import Orbit
 from contact.planner import Step, cycles_for, step
 from contact.slider import Slider
 from contact.steady import SteadyState, steady
+from contact.thrust import LoadLine, blocked_thrust, load_line
 from contact.trajectory import Trajectory, burst
 
 __all__ = [
     "ConvergenceError",
     "Envelope",
     "History",
+    "LoadLine",
     "MeanMotion",
     "Orbit",
     "Slider",
@@ -34,9 +36,11 @@ __all__ = [
     "SteadyState",
     "Step",
     "Trajectory",
+    "blocked_thrust",
     "burst",
     "contact_history",
     "cycles_for",
+    "load_line",
     "mean_motion",
     "release_amplitude",
     "release_factor",

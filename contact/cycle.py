@@ -110,7 +110,8 @@ def _next_slip(h, v, path, c, s, window, x1, y1, start, stop):
     while low < stop:
         a, b = max(low, start), min(high, stop)
         z, _, y, _, _, _ = place(h, v, path, b)
-        if b > a and c * z - s * (x1 + y - y1) < 0.0:
+        # below rounding: a spring that comes back to its limit after a whole cycle of stick has not slipped
+        if b > a and c * z - s * (x1 + y - y1) < -1e-14:
             return _crossing(h, v, path, c, -s, x1, y1, a, b)
         low, high = low + TURN, high + TURN
     return stop

@@ -209,3 +209,14 @@ def balances(parameters, waves, rule, harmonics, out, why, first, stride):
     """Fill a row of `balance` and the reason for ending for every `stride`-th problem from `first` on."""
     for m in range(first, parameters.shape[0], stride):
         why[m] = balance(parameters[m], waves[m], rule, harmonics, out[m])
+
+
+@compiled
+def rest_tractions(parameters, waves, rule):
+    """Return the least and the largest mean traction of a cycle at rest; they differ where a contact sticks."""
+    sums, counts, still = np.zeros(2), np.zeros(4, np.int64), np.zeros((4, 1))
+    h = riding(parameters[0], waves, parameters[3], rule)
+    cycle(parameters, waves, h, 0.0, still, rule, sums, counts)
+    low = sums[1]
+    cycle(parameters, waves, h, -1e-300, still, rule, sums, counts)
+    return low, sums[1]

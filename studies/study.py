@@ -22,6 +22,8 @@ STUDIES = (
     "admittance",
     "frequency_response",
     "dispersion",
+    "regime_map",
+    "load_line",
 )
 
 

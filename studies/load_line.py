@@ -1,0 +1,116 @@
+"""What thrust the motor gives at what speed, where it stalls and how efficient it is.
+
+Method: the slider of ``twente-contact``, or of a scene with a given wave, at four of its amplitudes above threshold:
+steady velocity against a constant load up to the blocked thrust, efficiency from the energy ledger of the periodic
+motion; one ball, and three balls a seventh of a wavelength apart that share the load.  Expected: velocity falls to zero
+at the blocked thrust, which stays within friction's mu times preload; efficiency between 0 and 1, largest inside the
+line; the ledger closes to 1e-7.  Run time: about 2 s.
+"""
+
+import sys
+import time
+from collections.abc import Callable
+
+from studies import bridge
+from studies.resolved import resolved
+from studies.scene import Scene
+from studies.study import Finding, Panel, StudyRecord
+
+__all__ = ["figure", "run"]
+
+TAKES_SCENE = True
+POINTS = 17
+APART = 1.0 / 7.0  # wavelengths between balls
+
+
+def run(
+    scene: str | Scene = "twente-contact", *, progress: Callable[[str], None] | None = None
+) -> StudyRecord:
+    """Return load lines and efficiencies.
+
+    Parameters
+    ----------
+    scene : str or Scene
+        A path, a shipped name or a scene with a given wave and a slider.
+    progress : callable, optional
+        Told what is being done.
+    """
+    import numpy as np
+
+    import contact
+
+    begun = time.perf_counter()
+    say = progress or (lambda text: None)
+    chosen = resolved(scene if isinstance(scene, Scene) else Scene.load(scene))
+    if chosen.wave is None or chosen.slider is None:
+        chosen.refuse("wave", "is missing: this study takes a given [wave] and a [slider]")
+    slider, shape = bridge.contact_slider(chosen.slider), bridge.given_orbits(chosen.wave)
+    moving = [a for a in chosen.levels if a > 1.05 * contact.threshold_amplitude(slider, shape)]
+    if not moving:
+        chosen.refuse("wave.normal_amplitude", "must hold a value above the threshold amplitude")
+    picked = sorted({moving[round(k * (len(moving) - 1) / 4)] for k in range(1, 5)})
+    lines = {}
+    for amplitude in picked:
+        say(f"load line: {amplitude * 1e9:g} nm")
+        lines[f"{amplitude * 1e9:g} nm"] = contact.load_line(
+            slider, bridge.scaled(shape, amplitude), points=POINTS, tolerance=1e-4
+        )
+    one = bridge.scaled(shape, picked[-1])[0]
+    trio = tuple(one.scaled(np.exp(-2j * np.pi * APART * k)) for k in range(3))
+    name = f"{picked[-1] * 1e9:g} nm, three balls"
+    say(f"load line: {name}")
+    lines[name] = contact.load_line(slider, trio, points=POINTS, tolerance=1e-4)
+    friction = slider.friction_coefficient * slider.preload
+    best = max(float(np.max(line.efficiency)) for line in lines.values())
+    inside = all(0 < int(np.argmax(line.efficiency)) < POINTS - 1 for line in lines.values())
+    falling = all(bool(np.all(np.diff(line.velocity) < 0.0)) for line in lines.values())
+    largest = max(line.blocked_thrust for line in lines.values())
+    findings = [
+        Finding(statement="Velocity falls with load, to zero at the blocked thrust.",
+                quantity="blocked thrust over mu times preload, the largest", expected="above 0, up to 1",
+                found=largest / friction, confirmed=falling and 0 < largest < friction * (1 + 1e-9)),
+        Finding(statement="The motor gives out less than the wave puts in, most of it at some load in between.",
+                quantity="largest mechanical efficiency of the contact", expected="between 0 and 1",
+                found=best, confirmed=inside and 0 < best < 1,
+                remark="of the power that the wave gives the contacts, not of the electrical power"),
+    ]  # fmt: skip
+    panels = [
+        Panel(name=file, title=f"{chosen.title}: {title}", data={
+            "load_N": {key: line.load for key, line in lines.items()},
+            "value": {key: getattr(line, value) for key, line in lines.items()}, "axis": axis, "factor": factor,
+            "blocked_thrust_N": {key: line.blocked_thrust for key, line in lines.items()},
+        })
+        for file, title, value, axis, factor in (
+            ("load_line", "load line", "velocity", "slider velocity (mm/s)", 1e3),
+            ("efficiency", "efficiency of the contact", "efficiency", "mechanical efficiency (%)", 1e2),
+        )
+    ]  # fmt: skip
+    return StudyRecord(
+        name="load_line", panels=tuple(panels), findings=tuple(findings), seconds=time.perf_counter() - begun
+    )
+
+
+def figure(record: Panel, ax):
+    """Draw a quantity against load."""
+    import numpy as np
+
+    from studies.figures import COLOURS
+
+    data = record.data
+    palette = [COLOURS["stick"], COLOURS["slip"], COLOURS["second"], COLOURS["intermittent"], COLOURS["line"]]
+    for (name, load), colour in zip(data["load_N"].items(), palette, strict=False):
+        values = np.asarray(data["value"][name]) * data["factor"]
+        ax.plot(np.asarray(load) * 1e6, values, ".-", color=colour, linewidth=1, markersize=4, label=name)
+    ax.set_xlabel("load (uN)")
+    ax.set_ylabel(data["axis"])
+    ax.set_title(record.title, fontsize="medium")
+    ax.set_ylim(bottom=0)
+    ax.grid(alpha=0.3)
+    ax.legend(frameon=False)
+    return ax
+
+
+if __name__ == "__main__":
+    from studies.__main__ import main
+
+    sys.exit(main(["study", "load_line", *sys.argv[1:]]))

@@ -1,0 +1,27 @@
+"""Studies of the contact: what they must find is found, and they draw."""
+
+from matplotlib.figure import Figure
+
+from studies import load_line, regime_map
+
+
+def test_regime_map_lies_on_its_lines(monkeypatch):
+    monkeypatch.setattr(regime_map, "AMPLITUDES", 15)
+    monkeypatch.setattr(regime_map, "PRELOADS", 9)
+    monkeypatch.setattr(regime_map, "CHECKED", 4)
+    record = regime_map.run()
+    assert [finding.confirmed for finding in record.findings] == [True, True]
+    kinds = {kind for row in record.panels[0].data["kind"] for kind in row}
+    assert kinds == set(regime_map.KINDS)
+    ax = regime_map.figure(record.panels[0], Figure().add_subplot())
+    assert "nm" in ax.get_xlabel()
+    assert "mN" in ax.get_ylabel()
+
+
+def test_load_line_stalls_and_is_below_one(monkeypatch):
+    monkeypatch.setattr(load_line, "POINTS", 5)
+    record = load_line.run()
+    assert all(finding.confirmed for finding in record.findings)
+    assert [panel.name for panel in record.panels] == ["load_line", "efficiency"]
+    ax = load_line.figure(record.panels[0], Figure().add_subplot())
+    assert len(ax.get_lines()) == 5
