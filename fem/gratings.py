@@ -37,6 +37,8 @@ NODES = 6
 STEP = 1e-4  # relative, of omega^2, for the derivative of B
 NEAR = 0.25  # relative distance of omega^2 within which edges are looked for
 STEPS = 8
+WAVES = 8
+SHIFT = -1.03 + 0.02j  # near the factors of a stop band, of which none equals it
 SETTLED = 1e-11  # relative change of omega^2
 
 
@@ -126,19 +128,28 @@ class Grating:
         return block.matrix[:n, :n] + block.matrix[n : 2 * n, n : 2 * n] - across - across.T
 
     def factors(self, frequency: float, *, open_fingers: bool) -> tuple[np.ndarray, np.ndarray]:
-        """All lambda per cell at a frequency in Hz, shape (2 n,), and their fields on a line in mid-gap, (n, 2 n)."""
-        from scipy.linalg import eig
+        """The lambda nearest to -1 at a frequency in Hz, shape (WAVES,), and their fields in mid-gap, (n, WAVES).
+
+        Of [[0, 1], [-A_lr^T, -(A_ll + A_rr)]] x = lambda [[1, 0], [0, A_lr]] x, x = (u, lambda u), inverted about a
+        shift beside -1.
+        """
+        from scipy.linalg import lu_factor, lu_solve
+        from scipy.sparse.linalg import LinearOperator, eigs
 
         block = self.cell(frequency, open_fingers=open_fingers)
         n = block.size
         across = block.matrix[:n, n : 2 * n]
         both = block.matrix[:n, :n] + block.matrix[n : 2 * n, n : 2 * n]
-        zero, unit = np.zeros((n, n)), np.eye(n)
-        # (u, lambda u): [[0, 1], [-A_lr^T, -(A_ll + A_rr)]] = lambda [[1, 0], [0, A_lr]]
-        left = np.block([[zero, unit], [-across.T, -both]])
-        right = np.block([[unit, zero], [zero, across]])
-        values, vectors = eig(left, right)
-        return values, vectors[:n]
+        factor = lu_factor(across.T + SHIFT * both + SHIFT**2 * across, check_finite=False)
+
+        def inverted(x: np.ndarray) -> np.ndarray:
+            load = across @ (x[n:] + SHIFT * x[:n]) + both @ x[:n]
+            u = -lu_solve(factor, load, check_finite=False)
+            return np.concatenate([u, x[:n] + SHIFT * u])
+
+        operator = LinearOperator((2 * n, 2 * n), matvec=inverted, dtype=complex)
+        values, vectors = eigs(operator, k=WAVES, v0=np.ones(2 * n, dtype=complex), tol=1e-12)
+        return SHIFT + 1 / values, vectors[:n]
 
     def surface_factor(self, frequency: float, *, open_fingers: bool) -> complex:
         """Lambda of the surface wave that runs or decays to the right, near the first stop band.

@@ -24,6 +24,8 @@ STUDIES = (
     "dispersion",
     "regime_map",
     "load_line",
+    "cell_triple",
+    "fem_error_vs_time",
 )
 
 

@@ -1,0 +1,178 @@
+"""What one period of fingers does to the wave: velocity, stop bands, reflectivity, K2 and capacitance.
+
+Method: the free and the metallised half-space and an endless grating of fingers (`fem.cell_triple`) for the solid,
+period and metallisation of the scene's driven transducer (``twente-left`` when none is named), and the gratings' Bloch
+waves about their stop bands.  Expected: the shorted grating slower than the open one, both between the metallised and
+the free wave; one edge common to both where x -> -x is a symmetry; reflectivities within 20 % of those of strips of
+charge at weak coupling; the capacitance of conformal mapping to 1 %.  Run time: about 10 s.
+"""
+
+import sys
+import time
+from collections.abc import Callable
+
+from studies import passband, resolved
+from studies.scene import Scene
+from studies.study import Finding, Panel, StudyRecord
+
+__all__ = ["figure", "run"]
+
+TAKES_SCENE = True
+COUNT = 61
+REACH = 2.0  # widths of the stop bands shown on either side
+
+
+def run(
+    scene: str | Scene = "twente-left",
+    *,
+    count: int = COUNT,
+    tolerance: float = 1e-2,
+    progress: Callable[[str], None] | None = None,
+) -> StudyRecord:
+    """Return the cells' numbers and the gratings' Bloch waves.
+
+    Parameters
+    ----------
+    scene : str or Scene
+        A path, a shipped name or a scene with transducers.
+    count : int
+        Frequencies of the Bloch waves.
+    tolerance : float
+        Of the stop bands' edges, relative to their width.
+    progress : callable, optional
+        Told what is being done.
+    """
+    import numpy as np
+    from scipy.special import ellipk, eval_legendre
+
+    import fem
+    from fem.gratings import grating
+    from fem.harmonic import LEVELS
+    from fem.quasistatic import surface_permittivity
+
+    begun = time.perf_counter()
+    say = progress or (lambda text: None)
+    chosen = passband.driven_scene(scene)
+    driven = next(each for each in chosen.transducer if each.name == chosen.drive.transducer)
+    solid, above, m = resolved.solid(chosen.stator), chosen.stator.above, driven.metallisation
+    period = driven.period / (2 if driven.split else 1)  # of two fingers and two gaps
+    say(f"gratings of {solid.name}")
+    try:
+        found = fem.cell_triple(solid, period=period, metallisation=m, above=above, tolerance=tolerance)
+    except fem.ConvergenceError as error:
+        from studies.refusal import RunError
+
+        raise RunError(str(error)) from None
+    say("Bloch waves")
+    cells = grating(solid, period=period, metallisation=m, above=above, resolution=LEVELS[1])
+    width = found.open.upper - found.shorted.lower
+    at = np.linspace(found.shorted.lower - REACH * width, found.open.upper + REACH * width, count)
+    waves = {}
+    for name, each in (("shorted", False), ("open", True)):
+        factors = np.array([cells.surface_factor(float(f), open_fingers=each) for f in at])
+        waves[f"{name}_phase_rad"] = abs(np.angle(factors))
+        waves[f"{name}_decay"] = -np.log(abs(factors))
+    surface = "open" if above == "none" else "vacuum"
+    change, cosine = 1 - found.metallised_velocity / found.free_velocity, np.cos(np.pi * m)
+    strips = {
+        name: np.pi / 2 * change * abs(eval_legendre(0.5, c) / eval_legendre(-0.5, c) - c)
+        for name, c in (("shorted", -cosine), ("open", cosine))
+    }
+    mapped = surface_permittivity(solid, surface)
+    mapped *= ellipk(np.sin(np.pi * m / 2) ** 2) / ellipk(np.cos(np.pi * m / 2) ** 2)
+    table = {
+        "free_velocity_m_per_s": found.free_velocity,
+        "metallised_velocity_m_per_s": found.metallised_velocity,
+        "coupling_K2": found.coupling,
+        "grating_coupling_K2": found.grating_coupling,
+        "capacitance_F_per_m": found.capacitance,
+        "relative_error": found.relative_error,
+    }
+    for name, band in (("shorted", found.shorted), ("open", found.open)):
+        table |= {
+            f"{name}_lower_Hz": band.lower,
+            f"{name}_upper_Hz": band.upper,
+            f"{name}_velocity_m_per_s": band.velocity,
+            f"{name}_reflectivity": band.reflectivity,
+        }
+    order = found.metallised_velocity < found.shorted.velocity < found.open.velocity < found.free_velocity
+    findings = [
+        Finding(
+            statement="Fingers slow the wave, connected ones more: v_metallised < v_shorted < v_open < v_free.",
+            quantity="share of the metallised slowing that connected fingers reach",
+            expected="between 0 and 1, and above that of separate fingers",
+            found=float((found.free_velocity - found.shorted.velocity) / change / found.free_velocity),
+            confirmed=bool(order),
+            remark=f"v = {found.metallised_velocity:.6g}, {found.shorted.velocity:.6g}, {found.open.velocity:.6g}, "
+            f"{found.free_velocity:.6g} m/s; K2 = {100 * found.coupling:.4g} %",
+        ),
+        Finding(
+            statement="A standing wave that leaves the fingers without charge does not see their connection.",
+            quantity="distance of the common edge in both gratings, over the bands' width",
+            expected="below 1e-6 where x -> -x is a symmetry",
+            found=abs(found.shorted.upper - found.open.lower) / width,
+            confirmed=abs(found.shorted.upper - found.open.lower) / width < 1e-6,
+        ),
+        *(
+            Finding(
+                statement=f"A finger of the {name} grating reflects as a strip of charge.",
+                quantity=f"|r| of a finger, against {strips[name]:.4g}",
+                expected="within 20 %",
+                found=band.reflectivity,
+                confirmed=bool(abs(band.reflectivity / strips[name] - 1) < 0.2),
+            )
+            for name, band in (("shorted", found.shorted), ("open", found.open))
+        ),
+        Finding(
+            statement="The capacitance is that of conformal mapping.",
+            quantity=f"pF per finger pair and mm, against {mapped * 1e9:.4g}",
+            expected="within 1 %",
+            found=found.capacitance * 1e9,
+            confirmed=bool(abs(found.capacitance / mapped - 1) < 0.01),
+        ),
+    ]
+    title = f"{solid.name}, {solid.frame}: period {period * 1e3:.4g} mm, metallisation {m:g}"
+    panel = Panel(name="stop_bands", title=title, data={"frequency_Hz": at, **waves, **table})
+    seconds = time.perf_counter() - begun
+    return StudyRecord(name="cell_triple", panels=(panel,), findings=tuple(findings), seconds=seconds)
+
+
+def figure(record: Panel, ax):
+    """Draw the Bloch waves' phase and decay per finger, with the stop bands."""
+    from studies.figures import COLOURS
+
+    data, at = record.data, record.data["frequency_Hz"] / 1e6
+    lines, decay = [], ax.twinx()
+    for name, colour in (("shorted", "slip"), ("open", "intermittent")):
+        lines += ax.plot(
+            at, data[f"{name}_phase_rad"], ".", color=COLOURS[colour], markersize=4, label=f"{name}: phase"
+        )
+        lines += decay.plot(
+            at, data[f"{name}_decay"], "-", color=COLOURS[colour], linewidth=1, label=f"{name}: decay"
+        )
+        edges = data[f"{name}_lower_Hz"] / 1e6, data[f"{name}_upper_Hz"] / 1e6
+        lines.append(
+            ax.axvspan(*edges, color=COLOURS[colour], alpha=0.15, linewidth=0, label=f"{name}: stop band")
+        )
+        lines.append(
+            decay.axhline(data[f"{name}_reflectivity"], color=COLOURS[colour], linestyle=":", linewidth=1,
+                          label=f"{name}: |r| of a finger")
+        )  # fmt: skip
+    ax.set_xlabel("frequency (MHz)")
+    ax.set_ylabel("phase per finger, below pi (rad)")
+    decay.set_ylabel("decay per finger (neper)")
+    decay.set_ylim(0, 1.6 * max(data["shorted_reflectivity"], data["open_reflectivity"]))
+    low, high = ax.get_ylim()
+    ax.set_ylim(low, high + 0.6 * (high - low))
+    ax.set_title(record.title, fontsize="medium")
+    ax.grid(alpha=0.3)
+    ax.legend(
+        lines, [line.get_label() for line in lines], frameon=False, fontsize="x-small", loc="upper left"
+    )
+    return ax
+
+
+if __name__ == "__main__":
+    from studies.__main__ import main
+
+    sys.exit(main(["study", "cell_triple", *sys.argv[1:]]))
