@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def wave(arguments: argparse.Namespace) -> int:
-    """Print the half-space Rayleigh wave of a material."""
+    """Print the half-space Rayleigh wave of a material and its cut; draw the crystal axes if asked."""
     from studies.free_surface import half_space_answer, half_space_wave
 
     orientation = arguments.orientation
@@ -57,6 +57,10 @@ def wave(arguments: argparse.Namespace) -> int:
         print(json.dumps(answer, indent=1, ensure_ascii=False, allow_nan=False))
     else:
         print(half_space_answer(answer))
+    if arguments.plot is not None:
+        from studies.crystal import save_axes
+
+        save_axes(answer, arguments.plot)
     return 0
 
 

@@ -2,6 +2,7 @@
 
 from studies.answer import table
 from studies.blocks import Orientation
+from studies.crystal import crystal_tables, tables_text
 from studies.record import plain
 from studies.refusal import RunError, SceneError
 
@@ -27,7 +28,7 @@ def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") 
     dict
         ``velocity_m_per_s``, ``coupling_K2`` (of a piezoelectric solid), ``surface_ratio``,
         ``depth_profile`` with displacements over u_z at the surface and the potential in V per m of it,
-        ``material``.
+        ``material``, ``crystal`` with the rotated tensors and the cut's axes.
     """
     import fem
     from fem.half_space import surface_named
@@ -57,6 +58,7 @@ def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") 
         "surface_ratio": wave.surface_ratio,
         "retrograde": wave.displacement[0].imag > 0,
         "depth_profile": profile,
+        "crystal": crystal_tables(solid, orientation),
     }
     return {key: plain(key, value) for key, value in answer.items()}
 
@@ -77,4 +79,4 @@ def half_space_answer(answer: dict) -> str:
     for row in range(0, len(profile["depth_wavelengths"]), 5):
         sizes = [f"{abs(complex(*profile[f'u_{axis}'][row])):.5f}" for axis in "xyz"]
         rows.append([f"{profile['depth_wavelengths'][row]:g}", *sizes])
-    return "\n".join(lines + table(rows))
+    return "\n".join([*lines, *table(rows), "", *tables_text(answer["crystal"])])

@@ -57,6 +57,9 @@ def parser() -> argparse.ArgumentParser:
         help="vacuum (or free), open, metallised (vacuum)",
     )
     wave.add_argument("--json", action="store_true", help="the answer as JSON")
+    wave.add_argument(
+        "--plot", metavar="FILE", help="draw the crystal axes in the x-z section into a PNG file"
+    )
 
     _call(calls, "scenes", "the scenes that ship")
     check = _call(calls, "check", "a scene's text, material and layout, without running it")
