@@ -152,10 +152,8 @@ def _first_level(tolerance: float) -> int:
 
 def orbit_difference(wave: SurfaceWave, other: SurfaceWave, at: np.ndarray) -> float:
     """Largest relative difference of the orbits at places; a common phase, which moves nothing, does not count."""
-    orbits = []
-    for each in (wave, other):
-        tangential, normal = each.motion(at)
-        orbits.append((abs(normal), tangential * np.exp(-1j * np.angle(normal))))
-    size = np.maximum(abs(orbits[0][0]), abs(orbits[0][1]))
-    change = np.maximum(abs(orbits[0][0] - orbits[1][0]), abs(orbits[0][1] - orbits[1][1]))
+    ours, theirs = wave.motion(at), other.motion(at)
+    turn = np.exp(1j * np.angle(np.sum(np.conj(theirs) * ours, axis=0)))
+    size = abs(ours).max(axis=0)
+    change = abs(ours - turn * theirs).max(axis=0)
     return float(np.max(change / size))

@@ -94,7 +94,6 @@ def test_a_point_that_has_no_answer_says_why_and_holds_no_number():
     ("settings", "words"),
     [
         (["slider.method=stepped"], r"slider\.method must be .* for the steady state, got 'stepped'"),
-        (["slider.law=hysteretic"], r"slider\.law"),
     ],
 )
 def test_what_the_contact_cannot_do_is_refused(settings, words):
