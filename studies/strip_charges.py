@@ -174,7 +174,7 @@ class StripCharges:
         return (forth + back) * total / (2 * np.pi) + self._smooth(0.0)
 
     def _reciprocal_tail(self, start: float) -> np.ndarray:
-        """Integrals of J_m(k a) J_n(k a) / k from ``start`` (rad/m) on, m + n even (DLMF 10.22.57, 0 0 by its limit)."""
+        """Integrals of J_m(k a) J_n(k a) / k beyond ``start`` (rad/m), m + n even (DLMF 10.22.57; 0, 0: its limit)."""
         first = start * self.half_width
         t, weights = _panels(np.linspace(0.0, first, int(np.ceil(first)) + 2))
         bessel = self._bessel(t / self.half_width)
