@@ -9,10 +9,11 @@ import resource
 import sys
 import time
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
-__all__ = ["CURVES", "Attempt", "Problem", "attempted", "missing"]
+__all__ = ["CURVES", "Attempt", "Problem", "attempted", "missing", "peak_memory"]
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 BAND = (0.955, 1.045)  # of the frequency: what `frequency_band` is prepared for
@@ -260,6 +261,16 @@ def attempted(curve: str, problem: Problem, setting: dict, *, repeats: int = 1) 
                 os.environ[name] = value
 
 
+def peak_memory() -> int:
+    """Peak memory of this process in bytes; on Linux not what the process that it was forked from had."""
+    status = Path("/proc/self/status")
+    if status.exists():
+        (line,) = (line for line in status.read_text().splitlines() if line.startswith("VmHWM"))
+        return 1024 * int(line.split()[1])
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak if sys.platform == "darwin" else 1024 * peak
+
+
 def _alone(curve: str, problem: Problem, setting: dict, repeats: int) -> Attempt:
     begun = time.process_time()
     once = CURVES[curve][0](problem, **setting)
@@ -270,14 +281,13 @@ def _alone(curve: str, problem: Problem, setting: dict, repeats: int) -> Attempt
         start = time.process_time()
         admittance, motion, unknowns = once()
         times.append(time.process_time() - start)
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return Attempt(
         curve=curve,
         setting=", ".join(f"{key.replace('_', ' ')} {value}" for key, value in setting.items()),
         unknowns=unknowns,
         setup_seconds=ready - begun,
         seconds=float(np.median(times)),
-        peak_bytes=peak if sys.platform == "darwin" else 1024 * peak,
+        peak_bytes=peak_memory(),
         admittance=admittance,
         motion=np.asarray(motion),
     )

@@ -77,10 +77,20 @@ class PlateResponse:
         """Laurent coefficients of phi per charge at k = 0, of k^-2, 1, k^2 ... k^10 (SI), by Cauchy's integral.
 
         The plate conducts D along x: a double pole.  The circle's radius is ``small_wavenumber``, inside all others.
+
+        Raises
+        ------
+        ValueError
+            If another pole is too near.
         """
         circle = self.small_wavenumber * np.exp(2j * np.pi * (np.arange(32) + 0.5) / 32)
         values = self.surface(circle)[:, 2]
-        return np.array([np.mean(values * circle**-power) for power in range(-2, 11, 2)])
+        found = np.array([np.mean(values * circle**-power) for power in range(-2, 11, 2)])
+        if abs(found[-1]) * self.small_wavenumber**12 > 1e-7 * abs(found[0]):
+            raise ValueError(
+                f"a mode of the plate is at its cut-off at {self.frequency:g} Hz: change the frequency slightly"
+            )
+        return found
 
     @property
     def small_wavenumber(self) -> float:

@@ -24,6 +24,7 @@ STUDIES = (
     "dispersion",
     "regime_map",
     "load_line",
+    "contact_error_vs_time",
     "cell_triple",
     "fem_error_vs_time",
 )

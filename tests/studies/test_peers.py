@@ -1,0 +1,156 @@
+"""Contenders of the stator: each gives the small stator's answer; the study and its benchmarks say what they find."""
+
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from studies import contenders, fem_error_vs_time, peer
+from studies.contenders import CURVES, Attempt, attempted
+from studies.fem_error_vs_time import seconds_at
+from studies.refusal import RunError
+from tests.studies.motors import small_problem, truth
+
+THIN = 0.35e-3  # m: a plate without backward waves, which matched layers would amplify
+
+
+def attempt(seconds: float, error: float) -> Attempt:
+    return Attempt(
+        curve="band",
+        setting="",
+        unknowns=1,
+        setup_seconds=0.0,
+        seconds=seconds,
+        peak_bytes=1,
+        admittance=1.0 + 0j,
+        motion=np.array([1.0, 1.0 + error]),
+    )
+
+
+def errors(curve: str, posed, **setting) -> tuple[float, float]:
+    admittance, motion, _ = CURVES[curve][0](posed, **setting)()
+    true_admittance, true_motion = truth(posed.stator.thickness)
+    return abs(admittance / true_admittance - 1), abs(motion[1] / true_motion[1] - 1)
+
+
+def test_time_at_an_error_lies_on_the_power_between_the_points():
+    exact = (1.0, (1.0, 1.0))
+    points = [attempt(4.0, 1e-4), attempt(1.0, 1e-2)]
+    assert seconds_at(points, exact, 1e-3) == pytest.approx(2.0, rel=1e-9)
+    assert seconds_at(points, exact, 1e-1) == 1.0
+    assert math.isnan(seconds_at(points, exact, 1e-5))
+
+
+@pytest.mark.parametrize("triangles", [False, True])
+def test_even_meshes_converge_slowly(triangles):
+    """The edge's r^-1/2 holds the admittance at first order: half the element, half the error or a little more."""
+    posed = small_problem(thickness=THIN)
+    coarse, fine = (
+        errors("Q2 quadrilaterals", posed, per_wavelength=n, triangles=triangles)[0] for n in (4, 8)
+    )
+    assert 0.3 < fine / coarse < 0.7
+    assert fine < 0.1
+
+
+def test_the_direct_contender_agrees():
+    found = errors("high order, edge layers", small_problem(), order=6, edge_layers=1)
+    assert max(found) < 5e-3
+
+
+@pytest.mark.parametrize("condense", [False, True])
+def test_the_peer_agrees(condense):
+    pytest.importorskip("ngsolve", reason="NGSolve is the optional extra `peers`")
+    posed = small_problem(thickness=THIN)
+    found = errors(
+        "NGSolve", posed, order=6, edge_layers=2, element_size=0.5, absorber=6.0, condense=condense
+    )
+    assert max(found) < 2e-3
+
+
+def test_the_peer_solves_again_at_another_frequency():
+    pytest.importorskip("ngsolve", reason="NGSolve is the optional extra `peers`")
+    posed = small_problem("free")
+    mesh = peer.PeerMesh(order=4, edge_layers=1, element_size=0.5)
+    one, other = (
+        peer.Peer(posed.stator, posed.transducers, wavelength=posed.wavelength, mesh=mesh) for _ in range(2)
+    )
+    one.solve(2.1e6, driven="left", place=posed.place)
+    again, fresh = (each.solve(2.2e6, driven="left", place=posed.place) for each in (one, other))
+    assert again[0] == pytest.approx(fresh[0], rel=1e-9)
+    assert again[1] == pytest.approx(fresh[1], rel=1e-9)
+
+
+def test_without_the_peer_a_sentence_says_what_to_install(monkeypatch):
+    monkeypatch.setattr(peer, "find_spec", lambda name: None)
+    posed = small_problem()
+    with pytest.raises(RunError, match=r"pip install 'sawmotor\[peers\]'"):
+        peer.Peer(posed.stator, posed.transducers, wavelength=1e-3, mesh=peer.PeerMesh(order=2))
+
+
+def test_nothing_imports_the_peer_unasked():
+    program = "import sys, studies.fem_error_vs_time, studies.peer; print('ngsolve' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["False"]
+
+
+def test_a_contender_runs_alone_on_one_thread():
+    posed = small_problem()
+    found = attempted("structured", posed, {"level": 1}, repeats=1)
+    assert max(found.errors(truth())) < 2e-2
+    assert found.seconds > 0
+    assert found.peak_bytes > 3e7
+
+
+@pytest.fixture
+def tiny(monkeypatch):
+    """The study on the small stator, in this process, with what needs no extra, and the peer said to be missing."""
+    curves = {
+        "NGSolve": (None, ({"order": 2},), ("no_such_package",)),
+        "structured": (CURVES["structured"][0], ({"level": 0}, {"level": 1}), ()),
+    }
+    monkeypatch.setattr(contenders, "CURVES", curves)
+    for module in (fem_error_vs_time, *_benchmarks()):
+        for name, value in (
+            ("CURVES", curves),
+            ("ENDS", ("absorbing",)),
+            ("problem", small_problem),
+            ("reference", lambda posed: truth(posed.stator.thickness)),
+            ("attempted", lambda *given, repeats: contenders._alone(*given, repeats)),
+        ):
+            if hasattr(module, name):
+                monkeypatch.setattr(module, name, value)
+
+
+def _benchmarks():
+    from tests.benchmarks import stator_peers, stator_table
+
+    return stator_peers, stator_table
+
+
+def test_the_study_measures_draws_and_says_what_it_left_out(tiny):
+    from matplotlib.figure import Figure
+
+    said = []
+    record = fem_error_vs_time.run(progress=said.append)
+    (panel,) = record.panels
+    assert panel.data["curve"] == ["structured", "structured"]
+    assert panel.data["admittance_relative_error"][1] < 2e-2 < panel.data["admittance_relative_error"][0]
+    assert "NGSolve: left out, no_such_package not installed" in said
+    ax = fem_error_vs_time.figure(panel, Figure().add_subplot())
+    assert "s)" in ax.get_xlabel()
+    assert len(ax.lines) == 2
+
+
+def test_the_benchmarks_print_their_tables(tiny, capsys):
+    peers, table = _benchmarks()
+    peers.main([])
+    assert "pip install no_such_package" in capsys.readouterr().out
+    table.physics()
+    table.row("what", 2.0, 1.0, "s")
+    table.row("what", 2.0, 1.0, "times", least=True)
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 5
+    assert all(line.endswith("| pass |") for line in lines[:2])
+    assert [line.split()[-2] for line in lines[-2:]] == ["pass", "SHORT"]
