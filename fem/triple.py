@@ -85,7 +85,7 @@ def cell_triple(
     surface = "open" if above == "none" else "vacuum"
     free, metallised = (rayleigh(solid, each).velocity for each in (surface, "metallised"))
     before, error = None, np.inf
-    for resolution in LEVELS[1:]:
+    for resolution in LEVELS:
         cells = grating(solid, period=period, metallisation=metallisation, above=above, resolution=resolution)
         bands = [cells.stop_band(open_fingers=each) for each in (False, True)]
         edges = np.array([(band.lower, band.upper) for band in bands])

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from fem import burst
 from fem.burst import burst_response
 from fem.convergence import ConvergenceError
 from fem.preparation import frequency_band
@@ -74,13 +75,26 @@ def test_the_counter_rotating_half_kicks_by_the_phase_of_the_switch():
     line = Line(lambda f: 1 / (1 + 2j * np.pi * (f - F0) / rate))
     envelopes = [
         burst_response(line, 0.0, driven="a", frequency=F0, duration=1e-3, tolerance=1e-4, phase=phase)
-        for phase in (0.0, 0.5 * np.pi)
+        for phase in (0.0, 0.25 * np.pi)
     ]
     time = envelopes[0].time
     inside = (time > 2e-6) & (time < 10e-6)
     difference = (envelopes[0].normal - envelopes[1].normal)[inside]
-    expected = 2 * rate / (4j * np.pi * F0 - rate) * np.exp(-rate * time[inside])
+    expected = (1 + 1j) * rate / (4j * np.pi * F0 - rate) * np.exp(-rate * time[inside])
     np.testing.assert_allclose(difference, expected, atol=0.15 * abs(expected).max())
+
+
+def test_switching_off_kicks_by_the_phase_that_the_source_has_then():
+    """The same with the phase advanced by omega0 times the duration: whole cycles and an eighth."""
+    rate, duration = 2.5e5, (40 + 1 / 8) / F0
+    found = responded(lambda f: 1 / (1 + 2j * np.pi * (f - F0) / rate), duration=duration)
+    after = found.time - duration
+    clear = (after > 2e-6) & (after < 10e-6)
+    plain = np.exp(-rate * after) - np.exp(-rate * found.time)
+    kick = rate / (4j * np.pi * F0 - rate)
+    expected = kick * (np.exp(-rate * found.time) - np.exp(-0.5j * np.pi) * np.exp(-rate * after))
+    rest = (found.normal - plain)[clear]
+    np.testing.assert_allclose(rest, expected[clear], atol=0.15 * abs(kick))
 
 
 def test_the_energy_over_time_is_that_over_frequency():
@@ -120,7 +134,8 @@ def test_a_late_echo_asks_for_more_frequencies():
     assert before == pytest.approx(abs(settled), rel=5e-3)
 
 
-def test_what_never_settles_is_refused():
+def test_what_never_settles_is_refused(monkeypatch):
+    monkeypatch.setattr(burst, "MOST", 200)
     with pytest.raises(ConvergenceError, match="still rings"):
         responded(lambda f: 1 / (1 + 2e4j * (f / F0 - 1) * np.pi * 10), tolerance=1e-3)
 
@@ -156,18 +171,18 @@ def stators():
     """A short block with one comb of 5 pairs, its ends absorbing and free, prepared for a band."""
     found = {}
     for ends in ("absorbing", "free"):
-        stator = plate(cut("PZT-8", "Z", quality=100.0), length=32.0, thickness=3.0, ends=ends)
-        row = comb(stator, "a", 7.0, finger_pairs=5, period=1.01)
+        stator = plate(cut("PZT-8", "Z", quality=100.0), length=24.0, thickness=2.0, ends=ends)
+        row = comb(stator, "a", 6.0, finger_pairs=5, period=1.01)
         band = frequency_band(
-            stator, (row,), lowest=0.8 * FREQUENCY, highest=1.25 * FREQUENCY, driven="a", tolerance=3e-2
+            stator, (row,), lowest=0.8 * FREQUENCY, highest=1.25 * FREQUENCY, driven="a", tolerance=0.1
         )
-        place = 22.0 * stator.length / 32.0
+        place = 17.0 * stator.length / 24.0
         found[ends] = (
             stator,
             row,
             place,
             band,
-            burst_response(band, place, driven="a", frequency=FREQUENCY, duration=60e-6, tolerance=1e-2),
+            burst_response(band, place, driven="a", frequency=FREQUENCY, duration=60e-6, tolerance=3e-2),
         )
     return found
 

@@ -70,7 +70,7 @@ def test_inside_the_band_the_wave_decays_by_the_reflectivity(niobate):
         assert -np.angle(factor) == pytest.approx(expected, abs=0.03 * abs(detuning))
 
 
-@pytest.mark.parametrize("metallisation", [0.3, 0.65])
+@pytest.mark.parametrize("metallisation", [0.3, pytest.param(0.65, marks=pytest.mark.slow)])
 def test_weakly_coupled_fingers_reflect_as_strips_of_charge(metallisation):
     """Datta and Hunsinger (1980): |r| = (pi / 2) (dv / v) |P_1/2(c) / P_-1/2(c) - c|, c = -+cos(pi m)."""
     made = cells("quartz (Bechmann)", "ST-X", metallisation=metallisation)
@@ -84,10 +84,10 @@ def test_weakly_coupled_fingers_reflect_as_strips_of_charge(metallisation):
 def test_capacitance_is_that_of_conformal_mapping():
     permittivity = surface_permittivity(lossless("PZT-8", "Z"), "open")
     for metallisation in (0.25, 0.6):
-        made = cells("PZT-8", "Z", metallisation=metallisation, level=2)
+        made = cells("PZT-8", "Z", metallisation=metallisation, level=1)
         k = np.sin(np.pi * metallisation / 2) ** 2
         expected = permittivity * ellipk(k) / ellipk(1 - k)
-        assert made.capacitance() == pytest.approx(expected, rel=2e-3)  # the level's own error
+        assert made.capacitance() == pytest.approx(expected, rel=4e-3)  # the level's own error
 
 
 def test_narrow_fingers_leave_the_free_wave_and_wide_ones_the_metallised():
@@ -95,7 +95,7 @@ def test_narrow_fingers_leave_the_free_wave_and_wide_ones_the_metallised():
     free, metal = (rayleigh(solid, surface).velocity for surface in ("open", "metallised"))
     shares = []
     for metallisation in (0.02, 0.98):
-        made = cells("PZT-8", "Z", metallisation=metallisation)
+        made = cells("PZT-8", "Z", metallisation=metallisation, level=0)
         shorted, separate = (made.stop_band(open_fingers=each) for each in (False, True))
         shares.append([(free - band.velocity) / (free - metal) for band in (shorted, separate)])
     assert shares[0][1] < 0.05  # open narrow strips
@@ -115,7 +115,7 @@ def test_vacuum_above_slows_the_wave():
 def test_a_finite_reflector_sends_back_tanh_of_its_fingers(sign):
     """|R| = tanh(N |r|) at the middle of the stop band (coupled modes), but for the end fingers: 8 % of 24."""
     solid = lossless("LiNbO3 (Kovacs)", "128YX")
-    made = cells("LiNbO3 (Kovacs)", "128YX", metallisation=0.5)
+    made = cells("LiNbO3 (Kovacs)", "128YX", metallisation=0.5, level=0)
     band = made.stop_band(open_fingers=sign == "o")
     stator = plate(solid, length=60.0, bottom="absorbing", thickness=2.0, frequency=band.middle)
     sender = replace(comb(stator, "a", 5.0, frequency=band.middle, finger_pairs=2), period=PERIOD)
@@ -128,7 +128,7 @@ def test_a_finite_reflector_sends_back_tanh_of_its_fingers(sign):
         frequency=band.middle,
         driven="a",
         source_impedance=0.0,
-        resolution=LEVELS[1],
+        resolution=LEVELS[0],
     )
     between = surface_wave(solution).pieces[2]
     mode = between.rayleigh[0]
