@@ -172,9 +172,9 @@ def averaged_run(
         by_average = max(by_average, gap)
     # the bounce passes through heights at which first order errs otherwise: 2.5 (f_n/f)^2 seen, hopping at 20 nm
     by_average = max(
-        by_average, 4.0 * unit * (slider.normal_resonance(len(orbits)) / orbits[0].frequency) ** 2
+        by_average, 3.0 * unit * (slider.normal_resonance(len(orbits)) / orbits[0].frequency) ** 2
     )
-    corrected = by_average > 0.5 * tolerance * unit
+    corrected = by_average > 0.7 * tolerance * unit
     work = np.zeros(2, np.int64)
 
     def run(allowed, per_period, nodes, record):

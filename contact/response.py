@@ -207,7 +207,6 @@ def accelerate(
     return DONE
 
 
-@compiled
 def response(parameters, waves, state, stop, rule, harmonics, tolerance, per_period, at, rows, work):
     """Follow the slider from (z_s, z_s', v) at phase 0 to `stop`; return (reason, share left of the bounce).
 

@@ -181,7 +181,6 @@ def balance(parameters, waves, rule, harmonics, out):
     return DONE if change < 1e-7 else UNSETTLED
 
 
-@compiled
 def drives_back(parameters, waves, rule):
     """Return whether the unloaded wave drives against its crests."""
     sums, counts, still = np.zeros(2), np.zeros(4, np.int64), np.zeros((4, 1))
@@ -190,7 +189,6 @@ def drives_back(parameters, waves, rule):
     return sums[1] < 0.0
 
 
-@compiled
 def first_order_gap(parameters, waves, v, span, rule, harmonics):
     """Return the error in V that first order collects by mean velocity v in a span of phase, or settles to."""
     sums, counts, still = np.zeros(2), np.zeros(4, np.int64), np.zeros((4, 1))
@@ -211,7 +209,6 @@ def balances(parameters, waves, rule, harmonics, out, why, first, stride):
         why[m] = balance(parameters[m], waves[m], rule, harmonics, out[m])
 
 
-@compiled
 def rest_tractions(parameters, waves, rule):
     """Return the least and the largest mean traction of a cycle at rest; they differ where a contact sticks."""
     sums, counts, still = np.zeros(2), np.zeros(4, np.int64), np.zeros((4, 1))

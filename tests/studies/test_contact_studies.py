@@ -25,3 +25,21 @@ def test_load_line_stalls_and_is_below_one(monkeypatch):
     assert [panel.name for panel in record.panels] == ["load_line", "efficiency"]
     ax = load_line.figure(record.panels[0], Figure().add_subplot())
     assert len(ax.get_lines()) == 5
+
+
+def test_error_against_time_names_who_failed_in_silence(monkeypatch):
+    from studies import contact_error_vs_time as study
+
+    monkeypatch.setattr(study, "CYCLES", 12)
+    monkeypatch.setattr(study, "AMPLITUDES", (10e-9,))
+    monkeypatch.setattr(study, "SCIPY", ("DOP853",))
+    monkeypatch.setattr(study, "TOLERANCES", (1e-6, 1e-9))
+    record = study.run()
+    rows = {(row["curve"], row["setting"]): row for row in record.panels[0].data["rows"]}
+    assert rows["exact", "12 nodes, 1e-09"]["error"] < 1e-9
+    assert rows["stepped", "256 steps"]["error"] < 1e-5
+    assert rows["fixed steps with DV", "5000 steps"]["silent"]
+    # Oracle: an event solver held to a twentieth of a cycle is an independent computation of the same motion
+    assert rows["solve_ivp DOP853, held steps", "rtol 1e-09"]["error"] < 1e-4
+    ax = study.figure(record.panels[0], Figure().add_subplot())
+    assert (ax.get_xscale(), ax.get_yscale()) == ("log", "log")
