@@ -1,21 +1,14 @@
-"""Ways to solve the driven stator, each run alone in a process of its own: answer, CPU time, peak memory.
+"""Ways to solve the driven stator: even meshes, high order, structure, a band of frequencies, the peer NGSolve.
 
-One thread each: libraries that thread are told so before they are loaded, and none shares a process with another (two
-thread pools in one process slow each other).  The time is that of the CPU: on a machine that others use too, wall time
-measures them.  ``seconds`` is what one more frequency costs after ``setup_seconds``.
+Each is made ready for a problem and a resolution and then solves one frequency at a time; `attempt` measures it.
 """
 
-import resource
-import sys
-import time
-from dataclasses import dataclass, field
-from pathlib import Path
+from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["CURVES", "Attempt", "Problem", "attempted", "missing", "peak_memory"]
+__all__ = ["CURVES", "Problem", "missing"]
 
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 BAND = (0.955, 1.045)  # of the frequency: what `frequency_band` is prepared for
 
 
@@ -41,40 +34,6 @@ class Problem:
     frequency: float
     wavelength: float
     place: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class Attempt:
-    """What a contender found.
-
-    Attributes
-    ----------
-    curve : str
-    setting : str
-    unknowns : int
-    setup_seconds, seconds : float
-        CPU time before the first frequency, and of one more.
-    peak_bytes : int
-        Of the process.
-    admittance : complex
-        S.
-    motion : ndarray, shape (2,)
-        u_x and u_z per volt, m.
-    """
-
-    curve: str
-    setting: str
-    unknowns: int
-    setup_seconds: float
-    seconds: float
-    peak_bytes: int
-    admittance: complex
-    motion: np.ndarray = field(repr=False)
-
-    def errors(self, reference: tuple[complex, np.ndarray]) -> tuple[float, float]:
-        """Relative errors of the admittance and of u_z, both complex."""
-        admittance, motion = reference
-        return abs(self.admittance / admittance - 1), abs(self.motion[1] / motion[1] - 1)
 
 
 def _uniform(problem: Problem, *, per_wavelength: int, triangles: bool):
@@ -196,12 +155,12 @@ CURVES = {
     ),
     "high order, no edge layers": (
         _direct,
-        tuple({"order": p, "edge_layers": 0} for p in (4, 6, 8)),
+        tuple({"order": p, "edge_layers": 0} for p in (4, 6, 7)),
         ("pypardiso",),
     ),
     "high order, edge layers": (
         _direct,
-        tuple({"order": p, "edge_layers": layers} for p, layers in ((5, 1), (6, 1), (7, 2))),
+        tuple({"order": p, "edge_layers": layers} for p, layers in ((4, 1), (5, 1), (6, 1))),
         ("pypardiso",),
     ),
     "NGSolve": (
@@ -225,69 +184,3 @@ def missing(curve: str) -> tuple[str, ...]:
     from importlib.util import find_spec
 
     return tuple(package for package in CURVES[curve][2] if find_spec(package) is None)
-
-
-def attempted(curve: str, problem: Problem, setting: dict, *, repeats: int = 1) -> Attempt:
-    """Run one contender in a fresh process.
-
-    Parameters
-    ----------
-    curve : str
-        Of `CURVES`.
-    problem : Problem
-    setting : dict
-        Its resolution.
-    repeats : int
-        Frequencies after the first; their median time counts.  None: the first counts (nothing is reused).
-
-    Returns
-    -------
-    Attempt
-    """
-    import os
-    from concurrent.futures import ProcessPoolExecutor
-    from multiprocessing import get_context
-
-    before = {name: os.environ.get(name) for name in THREADS}
-    os.environ.update(dict.fromkeys(THREADS, "1"))
-    try:
-        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-            return pool.submit(_alone, curve, problem, setting, repeats).result()
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
-
-
-def peak_memory() -> int:
-    """Peak memory of this process in bytes; on Linux not what the process that it was forked from had."""
-    status = Path("/proc/self/status")
-    if status.exists():
-        (line,) = (line for line in status.read_text().splitlines() if line.startswith("VmHWM"))
-        return 1024 * int(line.split()[1])
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak if sys.platform == "darwin" else 1024 * peak
-
-
-def _alone(curve: str, problem: Problem, setting: dict, repeats: int) -> Attempt:
-    begun = time.process_time()
-    once = CURVES[curve][0](problem, **setting)
-    admittance, motion, unknowns = once() if repeats else (None, None, 0)
-    ready = time.process_time()
-    times = []
-    for _ in range(max(repeats, 1)):
-        start = time.process_time()
-        admittance, motion, unknowns = once()
-        times.append(time.process_time() - start)
-    return Attempt(
-        curve=curve,
-        setting=", ".join(f"{key.replace('_', ' ')} {value}" for key, value in setting.items()),
-        unknowns=unknowns,
-        setup_seconds=ready - begun,
-        seconds=float(np.median(times)),
-        peak_bytes=peak_memory(),
-        admittance=admittance,
-        motion=np.asarray(motion),
-    )

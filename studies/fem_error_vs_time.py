@@ -16,7 +16,9 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-from studies.contenders import CURVES, Attempt, Problem, attempted, missing
+from studies.attempt import Attempt, attempted
+from studies.contenders import CURVES, Problem, missing
+from studies.refusal import RunError
 from studies.study import Finding, Panel, StudyRecord
 
 __all__ = ["figure", "problem", "reference", "run", "seconds_at"]
@@ -69,7 +71,10 @@ def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
                 continue
             for setting in settings:
                 say(f"{ends} ends: {curve}, {setting}")
-                attempts.append(attempted(curve, posed, setting, repeats=0 if curve in DIRECT else 1))
+                try:
+                    attempts.append(attempted(curve, posed, setting, repeats=0 if curve in DIRECT else 1))
+                except RunError as error:
+                    say(f"left out: {error}")
         panels.append(_panel(ends, attempts, truth))
         findings += _findings(ends, attempts, truth)
     return StudyRecord(

@@ -13,7 +13,8 @@ import platform
 
 import numpy as np
 
-from studies.contenders import CURVES, attempted, missing
+from studies.attempt import attempted
+from studies.contenders import CURVES, missing
 from studies.fem_error_vs_time import DIRECT, ENDS, problem, reference, seconds_at
 
 FINEST = (

@@ -34,7 +34,8 @@ from fem.readout import surface_wave
 from fem.section import Resolution
 from fem.solution import Solution, solved
 from fem.wavelength import slowest_wavelength
-from studies.contenders import CURVES, attempted, missing
+from studies.attempt import attempted
+from studies.contenders import CURVES, missing
 from studies.fem_error_vs_time import LIMITS, problem, reference, seconds_at
 
 STRETCH_SIZE = 0.03  # wavelengths: at 0.05 the direct mesh's stretches still err by 1.4e-10 of the field
@@ -49,7 +50,7 @@ band = frequency_band(posed.stator, posed.transducers, lowest=2.1e6, highest=2.3
 swept(band, np.linspace(2.1e6, 2.3e6, 100), driven="left")
 """
 PEAK = """
-from studies.contenders import peak_memory
+from studies.attempt import peak_memory
 print(peak_memory())
 """
 RUN = """

@@ -1,14 +1,16 @@
 """Contenders of the stator: each gives the small stator's answer; the study and its benchmarks say what they find."""
 
 import math
+import os
 import subprocess
 import sys
 
 import numpy as np
 import pytest
 
-from studies import contenders, fem_error_vs_time, peer
-from studies.contenders import CURVES, Attempt, attempted
+from studies import attempt, contenders, fem_error_vs_time, peer
+from studies.attempt import Attempt, attempted
+from studies.contenders import CURVES
 from studies.fem_error_vs_time import seconds_at
 from studies.refusal import RunError
 from tests.studies.motors import small_problem, truth
@@ -16,7 +18,7 @@ from tests.studies.motors import small_problem, truth
 THIN = 0.35e-3  # m: a plate without backward waves, which matched layers would amplify
 
 
-def attempt(seconds: float, error: float) -> Attempt:
+def point(seconds: float, error: float) -> Attempt:
     return Attempt(
         curve="band",
         setting="",
@@ -37,7 +39,7 @@ def errors(curve: str, posed, **setting) -> tuple[float, float]:
 
 def test_time_at_an_error_lies_on_the_power_between_the_points():
     exact = (1.0, (1.0, 1.0))
-    points = [attempt(4.0, 1e-4), attempt(1.0, 1e-2)]
+    points = [point(4.0, 1e-4), point(1.0, 1e-2)]
     assert seconds_at(points, exact, 1e-3) == pytest.approx(2.0, rel=1e-9)
     assert seconds_at(points, exact, 1e-1) == 1.0
     assert math.isnan(seconds_at(points, exact, 1e-5))
@@ -55,7 +57,7 @@ def test_even_meshes_converge_slowly(triangles):
 
 
 def test_the_direct_contender_agrees():
-    found = errors("high order, edge layers", small_problem(), order=6, edge_layers=1)
+    found = errors("high order, edge layers", small_problem(thickness=THIN), order=5, edge_layers=1)
     assert max(found) < 5e-3
 
 
@@ -103,6 +105,20 @@ def test_a_contender_runs_alone_on_one_thread():
     assert found.peak_bytes > 3e7
 
 
+def test_a_process_that_is_ended_is_a_sentence(monkeypatch):
+    from concurrent.futures import ProcessPoolExecutor
+    from concurrent.futures.process import BrokenProcessPool
+
+    def ended(*given):
+        raise BrokenProcessPool
+
+    monkeypatch.setattr(ProcessPoolExecutor, "submit", ended)
+    monkeypatch.setenv("OMP_NUM_THREADS", "2")
+    with pytest.raises(RunError, match="structured, level 1: its process was ended"):
+        attempted("structured", small_problem(), {"level": 1})
+    assert os.environ["OMP_NUM_THREADS"] == "2"
+
+
 @pytest.fixture
 def tiny(monkeypatch):
     """The study on the small stator, in this process, with what needs no extra, and the peer said to be missing."""
@@ -111,13 +127,14 @@ def tiny(monkeypatch):
         "structured": (CURVES["structured"][0], ({"level": 0}, {"level": 1}), ()),
     }
     monkeypatch.setattr(contenders, "CURVES", curves)
+    monkeypatch.setattr(attempt, "CURVES", curves)
     for module in (fem_error_vs_time, *_benchmarks()):
         for name, value in (
             ("CURVES", curves),
             ("ENDS", ("absorbing",)),
             ("problem", small_problem),
             ("reference", lambda posed: truth(posed.stator.thickness)),
-            ("attempted", lambda *given, repeats: contenders._alone(*given, repeats)),
+            ("attempted", lambda *given, repeats: attempt._alone(*given, repeats)),
         ):
             if hasattr(module, name):
                 monkeypatch.setattr(module, name, value)
