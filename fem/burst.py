@@ -158,6 +158,7 @@ def burst_response(
     tolerance: float,
     source_impedance: complex = 0.0,
     phase: float = 0.0,
+    most: int = MOST,
 ) -> BurstEnvelope:
     """Envelope of the surface's motion at a place for a rectangular burst.
 
@@ -179,6 +180,8 @@ def burst_response(
         Ohm.
     phase : float
         Of the voltage's cosine at the beginning, rad.
+    most : int
+        About how many frequencies to solve before giving up.
 
     Returns
     -------
@@ -224,7 +227,7 @@ def burst_response(
         if folded <= tolerance:
             break
         divisions *= 2
-        if divisions > MOST:
+        if divisions > most:
             raise ConvergenceError(
                 f"the surface still rings {1 / step:.1e} s after the switch, by {folded:.1e} of its amplitude: "
                 "give the solid a mechanical_quality, or ask for less"

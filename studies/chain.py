@@ -159,7 +159,7 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
         scene=scene,
         tolerance=tolerance,
         wave=_wave_block(wave, place)
-        | ({} if ringing is None else {"settling_time_s": ringing.found.settling}),
+        | ({} if ringing is None or ringing.found is None else {"settling_time_s": ringing.found.settling}),
         electrical={
             "admittance_S": wave.admittance,
             "comb_voltage_per_volt": wave.comb_voltage_per_volt,

@@ -136,7 +136,7 @@ def _burst(scene: Scene, slider, orbits: tuple, velocity: float, tolerance: floa
             envelope=shape,
         )
 
-    if ringing is None or method not in SHAPED_METHODS:
+    if ringing is None or ringing.envelope is None or method not in SHAPED_METHODS:
         return followed(None)
     try:
         return followed(ringing.envelope)

@@ -88,3 +88,15 @@ def test_without_a_burst_nothing_rings():
     scene = replace(chip(), drive=replace(chip().drive, burst=None))
     assert ring_up_left_out(scene, None, ()) == ()
     assert ring_up_left_out(chip(), None, ()) == ("the burst's ring-up: the slider stands over a transducer",)
+
+
+def test_a_stator_that_rings_too_long_is_an_error_and_said(monkeypatch):
+    import studies.ring_up as ring
+
+    monkeypatch.setattr(ring, "MOST", 40)
+    scene = chip("drive.burst=2 ms", "drive.voltage=60", "stator.material=PZT-8")
+    record = run(scene, tolerance=2e-2)
+    assert "settling_time_s" not in record.wave
+    width = 2 * 1.2 / 8 * 2.2e6
+    assert record.error["parts"]["stator"] == pytest.approx(40 / width / 2e-3, rel=0.1)
+    assert any("rings for too long to be followed" in reason for reason in record.left_out)
