@@ -45,6 +45,7 @@ def test_time_at_an_error_lies_on_the_power_between_the_points():
     assert math.isnan(seconds_at(points, exact, 1e-5))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("triangles", [False, True])
 def test_even_meshes_converge_slowly(triangles):
     """The edge's r^-1/2 holds the admittance at first order: half the element, half the error or a little more."""
@@ -146,6 +147,7 @@ def _benchmarks():
     return stator_peers, stator_table
 
 
+@pytest.mark.slow
 def test_the_study_measures_draws_and_says_what_it_left_out(tiny):
     from matplotlib.figure import Figure
 
@@ -160,6 +162,7 @@ def test_the_study_measures_draws_and_says_what_it_left_out(tiny):
     assert len(ax.lines) == 2
 
 
+@pytest.mark.slow
 def test_the_benchmarks_print_their_tables(tiny, capsys):
     peers, table = _benchmarks()
     peers.main([])
