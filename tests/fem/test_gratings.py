@@ -139,7 +139,7 @@ def test_a_finite_reflector_sends_back_tanh_of_its_fingers(sign):
 @pytest.mark.slow
 def test_the_error_of_the_edges_holds_against_a_finer_answer():
     solid = lossless("PZT-8", "Z")
-    rough = cell_triple(solid, period=PERIOD, metallisation=0.5, tolerance=0.3)
+    rough = cell_triple(solid, period=PERIOD, metallisation=0.5, tolerance=0.02)
     made = cells("PZT-8", "Z", metallisation=0.5, level=3)
     fine = [made.stop_band(open_fingers=each) for each in (False, True)]
     width = max(band.upper - band.lower for band in fine)
