@@ -38,8 +38,8 @@ from studies.attempt import attempted
 from studies.contenders import CURVES, missing
 from studies.fem_error_vs_time import LIMITS, problem, reference, seconds_at
 
-# largest element (wavelengths) and layers of the direct mesh's stretches: at 0.05 they still err by 1.4e-10; more layers
-# at an absorbing end are more than scikit-fem can place points in
+# Largest element (wavelengths) and layers of the direct mesh's stretches: at 0.05 they still err by 1.4e-10; more
+# layers at an absorbing end are more than scikit-fem can place points in.
 STRETCHES = {"free": (0.03, 3), "absorbing": (0.025, 1)}
 SWEEP = """
 import numpy as np
