@@ -70,6 +70,8 @@ def test_48_steps_per_cycle_keep_five_digits(A, allowed):
     )
     reference = max(abs(motion.state[2]), 0.07 * A / problem.length)
     assert abs(state[2] - motion.state[2]) / reference < allowed
+    # the height too, against the rest approach
+    assert abs(state[0] - motion.state[0]) * problem.length / slider().rest_approach(1) < 3.0 * allowed
 
 
 @pytest.mark.parametrize("A", [2e-9, 10e-9])

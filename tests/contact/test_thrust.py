@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contact import ConvergenceError, blocked_thrust, load_line, steady
+from contact import ConvergenceError, Orbit, blocked_thrust, load_line, mean_motion, steady
 from tests.contact.motors import orbit, slider
 
 
@@ -25,6 +25,7 @@ def test_crests_alone_give_full_friction():
 
 def test_line_power_and_efficiency():
     line = load_line(slider(), orbit(10e-9), points=5, tolerance=1e-4)
+    assert line.load[-1] == line.blocked_thrust == blocked_thrust(slider(), orbit(10e-9))[0]
     assert np.all(np.diff(line.velocity) < 0.0)
     assert (line.velocity[-1], line.efficiency[0], line.efficiency[-1]) == (0.0, 0.0, 0.0)
     assert np.all(line.efficiency[1:-1] > 0.2)
@@ -50,3 +51,15 @@ def test_three_balls_in_phase_are_one():
 def test_no_line_below_the_threshold():
     with pytest.raises(ConvergenceError, match="threshold"):
         load_line(slider(), orbit(0.5e-9), points=3, tolerance=1e-3)
+
+
+def test_a_wave_that_drives_against_its_crests():
+    shape = Orbit(frequency=2.2e6, normal=6e-9, tangential=5e-9 * np.exp(0.2j))
+    way = np.sign(mean_motion(slider(), shape).velocity)
+    assert way != np.sign(shape.crest_velocity)
+    stall, held = blocked_thrust(slider(), shape)
+    assert 0.0 < stall <= held * (1.0 + 1e-12)
+    for load, sign in ((0.0, 1.0), (0.4 * stall, 1.0), (0.999 * stall, 1.0), (1.001 * held, -1.0)):
+        full = steady(slider(load=load), shape, tolerance=1e-4).velocity
+        assert np.sign(full) == sign * way
+        assert mean_motion(slider(load=load), shape).velocity == pytest.approx(full, rel=1e-6, abs=1e-9)
