@@ -19,6 +19,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the chain of a scene; print its answer and leave its files."""
     from studies.answer import answer
     from studies.chain import run as run_chain
+    from studies.drawing import Drawing
     from studies.progress import Progress
 
     wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
@@ -27,14 +28,16 @@ def run(arguments: argparse.Namespace) -> int:
         out = Path("results") / scene_path(arguments.scene).stem
     with ExitStack() as stack:
         folder = None if out is None else stack.enter_context(result_directory(out))
+        plotted = folder is not None and not (arguments.json or arguments.no_plot)
+        drawing = stack.enter_context(Drawing()) if plotted else None
         with Progress() as progress:
             record = run_chain(scene, tolerance=wanted, progress=progress)
             whole = record.to_dict()
             if folder is not None:
                 progress("writing the results")
-                write_run(
-                    record, folder, plot=not (arguments.json or arguments.no_plot), field=arguments.field
-                )
+                write_run(record, folder, field=arguments.field)
+                if drawing is not None:
+                    drawing.draw(record, folder)
     if arguments.json:
         print(json.dumps(whole, indent=1, ensure_ascii=False, allow_nan=False))
     else:

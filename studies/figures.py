@@ -28,7 +28,7 @@ def draw_run(record: Record, folder: Path) -> None:
     if record.trajectories:
         saved(folder / "trajectory.png", lambda ax: trajectories(record, ax))
     if record.surface:
-        drawn = surface if record.surface_wave is not None else profile
+        drawn = surface if record.scene.transducer else profile
         saved(folder / "surface.png", lambda ax: drawn(record, ax))
 
 

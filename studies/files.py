@@ -1,4 +1,4 @@
-"""The files of a run, from its record: run.json, tables, pictures, field, and the scene that runs again."""
+"""The files of a run, from its record: run.json, tables, field, and the scene that runs again."""
 
 import csv
 import json
@@ -10,7 +10,7 @@ from studies.toml import document
 __all__ = ["write_run", "write_table"]
 
 
-def write_run(record: Record, folder: Path, *, plot: bool, field: bool) -> None:
+def write_run(record: Record, folder: Path, *, field: bool) -> None:
     """Write a run's files into a directory.
 
     Parameters
@@ -18,8 +18,8 @@ def write_run(record: Record, folder: Path, *, plot: bool, field: bool) -> None:
     record : Record
     folder : Path
         Exists and is empty.
-    plot, field : bool
-        Whether pictures are drawn, and whether the interior field is rebuilt and kept.
+    field : bool
+        Whether the interior field is rebuilt and kept.
     """
     text = json.dumps(record.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
     (folder / "run.json").write_text(text + "\n", encoding="utf-8")
@@ -48,10 +48,6 @@ def write_run(record: Record, folder: Path, *, plot: bool, field: bool) -> None:
         import fem
 
         fem.write_vtu(fem.wave_field(record.surface_wave), folder / "field.vtu")
-    if plot:
-        from studies.figures import draw_run
-
-        draw_run(record, folder)
 
 
 def write_columns(path: Path, columns: dict) -> None:

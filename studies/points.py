@@ -98,7 +98,7 @@ def _point(scene: Scene, slider, orbits: tuple, stator_error: float, tolerance: 
 
     try:
         state = _refusing(lambda: steady(orbits))
-        from_stator = velocity_error(state.velocity, orbits, stator_error, lambda some: steady(some).velocity)
+        from_stator = velocity_error(state.velocity, orbits, stator_error, _nearby(slider, state, steady))
         values = {"velocity_m_per_s": state.velocity, "regime": state.regime}
         from_contact, status, message, trajectory = state.relative_error, state.status, state.message, None
         if scene.burst is not None:
@@ -113,6 +113,27 @@ def _point(scene: Scene, slider, orbits: tuple, stator_error: float, tolerance: 
     values["relative_error"] = from_stator + from_contact
     values["status"] = status if status == "ok" else f"{status}: {message}"
     return values, (from_stator, from_contact), trajectory
+
+
+def _nearby(slider, state, steady):
+    """Return what gives the velocity near a state: cycle means, shifted to it, or where they fail the state's way."""
+    import contact
+
+    def mean(orbits):
+        return contact.mean_motion(slider, orbits).velocity
+
+    try:
+        shift = state.velocity - mean(state.orbits)
+    except contact.ConvergenceError:
+        return lambda some: steady(some).velocity
+
+    def velocity(some):
+        try:
+            return mean(some) + shift
+        except contact.ConvergenceError:
+            return steady(some).velocity
+
+    return velocity
 
 
 def _burst(scene: Scene, slider, orbits: tuple, velocity: float, tolerance: float, ringing):

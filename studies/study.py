@@ -138,7 +138,7 @@ def run_study(name: str, scene: str | None, folder: Path, *, progress: Callable[
         from studies.answer import answer
         from studies.files import write_run
 
-        write_run(record, folder, plot=False, field=False)
+        write_run(record, folder, field=False)
         text, panels = answer(record), {name: record}
     else:
         text, panels = str(record), {panel.name: panel for panel in record.panels}

@@ -8,6 +8,7 @@ import tomllib
 import pytest
 
 from studies.chain import run
+from studies.drawing import Drawing
 from studies.files import write_run
 from studies.refusal import RunError
 from studies.results import result_directory
@@ -92,7 +93,9 @@ def record():
 
 
 def test_the_files_of_a_contact_run(record, tmp_path):
-    write_run(record, tmp_path, plot=True, field=True)
+    with Drawing() as drawing:
+        write_run(record, tmp_path, field=True)
+        drawing.draw(record, tmp_path)
     names = ["run.json", "scene.toml", "trajectory.csv", "trajectory.png", "velocity.csv", "velocity.png"]
     assert contents(tmp_path) == names
     assert json.loads((tmp_path / "run.json").read_text()) == json.loads(json.dumps(record.to_dict()))
@@ -104,8 +107,20 @@ def test_the_files_of_a_contact_run(record, tmp_path):
     assert len(trajectory) == 1 + sum(len(motion.time) for _, motion in record.trajectories)
 
 
+def test_what_the_drawing_raises_is_raised_here(record, tmp_path):
+    with Drawing() as drawing, pytest.raises(FileNotFoundError, match="velocity.png"):
+        drawing.draw(record, tmp_path / "absent")
+
+
+def test_a_drawing_process_that_ends_is_said(record, tmp_path):
+    with Drawing() as drawing:
+        drawing._process.kill()
+        with pytest.raises(RunError, match="pictures were not drawn"):
+            drawing.draw(record, tmp_path)
+
+
 def test_the_scene_that_is_left_is_the_scene_that_ran(record, tmp_path):
-    write_run(record, tmp_path, plot=False, field=False)
+    write_run(record, tmp_path, field=False)
     assert Scene.load(tmp_path / "scene.toml") == record.scene
     assert Scene.from_table("", json.loads((tmp_path / "run.json").read_text())["scene"]) == record.scene
     assert tomllib.loads((tmp_path / "scene.toml").read_text())["slider"]["preload"] == 0.089e-3 * 9.81

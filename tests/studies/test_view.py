@@ -30,7 +30,7 @@ def left(tmp_path_factory):
     record = run(Scene.from_table("", table), tolerance=1e-2)
     folders = [tmp_path_factory.mktemp(name) for name in ("kept", "anew")]
     for folder, field in zip(folders, (True, False), strict=True):
-        write_run(record, folder, plot=False, field=field)
+        write_run(record, folder, field=field)
     return record, *folders
 
 
@@ -88,7 +88,7 @@ def test_a_screenshot_shows_section_electrodes_and_slider(left, tmp_path):
 
 def test_a_free_wave_is_drawn_from_its_profile(tmp_path):
     record = run(Scene.load("rayleigh"), tolerance=1e-3)
-    write_run(record, tmp_path, plot=False, field=True)
+    write_run(record, tmp_path, field=True)
     found = run_field(tmp_path, progress=quiet)
     assert found.fingers == {}
     assert found.balls == found.close == ()
@@ -102,7 +102,7 @@ def test_a_free_wave_is_drawn_from_its_profile(tmp_path):
 
 def test_a_scene_without_a_stator_says_why_there_is_no_field(tmp_path):
     table = assigned(read_table("twente-contact"), "wave.normal_amplitude=3 nm")
-    write_run(run(Scene.from_table("", table), tolerance=1e-3), tmp_path, plot=False, field=False)
+    write_run(run(Scene.from_table("", table), tolerance=1e-3), tmp_path, field=False)
     with pytest.raises(SceneError, match="no wave field: its scene gives the surface motion"):
         run_field(tmp_path, progress=quiet)
 
