@@ -108,7 +108,7 @@ def test_the_files_of_a_contact_run(record, tmp_path):
 
 
 def test_what_the_drawing_raises_is_raised_here(record, tmp_path):
-    with Drawing() as drawing, pytest.raises(FileNotFoundError, match="velocity.png"):
+    with Drawing() as drawing, pytest.raises(FileNotFoundError, match="velocity"):
         drawing.draw(record, tmp_path / "absent")
 
 
