@@ -15,6 +15,9 @@ from studies.refusal import SceneError, nearest, shown
 __all__ = ["Choice", "Count", "Flag", "Impedance", "Listed", "Matrix", "Quantity", "Rule", "Signs", "Text"]
 
 
+LARGEST = 1e30  # in SI units; beyond it, and below its inverse, no motor has a quantity: products stay finite
+
+
 class Rule:
     """What a value may be."""
 
@@ -48,6 +51,10 @@ class Quantity(Rule):
             raise SceneError(path, f"must be {self._allowed}, got {number!r} {self.unit}".rstrip())
         if self.below is not None and number >= self.below:
             raise SceneError(path, f"must be {self._allowed}, got {number!r} {self.unit}".rstrip())
+        smallest = 0.0 if self.zero or self.negative else 1 / LARGEST
+        if not smallest <= abs(number) <= LARGEST:
+            size = f"must have a size between {smallest:g} and {LARGEST:g}"
+            raise SceneError(path, f"{size}, got {number!r} {self.unit}".rstrip())
         return number + 0.0  # no negative zero
 
     @property
