@@ -3,8 +3,8 @@
 Conventions: exp(+i omega t), complex peak amplitudes, SI; x along the propagation, z out of the surface, body at
 z < 0; Voigt order 11 22 33 23 13 12 with engineering shear.  The rooms, bottom to top: materials - spectral, forms -
 stroh, half_space - geometry - quasistatic - section - guided, modes - cell - chain - network, electrodes - solution -
-surface, readout - audit, field - gratings - harmonic, free - triple, reduced - band - preparation; burst reads
-waves; direct stands beside them as the check.
+surface, readout, densities - audit, field, field_file - gratings - harmonic, free - triple, reduced - band -
+preparation; burst reads waves; direct stands beside them as the check.
 """
 
 from importlib import import_module
@@ -14,6 +14,7 @@ _HOME = {
     "BurstEnvelope": "burst",
     "CellTriple": "triple",
     "ConvergenceError": "convergence",
+    "Densities": "densities",
     "FreeWave": "free",
     "HalfSpaceWave": "half_space",
     "PeriodicWave": "modes",
@@ -33,17 +34,19 @@ _HOME = {
     "direct_solution": "direct",
     "driven_wave": "harmonic",
     "fields": "materials",
+    "free_field": "field",
     "free_wave": "free",
     "isotropic": "materials",
     "material": "materials",
     "periodic_wave": "modes",
     "rayleigh": "half_space",
-    "read_vtu": "field",
+    "read_vtu": "field_file",
     "rotated": "materials",
     "swept": "band",
     "transducer_estimate": "quasistatic",
     "wave_field": "field",
-    "write_vtu": "field",
+    "write_instant": "field_file",
+    "write_vtu": "field_file",
 }
 __all__ = sorted(_HOME)
 

@@ -1,20 +1,21 @@
-"""The whole field of a driven stator on a mesh, rebuilt on demand, and its file.
+"""The whole field of a driven stator on a grid, rebuilt on demand; likewise of a free wave.
 
-The lines of the mesh are the nodes of the columns under the transducers and evenly spaced ones in the stretches,
-where the field is a sum of modes; through the depth the nodes are the section's own, so that nothing is averaged.
-In the file (VTK XML, by meshio) complex fields are two arrays, and names carry the unit.
+The lines of the grid are the nodes of the columns under the transducers and evenly spaced ones in the stretches, where
+the field is a sum of modes; through the depth the nodes are the section's own, so that nothing is averaged over an
+element.  Derivatives are those of the elements' polynomials and of the modes.
 """
 
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
+from fem.densities import Densities, densities, shared, upward_slope
 from fem.readout import column_fields
 from fem.solution import Solution
+from fem.spectral import gll_nodes, lagrange
 from fem.surface import Covered, SurfaceWave
 
-DISPLACEMENT, POTENTIAL = "displacement_m_per_V", "potential_V_per_V"
+FREE_LINES = 24  # per wavelength of a free wave, which is shown over a few of them
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,6 +34,8 @@ class WaveField:
         V per V.
     frequency : float
         Hz.
+    densities : Densities or None
+        Strain energy and power flow, where they were asked for.
     """
 
     x: np.ndarray
@@ -40,9 +43,12 @@ class WaveField:
     displacement: np.ndarray = field(repr=False)
     potential: np.ndarray = field(repr=False)
     frequency: float
+    densities: Densities | None = field(default=None, repr=False)
 
 
-def wave_field(wave: SurfaceWave, *, per_wavelength: int = 16) -> WaveField:
+def wave_field(
+    wave: SurfaceWave, *, per_wavelength: int = 16, places: tuple[float, ...] = (), energies: bool = False
+) -> WaveField:
     """Rebuild the interior of a driven stator.
 
     Parameters
@@ -50,6 +56,10 @@ def wave_field(wave: SurfaceWave, *, per_wavelength: int = 16) -> WaveField:
     wave : SurfaceWave
     per_wavelength : int
         Lines per surface wavelength in the stretches.
+    places : tuple of float
+        m from the left end: where a line is to stand as well, as far as they lie in stretches.
+    energies : bool
+        Whether strain energy and power flow are wanted too.
 
     Returns
     -------
@@ -59,32 +69,87 @@ def wave_field(wave: SurfaceWave, *, per_wavelength: int = 16) -> WaveField:
     section = solution.section
     body = slice(section.bottom, section.surface + 1)
     step = wave.phase_velocity / wave.frequency / per_wavelength
-    places, values, offset = [], [], 0.0
+    lines, values, slopes, offset = [], [], [], 0.0
     transducer = 0
     for piece in wave.pieces:
         if isinstance(piece, Covered):
-            x, part = _under(solution, transducer, body)
+            x, part, slope = _under(solution, transducer, body, slopes=energies)
+            part[:, :, 3] += offset
             transducer += 1
         else:
             start, stop = max(piece.start, 0.0), min(piece.stop, wave.length)
-            x = np.linspace(start, stop, max(3, int(np.ceil((stop - start) / step)) + 1))
-            part = _between(solution, piece, x, body, first=not transducer)
+            x = _lines(start, stop, step, places)
+            part, slope = _between(solution, piece, x, body, first=not transducer, slopes=energies)
             if transducer:
-                offset_here, offset = offset, offset + _gauge_step(solution, piece)
-                part[:, :, 3] += offset_here
-        if isinstance(piece, Covered):
-            part[:, :, 3] += offset
-        first = 1 if places else 0  # the line shared with the piece before
-        places.append(x[first:])
+                part[:, :, 3] += offset
+                offset = offset + _gauge_step(solution, piece)
+        first = 1 if lines else 0  # the line shared with the piece before
+        lines.append(x[first:])
         values.append(part[first:])
-    everything = np.concatenate(values)
+        slopes.append(slope[first:] if energies else slope)
+    units = np.array([1.0, 1.0, 1.0, section.solid.potential_unit])
+    everything = np.concatenate(values) * units
+    found = None
+    if energies:
+        layers = slice(section.bottom // section.order, section.surface // section.order)
+        heights = section.heights[layers].real * section.length_unit
+        upward = upward_slope(everything, section.order, heights)
+        along = np.concatenate(slopes) * units
+        found = densities(solution.stator.solid, wave.frequency, everything, along, upward)
     return WaveField(
-        x=np.concatenate(places),
+        x=np.concatenate(lines),
         z=section.nodes[body],
         displacement=everything[:, :, :3],
-        potential=everything[:, :, 3] * section.solid.potential_unit,
+        potential=everything[:, :, 3],
         frequency=wave.frequency,
+        densities=found,
     )
+
+
+def free_field(wave, *, length: float, energies: bool = False) -> WaveField:
+    """Return the field of a free wave over a length.
+
+    Parameters
+    ----------
+    wave : FreeWave
+    length : float
+        m; the wave starts with u_z = 1 m at x = 0.
+    energies : bool
+        Whether strain energy and power flow are wanted too.
+
+    Returns
+    -------
+    WaveField
+        Over u_z at the surface.
+    """
+    wavelength = wave.velocity / wave.frequency
+    x = np.linspace(0, length, max(int(FREE_LINES * length / wavelength), 2) + 1)
+    exponent = -(2j * np.pi / wavelength + wave.attenuation)
+    values = np.exp(exponent * x)[:, None, None] * wave.profile
+    found = None
+    if energies:
+        heights = np.diff(wave.depth[:: wave.order])
+        upward = upward_slope(values, wave.order, heights)
+        found = densities(wave.solid, wave.frequency, values, exponent * values, upward)
+    return WaveField(
+        x=x,
+        z=wave.depth,
+        displacement=values[:, :, :3],
+        potential=values[:, :, 3],
+        frequency=wave.frequency,
+        densities=found,
+    )
+
+
+def _lines(start: float, stop: float, step: float, places) -> np.ndarray:
+    """Evenly spaced lines of a stretch, with those that stand at given places."""
+    even = np.linspace(start, stop, max(3, int(np.ceil((stop - start) / step))) + 1)
+    wanted = np.array([place for place in places if start < place < stop])
+    if not len(wanted):
+        return even
+    near = abs(even[:, None] - wanted).min(axis=1) < 1e-3 * step
+    near[[0, -1]] = False
+    return np.union1d(even[~near], wanted)
 
 
 def _constant_shape(solution: Solution) -> tuple[int, complex, complex] | None:
@@ -106,99 +171,52 @@ def _gauge_step(solution: Solution, piece) -> complex:
     return rightwards * piece.right[index] - leftwards * piece.left[index]
 
 
-def _between(solution: Solution, piece, x: np.ndarray, body: slice, *, first: bool) -> np.ndarray:
-    section, modes = solution.section, solution.modes
+def _between(solution: Solution, piece, x: np.ndarray, body: slice, *, first: bool, slopes: bool):
+    """Fields of a stretch at lines x, (lines, nodes, 4), and their x derivatives per m if asked for."""
+    modes = solution.modes
     right, left = piece.right.copy(), piece.left.copy()
     constant = _constant_shape(solution)
     if constant is not None:
         # Potentials refer to the transducer on the left; before the first one, to that.
         (right if first else left)[constant[0]] = 0.0
-    phases = np.exp(-1j * np.outer(piece.wavenumbers, x - piece.start)) if np.any(right) else 0.0
-    lines = modes.right @ (right[:, None] * phases) if np.any(right) else 0.0
-    if np.any(left):
-        lines = lines + modes.left @ (left[:, None] * np.exp(-1j * np.outer(piece.backwards, x - piece.stop)))
-    out = np.zeros((len(x), len(section.dofs), 4), dtype=complex)
-    exists = section.dofs >= 0
-    out[:, exists] = np.moveaxis(lines[section.dofs[exists]], 0, 1)
+    lines = along = np.zeros((len(modes.right), len(x)), dtype=complex)
+    for amplitudes, shapes, wavenumbers, origin in (
+        (right, modes.right, piece.wavenumbers, piece.start),
+        (left, modes.left, piece.backwards, piece.stop),
+    ):
+        if not np.any(amplitudes):
+            continue
+        phases = amplitudes[:, None] * np.exp(-1j * np.outer(wavenumbers, x - origin))
+        lines = lines + shapes @ phases
+        if slopes:
+            along = along + shapes @ (-1j * wavenumbers[:, None] * phases)
+    return _on_nodes(solution, lines, body), _on_nodes(solution, along, body) if slopes else None
+
+
+def _on_nodes(solution: Solution, lines: np.ndarray, body: slice) -> np.ndarray:
+    """Unknowns of lines, (size, lines), as fields at the nodes, (lines, nodes, 4)."""
+    dofs = solution.section.dofs
+    out = np.zeros((lines.shape[1], len(dofs), 4), dtype=complex)
+    exists = dofs >= 0
+    out[:, exists] = np.moveaxis(lines[dofs[exists]], 0, 1)
     return out[:, body]
 
 
-def _under(solution: Solution, index: int, body: slice) -> tuple[np.ndarray, np.ndarray]:
-    from fem.spectral import gll_nodes
-
+def _under(solution: Solution, index: int, body: slice, *, slopes: bool):
+    """Lines under a transducer in m, fields there (lines, nodes, 4), and x derivatives per m if asked for."""
     unit, order = solution.section.length_unit, solution.section.order
-    places, values = [], []
-    for recovery, starts, sides in column_fields(solution, index):
-        inside = gll_nodes(order)[:-1] * recovery.column.width * unit
-        fields = np.moveaxis(recovery.values(sides)[:, body], -1, 0)
-        places.append((starts[:, None] + inside).ravel())
-        values.append(fields[:, :-1].reshape(-1, *fields.shape[2:]))
-        last = int(np.argmax(starts))
-        places.append(starts[[last]] + recovery.column.width * unit)
-        values.append(fields[[last], -1])
-    x, everything = np.concatenate(places), np.concatenate(values)
-    order_x = np.argsort(x, kind="stable")
-    x, everything = x[order_x], everything[order_x]
-    distinct = np.append(True, np.diff(x) > 1e-9 * unit)
-    return x[distinct], everything[distinct]
-
-
-def write_vtu(wave_field: WaveField, path: str | Path) -> None:
-    """Write a field as quadrilaterals with complex point data, for ParaView and meshio.
-
-    Parameters
-    ----------
-    wave_field : WaveField
-    path : str or Path
-        A ``.vtu`` file.
-    """
-    import meshio
-
-    nx, nz = len(wave_field.x), len(wave_field.z)
-    points = np.zeros((nx, nz, 3))
-    points[:, :, 0], points[:, :, 2] = wave_field.x[:, None], wave_field.z
-    corner = (np.arange(nx - 1)[:, None] * nz + np.arange(nz - 1)).ravel()
-    quads = np.stack([corner, corner + nz, corner + nz + 1, corner + 1], axis=1)
-    moved, potential = wave_field.displacement.reshape(-1, 3), wave_field.potential.reshape(-1)
-    mesh = meshio.Mesh(
-        points.reshape(-1, 3),
-        [("quad", quads)],
-        point_data={
-            f"{DISPLACEMENT}_real": moved.real,
-            f"{DISPLACEMENT}_imag": moved.imag,
-            f"{POTENTIAL}_real": potential.real,
-            f"{POTENTIAL}_imag": potential.imag,
-        },
-        field_data={},
-    )
-    meshio.write(str(path), mesh, file_format="vtu", binary=True)
-
-
-def read_vtu(path: str | Path, *, frequency: float) -> WaveField:
-    """Read a field that `write_vtu` wrote.
-
-    Parameters
-    ----------
-    path : str or Path
-    frequency : float
-        Hz; the file does not hold it.
-
-    Returns
-    -------
-    WaveField
-    """
-    import meshio
-
-    mesh = meshio.read(str(path), file_format="vtu")
-    x, z = np.unique(mesh.points[:, 0]), np.unique(mesh.points[:, 2])
-    shape = (len(x), len(z))
-    data = mesh.point_data
-    moved = data[f"{DISPLACEMENT}_real"] + 1j * data[f"{DISPLACEMENT}_imag"]
-    potential = data[f"{POTENTIAL}_real"] + 1j * data[f"{POTENTIAL}_imag"]
-    return WaveField(
-        x=x,
-        z=z,
-        displacement=moved.reshape(*shape, 3),
-        potential=potential.reshape(shape),
-        frequency=frequency,
-    )
+    starts, widths, parts = [], [], []
+    for recovery, left, sides in column_fields(solution, index):
+        starts.append(left)
+        widths.append(np.full(len(left), recovery.column.width * unit))
+        parts.append(np.moveaxis(recovery.values(sides)[:, body], -1, 0))
+    in_row = np.argsort(np.concatenate(starts))
+    start, width, values = (np.concatenate(each)[in_row] for each in (starts, widths, parts))
+    nodes = gll_nodes(order)
+    x = np.append((start[:, None] + width[:, None] * nodes[:-1]).ravel(), start[-1] + width[-1])
+    along = None
+    if slopes:
+        _, slope = lagrange(order, nodes)
+        along = shared(np.einsum("ij,pj...->pi...", slope, values) / width[:, None, None, None], axis=0)
+    joined = np.concatenate([values[:, :-1].reshape(-1, *values.shape[2:]), values[-1:, -1]])
+    return x, joined, along

@@ -13,7 +13,8 @@ import numpy as np
 from fem.convergence import ConvergenceError
 from fem.geometry import Stator
 from fem.guided import guided_modes
-from fem.section import FIELD_COLUMN, Resolution, discretise
+from fem.materials import Solid
+from fem.section import FIELD_COLUMN, Resolution, Section, discretise
 from fem.threads import one_blas_thread
 from fem.wavelength import slowest_wavelength
 
@@ -39,6 +40,10 @@ class FreeWave:
         z of the profile's nodes in m, 0 at the surface.
     profile : ndarray, shape (nodes, 4)
         Complex u_x, u_y, u_z over u_z at the surface, and phi in V per m of u_z.
+    order : int
+        Polynomial order of the elements that the nodes belong to.
+    solid : Solid
+        The section's, in the frame of the cut.
     relative_error : float
         Of the velocity, from two orders.
     unknowns : int
@@ -52,6 +57,8 @@ class FreeWave:
     surface_ratio: float
     depth: np.ndarray = field(repr=False)
     profile: np.ndarray = field(repr=False)
+    order: int
+    solid: Solid = field(repr=False)
     relative_error: float
     unknowns: int
     seconds: float
@@ -112,22 +119,25 @@ def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave
     profile[exists] = shape[section.dofs[exists]]
     profile[:, FIELD_COLUMN["phi"]] *= section.solid.potential_unit
     profile /= profile[section.surface, FIELD_COLUMN["uz"]]
-    solid = slice(0, section.surface + 1)
+    body = slice(section.bottom, section.surface + 1)
     return FreeWave(
         frequency=frequency,
         velocity=float(velocity),
         attenuation=float(-wavenumber.imag),
         surface_ratio=float(abs(profile[section.surface, FIELD_COLUMN["ux"]])),
-        depth=section.nodes[solid],
-        profile=profile[solid],
+        depth=section.nodes[body],
+        profile=profile[body],
+        order=section.order,
+        solid=stator.solid,
         relative_error=float(error),
         unknowns=section.size,
         seconds=time.perf_counter() - begun,
-        left_out=_left_out(section),
+        left_out=left_out(section),
     )
 
 
-def _left_out(section) -> tuple[str, ...]:
+def left_out(section: Section) -> tuple[str, ...]:
+    """What the free wave is solved without, and why."""
     reasons = [
         "electrodes: the scene has no transducer",
         "elements along x: the wave is a mode of the section",

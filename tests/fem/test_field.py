@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from fem.field import read_vtu, wave_field, write_vtu
+from fem.field import wave_field
+from fem.field_file import read_vtu, write_vtu
 from fem.materials import fields
 from fem.readout import surface_wave
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution
