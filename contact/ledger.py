@@ -77,7 +77,7 @@ class Ledger:
         return abs(self.residual) / scale if scale > 0.0 else 0.0
 
 
-def ledger(slider: Slider, motion, before: np.ndarray) -> Ledger:
+def ledger(slider: Slider, motion, before: np.ndarray, spans: int = 1) -> Ledger:
     """Return the ledger of what a `motion.Motion` has done since its sums were cleared.
 
     Parameters
@@ -88,10 +88,12 @@ def ledger(slider: Slider, motion, before: np.ndarray) -> Ledger:
         The motion; its sums cover the span.
     before : (3,) array
         `Motion.energy` when the sums were cleared.
+    spans : int
+        Cycles to share among, for a ledger of one.
     """
     from contact import energy
 
-    unit = slider.mass * motion.problem.speed**2
+    unit = slider.mass * motion.problem.speed**2 / spans
     sums, gained = unit * motion.sums, unit * (motion.energy() - before)
     return Ledger(
         wave_normal=float(sums[energy.WAVE_NORMAL]),

@@ -116,12 +116,19 @@ def periodic(
     for count in range(40):
         if count % 10 == 9:  # slow: close to an edge, where the map bends
             jacobian = _jacobian(cycle, y)
-        step = np.linalg.solve(jacobian - np.eye(y.size), y - cycle(y))
+        residual = y - cycle(y)
+        try:
+            step = np.linalg.solve(jacobian - np.eye(y.size), residual)
+        except np.linalg.LinAlgError:
+            raise ConvergenceError(
+                "not converged", "the cycle map leaves some state as it is, so that no one motion repeats"
+            ) from None
         size = float(np.max(np.abs(step)))
         if size < 1e-12 or (count > 2 and size >= 0.5 * least and least < 1e-10):
             break
         least = min(least, size)
-        y = y + step
+        # far from the fixed point the map bends: no state moves by more than half its size
+        y = y + step * min(1.0, 0.5 / float(np.max(np.abs(step) / (1.0 + np.abs(y)))))
     if not size < 1e-6:
         raise ConvergenceError(
             "not converged",

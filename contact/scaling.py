@@ -82,6 +82,8 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
         (o.normal * np.exp(1j * start) / length, o.tangential * np.exp(1j * start) / length) for o in orbits
     ]
     stiffest = math.sqrt(1.5 * len(orbits) * kappa * math.sqrt(2.0) + 1e-300)
+    # Picard's iteration gains nothing on a stretch longer than a damper's time
+    quickest = max(slider.normal_damping, slider.tangential_damping) / (slider.mass * omega) + 1e-300
     parameters = np.array(
         [
             kappa,
@@ -93,7 +95,7 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
             slider.friction_coefficient,
             slider.limit_slope,
             slider.stick_band / (omega * length),
-            min(2.0 * math.pi / 8.0 if reach > 0.0 else math.inf, 0.8 / stiffest),
+            min(2.0 * math.pi / 8.0 if reach > 0.0 else math.inf, 0.8 / stiffest, 2.0 / quickest),
             HYSTERETIC if slider.law == "hysteretic" else RECIPROCAL if slider.reciprocal else ELASTIC,
         ]
     )
@@ -105,5 +107,8 @@ def quiet(problem: Scaled) -> Scaled:
     """Return the same problem in the same units with the wave switched off."""
     parameters = problem.parameters.copy()
     kappa, contacts = parameters[KAPPA], len(problem.waves)
-    parameters[LONGEST] = 0.8 / math.sqrt(1.5 * contacts * kappa * math.sqrt(2.0) + 1e-300)
+    quickest = max(parameters[NORMAL_DAMPING], parameters[TANGENTIAL_DAMPING]) + 1e-300
+    parameters[LONGEST] = min(
+        0.8 / math.sqrt(1.5 * contacts * kappa * math.sqrt(2.0) + 1e-300), 2.0 / quickest
+    )
     return Scaled(parameters, np.zeros_like(problem.waves), problem.length, problem.omega)

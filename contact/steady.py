@@ -14,17 +14,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact import bounds
+from contact import bounds, scaling
+from contact.closed_forms import closed_form
 from contact.convergence import ConvergenceError
-from contact.drive import available, drive_direction, relative_to_reference, towards_plus
+from contact.drive import available, relative_to_reference, towards_plus
 from contact.ledger import Ledger, ledger
-from contact.limits import riding_height
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
 
 METHODS = ("auto", "exact", "averaged")
-# largest ratio of contact resonance to wave for which a periodic motion is searched
-SLOWEST_WAVE = 20.0
+# largest ratio of contact resonance to wave for which a periodic motion is searched, and cycles to settle before
+SLOWEST_WAVE, SETTLE = 20.0, 200
 # largest ratio for which cycle means are an answer, and their error over its square (true: 0.1 to 1.9)
 LARGEST_AVERAGED, AVERAGING_ERROR = 0.1, 3.9
 
@@ -106,102 +106,137 @@ def steady(
     bounds.positive("tolerance", tolerance, "")
     bounds.choice("method", method, METHODS)
     available(slider)
-    found = _without_traction(slider, listed) or _searched(slider, listed, tolerance, method)
+    found = _closed(slider, listed) or _searched(slider, listed, tolerance, method)
     return SteadyState(slider=slider, orbits=listed, seconds=time.perf_counter() - begun, **found)
 
 
-def _without_traction(slider, orbits):
-    """Return the answer where no wave or no friction force drives the slider, else None."""
-    direction = drive_direction(orbits)
-    friction = slider.friction_coefficient * slider.preload
-    still = all(orbit.normal == 0 and orbit.tangential == 0 for orbit in orbits)
-    if not still and friction > 0.0:
+def _closed(slider, orbits):
+    """Return the answer of a closed form, else None."""
+    found = closed_form(slider, orbits)
+    if found is None:
         return None
-    height = slider.rest_approach(len(orbits)) if still else riding_height(slider, orbits)
-    parted = any(abs(orbit.normal) > height for orbit in orbits)
-    regime = "stick" if still and slider.load <= friction else "intermittent" if parted else "slip"
-    velocity = 0.0
-    if slider.load > friction:
-        if slider.tangential_damping == 0.0:
-            raise ConvergenceError(
-                "runaway",
-                f"a load of {slider.load:.6g} N exceeds the friction limit {friction:.6g} N and no tangential damping "
-                "bounds the speed; lower slider.load or give slider.damping.tangential",
-            )
-        velocity = -direction * (slider.load - friction) / slider.tangential_damping
-    why = "no wave" if still else "no friction force" if slider.friction_coefficient == 0.0 else "no preload"
-    return {
-        "velocity": velocity, "regime": regime, "relative_error": 0.0, "height": height, "status": "ok",
-        "message": f"{why}: closed form", "method": "exact", "statistics": {},
+    why = found.pop("why")
+    return found | {
+        "relative_error": 0.0, "status": "ok", "message": f"{why}: closed form", "method": "exact", "statistics": {},
         "ledger": Ledger(**dict.fromkeys(Ledger.__annotations__, 0.0)),
     }  # fmt: skip
 
 
 def _searched(slider, orbits, tolerance, method):
     from contact.balance import balanced
-    from contact.periodic import periodic
 
     # solved on the side on which the crests drive towards +x, so that mirrored waves give mirrored answers
     side, driven = towards_plus(orbits)
-    balance = balanced(slider, driven)
-    if balance.held:
-        return _held(slider, driven, balance, tolerance)
-    unit = balance.problem.speed
     ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
+    if method == "averaged" and ratio > LARGEST_AVERAGED:
+        raise ConvergenceError(
+            "not applicable",
+            f"the contact resonates at {ratio:.3g} of the wave's frequency, so that the slider does not ride still "
+            f"through a cycle (allowed: {LARGEST_AVERAGED}); use method exact",
+        )
+    balance = balanced(slider, driven)
+    if balance.held and ratio <= LARGEST_AVERAGED:
+        return _held(slider, driven, balance, tolerance)
     if method == "averaged":
         return _averaged(slider, side, balance, ratio, tolerance)
-    if ratio > SLOWEST_WAVE:
-        raise ConvergenceError(
-            "slow wave",
-            f"the contact resonates {ratio:.3g} times as fast as the wave, too far to search a periodic motion; "
-            "follow a burst with method exact",
-        )
+    if balance.held or ratio > SLOWEST_WAVE:
+        return _waited(slider, side, driven, balance, tolerance)
+    try:
+        return _repeating(slider, side, driven, balance, tolerance)
+    except ConvergenceError as failed:
+        if ratio > LARGEST_AVERAGED or failed.status == "unstable" or _adhesive(balance):
+            return _waited(slider, side, driven, balance, tolerance)
+        if method == "exact":
+            raise
+        found = _averaged(slider, side, balance, ratio, tolerance)
+        return found | {"message": f"{found['message']}, for the full motion was not found: {failed}"}
+
+
+def _repeating(slider, side, orbits, balance, tolerance):
+    """Return the answer of the full equations, a stable motion that repeats with the wave's period."""
+    from contact import regimes
+    from contact.periodic import periodic
+
+    unit = balance.problem.speed
     try:
         fine = periodic(balance, nodes=16, truncation=1e-12)
-    except ConvergenceError as failed:
-        if failed.status != "not converged":
-            raise
-        # averaging is no start here: let the motion settle by itself first
-        fine = periodic(balance, nodes=16, truncation=1e-12, settle=200)
+    except ConvergenceError:
+        # averaging is no start here: let the motion settle by itself first, for some 30 000 stretches at most
+        settle = int(min(SETTLE, 5.0 + 5000.0 * balance.problem.parameters[scaling.LONGEST]))
+        fine = periodic(balance, nodes=16, truncation=1e-12, settle=settle)
     coarse = periodic(balance, nodes=10, truncation=1e-8, near=fine)
     growth = float(np.max(np.abs(np.linalg.eigvals(fine.jacobian))))
     if growth > 1.0 + 1e-6:
         raise ConvergenceError(
             "unstable",
-            f"the motion that repeats with the wave's period grows by {growth:.6g} per cycle: the slider hops; "
-            "add normal damping or follow a burst with method exact",
+            f"the motion that repeats with the wave's period grows by {growth:.6g} per cycle: the slider hops",
         )
     velocity = fine.speed * unit
     error = relative_to_reference((abs(fine.speed - coarse.speed) + fine.step) * unit, velocity, orbits)
-    note = "periodic motion of the full equations"
-    status = "ok"
-    if error > tolerance:
-        status, note = "above tolerance", f"{note}; estimated error {error:.2g} exceeds {tolerance:.2g}"
+    status, note = _judged(error, tolerance, "periodic motion of the full equations")
     if slider.normal_damping == 0.0 and slider.contact_damping == 0.0:
         note += "; without normal damping the bounce of a real start would not die out"
     statistics = _counted(fine.motion, balance.work + fine.work + coarse.work)
+    sticks = not any(statistics[name] for name in ("contact", "release", "stick_to_slip", "slip_to_stick"))
+    sticks = sticks and fine.motion.memory is None and bool(np.all(fine.motion.regime == regimes.STICK))
+    if sticks:  # what is left is rounding
+        velocity, error = 0.0, 0.0
+    moving = "intermittent" if statistics["release"] else "slip"
     statistics["averaged_velocity"] = float(side * balance.speed * unit)
     statistics["growth_per_cycle"] = growth
     return {
-        "velocity": float(side * velocity), "regime": "intermittent" if statistics["release"] else "slip",
+        "velocity": float(side * velocity), "regime": "stick" if sticks else moving,
         "relative_error": float(error), "height": float(-fine.state[0] * balance.problem.length), "status": status,
         "message": note, "method": "exact", "statistics": statistics,
         "ledger": ledger(slider, fine.motion, fine.before),
     }  # fmt: skip
 
 
+def _waited(slider, side, orbits, balance, tolerance):
+    """Return the answer of a long run from rest: the slider hops, or is carried by a slow wave."""
+    from contact.long_run import long_run
+
+    load = balance.problem.parameters[scaling.LOAD]
+    found = long_run(slider, orbits, -1.0 if load < 0.0 else 1.0)
+    unit = found.problem.speed
+    error = relative_to_reference(found.error * unit, found.speed * unit, orbits)
+    if found.sticks:
+        note = "every contact sticks"
+    elif found.period:
+        note = f"motion that repeats after {found.period} cycles, reached from rest in {found.passed}"
+    else:
+        note = f"mean of {found.cycles} cycles after {found.passed} from rest, for no motion that repeats was seen"
+    if found.starts > 1:
+        note += "; two runs from almost the same start were compared"
+    status, note = _judged(error, tolerance, note)
+    statistics = _counted(found.motion, balance.work + found.motion.tally)
+    statistics["period_cycles"], statistics["averaged_cycles"] = found.period, found.cycles
+    moving = "intermittent" if statistics["release"] else "slip"
+    return {
+        "velocity": float(side * found.speed * unit), "regime": "stick" if found.sticks else moving,
+        "relative_error": float(error), "height": float(found.height * found.problem.length), "status": status,
+        "message": note, "method": "exact", "statistics": statistics,
+        "ledger": ledger(slider, found.motion, found.before, spans=found.cycles),
+    }  # fmt: skip
+
+
+def _judged(error, tolerance, note):
+    """Return status and sentence of an answer with an estimated error."""
+    if error <= tolerance:
+        return "ok", note
+    return "above tolerance", f"{note}; estimated error {error:.2g} exceeds {tolerance:.2g}"
+
+
+def _adhesive(balance):
+    """Return whether the contact's damper acts on the slider within a few cycles, so that it does not ride still."""
+    parameters = balance.problem.parameters
+    return parameters[scaling.CHI] * parameters[scaling.PRELOAD] > 1e-2
+
+
 def _averaged(slider, side, balance, ratio, tolerance):
     """Return the averaged answer alone; its error is of order (f_n/f)^2, the factor measured at 0.75 to 20 nm."""
-    if ratio > LARGEST_AVERAGED:
-        raise ConvergenceError(
-            "not applicable",
-            f"the contact resonates at {ratio:.3g} of the wave's frequency, so that the slider does not ride still "
-            f"through a cycle (allowed: {LARGEST_AVERAGED}); use method exact",
-        )
     error = AVERAGING_ERROR * ratio**2
-    status, note = "ok", "cycle means at constant height and velocity"
-    if error > tolerance:
-        status, note = "above tolerance", f"{note}; estimated error {error:.2g} exceeds {tolerance:.2g}"
+    status, note = _judged(error, tolerance, "cycle means at constant height and velocity")
     statistics = _counted(balance.motion, balance.work)
     velocity = float(side * balance.speed * balance.problem.speed)
     statistics["averaged_velocity"] = velocity
