@@ -16,6 +16,7 @@ from fem.materials import Solid
 
 # components of the stress on a face whose normal is x and z, for the velocities along x, y and z (Voigt)
 _FACE_X, _FACE_Z = (0, 5, 4), (4, 3, 2)
+_LINES = 512  # at a time: all at once takes a gigabyte for a whole stator
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,6 +59,14 @@ def densities(
     -------
     Densities
     """
+    blocks = [slice(first, first + _LINES) for first in range(0, len(values), _LINES)]
+    parts = [_densities(solid, frequency, values[b], along[b], upward[b]) for b in blocks]
+    return Densities(
+        **{name: np.concatenate([part[name] for part in parts]) for name in Densities.__annotations__}
+    )
+
+
+def _densities(solid, frequency, values, along, upward) -> dict:
     omega = 2 * np.pi * frequency
     nothing = np.zeros(values.shape[:2], dtype=complex)
     shear = upward[..., 0] + along[..., 2]
@@ -77,12 +86,12 @@ def densities(
         return 0.5 * np.stack(list(faces), axis=-1)
 
     current = 1j * omega * flux
-    return Densities(
-        strain_energy=0.25 * np.sum(np.conj(strain) * elastic, axis=-1).real,
-        strain_energy_pulse=0.25 * np.sum(strain * elastic, axis=-1),
-        power_flow=flow(np.conj(velocity), np.conj(current)).real,
-        power_flow_pulse=flow(velocity, current),
-    )
+    return {
+        "strain_energy": 0.25 * np.sum(np.conj(strain) * elastic, axis=-1).real,
+        "strain_energy_pulse": 0.25 * np.sum(strain * elastic, axis=-1),
+        "power_flow": flow(np.conj(velocity), np.conj(current)).real,
+        "power_flow_pulse": flow(velocity, current),
+    }
 
 
 def upward_slope(values: np.ndarray, order: int, heights: np.ndarray) -> np.ndarray:

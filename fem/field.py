@@ -15,6 +15,7 @@ from fem.solution import Solution
 from fem.spectral import gll_nodes, lagrange
 from fem.surface import Covered, SurfaceWave
 
+HAIR = 1e-6  # of the lines' distance: places nearer than this are one
 FREE_LINES = 24  # per wavelength of a free wave, which is shown over a few of them
 
 
@@ -36,6 +37,8 @@ class WaveField:
         Hz.
     densities : Densities or None
         Strain energy and power flow, where they were asked for.
+    order : int or None
+        Of the elements through the depth, where it is known: every ``order``-th node is an element's end.
     """
 
     x: np.ndarray
@@ -44,20 +47,49 @@ class WaveField:
     potential: np.ndarray = field(repr=False)
     frequency: float
     densities: Densities | None = field(default=None, repr=False)
+    order: int | None = None
+
+    def depth_basis(self, z: np.ndarray) -> np.ndarray:
+        """Return what takes nodal values through the depth to heights z (m) by the elements' polynomials.
+
+        Parameters
+        ----------
+        z : ndarray, shape (m,)
+            Within the section.
+
+        Returns
+        -------
+        ndarray, shape (m, nz)
+        """
+        ends = self.z[:: self.order]
+        element = np.clip(np.searchsorted(ends, z, side="right") - 1, 0, len(ends) - 2)
+        local = (z - ends[element]) / (ends[element + 1] - ends[element])
+        values, _ = lagrange(self.order, local)
+        out = np.zeros((len(z), len(self.z)))
+        columns = element[:, None] * self.order + np.arange(self.order + 1)
+        np.put_along_axis(out, columns, values, axis=1)
+        return out
 
 
 def wave_field(
-    wave: SurfaceWave, *, per_wavelength: int = 16, places: tuple[float, ...] = (), energies: bool = False
+    wave: SurfaceWave,
+    *,
+    per_wavelength: float = 16,
+    places: tuple[float, ...] = (),
+    span: tuple[float, float] | None = None,
+    energies: bool = False,
 ) -> WaveField:
     """Rebuild the interior of a driven stator.
 
     Parameters
     ----------
     wave : SurfaceWave
-    per_wavelength : int
+    per_wavelength : float
         Lines per surface wavelength in the stretches.
     places : tuple of float
         m from the left end: where a line is to stand as well, as far as they lie in stretches.
+    span : tuple of float, optional
+        m from the left end: only lines between these places.
     energies : bool
         Whether strain energy and power flow are wanted too.
 
@@ -69,21 +101,30 @@ def wave_field(
     section = solution.section
     body = slice(section.bottom, section.surface + 1)
     step = wave.phase_velocity / wave.frequency / per_wavelength
+    hair = HAIR * step
+    low, high = (0.0, wave.length) if span is None else span
     lines, values, slopes, offset = [], [], [], 0.0
     transducer = 0
     for piece in wave.pieces:
+        start, stop = max(piece.start, low), min(piece.stop, high)
+        seen = start < stop
         if isinstance(piece, Covered):
-            x, part, slope = _under(solution, transducer, body, slopes=energies)
-            part[:, :, 3] += offset
+            if seen:
+                x, part, slope = _under(solution, transducer, body, slopes=energies)
+                inside = (x > start - hair) & (x < stop + hair)
+                x, part, slope = x[inside], part[inside], slope[inside] if energies else None
+            shift = offset
             transducer += 1
         else:
-            start, stop = max(piece.start, 0.0), min(piece.stop, wave.length)
-            x = _lines(start, stop, step, places)
-            part, slope = _between(solution, piece, x, body, first=not transducer, slopes=energies)
-            if transducer:
-                part[:, :, 3] += offset
-                offset = offset + _gauge_step(solution, piece)
-        first = 1 if lines else 0  # the line shared with the piece before
+            if seen:
+                x = _lines(start, stop, step, places)
+                part, slope = _between(solution, piece, x, body, first=not transducer, slopes=energies)
+            shift = offset if transducer else 0.0
+            offset = offset + _gauge_step(solution, piece) if transducer else offset
+        if not seen:
+            continue
+        part[:, :, 3] += shift
+        first = 1 if lines and x[0] < lines[-1][-1] + hair else 0  # the line shared with the piece before
         lines.append(x[first:])
         values.append(part[first:])
         slopes.append(slope[first:] if energies else slope)
@@ -103,6 +144,7 @@ def wave_field(
         potential=everything[:, :, 3],
         frequency=wave.frequency,
         densities=found,
+        order=section.order,
     )
 
 
@@ -138,13 +180,14 @@ def free_field(wave, *, length: float, energies: bool = False) -> WaveField:
         potential=values[:, :, 3],
         frequency=wave.frequency,
         densities=found,
+        order=wave.order,
     )
 
 
 def _lines(start: float, stop: float, step: float, places) -> np.ndarray:
     """Evenly spaced lines of a stretch, with those that stand at given places."""
     even = np.linspace(start, stop, max(3, int(np.ceil((stop - start) / step))) + 1)
-    wanted = np.array([place for place in places if start < place < stop])
+    wanted = np.array([place for place in places if start + HAIR * step < place < stop - HAIR * step])
     if not len(wanted):
         return even
     near = abs(even[:, None] - wanted).min(axis=1) < 1e-3 * step

@@ -135,3 +135,39 @@ def test_file_is_a_mesh_of_the_section(case, tmp_path):
     assert areas.sum() == pytest.approx(wave.length * wave.solution.stator.thickness, rel=1e-9)
     assert "displacement_m_per_V_real" in mesh.point_data
     assert "potential_V_per_V_imag" in mesh.point_data
+
+
+@pytest.mark.parametrize("span", [(0.2, 0.8), (1.1, 3.0), (4.2, 4.9), (4.0, 7.0)])
+def test_a_span_of_the_field_is_the_field_there(case, span):
+    """Cut anywhere: in a stretch, under a transducer, past both; finer lines, the same field and gauge."""
+    wave, field = case
+    low, high = (place * wave.length / 7.0 for place in span)
+    part = wave_field(wave, per_wavelength=48, span=(low, high), places=tuple(field.x))
+    assert low <= part.x[0] < part.x[-1] <= high * (1 + 1e-12)
+    assert np.all(np.diff(part.x) > 0)
+    _, ours, theirs = np.intersect1d(part.x.round(13), field.x.round(13), return_indices=True)
+    assert len(ours) == np.count_nonzero((field.x >= low) & (field.x <= high))
+    size = abs(field.potential).max(), abs(field.displacement).max()
+    assert abs(part.potential[ours] - field.potential[theirs]).max() < 1e-9 * size[0]
+    assert abs(part.displacement[ours] - field.displacement[theirs]).max() < 1e-9 * size[1]
+
+
+def test_a_line_stands_where_it_is_wanted(case):
+    wave, _ = case
+    place = 0.5123 * wave.length
+    field = wave_field(wave, places=(place,))
+    assert np.count_nonzero(field.x == place) == 1
+    assert np.all(np.diff(field.x) > 0)
+    motion = field.displacement[field.x == place][0, -1, [0, 2]]
+    assert motion == pytest.approx(wave.motion(place), rel=1e-10)
+
+
+def test_between_nodes_the_elements_polynomials_hold(case):
+    """A finer section of the same field: the basis of the depth is exact for its own polynomials and at its nodes."""
+    _, field = case
+    np.testing.assert_allclose(field.depth_basis(field.z), np.eye(len(field.z)), atol=1e-12)
+    heights = np.linspace(field.z[0], 0, 101)
+    scaled = field.z / field.z[0]
+    np.testing.assert_allclose(
+        field.depth_basis(heights) @ scaled**8, (heights / field.z[0]) ** 8, atol=1e-12
+    )
