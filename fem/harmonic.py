@@ -96,7 +96,7 @@ def driven_wave(
     begun = time.perf_counter()
     at = np.array(places or (stator.length / 2,))
     say = progress or (lambda text: None)
-    level, gain = _first_level(tolerance), _gain(stator)
+    level, gain = first_level(tolerance), _gain(stator)
     coarse = None
     while True:
         resolution = LEVELS[level]
@@ -144,15 +144,27 @@ def _gain(stator: Stator) -> float:
     return CORNER_GAIN if corners else GAIN
 
 
-def _first_level(tolerance: float) -> int:
+def first_level(tolerance: float) -> int:
     """Coarser of the two levels to begin with."""
     enough = [level for level, error in enumerate(EXPECTED) if error <= tolerance]
     return (enough[0] if enough else len(EXPECTED) - 1) - 1
 
 
+def planned_levels(stator: Stator, tolerance: float) -> range:
+    """Levels that an ordinary layout on this stator is solved at; where the estimate demands it one more follows."""
+    first = first_level(tolerance)
+    slower = (GAIN - 1) / (_gain(stator) - 1)
+    enough = [level for level, error in enumerate(EXPECTED) if error * slower <= tolerance]
+    return range(first, max(first + 1, enough[0] if enough else len(LEVELS) - 1) + 1)
+
+
 def orbit_difference(wave: SurfaceWave, other: SurfaceWave, at: np.ndarray) -> float:
     """Largest relative difference of the orbits at places; a common phase, which moves nothing, does not count."""
-    ours, theirs = wave.motion(at), other.motion(at)
+    return motion_difference(wave.motion(at), other.motion(at))
+
+
+def motion_difference(ours: np.ndarray, theirs: np.ndarray) -> float:
+    """Largest relative difference of orbits, u_x and u_z by place, shape (2, places), but for a common phase."""
     turn = np.exp(1j * np.angle(np.sum(np.conj(theirs) * ours, axis=0)))
     size = abs(ours).max(axis=0)
     change = abs(ours - turn * theirs).max(axis=0)

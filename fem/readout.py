@@ -5,8 +5,9 @@ from functools import partial
 import numpy as np
 
 from fem.chain import lines, widths
+from fem.geometry import Stator
 from fem.interior import ColumnField
-from fem.materials import fields
+from fem.section import Section
 from fem.solution import Solution
 from fem.surface import Covered, Stretch, SurfaceWave
 
@@ -19,7 +20,7 @@ def surface_wave(solution: Solution) -> SurfaceWave:
     frequency = modes.frequency
     speed = 2 * np.pi * frequency * section.length_unit / np.mean(modes.wavenumbers[surface].real)
     resolution = solution.resolution
-    columns = sum(len(t.signs) * 4 * (resolution.edge_layers + 1) for t in solution.transducers)
+    columns = sum(1 for each in solution.network.scatterers for _ in widths(each.block))
     driven = solution.circuit.driven
     return SurfaceWave(
         frequency=frequency,
@@ -38,7 +39,7 @@ def surface_wave(solution: Solution) -> SurfaceWave:
         unknowns=columns * resolution.order * section.size,
         resolution=f"order {resolution.order}, {resolution.edge_layers} edge layers",
         seconds=0.0,
-        left_out=_left_out(solution),
+        left_out=left_out(solution.stator, section, frequency),
         solution=solution,
     )
 
@@ -120,17 +121,17 @@ def _covered(solution: Solution, index: int) -> np.ndarray:
     return np.concatenate(values)[np.argsort(np.concatenate(starts))]
 
 
-def _left_out(solution: Solution) -> tuple[str, ...]:
-    present = fields(solution.stator.solid)
+def left_out(stator: Stator, section: Section, frequency: float) -> tuple[str, ...]:
+    """What a driven stator is solved without at a frequency in Hz, and why."""
     reasons = []
-    if "uy" not in present:
+    if "uy" not in section.solid.fields:
         reasons.append("out-of-plane displacement: uncoupled in this orientation")
-    if solution.section.odd is not None:
+    if section.odd is not None:
         reasons.append("half of the guided-mode problem: x -> -x is a symmetry of this orientation")
-    if solution.stator.above == "none":
+    if stator.above == "none":
         reasons.append("field in the vacuum above: D_n = 0 on the bare surface")
-    speed = solution.section.surface_speed
-    if speed is not None and solution.stator.thickness < speed / solution.modes.frequency:
+    speed = section.surface_speed
+    if speed is not None and stator.thickness < speed / frequency:
         reasons.append(
             "a Rayleigh wave: the plate is thinner than a wavelength, what is named so is a plate mode"
         )

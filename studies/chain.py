@@ -16,7 +16,7 @@ from studies.refusal import RunError
 from studies.ring_up import ring_up, ring_up_left_out
 from studies.scene import Scene
 
-__all__ = ["run"]
+__all__ = ["run", "slider_left_out"]
 
 SHARE = 0.25  # of the tolerance, for the stator at first and for the contact
 ROUNDS = 3  # of the stator, each with the tolerance that the one before found to be needed
@@ -56,7 +56,7 @@ def run(scene: Scene, *, tolerance: float, progress: Callable[[str], None] | Non
     else:
         record = _free(scene, tolerance)
     seconds = {"total": time.perf_counter() - begun} | record.seconds
-    return replace(record, seconds=seconds, left_out=record.left_out + _slider_left_out(scene))
+    return replace(record, seconds=seconds, left_out=record.left_out + slider_left_out(scene))
 
 
 def _given(scene: Scene, tolerance: float, say) -> Record:
@@ -272,7 +272,7 @@ def _surface_columns(wave) -> dict:
     return {"x_m": x, "u_x_m_per_V": tangential, "u_z_m_per_V": normal}
 
 
-def _slider_left_out(scene: Scene) -> tuple[str, ...]:
+def slider_left_out(scene: Scene) -> tuple[str, ...]:
     """Return what the contact does without in this scene."""
     if scene.slider is None:
         return ("slider and contact: the scene has none",)

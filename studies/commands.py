@@ -23,6 +23,8 @@ def run(arguments: argparse.Namespace) -> int:
     from studies.progress import Progress
 
     wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
+    if arguments.explain:
+        return _explain(scene, wanted, as_json=arguments.json)
     out = arguments.out
     if out is None and not arguments.json:
         out = Path("results") / scene_path(arguments.scene).stem
@@ -46,6 +48,18 @@ def run(arguments: argparse.Namespace) -> int:
     if record.shortfall:
         print(f"sawmotor: {record.shortfall}", file=sys.stderr)
     return 1 if record.shortfall else 0
+
+
+def _explain(scene: Scene, wanted: float, *, as_json: bool) -> int:
+    from studies.explanation import explanation
+    from studies.plan import plan
+
+    planned = plan(scene, tolerance=wanted)
+    if as_json:
+        print(json.dumps(planned.to_dict(), indent=1, ensure_ascii=False, allow_nan=False))
+    else:
+        print(explanation(planned))
+    return 0
 
 
 def wave(arguments: argparse.Namespace) -> int:

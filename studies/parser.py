@@ -41,6 +41,11 @@ def parser() -> argparse.ArgumentParser:
     )
     run.add_argument("--field", action="store_true", help="keep the whole wave field in field.vtu")
     run.add_argument("--no-plot", action="store_true", help="draw nothing")
+    run.add_argument(
+        "--explain",
+        action="store_true",
+        help="say what would be computed, its size, time and memory, and stop",
+    )
 
     wave = _call(calls, "wave", "the half-space Rayleigh wave of a material, without a mesh and without loss")
     wave.add_argument("material", metavar="MATERIAL", help="a catalogue name, such as PZT-8")

@@ -1,0 +1,113 @@
+"""What ``--explain`` says beside what the run then does: sizes exact, time and memory within the factors it states."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from studies import cost
+from studies.chain import run
+from studies.explanation import explanation
+from studies.plan import plan
+from studies.scene import Scene, shipped_scenes
+from tests.studies.predictions import changed
+
+TWO = 'drive.voltage=["10 V", "20 V"]'
+AMPLITUDES = 'wave.normal_amplitude=["2 nm", "5 nm"]'
+CHEAP = {
+    "contact": ("twente-contact", 1e-3),
+    "free wave": ("rayleigh", 1e-3),
+}
+OTHERS = {
+    "stator": ("twente-left", 1e-3, TWO),
+    "twente": ("twente", 1e-3),
+    "twente finely": ("twente", 1e-5),
+    "niobate": ("lithium-niobate-yz", 1e-3),
+    "free wave finely": ("rayleigh", 1e-6),
+    "coarsely": ("twente", 1e-2, TWO),
+    "free ends": ("twente", 1e-3, TWO, "stator.ends=free"),
+    "clamped ends": ("twente-left", 1e-3, TWO, "stator.ends=clamped"),
+    "half-space": ("twente", 1e-3, TWO, "stator.thickness=half-space"),
+    "thick": ("twente", 1e-3, TWO, "stator.thickness=10 mm"),
+    "vacuum": ("twente", 1e-3, TWO, "stator.above=vacuum"),
+    "poled along x": ("twente-left", 1e-3, TWO, "stator.orientation=X"),
+    "narrow fingers": ("twente-left", 1e-3, TWO, "transducer.0.metallisation=0.3", "transducer.0.finger_pairs=14"),
+    "lossless": ("lithium-niobate-yz", 1e-3, TWO, "stator.bottom=free"),
+    "no slider": ("twente-left", 1e-3, TWO, "-slider"),
+    "three balls with memory": (
+        "twente-left", 1e-3, TWO, 'slider.contacts=["-6 mm", "0 mm", "6 mm"]', "slider.law=hysteretic",
+    ),
+    "centre": ("twente-left", 1e-3, TWO, "transducer.0.period=0.98 mm", "drive.frequency=center"),
+    "burst": ("twente-left", 1e-3, TWO, "drive.burst=0.03"),
+    "short burst": ("twente-contact", 1e-3, AMPLITUDES, "wave.burst=1e-3"),
+    "long burst": ("twente-contact", 1e-3, AMPLITUDES, "wave.burst=0.03"),
+    "burst with memory": ("twente-contact", 1e-3, AMPLITUDES, "wave.burst=1e-3", "slider.law=hysteretic"),
+}  # fmt: skip
+
+
+def check(name, tolerance, *settings):
+    """Plan a scene; run it in a process of its own, a second time where the first may have compiled kernels."""
+    scene = changed(name, *settings)
+    planned = plan(scene, tolerance=tolerance)
+    command = [sys.executable, "-m", "tests.studies.predictions", name, str(tolerance), *settings]
+    for _ in range(1 if scene.slider is None else 2):
+        done = subprocess.run(command, capture_output=True, text=True, check=True)
+    used = json.loads(done.stdout)
+    assert used["seconds"] / cost.TIME_WITHIN < planned.seconds < used["seconds"] * cost.TIME_WITHIN
+    assert used["bytes"] / cost.MEMORY_WITHIN < planned.bytes < used["bytes"] * cost.MEMORY_WITHIN
+    assert list(planned.left_out) == used["left_out"]
+    if used["unknowns"] is not None:
+        levels = [level for part in planned.parts for level in part.levels]
+        at_its_order = [level.unknowns for level in levels if level.order == used["order"]]
+        assert at_its_order in ([], [used["unknowns"]])
+
+
+@pytest.mark.parametrize("words", CHEAP.values(), ids=CHEAP)
+def test_a_plan_is_what_the_run_costs(words):
+    check(*words)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("words", OTHERS.values(), ids=OTHERS)
+def test_a_plan_of_many_scenes_is_what_the_run_costs(words):
+    check(*words)
+
+
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_every_shipped_scene_is_explained(name):
+    planned = plan(Scene.load(name), tolerance=1e-3)
+    text = explanation(planned)
+    assert all(word in text for word in ("expected time", "expected memory", "left out", "nothing has been"))
+    assert json.loads(json.dumps(planned.to_dict(), allow_nan=False))["expected"]["seconds"] > 0
+    assert max(map(len, text.splitlines())) <= 140
+
+
+def test_levels_are_those_that_the_run_solves():
+    scene = changed("twente-left", 'drive.voltage=["9 V"]', "-slider")
+    said = []
+    record = run(scene, tolerance=1e-2, progress=said.append)
+    solved = [text for text in said if text.startswith("stator: order")]
+    (part,) = plan(scene, tolerance=1e-2).parts
+    assert solved == [f"stator: order {each.order}, {each.edge_layers} edge layers" for each in part.levels]
+    assert record.surface_wave.unknowns == part.levels[-1].unknowns
+
+
+def test_more_asked_for_costs_more():
+    scene = changed("twente-left", TWO)
+    plans = [plan(scene, tolerance=tolerance) for tolerance in (1e-2, 1e-4, 1e-6)]
+    assert plans[0].bytes < plans[1].bytes < plans[2].bytes
+    assert plans[0].seconds < plans[1].seconds < plans[2].seconds
+    burst = plan(changed("twente-left", TWO, "drive.burst=0.01"), tolerance=1e-2)
+    assert burst.seconds > plans[0].seconds
+    assert [part.name for part in burst.parts] == ["stator", "ring-up", "contact"]
+
+
+def test_terms_that_are_zero_are_not_written():
+    equations = (
+        plan(changed("twente-contact", "slider.damping.tangential=0"), tolerance=1e-3).parts[0].equations
+    )
+    assert "R_t" not in equations[-1]
+    assert "R_n2" in equations[-1]
+    equations = plan(changed("twente-contact", "slider.load=1 uN"), tolerance=1e-3).parts[0].equations
+    assert equations[-1].endswith("m v_s' = Q - R_t v_s - load")
