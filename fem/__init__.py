@@ -42,7 +42,6 @@ _HOME = {
     "rayleigh": "half_space",
     "read_vtu": "field_file",
     "rotated": "materials",
-    "swept": "band",
     "transducer_estimate": "quasistatic",
     "wave_field": "field",
     "write_instant": "field_file",

@@ -11,7 +11,6 @@ The reduction is checked where it was not fitted: between the nodes, against the
 """
 
 import time
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -31,8 +30,8 @@ from fem.reduced import (
 )
 from fem.section import Resolution
 from fem.solution import Solution, assembled
-from fem.surface import SurfaceWave
-from fem.threads import one_blas_thread
+from fem.surface import Covered, SurfaceWave
+from fem.threads import side_by_side
 
 
 def _barycentric(nodes: np.ndarray, at: float) -> np.ndarray:
@@ -124,6 +123,16 @@ class Band:
             inset=0.0 if self.walls is None else WALL_WIDTH,
         )
 
+    def waves(
+        self, frequencies: np.ndarray, *, driven: str, source_impedance: complex = 0.0
+    ) -> list[SurfaceWave]:
+        """Surface motion at many frequencies of the band (Hz), in their order, side by side."""
+
+        def at(frequency: float) -> SurfaceWave:
+            return self.wave(float(frequency), driven=driven, source_impedance=source_impedance)
+
+        return side_by_side(at, frequencies)
+
     def _cell(self, halves: HalfCell, weights: np.ndarray) -> Block:
         size = self.section.size
 
@@ -145,34 +154,28 @@ class Band:
         return parity is not None and bool(parity[names.index("phi")])
 
     def wave(self, frequency: float, *, driven: str, source_impedance: complex = 0.0) -> SurfaceWave:
-        """Surface motion at a frequency of the band; places under a transducer are not rebuilt."""
+        """Surface motion at a frequency of the band, without the places under a transducer and the interior."""
         begun = time.perf_counter()
         solution = self.solution(frequency, driven=driven, source_impedance=source_impedance)
         wave = surface_wave(solution)
+        pieces = tuple(
+            replace(piece, recover=_not_rebuilt) if isinstance(piece, Covered) else piece
+            for piece in wave.pieces
+        )
         return replace(
             wave,
+            pieces=pieces,
+            solution=None,
             relative_error=self.relative_error,
             admittance_error=self.admittance_error,
             seconds=time.perf_counter() - begun,
         )
 
 
-@one_blas_thread
-def swept(
-    band: Band,
-    frequencies: np.ndarray,
-    *,
-    driven: str,
-    source_impedance: complex = 0.0,
-    workers: int = 2,
-) -> list[SurfaceWave]:
-    """Surface motion at many frequencies of a band (Hz), in their order, ``workers`` at a time."""
-
-    def at(frequency: float) -> SurfaceWave:
-        return band.wave(float(frequency), driven=driven, source_impedance=source_impedance)
-
-    with ThreadPoolExecutor(workers) as pool:
-        return list(pool.map(at, frequencies))
+def _not_rebuilt() -> np.ndarray:
+    raise ValueError(
+        "a band of frequencies does not rebuild the motion under a transducer: solve one frequency"
+    )
 
 
 def _reflected(block: Block, odd: np.ndarray, phi_odd: bool) -> Block:

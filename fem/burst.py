@@ -38,8 +38,8 @@ class Response(Protocol):
 
     limits: tuple[float, float]
 
-    def wave(self, frequency: float, *, driven: str, source_impedance: complex) -> SurfaceWave:
-        """Surface motion at a frequency in Hz."""
+    def waves(self, frequencies, *, driven: str, source_impedance: complex) -> list[SurfaceWave]:
+        """Surface motion at frequencies in Hz, in their order."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -203,26 +203,28 @@ def burst_response(
         raise ValueError(f"burst.duration must be positive and finite, got {duration!r} s")
     known: dict[float, tuple[complex, complex, float]] = {}
 
-    def motion(at: float) -> tuple[complex, complex, float]:
-        if at not in known:
-            wave = band.wave(at, driven=driven, source_impedance=source_impedance)
+    def motions(frequencies: np.ndarray) -> np.ndarray:
+        new = [float(at) for at in frequencies if float(at) not in known]
+        for at, wave in zip(
+            new, band.waves(new, driven=driven, source_impedance=source_impedance), strict=True
+        ):
             tangential, normal = wave.motion(place)
             known[at] = (complex(normal), complex(tangential), wave.relative_error)
-        return known[at]
+        return np.array([known[float(at)] for at in frequencies])
 
     reach = frequency - low, high - frequency
     divisions = FIRST
     while True:
         step = (high - low) / divisions
         numbers = np.arange(-int(reach[0] / step), int(reach[1] / step) + 1)
-        rows = np.array([motion(float(frequency + number * step)) for number in numbers])
+        rows = motions(frequency + numbers * step)
         line = _Line(
             offsets=numbers * step, motion=rows[:, :2].T, step=step, reach=reach, frequency=frequency
         )
         size = abs(rows[numbers == 0, 0])[0]
         time = np.arange(0.0, (1 - LEAD) / (2 * step), 1 / (PER_BAND * (high - low)))
         fine, coarse = (each.switched(time, phase) for each in (line, line.coarser()))
-        exact = np.array([motion(float(frequency + offset))[:2] for offset in line.probes()]).T
+        exact = motions(frequency + line.probes())[:, :2].T
         folded = float(max(abs(fine - coarse).max(), abs(line.between(line.probes()) - exact).max()) / size)
         if folded <= tolerance:
             break

@@ -41,7 +41,7 @@ def _graded_eigenpairs(left, right, shift):
 
     The inverted problem gives small ones to all digits and the direct one large ones; each is asked for its half.
     """
-    from scipy.linalg import eig, lu_factor, lu_solve
+    from scipy.linalg import lu_factor, lu_solve
 
     def over(matrix, load):  # ill-conditioned by nature, where every half is asked only for what it knows
         return lu_solve(lu_factor(matrix, check_finite=False), load, check_finite=False)
@@ -50,11 +50,12 @@ def _graded_eigenpairs(left, right, shift):
         order = np.argsort(abs(values))
         return values[order], vectors[:, order]
 
-    values, vectors = eig(over(right - shift * left, left))
+    # numpy's eigensolver leaves the interpreter's lock to other threads, scipy's does not
+    values, vectors = np.linalg.eig(over(right - shift * left, left))
     small, small_vectors = sorted_pairs(shift + 1.0 / values, vectors)
     if abs(small[-1]) < WIDE_SPECTRUM * abs(shift):
         return small, small_vectors
-    large, large_vectors = sorted_pairs(*eig(over(left, right)))
+    large, large_vectors = sorted_pairs(*np.linalg.eig(over(left, right)))
     middle = int(np.searchsorted(abs(large), np.sqrt(abs(large[-1]) * abs(shift))))
     near = np.arange(max(1, middle - 8), min(len(large) - 1, middle + 8))
     gaps = np.minimum(abs(large[near]) / abs(large[near - 1]), abs(small[near]) / abs(small[near - 1]))

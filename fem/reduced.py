@@ -169,7 +169,7 @@ def _end_fields(modes: GuidedModes, ends: str, kept: float) -> list[np.ndarray]:
 
 
 def snapshots(stator, transducers, section, frequency, halves, resolution, driven, kept):
-    """Fields on the lines in mid-gap and in mid-finger: of every port, and of every mode that may arrive."""
+    """Fields on the lines in mid-gap and in mid-finger, of every port and every mode that may arrive; the solution."""
     modes = guided_modes(section, frequency)
     phi = section.surface_dofs["phi"]
     rows: dict[tuple, Block] = {}
@@ -204,4 +204,4 @@ def snapshots(stator, transducers, section, frequency, halves, resolution, drive
         gaps.append(together[n : 2 * n])
     dead = np.hstack(fingers)
     dead[phi] = 0.0
-    return np.hstack(gaps), dead
+    return np.hstack(gaps), dead, solution

@@ -1,11 +1,14 @@
-"""One BLAS thread while the stator is solved.
+"""One BLAS thread while the stator is solved, and several frequencies side by side.
 
 Its matrices are small and many.  Threads of a BLAS that wait for each other, and for those of other libraries in the
 process, make it several times slower than one (69 s against 5 s were seen); frequencies and scenes are what to spread.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
 from functools import wraps
+
+WORKERS = 2  # threads over frequencies; the linear algebra of each runs outside the interpreter's lock
 
 
 def one_blas_thread(work: Callable) -> Callable:
@@ -20,3 +23,10 @@ def one_blas_thread(work: Callable) -> Callable:
             return work(*args, **kwargs)
 
     return limited
+
+
+@one_blas_thread
+def side_by_side(work: Callable, items: Iterable, *, workers: int = WORKERS) -> list:
+    """Return what ``work`` gives for every item, in their order, ``workers`` at a time."""
+    with ThreadPoolExecutor(workers) as pool:
+        return list(pool.map(work, items))

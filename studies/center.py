@@ -36,23 +36,24 @@ def center_frequency(scene: Scene, place: float, *, progress: Callable[[str], No
     grid = middle * np.linspace(1 - reach, 1 + reach, COARSE)
     prepared = response(scene, grid[0], grid[-1], places=(place,), tolerance=TOLERANCE, progress=progress)
 
-    def size(frequency: float) -> float:
-        frequency = float(np.clip(frequency, *prepared.limits))
-        wave = prepared.wave(frequency, driven=driven.name, source_impedance=scene.drive.source_impedance)
-        motion = wave.motion(place) if wave.covered(place) else wave.rayleigh_motion(place)
-        return float(abs(motion[1]))
+    def sizes(frequencies) -> np.ndarray:
+        inside = np.clip(frequencies, *prepared.limits)
+        impedance = scene.drive.source_impedance
+        waves = prepared.waves(inside, driven=driven.name, source_impedance=impedance)
+        at = (wave.motion if wave.covered(place) else wave.rayleigh_motion for wave in waves)
+        return np.array([abs(motion(place)[1]) for motion in at])
 
     progress("stator: looking for the centre frequency")
-    best = grid[int(np.argmax([size(frequency) for frequency in grid]))]
+    best = grid[int(np.argmax(sizes(grid)))]
     step = min(grid[1] - grid[0], middle * driven.period / (2 * PER_RIPPLE * _detour(scene)))
     count = int(np.ceil(LOBE * reach * middle / step))
     fine = np.clip(best + step * np.arange(-count, count + 1), *prepared.limits)
-    at = int(np.argmax([size(frequency) for frequency in fine]))
+    at = int(np.argmax(sizes(fine)))
     if fine[at] in prepared.limits:
         ends = " and ".join(f"{limit / 1e6:.5g}" for limit in prepared.limits)
         raise RunError(f"the amplitude has no maximum between {ends} MHz: give drive.frequency a number")
     found = minimize_scalar(
-        lambda frequency: -size(frequency),
+        lambda frequency: -float(sizes([frequency])[0]),
         bounds=(fine[at - 1], fine[at + 1]),
         method="bounded",
         options={"xatol": ACCURACY * middle},

@@ -44,6 +44,18 @@ class Response:
                 return band.wave(frequency, driven=driven, source_impedance=source_impedance)
         return self.alone(frequency)
 
+    def waves(self, frequencies, *, driven: str, source_impedance: complex = 0.0) -> list:
+        """Return the fem.SurfaceWave at many frequencies in Hz, in their order; those of bands side by side."""
+
+        def wave(frequency: float):
+            return self.wave(float(frequency), driven=driven, source_impedance=source_impedance)
+
+        if not self.bands:
+            return [wave(frequency) for frequency in frequencies]
+        from fem.threads import side_by_side
+
+        return side_by_side(wave, frequencies)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Spectrum:
@@ -134,8 +146,7 @@ def spectrum(scene: Scene, prepared: Response, frequencies, place: float) -> Spe
 
     driven, impedance = scene.drive.transducer, scene.drive.source_impedance
     rows, errors = [], [(0.0, 0.0)]
-    for frequency in frequencies:
-        wave = prepared.wave(float(frequency), driven=driven, source_impedance=impedance)
+    for wave in prepared.waves(frequencies, driven=driven, source_impedance=impedance):
         tangential, normal = wave.motion(place)
         surface = complex("nan") if wave.covered(place) else wave.rayleigh_motion(place)[1]
         rows.append((wave.admittance, normal, tangential, surface))

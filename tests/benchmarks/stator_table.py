@@ -44,12 +44,11 @@ STRETCHES = {"free": (0.03, 3), "absorbing": (0.025, 1)}
 SWEEP = """
 import numpy as np
 from fem import frequency_band
-from fem.band import swept
 from studies.fem_error_vs_time import problem
 posed = problem("free")
 band = frequency_band(posed.stator, posed.transducers, lowest=2.1e6, highest=2.3e6, driven="left", tolerance=1e-3,
                       places=(posed.place,))
-swept(band, np.linspace(2.1e6, 2.3e6, 100), driven="left")
+band.waves(np.linspace(2.1e6, 2.3e6, 100), driven="left")
 """
 PEAK = """
 from studies.attempt import peak_memory

@@ -20,10 +20,10 @@ class Line:
         self.response, self.limits, self.error = response, (low, high), error
         self.asked = []
 
-    def wave(self, frequency, *, driven, source_impedance):
+    def waves(self, frequencies, *, driven, source_impedance):
         self.asked.append((driven, source_impedance))
-        u_z = self.response(frequency)
-        return SimpleNamespace(motion=lambda place: np.array([0.6j * u_z, u_z]), relative_error=self.error)
+        motions = (np.array([0.6j, 1.0]) * self.response(frequency) for frequency in frequencies)
+        return [SimpleNamespace(motion=lambda place, u=u: u, relative_error=self.error) for u in motions]
 
 
 def responded(response, *, duration=40e-6, tolerance=1e-4, most=4096, **rest):

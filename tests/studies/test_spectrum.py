@@ -122,9 +122,12 @@ def test_a_lobe_beyond_the_range_is_refused(monkeypatch):
     import studies.center as center
 
     rising = SimpleNamespace(
-        wave=lambda frequency, **rest: SimpleNamespace(
-            covered=lambda place: False, rayleigh_motion=lambda place: np.array([0.0, frequency])
-        ),
+        waves=lambda frequencies, **rest: [
+            SimpleNamespace(
+                covered=lambda place: False, rayleigh_motion=lambda place, f=f: np.array([0.0, f])
+            )
+            for f in frequencies
+        ],
         limits=(1.7e6, 2.6e6),
     )
     monkeypatch.setattr(center, "response", lambda *arguments, **rest: rising)
