@@ -28,6 +28,8 @@ def run(arguments: argparse.Namespace) -> int:
     out = arguments.out
     if out is None and not arguments.json:
         out = Path("results") / scene_path(arguments.scene).stem
+    if arguments.report and out is None:
+        raise SceneError("--report", "needs a directory to go to: give --out, or leave --json out")
     with ExitStack() as stack:
         folder = None if out is None else stack.enter_context(result_directory(out))
         plotted = folder is not None and not (arguments.json or arguments.no_plot)
@@ -38,6 +40,10 @@ def run(arguments: argparse.Namespace) -> int:
             if folder is not None:
                 progress("writing the results")
                 write_run(record, folder, field=arguments.field)
+                if arguments.report:
+                    from studies.report import write_report
+
+                    write_report(record, folder)
                 if drawing is not None:
                     drawing.draw(record, folder)
     if arguments.json:

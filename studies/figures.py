@@ -8,7 +8,7 @@ from pathlib import Path
 
 from studies.record import Record
 
-__all__ = ["COLOURS", "draw_run", "profile", "saved", "surface", "trajectories", "velocity"]
+__all__ = ["COLOURS", "draw_run", "errors", "profile", "saved", "surface", "trajectories", "velocity"]
 
 # Okabe and Ito's palette: told apart by the colour-blind and in grey
 COLOURS = {
@@ -61,7 +61,7 @@ def velocity(record: Record, ax):
             )
     ax.set_xlabel(unit)
     ax.set_ylabel("slider velocity (mm/s)")
-    ax.set_title(record.scene.title, fontsize="medium")
+    ax.set_title(record.scene.title, fontsize="medium", parse_math=False)
     ax.grid(alpha=0.3)
     if ax.get_legend_handles_labels()[0]:
         ax.legend(frameon=False)
@@ -82,7 +82,7 @@ def trajectories(record: Record, ax):
         )
     ax.set_xlabel("time (ms)")
     ax.set_ylabel("slider velocity (mm/s)")
-    ax.set_title(record.scene.title, fontsize="medium")
+    ax.set_title(record.scene.title, fontsize="medium", parse_math=False)
     ax.grid(alpha=0.3)
     ax.legend(frameon=False)
     return ax
@@ -102,7 +102,11 @@ def surface(record: Record, ax):
         ax.axvline(record.scene.slider.position * 1e3, color=COLOURS["line"], linestyle=":", label="slider")
     ax.set_xlabel("x along the surface (mm)")
     ax.set_ylabel("amplitude per volt, peak (nm/V)")
-    ax.set_title(f"{record.scene.title}: {record.wave['frequency_Hz'] / 1e6:g} MHz", fontsize="medium")
+    ax.set_title(
+        f"{record.scene.title}: {record.wave['frequency_Hz'] / 1e6:g} MHz",
+        fontsize="medium",
+        parse_math=False,
+    )
     ax.set_ylim(bottom=0)
     ax.legend(frameon=False)
     return ax
@@ -120,7 +124,29 @@ def profile(record: Record, ax):
             ax.plot(depth, part, ".-", color=COLOURS[colour], markersize=3, linewidth=0.8, label=label)
     ax.set_xlabel("depth (mm)")
     ax.set_ylabel("displacement over u_z at the surface")
-    ax.set_title(f"{record.scene.title}: {record.wave['phase_velocity_m_per_s']:.2f} m/s", fontsize="medium")
+    ax.set_title(
+        f"{record.scene.title}: {record.wave['phase_velocity_m_per_s']:.2f} m/s",
+        fontsize="medium",
+        parse_math=False,
+    )
+    ax.grid(alpha=0.3)
+    ax.legend(frameon=False)
+    return ax
+
+
+def errors(record: Record, ax):
+    """Draw the estimated error of each point, with what was asked for."""
+    given = record.level == "normal_amplitude_m"
+    scale, unit = (1e9, "normal amplitude (nm)") if given else (1.0, "drive voltage, peak (V)")
+    known = [point for point in record.points if point.get("relative_error")]
+    at = [point[record.level] * scale for point in known]
+    ax.semilogy(
+        at, [point["relative_error"] for point in known], "o", color=COLOURS["slip"], label="estimated error"
+    )
+    ax.axhline(record.tolerance, color=COLOURS["line"], linestyle="--", linewidth=1, label="asked for")
+    ax.set_xlabel(unit)
+    ax.set_ylabel("relative error")
+    ax.set_title(record.scene.title, fontsize="medium", parse_math=False)
     ax.grid(alpha=0.3)
     ax.legend(frameon=False)
     return ax

@@ -42,6 +42,11 @@ def parser() -> argparse.ArgumentParser:
     run.add_argument("--field", action="store_true", help="keep the whole wave field in field.vtu")
     run.add_argument("--no-plot", action="store_true", help="draw nothing")
     run.add_argument(
+        "--report",
+        action="store_true",
+        help="write report.html too: everything about the run on one self-contained page",
+    )
+    run.add_argument(
         "--explain",
         action="store_true",
         help="say what would be computed, its size, time and memory, and stop",

@@ -1,0 +1,164 @@
+"""The page of a run: complete, self-contained, safe with any title, its numbers those of the run and of theory."""
+
+import re
+import subprocess
+import sys
+from html.parser import HTMLParser
+
+import pytest
+
+from studies.chain import run
+from studies.energies import balances
+from studies.intermediate import intermediate_numbers, si
+from studies.limits import model_limits
+from studies.report import report
+from tests.studies.predictions import changed
+
+EVIL = '<script>alert("ran")</script> & $\\frac{"'
+
+
+@pytest.fixture(scope="module")
+def contact():
+    amplitudes = 'wave.normal_amplitude=["0.5 nm", "3 nm", "10 nm"]'
+    return run(changed("twente-contact", amplitudes, f"title={EVIL}"), tolerance=1e-3)
+
+
+@pytest.fixture(scope="module")
+def driven():
+    return run(changed("twente-left", 'drive.voltage=["30 V"]', f"transducer.0.name={EVIL}",
+                       f"drive.transducer={EVIL}"), tolerance=1e-2)  # fmt: skip
+
+
+class Page(HTMLParser):
+    """Tags and text of a page."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.words, self.sources, self.hidden = [], [], [], False
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append(tag)
+        self.hidden = tag == "style"
+        self.sources += [value for name, value in attributes if name in ("src", "href", "data", "srcset")]
+        assert not any(name.startswith("on") for name, _ in attributes)
+
+    def handle_data(self, data):
+        if not self.hidden:
+            self.words.append(data)
+
+    @property
+    def text(self):
+        return re.sub(r"\s+", " ", " ".join(self.words))
+
+
+@pytest.mark.parametrize("name", ["contact", "driven"])
+def test_a_page_is_self_contained_and_runs_nothing(name, request):
+    page = Page(report(request.getfixturevalue(name)))
+    assert "script" not in page.tags
+    assert EVIL in " ".join(page.words)
+    assert page.sources
+    assert all(source.startswith("data:image/svg+xml;base64,") for source in page.sources)
+    assert {"link", "iframe", "object", "embed", "base"}.isdisjoint(page.tags)
+
+
+def test_a_page_says_everything(contact, driven):
+    for record, sections in ((contact, ["Ledger of the contact"]), (driven, ["Ledger of the contact"])):
+        page = Page(report(record)).text
+        for word in [
+            "Points",
+            "The chain, number by number",
+            "Left out",
+            "Limits of the model",
+            "Provenance",
+            *sections,
+        ]:
+            assert word in page
+        assert all(reason in page for reason in record.left_out)
+        assert all(limit in page for limit in model_limits(record.scene))
+        for point in record.points:
+            assert f"{point['velocity_m_per_s'] * 1e3:.5g}" in page
+        assert f"sawmotor run scene.toml --tolerance {record.tolerance}" in page
+
+
+def test_the_scene_on_the_page_runs_again(contact, tmp_path):
+    import html
+    import json
+
+    text = re.findall(r"<pre>(.*?)</pre>", report(contact), re.S)[-1]
+    (tmp_path / "scene.toml").write_text(html.unescape(text), encoding="utf-8")
+    command = [sys.executable, "-m", "studies", "run", str(tmp_path / "scene.toml"), "--json"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert json.loads(done.stdout)["points"] == list(contact.points)
+
+
+def test_a_run_without_an_answer_says_so():
+    record = run(changed("twente-contact", 'wave.normal_amplitude=["3 nm"]', "slider.load=1",
+                         "slider.damping.tangential=0"), tolerance=1e-3)  # fmt: skip
+    page = Page(report(record)).text
+    assert "Not an answer within its tolerance" in page
+    assert "No point has an answer" in page
+    assert "runaway" in page
+
+
+def test_the_free_wave_has_a_page():
+    record = run(changed("rayleigh"), tolerance=1e-3)
+    page = Page(report(record)).text
+    assert "The free wave runs at 2.18" in page
+    assert "Ledger" not in page
+    assert "friction" not in page
+
+
+def test_numbers_at_rest_are_those_of_theory(contact):
+    found = {each.name: each.value for each in intermediate_numbers(contact)}
+    # the seed's slider: closed forms worked out apart from this program
+    assert found["approach at rest"] == "4.713 nm"
+    assert found["slip limit of the deformation at rest"] == "502.72 pm"
+    assert found["bounce and ring at rest"] == "8.8931 kHz, 7.7017 kHz"
+    pressure, unit = found["largest pressure at rest"].split()
+    preload, radius, modulus = 0.089e-3 * 9.81, 1e-3, 64e9
+    assert unit == "MPa"
+    # Johnson (1985), eq. 4.24: p0 = (6 P E*^2 / pi^3 R^2)^(1/3)
+    expected = (6 * preload * modulus**2 / (3.141592653589793**3 * radius**2)) ** (1 / 3)
+    assert float(pressure) * 1e6 == pytest.approx(expected, rel=1e-4, abs=0)
+
+
+def test_numbers_of_the_stator_are_the_records_with_their_errors(driven):
+    found = {each.name: each for each in intermediate_numbers(driven)}
+    normal = found["u_z at the slider's place, per volt"]
+    assert normal.value.startswith(si(abs(driven.wave["normal_m_per_V"]), "m/V"))
+    assert normal.error == f"{driven.surface_wave.relative_error:.1e}"
+    assert found["discretisation"].value.endswith(f"{driven.surface_wave.unknowns} unknowns")
+    finer = run(driven.scene, tolerance=1e-4)
+    change = abs(finer.wave["phase_velocity_m_per_s"] / driven.wave["phase_velocity_m_per_s"] - 1)
+    assert change < float(found["phase velocity of the surface mode"].error) < 1e-3
+
+
+def test_the_ledger_closes_and_drops_what_rests(contact):
+    found = balances(contact)
+    assert [each.level for each in found] == [3e-9, 10e-9]
+    for each in found:
+        powers = dict(each.entries)
+        given = powers["work of the wave through the normal force"]
+        given += powers["work of the wave through the tangential force"]
+        assert sum(powers.values()) - given == pytest.approx(given, rel=1e-6, abs=0)
+        speed = next(p["velocity_m_per_s"] for p in contact.points if p["normal_amplitude_m"] == each.level)
+        # R_t v^2, R_t of the scene: v hardly varies in a cycle
+        assert powers["lost in R_t"] == pytest.approx(1e-4 * speed**2, rel=1e-3, abs=0)
+
+
+def test_a_report_without_a_place_is_refused(capsys):
+    from studies.__main__ import main
+
+    assert main(["run", "twente-contact", "--json", "--report"]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_a_title_is_drawn_as_it_stands(contact, tmp_path):
+    from dataclasses import replace
+
+    from studies.figures import draw_run
+
+    scene = replace(contact.scene, title=r"costs $5 \frac{ and $6")
+    draw_run(replace(contact, scene=scene), tmp_path)
+    assert (tmp_path / "velocity.png").stat().st_size > 5000
