@@ -16,11 +16,13 @@ from functools import lru_cache
 
 import numpy as np
 
+from fem.convergence import ConvergenceError
 from fem.forms import Medium
 from fem.section import FIELD_COLUMN, Section
 from fem.spectral import reference_matrices
 
 PORTS = 2  # potentials of the positive and the negative comb
+MOST_AMPLIFIED = 1e9  # of a piece's fields over those at its sides, up to which seven digits are left
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -256,5 +258,26 @@ def _schur(matrix, keep, drop):
         return kept, coupling
     factor = lu_factor(matrix[np.ix_(drop, drop)], overwrite_a=True, check_finite=False)
     back = -lu_solve(factor, coupling, check_finite=False)
+    refuse_resonance(back)
     reduced = kept + coupling.T @ back
     return 0.5 * (reduced + reduced.T), back
+
+
+def refuse_resonance(back: np.ndarray) -> None:
+    """Refuse a piece that resonates between clamped lines: its condensation, though not the stator, is singular.
+
+    Parameters
+    ----------
+    back : ndarray
+        Fields inside for unit fields at the sides; each decade of them costs the answer a digit.
+
+    Raises
+    ------
+    ConvergenceError
+        Where too many digits are lost.
+    """
+    if not abs(back).max(initial=0.0) < MOST_AMPLIFIED:
+        raise ConvergenceError(
+            "a piece of the transducer, clamped at its sides, resonates at this very frequency: "
+            "change the frequency by a part in a million, or give the solid a mechanical_quality"
+        )

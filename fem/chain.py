@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.cell import PORTS, Block, condensed, folded
+from fem.cell import PORTS, Block, condensed, folded, refuse_resonance
 from fem.section import Resolution, Section, edge_layers, graded
 
 
@@ -42,6 +42,7 @@ def joined(left: Block, right: Block, *, phi: int | None = None, comb: int | Non
     if comb is not None:
         middle[phi, phi] = 1.0
     back = -lu_solve(lu_factor(middle, check_finite=False), coupling, check_finite=False)
+    refuse_resonance(back)
     matrix = coupling.T @ back
     matrix[:n, :n] += first[:n, :n]
     matrix[n : 2 * n, n : 2 * n] += second[n : 2 * n, n : 2 * n]

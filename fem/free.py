@@ -15,11 +15,13 @@ from fem.geometry import Stator
 from fem.guided import guided_modes
 from fem.materials import Solid
 from fem.section import FIELD_COLUMN, Resolution, Section, discretise
+from fem.slowness import stretch_absorbs
 from fem.threads import one_blas_thread
 from fem.wavelength import slowest_wavelength
 
 ORDERS = (4, 6, 8, 10, 12)
 GAIN = 10.0  # two orders more divide the error of the velocity by far more than this
+LOSSY_GAIN = 1.4  # where a lossy layer stands for the half-space: its thickness grows with the order, squared
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,6 +94,7 @@ def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave
     unit = slowest_wavelength(stator.solid, frequency)
     before = None
     error = np.inf
+    gain = LOSSY_GAIN if stator.absorbs_below and not stretch_absorbs(stator.solid) else GAIN
     for order in ORDERS:
         section = discretise(
             stator,
@@ -103,7 +106,7 @@ def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave
         wavenumber = np.mean(modes.wavenumbers[modes.rayleigh]) / unit
         velocity = 2 * np.pi * frequency / wavenumber.real
         if before is not None:
-            error = abs(velocity / before - 1) / (GAIN - 1)
+            error = abs(velocity / before - 1) / (gain - 1)
             if error <= tolerance:
                 break
         before = velocity

@@ -10,12 +10,15 @@ import numpy as np
 
 from fem.cell import Block
 from fem.chain import FingerShape, bare_cell, finger_cell, fingers_in_row
+from fem.convergence import ConvergenceError
 from fem.electrodes import Circuit, Ports, circuit, port_admittances, ports_of
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.guided import GuidedModes, guided_modes
 from fem.network import Network, PortSolution, Scatterer, Walls
 from fem.section import Resolution, Section, discretise
 from fem.wavelength import slowest_wavelength
+
+CUT_OFF = 1e-3  # rad per slowest wavelength: a mode's wavenumber below which its square, all that is known, is rounding
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,11 +85,17 @@ def solved(
         if key not in made:
             made[key] = _transducer_block(section, frequency, transducer, gaps, resolution)
         blocks.append(made[key])
+    modes = guided_modes(section, frequency)
+    if modes.nearest_cut_off < CUT_OFF:
+        raise ConvergenceError(
+            f"a mode of the section is at its cut-off at {frequency:.12g} Hz, where the last digits decide: "
+            "change the frequency by a part in 100000, or give the solid a mechanical_quality"
+        )
     return assembled(
         stator,
         transducers,
         blocks,
-        modes=guided_modes(section, frequency),
+        modes=modes,
         driven=driven,
         source_impedance=source_impedance,
         resolution=resolution,
