@@ -19,6 +19,7 @@ from contact.limits import (
 )
 from contact.orbit import Orbit
 from contact.planner import Step, cycles_for, step
+from contact.population import Population, steady_population
 from contact.slider import Slider
 from contact.steady import SteadyState, steady
 from contact.thrust import LoadLine, blocked_thrust, load_line
@@ -31,6 +32,7 @@ __all__ = [
     "LoadLine",
     "MeanMotion",
     "Orbit",
+    "Population",
     "Slider",
     "SteadyMap",
     "SteadyState",
@@ -47,6 +49,7 @@ __all__ = [
     "riding_height",
     "steady",
     "steady_map",
+    "steady_population",
     "step",
     "threshold_amplitude",
     "threshold_factor",

@@ -12,10 +12,6 @@ from studies.refusal import RunError, SceneError
 
 __all__ = ["main"]
 
-UNAVAILABLE = {
-    "sweep": "sweeps are not available in this version; `sawmotor run --voltage 5:60:12` runs many voltages"
-}
-
 
 def main(words: list[str] | None = None) -> int:
     """Run the command in ``sys.argv``, or of these words, and return its exit code."""
@@ -53,8 +49,6 @@ def main(words: list[str] | None = None) -> int:
 def _dispatch(words: list[str]) -> int:
     from studies.parser import parser
 
-    if words and words[0] in UNAVAILABLE:
-        raise SceneError("", UNAVAILABLE[words[0]])
     top = parser()
     try:
         arguments = top.parse_args(words)

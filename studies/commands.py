@@ -12,7 +12,7 @@ from studies.refusal import SceneError, shown
 from studies.results import result_directory
 from studies.scene import Scene, read_table, scene_path, shipped_scenes
 
-__all__ = ["check", "run", "scenes", "study", "view", "wave"]
+__all__ = ["check", "run", "scenes", "study", "sweep", "view", "wave"]
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -105,7 +105,7 @@ def study(arguments: argparse.Namespace) -> int:
 
 
 def view(arguments: argparse.Namespace) -> int:
-    """Draw the wave field of a run into a file, or open it in a window."""
+    """Show a run in a window, or draw it into files and name them."""
     from studies.progress import Progress
     from studies.view import screenshot, show
 
@@ -137,8 +137,23 @@ def check(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def sweep(arguments: argparse.Namespace) -> int:
+    """Compute what is missing of a sweep's points, and say what they came to."""
+    from studies.override import axes_given
+    from studies.sweep_answer import run_sweep
+
+    table = changed_table(arguments)
+    out = arguments.out or Path("results") / f"{scene_path(arguments.scene).stem}-sweep"
+    return run_sweep(arguments, table, axes_given(arguments.over), tolerance(arguments.tolerance), out)
+
+
 def changed_scene(arguments: argparse.Namespace) -> Scene:
     """Return the scene of a call with its ``--set`` and ``--voltage`` applied."""
+    return Scene.from_table("", changed_table(arguments))
+
+
+def changed_table(arguments: argparse.Namespace) -> dict:
+    """Return the TOML document of a call's scene, with its ``--set`` and ``--voltage`` applied."""
     table = read_table(arguments.scene)
     for setting in arguments.set:
         table = assigned(table, setting)
@@ -147,7 +162,7 @@ def changed_scene(arguments: argparse.Namespace) -> Scene:
             raise SceneError("--voltage", "needs a scene with a [drive]; this one has none")
         values = voltages(arguments.voltage)
         table = table | {"drive": table["drive"] | {"voltage": values}}
-    return Scene.from_table("", table)
+    return table
 
 
 def tolerance(text: str | None) -> float:

@@ -5,7 +5,7 @@ import tomllib
 from studies.quantity import si_value
 from studies.refusal import SceneError, shown
 
-__all__ = ["assigned", "toml_value", "voltages"]
+__all__ = ["assigned", "axes_given", "replaced", "toml_value", "voltages"]
 
 
 def toml_value(text: str):
@@ -43,6 +43,30 @@ def assigned(table: dict, setting: str) -> dict:
     if not sign or not all(keys):
         raise SceneError("--set", f"must be KEY=VALUE with a dotted key, got {shown(setting)}")
     return _changed(table, keys, toml_value(text.strip()), "")
+
+
+def replaced(table: dict, key: str, value) -> dict:
+    """Return a scene's table with the value at a dotted key replaced; the table is left as it is."""
+    return _changed(table, key.split("."), value, "")
+
+
+def axes_given(settings: list[str]) -> dict[str, str]:
+    """Return the axes of ``--over KEY=VALUES``, values by key.
+
+    Examples
+    --------
+    >>> axes_given(["slider.preload=1 mN:5 mN:3"])
+    {'slider.preload': '1 mN:5 mN:3'}
+    """
+    found = {}
+    for setting in settings:
+        key, sign, text = (part.strip() for part in setting.partition("="))
+        if not sign or not key or not text:
+            raise SceneError("--over", f"must be KEY=START:STOP:N or KEY=LIST, got {shown(setting)}")
+        if key in found:
+            raise SceneError(f"--over {key}", "is given twice")
+        found[key] = text
+    return found
 
 
 def _changed(holder, keys: list[str], value, done: str):

@@ -71,6 +71,7 @@ def parser() -> argparse.ArgumentParser:
         "--plot", metavar="FILE", help="draw the crystal axes in the x-z section into a PNG file"
     )
 
+    _sweep(_call(calls, "sweep", "many points of one scene, here, on processes or on a Dask cluster"))
     _call(calls, "scenes", "the scenes that ship")
     check = _call(calls, "check", "a scene's text, material and layout, without running it")
     check.add_argument("scene", metavar="SCENE", help="a path or a shipped name")
@@ -91,6 +92,42 @@ def parser() -> argparse.ArgumentParser:
 
 def _call(calls, name: str, text: str) -> argparse.ArgumentParser:
     return calls.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".", allow_abbrev=False)
+
+
+def _sweep(call: argparse.ArgumentParser) -> None:
+    call.add_argument("scene", metavar="SCENE", help="a path or a shipped name")
+    _changes(call)
+    _axes(call)
+    call.add_argument("--points", metavar="FILE", help="a CSV file of points, keys in its first line")
+    call.add_argument(
+        "--samples", metavar="N", type=int, help="points of the Latin hypercube of START:STOP:latin"
+    )
+    call.add_argument("--seed", metavar="N", type=int, default=0, help="of the Latin hypercube (0)")
+    call.add_argument(
+        "--also",
+        metavar="LIST",
+        default="",
+        help="beside the velocity: limits (threshold, release), thrust (blocked), efficiency",
+    )
+    call.add_argument(
+        "--tolerance", metavar="T", help="bound of the relative error of the last quantity (1e-3)"
+    )
+    call.add_argument(
+        "--workers", metavar="N", type=int, default=1, help="processes on this machine (1: this one)"
+    )
+    call.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler, e.g. tcp://127.0.0.1:8786")
+    call.add_argument("--out", metavar="DIR", help="where the points are kept (results/NAME-sweep)")
+    call.add_argument("--json", action="store_true", help="the summary as JSON on stdout")
+
+
+def _axes(call: argparse.ArgumentParser) -> None:
+    call.add_argument(
+        "--over",
+        metavar="KEY=VALUES",
+        action="append",
+        default=[],
+        help='an axis: START:STOP:N, START:STOP:N:log or a list, e.g. slider.preload="1 mN:100 mN:50"',
+    )
 
 
 def _changes(call: argparse.ArgumentParser) -> None:

@@ -8,11 +8,11 @@ refused here.
 from contextlib import contextmanager
 from dataclasses import replace
 
-from studies.blocks import IsotropicSolid, PiezoelectricSolid, Stator
+from studies.blocks import IsotropicSolid, PiezoelectricSolid, Slider, Stator
 from studies.refusal import SceneError
 from studies.scene import Scene
 
-__all__ = ["resolved", "solid", "stator", "transducers"]
+__all__ = ["resolved", "resolved_slider", "solid", "stator", "transducers"]
 
 
 def resolved(scene: Scene) -> Scene:
@@ -29,13 +29,18 @@ def resolved(scene: Scene) -> Scene:
         _check_layout(scene)
     if scene.slider is None:
         return scene
-    slider = replace(scene.slider, preload=scene.slider.preload_force)
-    if slider.ball is not None:
-        from studies.modulus import pair_moduli
+    return replace(scene, slider=resolved_slider(scene.slider, scene.stator))
 
-        normal, tangential = pair_moduli(slider.ball, solid(scene.stator))
-        slider = replace(slider, ball=None, effective_modulus=normal, tangential_modulus=tangential)
-    return replace(scene, slider=slider)
+
+def resolved_slider(slider: Slider, stator: Stator | None) -> Slider:
+    """Return a slider with its preload and its moduli as numbers, those of a named ball on this stator."""
+    slider = replace(slider, preload=slider.preload_force)
+    if slider.ball is None:
+        return slider
+    from studies.modulus import pair_moduli
+
+    normal, tangential = pair_moduli(slider.ball, solid(stator))
+    return replace(slider, ball=None, effective_modulus=normal, tangential_modulus=tangential)
 
 
 def solid(block: Stator):

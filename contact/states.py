@@ -1,0 +1,123 @@
+r"""Steady states of many scaled problems: the compiled loop behind `population`.
+
+One problem after the other, each in its own unit of length ell = max(rest approach, largest amplitude), so that nothing
+of an answer depends on its neighbours. See `slow.balance` for the equations.
+"""
+
+import numpy as np
+
+from contact.compiled import compiled
+from contact.cycle import cycle
+from contact.slow import DONE, balance, riding
+
+# places in a row of parameters, as `scaling` orders them
+PARAMETERS = 11
+AVERAGING = 12.0  # just above the threshold first order errs by so many (f_n/f)^2
+TURNS2 = 4.0 * np.pi**2  # (omega/f)^2
+MOVED = 1e-4  # share of the second-order correction that is not trusted
+
+
+@compiled
+def states(
+    sliders, shapes, omegas, wave_errors, ratios, which, factors, out, todo, rule, harmonics, first, stride
+):
+    """Fill rows (v, h, regime, error, error from the wave, blocked thrust, held) of every `stride`-th of `todo`.
+
+    In SI units, errors over max(|v|, omega |u_x|/10); regime 1 stick, 2 slip, 3 intermittent; a row that is not
+    reached keeps regime 0.
+    """
+    contacts = shapes.shape[1]
+    parameters, start, better, tried = np.zeros(PARAMETERS), np.zeros(7), np.zeros(7), np.zeros(7)
+    waves, changed = np.zeros((contacts, 4)), np.zeros((contacts, 4))
+    for t in range(first, todo.size, stride):
+        k = todo[t]
+        slider, omega = sliders[which[k, 0]], omegas[which[k, 1]]
+        mass, hertz, preload = slider[0], slider[1], slider[3]
+        reach = along = 0.0
+        for i in range(contacts):
+            for j in range(4):
+                waves[i, j] = shapes[which[k, 1], i, j] * factors[k]
+            along = max(along, np.hypot(waves[i, 2], waves[i, 3]))
+            reach = max(reach, along, np.hypot(waves[i, 0], waves[i, 1]))
+        length = max((preload / (contacts * hertz)) ** (2.0 / 3.0), reach)
+        unit = mass * omega**2 * length
+        parameters[0] = hertz * length * np.sqrt(length) / unit
+        parameters[1] = slider[6] * omega * length
+        parameters[2] = slider[7] / (mass * omega)
+        parameters[3] = preload / unit
+        parameters[4] = slider[8] / (mass * omega)
+        parameters[5] = slider[4] / unit
+        parameters[6], parameters[7] = slider[5], slider[2]
+        waves /= length
+        along /= length
+        if balance(parameters, waves, rule, 0, start) != DONE:
+            continue
+        if start[0] < 0.0 and slider[4] > 0.0:  # which way the load points is for `mean_motion` to say
+            continue
+        better[:] = start
+        if start[3] == 0.0 and balance(parameters, waves, rule, harmonics, better) != DONE:
+            continue
+        v = better[0]
+        reference = max(abs(v), along / 10.0)
+        if start[3] == 1.0:
+            # the averaging may have misjudged the edge: look at the amplitude larger by its error
+            _changed(
+                waves,
+                1.0 + min(AVERAGING * ratios[which[k, 0]] ** 2 * TURNS2 / omega**2, 0.5),
+                1.0,
+                0.0,
+                changed,
+            )
+            if balance(parameters, changed, rule, 0, tried) != DONE:
+                continue
+            error = abs(tried[0])
+        else:
+            error = max(better[6], better[2], MOVED * abs(v - start[0]), 1e-11 * abs(v))
+        lost = _from_wave(parameters, waves, changed, rule, start[0], wave_errors[which[k, 1]], tried)
+        if not (np.isfinite(v) and np.isfinite(error) and np.isfinite(lost)):
+            continue
+        out[k, 0], out[k, 1] = v * length * omega, better[1] * length
+        out[k, 2] = 3.0 if better[4] > 0.0 else 2.0 if better[5] > 0.0 else 1.0
+        out[k, 3] = error / reference if reference > 0.0 else 0.0
+        out[k, 4] = lost / reference if reference > 0.0 else 0.0
+        out[k, 5] = _stall(parameters, waves, rule) * unit
+        out[k, 6] = start[3]
+
+
+@compiled
+def _changed(waves, factor, tangential, turn, out):
+    """Set waves with both amplitudes, then the tangential one and its phase, changed."""
+    co, si = np.cos(turn), np.sin(turn)
+    for i in range(waves.shape[0]):
+        out[i, 0], out[i, 1] = waves[i, 0] * factor, waves[i, 1] * factor
+        a, b = waves[i, 2] * factor * tangential, waves[i, 3] * factor * tangential
+        out[i, 2], out[i, 3] = a * co - b * si, a * si + b * co
+
+
+@compiled
+def _from_wave(parameters, waves, changed, rule, base, wave_error, tried):
+    """Return the change of the first-order velocity by the wave's relative error; inf where it is not found."""
+    if wave_error == 0.0:
+        return 0.0
+    step = max(wave_error, 1e-4)
+    effects = np.zeros(4)
+    for m in range(4):
+        factor = 1.0 + step if m == 0 else 1.0 - step if m == 1 else 1.0
+        _changed(waves, factor, 1.0 + step if m == 2 else 1.0, step if m == 3 else 0.0, changed)
+        if balance(parameters, changed, rule, 0, tried) != DONE:
+            return np.inf
+        effects[m] = abs(tried[0] - base)
+    both = max(effects[0], effects[1])
+    return np.sqrt(both**2 + effects[2] ** 2 + effects[3] ** 2) * wave_error / step
+
+
+@compiled
+def _stall(parameters, waves, rule):
+    """Return the mean traction at rest at which the motor stalls, 0 where the unloaded slider is held."""
+    sums, counts, still = np.zeros(2), np.zeros(4, np.int64), np.zeros((4, 1))
+    h = riding(parameters[0], waves, parameters[3], rule)
+    cycle(parameters, waves, h, 0.0, still, rule, sums, counts)
+    low = sums[1]
+    cycle(parameters, waves, h, -1e-300, still, rule, sums, counts)
+    high = sums[1]
+    return max(low if high > -low else -high, 0.0)

@@ -1,0 +1,225 @@
+"""The stator's answer at the contacts of a sweep: solved once for each frequency and geometry.
+
+What does not depend on the slider or the voltage is computed here, once, and kept in the sweep's store.  Many
+frequencies of one geometry are solved as a band.  Where a point near the threshold turns out to need a better
+stator, the next answer is ten times better: which of the ``STEPS`` a point uses depends on that point alone.
+"""
+
+import json
+import time
+from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
+
+from studies.design import Question, contact_places
+from studies.refusal import RunError, SceneError
+from studies.scene import Scene
+from studies.variation import Variation
+
+__all__ = ["SHARE", "STEPS", "Source", "serves_band", "solved_sources", "variation"]
+
+SHARE, GAIN = 0.25, 0.1  # of the tolerance at first, and of the step before
+STEPS = 3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Source:
+    """Surface motion per volt where contacts may be.
+
+    Attributes
+    ----------
+    name : str
+        The values that it depends on, as JSON.
+    step : int
+        0 to ``STEPS - 1``.
+    frequency : float
+        Hz.
+    places : tuple of float
+        m.
+    tangential, normal : tuple of complex
+        m per V.
+    errors : tuple of float
+        Relative, at each place; None where there is no answer.
+    covered : tuple of bool
+        Whether the place lies under a transducer.
+    admittance, comb_voltage : complex
+        S, and V per V of the source.
+    reason : str
+        Why there is no answer; empty where there is one.
+    """
+
+    name: str
+    step: int
+    frequency: float = 0.0
+    places: tuple[float, ...] = ()
+    tangential: tuple[complex, ...] = ()
+    normal: tuple[complex, ...] = ()
+    errors: tuple[float | None, ...] = ()
+    covered: tuple[bool, ...] = ()
+    admittance: complex = 0.0
+    comb_voltage: complex = 1.0
+    reason: str = ""
+
+    def text(self) -> str:
+        """Return it as JSON, complex numbers as [re, im], every digit kept."""
+        return json.dumps(asdict(self), default=lambda number: [number.real, number.imag])
+
+    @classmethod
+    def read(cls, text: str) -> "Source":
+        """Return what ``text`` wrote."""
+        table = json.loads(text)
+        for key in ("tangential", "normal"):
+            table[key] = tuple(complex(*pair) for pair in table[key])
+        for key in ("admittance", "comb_voltage"):
+            table[key] = complex(*table[key]) if isinstance(table[key], list) else complex(table[key])
+        for key in ("places", "errors", "covered"):
+            table[key] = tuple(table[key])
+        return cls(**table)
+
+
+@lru_cache(4)
+def _variation(text: str) -> Variation:
+    return Variation(Question(**{key: _tuples(key, value) for key, value in json.loads(text).items()}))
+
+
+def _tuples(key, value):
+    return tuple(value) if isinstance(value, list) and key != "table" else value
+
+
+def variation(question: Question) -> Variation:
+    """Return the scenes of a question, the same for all tasks that a process is given."""
+    return _variation(json.dumps(asdict(question)))
+
+
+def solved_sources(question: Question, names: tuple[str, ...], step: int) -> tuple[list[Source], float]:
+    """Return the stator's answers of these names, and the seconds that they took."""
+    begun = time.perf_counter()
+    return [_answer(question, name, step) for name in names], time.perf_counter() - begun
+
+
+def goal(question: Question, step: int) -> float:
+    """Return the relative error allowed at a step."""
+    return question.tolerance * (SHARE * GAIN**step if question.has_slider else 1.0)
+
+
+def serves_band(question: Question) -> bool:
+    """Return whether the transducers stay what they are while the frequency moves, over enough frequencies."""
+    kept = all(each.get("period", "auto") != "auto" for each in question.table["transducer"])
+    return bool(question.frequencies) and kept and not any(key.endswith(".period") for key in question.keys)
+
+
+def _answer(question: Question, name: str, step: int) -> Source:
+    values = json.loads(name)
+    values = {key: tuple(value) if isinstance(value, list) else value for key, value in values.items()}
+    try:
+        scene = variation(question).source(values)
+        places = _places(question, scene, values)
+        if scene.frequency == "center":
+            from studies.center import center_frequency
+
+            frequency = center_frequency(scene, places[0], progress=_silent)
+            scene = replace(scene, drive=replace(scene.drive, frequency=frequency))
+        return _solved(question, name, step, scene, places)
+    except SceneError as error:
+        return Source(name=name, step=step, reason=f"refused: {error}")
+    except (RunError, ValueError, ArithmeticError) as error:
+        return Source(name=name, step=step, reason=f"no answer: {' '.join(str(error).split())}")
+
+
+def _places(question, scene, values) -> tuple[float, ...]:
+    if not question.has_slider:
+        return (scene.stator.length / 2,)
+    places = question.places
+    if not places:
+        slider = question.table.get("slider", {})
+        own = {key.split(".")[1]: value for key, value in values.items() if key.startswith("slider.")}
+        places = contact_places(slider | own)
+    places = tuple(place for place in places if 0 <= place <= scene.stator.length)
+    if not places:
+        raise SceneError(
+            "slider.position", f"must keep the contacts on the stator, 0 to {scene.stator.length:g} m"
+        )
+    return places
+
+
+def _solved(question, name, step, scene, places) -> Source:
+    allowed = goal(question, step)
+    try:
+        answers = [(_wave(question, scene, places, allowed), places)]
+    except RunError:
+        if len(places) == 1:
+            raise
+        answers = []
+        for place in places:  # one that cannot be had, in a node of the wave, must not cost the others
+            try:
+                answers.append((_wave(question, scene, (place,), allowed), (place,)))
+            except RunError:
+                answers.append((None, (place,)))
+        if all(wave is None for wave, _ in answers):
+            raise
+    known = next(wave for wave, _ in answers if wave is not None)
+    tangential, normal, errors, covered = [], [], [], []
+    for wave, some in answers:
+        for place in some:
+            motion = (0j, 0j) if wave is None else wave.motion(place)
+            tangential.append(complex(motion[0]))
+            normal.append(complex(motion[1]))
+            errors.append(None if wave is None else float(wave.relative_error))
+            covered.append(bool(known.covered(place)))
+    return Source(
+        name=name, step=step, frequency=float(known.frequency), places=places, tangential=tuple(tangential),
+        normal=tuple(normal), errors=tuple(errors), covered=tuple(covered), admittance=complex(known.admittance),
+        comb_voltage=complex(known.comb_voltage_per_volt),
+    )  # fmt: skip
+
+
+def _wave(question: Question, scene: Scene, places, allowed):
+    """Return the fem.SurfaceWave, from a band where the sweep has one for this geometry."""
+    if serves_band(question):
+        return _band(_Fixed(scene), question.frequencies, places, allowed).wave(
+            scene.frequency, driven=scene.drive.transducer, source_impedance=scene.drive.source_impedance
+        )
+    return _alone(scene, places, allowed)
+
+
+def _alone(scene: Scene, places, allowed):
+    import fem
+    from studies import resolved
+
+    try:
+        return fem.driven_wave(
+            resolved.stator(scene.stator),
+            resolved.transducers(scene),
+            frequency=scene.frequency,
+            driven=scene.drive.transducer,
+            source_impedance=scene.drive.source_impedance,
+            tolerance=allowed,
+            places=places,
+        )
+    except fem.ConvergenceError as error:
+        raise RunError(str(error)) from None
+
+
+class _Fixed:
+    """A scene but for its frequency: what a band is prepared for."""
+
+    def __init__(self, scene: Scene):
+        self.scene = scene
+        drive = scene.drive
+        self._own = (scene.stator, scene.transducer, drive.transducer, drive.source_impedance)
+
+    def __eq__(self, other):
+        return self._own == other._own
+
+    def __hash__(self):
+        return hash(self._own)
+
+
+@lru_cache(4)
+def _band(fixed: _Fixed, limits, places, allowed):
+    from studies.spectrum import response
+
+    return response(fixed.scene, *limits, places=places, tolerance=allowed, progress=_silent)
+
+
+def _silent(text: str) -> None:
+    """Say nothing: a worker's stator is one of many."""

@@ -1,0 +1,150 @@
+"""Who computes a sweep: this process, processes on this machine, or the workers of a Dask scheduler.
+
+All three are executors of concurrent.futures (Dask's by ``Client.get_executor``); which task runs where is theirs to
+decide.  One thread per worker: the stator's matrices are small, and processes share a machine better than threads
+of a BLAS do.  A worker that vanishes costs its tasks, which are given out again.
+"""
+
+import multiprocessing
+import os
+import threading
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+
+from studies.refusal import RunError, SceneError
+
+__all__ = ["Here", "OnDask", "Processes", "workers"]
+
+
+class Here(Executor):
+    """The driver itself: a task is done when it is submitted, by all processors where its kernels share their work."""
+
+    slots, size, threads = 1, 1, None
+    lost = ()
+
+    def submit(self, work, *arguments) -> Future:
+        """Do the work now; an interrupt goes straight to the caller."""
+        future = Future()
+        try:
+            future.set_result(work(*arguments))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+    def renew(self) -> None:
+        """Do nothing: this process has not vanished."""
+
+    def stop(self) -> None:
+        """Do nothing."""
+
+
+class Processes:
+    """Worker processes of this machine, which end with the driver however it ends.
+
+    Parameters
+    ----------
+    size : int
+    """
+
+    threads = 1
+    lost = (BrokenProcessPool,)
+
+    def __init__(self, size: int):
+        self.size, self.slots = size, 2 * size
+        self.renew()
+
+    def submit(self, work, *arguments) -> Future:
+        """Give a task to the next process that is free."""
+        try:
+            return self._pool.submit(work, *arguments)
+        except BrokenProcessPool as error:
+            future = Future()
+            future.set_exception(error)
+            return future
+
+    def renew(self) -> None:
+        """Start processes anew after one has vanished."""
+        self._pool = ProcessPoolExecutor(
+            self.size, mp_context=multiprocessing.get_context("spawn"), initializer=_settle
+        )
+
+    def stop(self) -> None:
+        """End the processes without waiting for their tasks."""
+        for process in list((self._pool._processes or {}).values()):
+            process.terminate()
+        self._pool.shutdown(wait=True, cancel_futures=True)
+
+
+class OnDask:
+    """The workers of a Dask scheduler.
+
+    Parameters
+    ----------
+    address : str
+        Such as ``tcp://127.0.0.1:8786``.
+    """
+
+    threads = 1
+
+    def __init__(self, address: str):
+        try:
+            from distributed import Client
+            from distributed.scheduler import KilledWorker
+        except ImportError:
+            raise SceneError("--scheduler", "needs Dask: pip install 'sawmotor[dask]'") from None
+        self.lost = (KilledWorker,)
+        try:
+            self._client = Client(address, timeout=10, set_as_default=False)
+        except (OSError, ValueError) as error:
+            text = " ".join(str(error).split())
+            raise RunError(f"no Dask scheduler answers at {address!r}: {text}") from None
+        self._executor = self._client.get_executor(pure=False)
+        self._count()
+
+    @property
+    def slots(self) -> int:
+        """Tasks to give out: two for each worker that there is now."""
+        return 2 * self._count()
+
+    def submit(self, work, *arguments) -> Future:
+        """Give a task to the scheduler."""
+        if self._client.status != "running":
+            raise RunError("the Dask scheduler is gone; the same command goes on from what is kept")
+        return self._executor.submit(work, *arguments)
+
+    def renew(self) -> None:
+        """Do nothing: the scheduler looks after its workers."""
+
+    def stop(self) -> None:
+        """Withdraw what is still to be done and leave; the cluster goes on."""
+        self._executor.shutdown(wait=False)
+        self._client.close(timeout=2)
+
+    def _count(self) -> int:
+        self.size = max(1, len(self._client.scheduler_info(n_workers=-1)["workers"]))
+        return self.size
+
+
+def workers(number: int, scheduler: str | None):
+    """Return the workers that a sweep asks for."""
+    if scheduler is not None:
+        return OnDask(scheduler)
+    if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= 1000:
+        raise SceneError("--workers", f"must be a number from 1 to 1000, got {number!r}")
+    return Here() if number == 1 else Processes(number)
+
+
+def _settle() -> None:
+    """Make a process a worker: one thread, deaf to the terminal's interrupt, gone when its driver is gone."""
+    import signal
+    from multiprocessing.connection import wait
+
+    os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    driver = multiprocessing.parent_process()
+
+    def watch():
+        wait([driver.sentinel])
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()

@@ -1,0 +1,413 @@
+"""Sweeps: designs, rows that are runs, reasons, one stator for many points, and stores that survive."""
+
+import json
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from concurrent.futures import Future
+from concurrent.futures.process import BrokenProcessPool
+
+import numpy as np
+import pytest
+
+from studies import driver
+from studies.axes import axis
+from studies.chain import run
+from studies.design import designed
+from studies.override import replaced
+from studies.refusal import RunError, SceneError
+from studies.scene import Scene
+from studies.store import FILE, Store
+from studies.sweep import sweep
+from studies.workers import Here
+
+OVER = {"slider.preload": "0.1 mN:10 mN:8:log", "wave.normal_amplitude": "0.5 nm:20 nm:6"}
+SMALL = {
+    "stator": {"material": "PZT-8", "length": 12e-3, "thickness": 0.7e-3, "width": 0.01, "ends": "absorbing"},
+    "transducer": [
+        {"name": "left", "center": 3e-3, "finger_pairs": 2, "period": 0.98e-3, "metallisation": 0.5, "aperture": 0.02}
+    ],
+    "drive": {"frequency": 2.2e6, "transducer": "left", "voltage": [30.0]},
+    "slider": {
+        "position": 7e-3, "radius": 1e-3, "mass": 8.9e-5, "contacts": 1, "preload": "weight",
+        "friction_coefficient": 0.08, "effective_modulus": 64e9, "tangential_modulus": 12e9,
+        "damping": {"normal": 0.5, "tangential": 1e-4},
+    },
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def whole():
+    """The small sweep, undisturbed and in memory."""
+    return sweep("twente-contact", OVER).columns()
+
+
+def command(*words, **options):
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "OMP_NUM_THREADS": "1"}
+    return subprocess.Popen(
+        [sys.executable, "-m", "studies", "sweep", *words],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment, **options,
+    )  # fmt: skip
+
+
+def rows(folder):
+    with sqlite3.connect(folder / FILE) as connection:
+        found = connection.execute("select * from points order by point").fetchall()
+    connection.close()
+    return found
+
+
+# --- designs
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "values"),
+    [
+        ("slider.preload", "1 mN:5 mN:3", [1e-3, 3e-3, 5e-3]),
+        ("slider.preload", "1e-3:0.1:3:log", [1e-3, 1e-2, 0.1]),
+        ("slider.preload", "5 mN, 0.01", [5e-3, 0.01]),
+        ("slider.preload", "weight,1 mN", ["weight", 1e-3]),
+        ("drive.voltage", "5:10:2", [5.0, 10.0]),
+        ("slider.contacts", "1, 3", [1, 3]),
+        ("slider.contacts", "[1, ['-1 mm', '1 mm']]", [1, (-1e-3, 1e-3)]),
+        ("transducer.1.finger_pairs", "5:20:4", [5, 10, 15, 20]),
+        ("slider.reciprocal", "true,false", [True, False]),
+        ("stator.material", "PZT-8,PIC181", ["PZT-8", "PIC181"]),
+        ("slider.damping.normal", np.array([0.1, 0.5]), [0.1, 0.5]),
+    ],
+)
+def test_values_of_an_axis(key, text, values):
+    found = axis(key, text).columns[0]
+    assert [type(each) for each in found] == [type(each) for each in values]
+    assert found == [pytest.approx(each, rel=1e-15) if isinstance(each, float) else each for each in values]
+
+
+@pytest.mark.parametrize(
+    ("over", "options", "sentence"),
+    [
+        ({"slider.prelod": "1:2:3"}, {}, "did you mean preload"),
+        ({"slider": "1"}, {}, "is a block"),
+        ({"transducer.name": "a"}, {}, "say which one"),
+        ({"slider.preload": "1:2"}, {}, "must be START:STOP:N"),
+        ({"slider.preload": "1:2:0"}, {}, "1 to"),
+        ({"slider.preload": "0:2:5:log"}, {}, "above 0"),
+        ({"slider.preload": "1 kg:2 kg:5"}, {}, "a force"),
+        ({"stator.material": "1:2:5"}, {}, "takes words"),
+        ({"slider.contacts": "1:2:5"}, {}, "whole numbers"),
+        ({"slider.preload": "1:2:latin"}, {}, "--samples"),
+        ({"slider.preload": "1:2:3"}, {"samples": 5}, "latin"),
+        ({"slider.preload": "1:2:3"}, {"also": ("speed",)}, "--also"),
+        ({"slider.preload": "1:2:3"}, {"points": {"slider.preload": [1.0]}}, "twice"),
+    ],
+)  # fmt: skip
+def test_what_is_wrong_whatever_the_point_is_refused(over, options, sentence):
+    with pytest.raises(SceneError, match=sentence):
+        sweep("twente-contact", over, **options)
+
+
+def test_a_rule_that_every_point_breaks_is_refused_once():
+    with pytest.raises(SceneError, match=r"slider\.mass must be positive"):
+        sweep(replaced(Scene.load("twente-contact").to_table(), "slider.mass", -1.0), OVER)
+
+
+def test_axes_multiply_and_a_table_of_points_is_one_axis(tmp_path):
+    file = tmp_path / "points.csv"
+    file.write_text("slider.radius,slider.mass\n1 mm,0.1 g\n0.002,2e-4\n")
+    found = sweep("twente-contact", {"wave.normal_amplitude": "3 nm"}, points=file).columns()
+    assert found["slider.radius"] == [1e-3, 2e-3]
+    assert found["slider.mass"] == [1e-4, 2e-4]
+    assert found["wave.normal_amplitude"] == [3e-9, 3e-9]
+    design = designed(SMALL, {"slider.radius": "1:2:3", "slider.mass": "1:2:2"}, tolerance=1e-3)
+    assert len(design) == 6
+    assert design.values(np.array([0, 1, 5])) == [(1.0, 1.0, 30.0), (1.0, 2.0, 30.0), (2.0, 2.0, 30.0)]
+
+
+def test_a_latin_hypercube_has_one_point_in_every_stripe():
+    over = {"slider.preload": "1 mN:100 mN:latin:log", "slider.radius": "1 mm:2 mm:latin"}
+    design = designed(SMALL, over, samples=20, seed=3, tolerance=1e-3)
+    preloads, radii = (np.array(column) for column in design.axes[0].columns)
+    for unit in (np.log(preloads / 1e-3) / np.log(100), (radii - 1e-3) / 1e-3):
+        assert sorted(np.floor(unit * 20).astype(int)) == list(range(20))
+
+
+# --- rows
+
+
+def test_a_row_is_what_a_run_of_its_scene_finds(whole):
+    table = Scene.load("twente-contact").to_table()
+    for point in (5, 22, 40):
+        here = table
+        for key in OVER:
+            here = replaced(here, key, whole[key][point])
+        (expected,) = run(Scene.from_table("", here), tolerance=1e-3).points
+        speed = max(
+            abs(expected["velocity_m_per_s"]), 2 * np.pi * 2.2e6 * whole["tangential_amplitude_m"][point] / 10
+        )
+        allowed = 2 * (expected["relative_error"] + whole["relative_error"][point]) * speed + 1e-12
+        assert abs(whole["velocity_m_per_s"][point] - expected["velocity_m_per_s"]) <= allowed
+        assert (whole["regime"][point], whole["status"][point]) == (expected["regime"], "ok")
+
+
+@pytest.mark.parametrize(
+    "over",
+    [
+        {"slider.reciprocal": "true"},
+        {"slider.method": "exact"},
+        pytest.param({"wave.burst": "5e-4", "slider.law": "hysteretic"}, marks=pytest.mark.slow),
+    ],
+)
+def test_what_the_loop_does_not_know_is_solved_as_in_a_run(over):
+    over = over | {"wave.normal_amplitude": "3 nm"}
+    found = sweep("twente-contact", over).columns()
+    table = Scene.load("twente-contact").to_table()
+    for key, text in over.items():
+        table = replaced(table, key, axis(key, text).columns[0][0])
+    (expected,) = run(Scene.from_table("", table), tolerance=1e-3).points
+    assert {key: found[key][0] for key in expected} == expected
+
+
+def test_every_bad_point_is_a_row_with_its_reason():
+    preloads = [1e-3 * (-1) ** (k % 10 == 3) for k in range(40)] + [float("nan"), "heavy", "3 kg"]
+    found = sweep("twente-contact", {"slider.preload": preloads, "wave.normal_amplitude": "3 nm"}).columns()
+    bad = [status for status in found["status"] if status != "ok"]
+    assert len(bad) == 4 + 3
+    assert [status == "ok" for status in found["status"][:40]] == [k % 10 != 3 for k in range(40)]
+    assert set(bad[:4]) == {"refused: slider.preload must be zero or positive, got -0.001 N"}
+    assert "nan" in bad[4]
+    assert "'heavy'" in bad[5]
+    assert "a mass" in bad[6]
+    assert all(found["velocity_m_per_s"][k] is None for k in (3, 13, 40, 41, 42))
+
+
+def test_the_stator_is_solved_once_for_each_frequency_and_geometry(tmp_path):
+    over = {
+        "slider.position": [6.5e-3, 7e-3, 1.0], "slider.preload": "1 mN:5 mN:3", "slider.radius": "1 mm:2 mm:2",
+        "drive.frequency": "2.19 MHz, 2.2 MHz", "drive.voltage": "20:60:3",
+    }  # fmt: skip
+    found = sweep(SMALL, over, tolerance=1e-2, also=("limits", "thrust", "efficiency"), out=tmp_path / "s")
+    with sqlite3.connect(found.path) as connection:
+        solved = connection.execute("select name, step from sources").fetchall()
+    connection.close()
+    assert len({name for name, _ in solved}) == 2
+    columns = found.columns()
+    assert found.counts["refused"] == 36
+    assert "contacts on the stator" in next(s for s in columns["status"] if s.startswith("refused"))
+    point = next(k for k in range(len(columns["point"]) - 1, 0, -1) if columns["status"][k] == "ok")
+    table = SMALL
+    for key in over:
+        table = replaced(table, key, columns[key][point])
+    record = run(Scene.from_table("", table), tolerance=1e-2)
+    expected = record.points[0]
+    error = 2 * (expected["relative_error"] + columns["relative_error"][point])
+    assert columns["velocity_m_per_s"][point] == pytest.approx(expected["velocity_m_per_s"], rel=error, abs=0)
+    assert columns["threshold_factor"][point] == pytest.approx(
+        record.summary["threshold_voltage_V"] / columns["drive.voltage"][point], rel=error, abs=0
+    )
+    power = record.electrical["power_W_per_V2"] * columns["drive.voltage"][point] ** 2
+    assert columns["power_W"][point] == pytest.approx(power, rel=1e-2, abs=0)
+    assert 0 < columns["motor_efficiency"][point] < columns["contact_efficiency"][point] < 1
+    assert 0 < columns["thrust_N"][point] < 0.08 * columns["slider.preload"][point]
+
+
+def test_a_point_near_the_threshold_gets_a_better_stator(tmp_path, monkeypatch):
+    monkeypatch.setattr("studies.source.SHARE", 1.0)  # a stator that is just good enough by itself
+    voltages = [5.0, 11.2, 40.0]
+    found = sweep(SMALL, {"drive.voltage": voltages}, tolerance=2.5e-4, out=tmp_path / "s")
+    with sqlite3.connect(found.path) as connection:
+        steps = [step for (step,) in connection.execute("select step from sources order by step")]
+    connection.close()
+    columns = found.columns()
+    assert steps == [0, 1]
+    assert columns["status"] == ["ok"] * 3
+    assert columns["relative_error"][1] < 2.5e-4
+    # which stator a point uses is its own matter: alone it has the same row
+    alone = [sweep(SMALL, {"drive.voltage": [each]}, tolerance=2.5e-4).columns() for each in voltages]
+    assert columns["velocity_m_per_s"] == [each["velocity_m_per_s"][0] for each in alone]
+    amplitudes = np.array(columns["normal_amplitude_m"]) / voltages
+    assert amplitudes[0] != amplitudes[1]
+
+
+# --- stores
+
+
+def test_batches_windows_and_interruptions_change_nothing(whole, tmp_path, monkeypatch):
+    def stop(count, kept, failed, cost):
+        if kept > 20:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(driver, "WINDOW", 11)
+    monkeypatch.setattr(driver, "LARGEST_BATCH", 3)
+    with pytest.raises(RunError, match=r"interrupted: \d+ of 48 points are kept and the same command"):
+        sweep("twente-contact", OVER, out=tmp_path / "s", progress=stop)
+    before = rows(tmp_path / "s")
+    assert 20 < len(before) < 48
+    found = sweep("twente-contact", OVER, out=tmp_path / "s")
+    assert found.columns() == whole
+    assert rows(tmp_path / "s")[: len(before)] == before
+    assert found.counts == {"ok": 48}
+
+
+def test_another_sweep_in_the_same_place_is_refused(tmp_path):
+    small = {"wave.normal_amplitude": "3 nm"}
+    sweep("twente-contact", small, out=tmp_path / "s")
+    kept = rows(tmp_path / "s")
+    for over, options, what in (
+        ({"wave.normal_amplitude": "4 nm"}, {}, r"axis wave\.normal_amplitude"),
+        (small, {"tolerance": 1e-2}, "tolerance"),
+        (small, {"also": ("limits",)}, "also"),
+    ):
+        with pytest.raises(SceneError, match=f"another sweep: its {what} differs"):
+            sweep("twente-contact", over, out=tmp_path / "s", **options)
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "thesis.tex").write_text("all of it")
+    with pytest.raises(SceneError, match="no sweep"):
+        sweep("twente-contact", small, out=tmp_path / "mine")
+    assert rows(tmp_path / "s") == kept
+
+
+def test_a_second_driver_is_refused_while_the_first_lives(tmp_path):
+    design = designed(Scene.load("twente-contact").to_table(), OVER, tolerance=1e-3)
+    words = [part for key, text in OVER.items() for part in ("--over", f"{key}={text}")]
+    with Store(tmp_path / "s", design):
+        with pytest.raises(RunError, match=f"another sweep, process {os.getpid()} on .*, is writing"):
+            sweep("twente-contact", OVER, out=tmp_path / "s")
+        second = command("twente-contact", *words, "--out", str(tmp_path / "s"))
+        out, err = second.communicate(timeout=60)
+        assert (second.returncode, out) == (1, "")
+        assert "is writing into" in err
+        assert err.count("\n") == 1
+    assert rows(tmp_path / "s") == []
+    assert sweep("twente-contact", OVER, out=tmp_path / "s").counts == {"ok": 48}
+
+
+def test_a_driver_that_is_killed_loses_nothing_that_it_reported(tmp_path):
+    over = {"slider.preload": "0.1 mN:10 mN:100:log", "wave.normal_amplitude": "0.5 nm:20 nm:50:log"}
+    words = [part for key, text in over.items() for part in ("--over", f"{key}={text}")]
+    process = command("twente-contact", *words, "--out", str(tmp_path / "s"))
+    reported = []
+    while process.poll() is None and len(reported) < 50:
+        time.sleep(0.02)
+        if (tmp_path / "s" / FILE).exists():
+            try:
+                reported = rows(tmp_path / "s")
+            except sqlite3.OperationalError:
+                continue  # its tables are not there yet
+    process.send_signal(signal.SIGKILL)
+    process.communicate()
+    assert 0 < len(reported) < 5000
+    assert rows(tmp_path / "s")[: len(reported)] == reported
+    found = sweep("twente-contact", over, out=tmp_path / "s")
+    assert found.columns() == sweep("twente-contact", over).columns()
+
+
+@pytest.mark.skipif(not hasattr(signal, "SIGXFSZ"), reason="this system has no limit of file sizes")
+def test_a_full_disk_is_said_and_costs_nothing_that_was_kept(tmp_path):
+    import resource
+
+    over = {"slider.preload": "0.1 mN:10 mN:40:log", "wave.normal_amplitude": "0.5 nm:20 nm:50:log"}
+    words = [part for key, text in over.items() for part in ("--over", f"{key}={text}")]
+    process = command(
+        "twente-contact", *words, "--out", str(tmp_path / "s"),
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, 150_000)),
+    )  # fmt: skip
+    out, err = process.communicate(timeout=60)
+    assert (process.returncode, out) == (1, "")
+    assert "is the disk full?" in err.splitlines()[-1]
+    assert "Traceback" not in err
+    kept = rows(tmp_path / "s")
+    assert 0 < len(kept) < 2000
+    found = sweep("twente-contact", over, out=tmp_path / "s")
+    columns = found.columns()
+    assert found.counts == {"ok": 2000}
+    assert [row[3:] for row in kept] == [
+        tuple(columns[name][row[0]] for name in list(columns)[3:]) for row in kept
+    ]
+    assert columns == sweep("twente-contact", over).columns()
+
+
+class Poisoned(Here):
+    """Workers that a certain point kills."""
+
+    lost = (BrokenProcessPool,)
+    renewed = 0
+
+    def submit(self, work, question, points, values, *rest):
+        if 17 in points:
+            future = Future()
+            future.set_exception(BrokenProcessPool("a worker vanished"))
+            return future
+        return super().submit(work, question, points, values, *rest)
+
+    def renew(self):
+        self.renewed += 1
+
+
+def test_a_point_that_kills_its_workers_is_a_row_and_is_tried_again(whole, tmp_path, monkeypatch):
+    staff = Poisoned()
+    monkeypatch.setattr("studies.sweep.chosen_workers", lambda number, scheduler: staff)
+    found = sweep("twente-contact", OVER, out=tmp_path / "s")
+    assert found.counts == {"ok": 47, "lost": 1}
+    assert found.columns()["status"][17] == "lost: 3 workers that computed it vanished"
+    assert staff.renewed >= 3
+    monkeypatch.undo()
+    assert sweep("twente-contact", OVER, out=tmp_path / "s").columns() == whole
+
+
+@pytest.mark.slow
+def test_processes_give_the_same_bits_and_may_vanish(whole):
+    import multiprocessing
+
+    killed = []
+
+    def kill(count, kept, failed, cost):
+        children = multiprocessing.active_children()
+        if children and len(killed) < 2:
+            killed.append(children[0].pid)
+            os.kill(children[0].pid, signal.SIGKILL)
+
+    found = sweep("twente-contact", OVER, workers=2, progress=kill)
+    assert found.columns() == whole
+    assert killed
+
+
+@pytest.mark.slow
+def test_an_interrupt_from_the_terminal_stops_processes_and_keeps_points(tmp_path):
+    over = {"slider.preload": "0.1 mN:10 mN:400:log", "wave.normal_amplitude": "0.5 nm:20 nm:100:log"}
+    words = [part for key, text in over.items() for part in ("--over", f"{key}={text}")]
+    process = command(
+        "twente-contact", *words, "--workers", "2", "--out", str(tmp_path / "s"), start_new_session=True
+    )
+    while not (tmp_path / "s" / FILE).exists() or not rows(tmp_path / "s"):
+        time.sleep(0.1)
+    os.killpg(process.pid, signal.SIGINT)
+    _, err = process.communicate(timeout=30)
+    assert process.returncode == 1
+    assert "points are kept and the same command goes on" in err.splitlines()[-1]
+    assert "Traceback" not in err
+    assert 0 < len(rows(tmp_path / "s")) < 40_000
+
+
+@pytest.mark.slow
+def test_a_dask_cluster_gives_the_same_bits(whole, tmp_path):
+    distributed = pytest.importorskip("distributed", reason="Dask is optional")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+    ) as cluster:
+        found = sweep("twente-contact", OVER, scheduler=cluster.scheduler_address)
+    assert found.columns() == whole
+
+
+def test_the_command_prints_json_and_says_what_is_not_ok(tmp_path):
+    process = command(
+        "twente-contact", "--over", "slider.preload=-1 mN,1 mN", "--over", "wave.normal_amplitude=3 nm", "--json",
+        "--out", str(tmp_path / "s"),
+    )  # fmt: skip
+    out, err = process.communicate(timeout=60)
+    answer = json.loads(out)
+    assert process.returncode == 1
+    assert answer["counts"] == {"ok": 1, "refused": 1}
+    assert answer["reasons"][0]["status"] == "refused: slider.preload must be zero or positive, got -0.001 N"
+    assert "1 of 2 points have no answer within the tolerance; point 0: refused" in err
