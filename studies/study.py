@@ -27,6 +27,7 @@ STUDIES = (
     "contact_error_vs_time",
     "cell_triple",
     "fem_error_vs_time",
+    "published_motors",
 )
 
 
@@ -144,6 +145,8 @@ def run_study(name: str, scene: str | None, folder: Path, *, progress: Callable[
         text, panels = str(record), {panel.name: panel for panel in record.panels}
         whole = json.dumps(record.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
         (folder / "study.json").write_text(whole + "\n", encoding="utf-8")
+        for file, content in getattr(chosen, "tables", lambda record: {})(record).items():
+            (folder / file).write_text(content, encoding="utf-8")
     progress("drawing")
     from studies.figures import saved
 

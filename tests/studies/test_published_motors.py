@@ -1,0 +1,108 @@
+"""Published motors: the bands, the verdicts, and the models behind them against closed forms."""
+
+import csv
+import io
+import json
+import math
+
+import pytest
+
+from studies import published_kurosawa as model
+from studies import published_motors as study
+from studies.published import KUROSAWA, Unknown, corners
+
+NAMES = ("friction", "preload", "amplitude", "frequency", "modulus", "law", "air")
+TAKEN = {name: KUROSAWA[name].taken for name in NAMES} | {"ratio": 0.9}
+
+
+def row(published, what=lambda case: case["a"] * case["b"], **swept):
+    swept = swept or {"a": Unknown(name="A", taken=2.0, swept=(1.0, 3.0)),
+                      "b": Unknown(name="B", taken=1.0, swept=(0.9, 1.2), unit="m", scale=10)}  # fmt: skip
+    known = {"a": 2.0, "b": 1.0}
+    return study._row("motor", "quantity", published, what, known, swept, "m", 1.0)
+
+
+def test_a_band_is_every_corner_and_names_what_moves_it_most():
+    found = row(2.5)
+    assert (found["low"], found["predicted"], found["high"]) == (0.9, 2.0, pytest.approx(3.6))
+    assert found["most"] == "A (3x)"
+    assert found["swept"] == "A 1 to 3, B 9 to 12 m"
+    assert found["verdict"] == "within the band; as taken -20 %"
+
+
+def test_what_lies_outside_is_said_so_and_how_far():
+    assert row(7.2)["verdict"] == "outside the band, whose nearer end is -50 %"
+    assert row(0.6)["verdict"] == "outside the band, whose nearer end is +50 %"
+    assert not study._finding(row(7.2)).confirmed
+    assert study._finding(row(2.5)).confirmed
+
+
+def test_a_band_that_holds_anything_says_little():
+    wide = {"a": Unknown(name="A", taken=2.0, swept=(1.0, 8.0))}
+    assert row(2.5, **wide)["verdict"].endswith("a band 8x wide says little")
+
+
+def test_corners_are_all_combinations():
+    found = list(
+        corners(
+            {"a": Unknown(name="A", taken=1, swept=(1, 2)), "b": Unknown(name="B", taken=1, swept=(1, 2, 3))}
+        )
+    )
+    assert len(found) == 6
+    assert {"a": 2, "b": 3} in found
+
+
+def test_the_contact_radius_is_hertz():
+    radius, modulus = 0.5e-3, TAKEN["modulus"]
+    pressure = KUROSAWA["published"]["pressure_Pa"]
+    # Johnson (1985), eq. 4.24 solved for the load, then eq. 4.22
+    load = pressure**3 * math.pi**3 * radius**2 / (6 * modulus**2)
+    expected = (3 * load * radius / (4 * modulus)) ** (1 / 3)
+    assert model.contact_radius(TAKEN) == pytest.approx(expected, rel=1e-12, abs=0)
+
+
+def test_the_balls_mass_is_that_of_a_millimetre_of_steel():
+    assert KUROSAWA["published"]["mass_kg"] == pytest.approx(7850 * math.pi / 6 * 1e-9, rel=1e-5, abs=0)
+
+
+def test_speed_and_thrust_keep_within_what_wave_and_friction_give():
+    wave = 2 * math.pi * TAKEN["frequency"] * TAKEN["ratio"] * TAKEN["amplitude"]
+    assert 0.1 * wave < model.speed(TAKEN) < wave
+    friction = TAKEN["friction"] * TAKEN["preload"]
+    assert 0.1 * friction < model.thrust(TAKEN) < friction
+
+
+def test_the_needed_amplitude_gives_the_published_speed():
+    needed = model.needed_amplitude(TAKEN)
+    assert model.speed(TAKEN | {"amplitude": needed}) == pytest.approx(0.43, rel=2e-3, abs=0)
+
+
+@pytest.mark.slow
+def test_the_study_says_what_agrees_and_what_does_not():
+    record = study.run()
+    data = record.panels[0].data
+    verdicts = dict(zip(zip(data["motor"], data["quantity"], strict=True), data["verdict"], strict=True))
+    assert verdicts["Kurosawa 1998", "contact radius at its pressure"].startswith("within")
+    assert verdicts["Kurosawa 1998", "speed at its amplitude"].startswith("outside")
+    assert verdicts["Kurosawa 1998", "speed from 180 V"].endswith("says little")
+    assert verdicts["Feenstra and Breedveld", "release amplitude"] == "agrees"
+    written = study.tables(record)
+    rows = list(csv.DictReader(io.StringIO(written["published_motors.csv"])))
+    assert [float(each["predicted"]) for each in rows] == data["predicted"]
+    assert written["published_motors.md"].count("\n| ") == len(rows)
+    assert json.dumps(record.to_dict(), allow_nan=False)
+
+
+@pytest.mark.slow
+def test_the_amplitude_per_volt_is_near_the_strip_charges():
+    import fem
+
+    solid = fem.rotated(fem.material("LiNbO3 (Kovacs)"), "128YX")
+    period = float(fem.automatic_period(solid, 10e6, 0.5))
+    transducer = fem.Transducer(
+        name="t", center=period * 7, finger_pairs=10, period=period, metallisation=0.5, aperture=9e-3
+    )
+    estimate = fem.transducer_estimate(solid, transducer, "open")
+    # no reflections, no bulk waves in the estimate: nearer than 15 % would be luck
+    expected = float(abs(estimate.normal(10e6)))
+    assert model.per_volt(pairs=10, material="LiNbO3 (Kovacs)") == pytest.approx(expected, rel=0.3, abs=0)
