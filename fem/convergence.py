@@ -2,4 +2,14 @@
 
 
 class ConvergenceError(RuntimeError):
-    """A solver has no answer that it can stand behind; the message says why and what to try next."""
+    """A solver has no answer that it can stand behind; the message says why and what to try next.
+
+    Attributes
+    ----------
+    reached : object or None
+        The best answer found, with its error, where one is known.
+    """
+
+    def __init__(self, message: str, *, reached: object = None):
+        super().__init__(message)
+        self.reached = reached

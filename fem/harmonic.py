@@ -83,7 +83,7 @@ def driven_wave(
     ValueError
         For a geometry or a solid that cannot be driven.
     ConvergenceError
-        If the finest discretisation does not reach the tolerance.
+        If the finest discretisation does not reach the tolerance; what was reached comes with it.
     """
     check_layout(stator, transducers)
     if "phi" not in fields(stator.solid):
@@ -97,35 +97,45 @@ def driven_wave(
     at = np.array(places or (stator.length / 2,))
     say = progress or (lambda text: None)
     level, gain = first_level(tolerance), _gain(stator)
-    coarse = None
-    while True:
-        resolution = LEVELS[level]
+    coarse = reached = None
+    refusal = "make the fingers less extreme"
+    for resolution in LEVELS[level:]:
         say(f"stator: order {resolution.order}, {resolution.edge_layers} edge layers")
-        solution = solved(
-            stator,
-            transducers,
-            frequency=frequency,
-            driven=driven,
-            source_impedance=source_impedance,
-            resolution=resolution,
-        )
+        try:
+            solution = solved(
+                stator,
+                transducers,
+                frequency=frequency,
+                driven=driven,
+                source_impedance=source_impedance,
+                resolution=resolution,
+            )
+        except ConvergenceError as error:
+            if reached is None:
+                raise
+            refusal = f"finer, {error}"
+            break
         wave = surface_wave(solution)
         if coarse is not None:
-            wave = replace(
+            wave = reached = replace(
                 wave,
                 relative_error=orbit_difference(wave, coarse, at) / (gain - 1),
                 admittance_error=abs(wave.admittance / coarse.admittance - 1) / (gain - 1),
             )
             if wave.relative_error <= tolerance:
-                break
-        if level + 1 == len(LEVELS):
-            raise ConvergenceError(
-                f"the stator's surface motion is known to {wave.relative_error:.1e} only, "
-                f"{tolerance:.1e} was asked for: ask for less, or make the fingers less extreme"
-            )
-        level, coarse = level + 1, wave
+                return _audited(wave, begun, say)
+        coarse = wave
+    raise ConvergenceError(
+        f"the stator's surface motion is known to {reached.relative_error:.1e} only, {tolerance:.1e} was asked for: "
+        f"ask for less, or {refusal}",
+        reached=_audited(reached, begun, say),
+    )
+
+
+def _audited(wave: SurfaceWave, begun: float, say: Callable[[str], None]) -> SurfaceWave:
+    """Return a wave with its powers and the time since it was begun."""
     say("stator: power balance")
-    powers = audit(solution)
+    powers = audit(wave.solution)
     return replace(
         wave,
         power_input=powers.input,

@@ -8,6 +8,7 @@ measures them.  ``seconds`` is what one more frequency costs after ``setup_secon
 import resource
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -16,7 +17,7 @@ import numpy as np
 from studies.contenders import CURVES, Problem
 from studies.refusal import RunError
 
-__all__ = ["Attempt", "attempted", "peak_memory"]
+__all__ = ["Attempt", "alone", "attempted", "peak_memory"]
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -77,6 +78,17 @@ def attempted(curve: str, problem: Problem, setting: dict, *, repeats: int = 1) 
     RunError
         If its process was ended, as happens where memory is short.
     """
+    return alone(f"{curve}, {_words(setting)}", _measured, curve, problem, setting, repeats)
+
+
+def alone(what: str, work: Callable, *arguments):
+    """Return what some work gives in a fresh process with one thread; the function must be importable.
+
+    Raises
+    ------
+    RunError
+        If the process was ended; ``what`` names it.
+    """
     import os
     from concurrent.futures import ProcessPoolExecutor
     from concurrent.futures.process import BrokenProcessPool
@@ -86,11 +98,9 @@ def attempted(curve: str, problem: Problem, setting: dict, *, repeats: int = 1) 
     os.environ.update(dict.fromkeys(THREADS, "1"))
     try:
         with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
-            return pool.submit(_alone, curve, problem, setting, repeats).result()
+            return pool.submit(work, *arguments).result()
     except BrokenProcessPool:
-        raise RunError(
-            f"{curve}, {_words(setting)}: its process was ended; it may want more memory"
-        ) from None
+        raise RunError(f"{what}: its process was ended; it may want more memory") from None
     finally:
         for name, value in before.items():
             if value is None:
@@ -113,7 +123,7 @@ def _words(setting: dict) -> str:
     return ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in setting.items())
 
 
-def _alone(curve: str, problem: Problem, setting: dict, repeats: int) -> Attempt:
+def _measured(curve: str, problem: Problem, setting: dict, repeats: int) -> Attempt:
     begun = time.process_time()
     once = CURVES[curve][0](problem, **setting)
     admittance, motion, unknowns = once() if repeats else (None, None, 0)

@@ -170,7 +170,6 @@ CURVES = {
             _hp(8, 2, 1.0),
             _hp(8, 3, 0.8, **_FINE),
             _hp(9, 4, 0.8, **_FINE),
-            _hp(10, 5, 0.8, condense=True, **_FINE),
         ),
         ("ngsolve",),
     ),

@@ -27,6 +27,8 @@ STUDIES = (
     "contact_error_vs_time",
     "cell_triple",
     "fem_error_vs_time",
+    "error_vs_time",
+    "calibration",
     "published_motors",
 )
 

@@ -1,0 +1,41 @@
+"""What was reached is recorded with its error where the tolerance is out of reach."""
+
+import pytest
+
+from fem import harmonic
+from studies.chain import run
+from studies.scene import Scene, read_table
+
+
+@pytest.fixture
+def two_levels(monkeypatch):
+    monkeypatch.setattr(harmonic, "LEVELS", harmonic.LEVELS[:2])
+    monkeypatch.setattr(harmonic, "EXPECTED", harmonic.EXPECTED[:2])
+
+
+@pytest.fixture
+def table():
+    table = read_table("twente-left")
+    table["stator"] |= {"length": "40 mm", "thickness": "1.5 mm"}
+    table["transducer"][0] |= {"center": "6 mm", "finger_pairs": 3}
+    table["drive"]["voltage"] = ["60 V"]
+    table["slider"]["position"] = "25 mm"
+    return table
+
+
+def test_a_wave_out_of_reach_is_recorded_with_its_error(two_levels, table):
+    del table["slider"]
+    record = run(Scene.from_table("", table), tolerance=1e-3)
+    assert record.error["relative"] > 1e-3
+    assert f"error is {record.error['relative']:.1e}, 1.0e-03 was asked for" in record.shortfall
+    fine = run(Scene.from_table("", table), tolerance=0.1)
+    assert record.points[0]["normal_amplitude_m"] == fine.points[0]["normal_amplitude_m"]
+    assert fine.shortfall == ""
+
+
+def test_a_velocity_out_of_reach_is_recorded_with_its_error(two_levels, table):
+    record = run(Scene.from_table("", table), tolerance=1e-3)
+    assert record.points[0]["velocity_m_per_s"] < 0
+    assert record.error["parts"]["stator"] > 1e-3
+    assert "see error.parts" in record.shortfall
+    assert record.electrical["power_W_per_V2"] > 0
