@@ -24,10 +24,7 @@ __all__ = ["Checked", "calibrated", "figure", "run"]
 
 SEED, SCENES = 2026, 100
 PROMISED, SHARE, MEDIAN = 2.0, 95, 10.0
-BETTER = (
-    0.1,
-    0.25,
-)  # tolerance of the converged answer over the error of the first, and if that is not to be had
+BETTER = 0.1  # tolerance of the converged answer over the error of the first
 FINEST = 3e-7
 WORTHLESS = 0.3  # a converged answer whose own error exceeds this part of the first's estimate tells nothing
 

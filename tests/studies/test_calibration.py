@@ -6,6 +6,7 @@ import pytest
 
 from studies import calibration, random_scene
 from studies.calibration import Checked
+from studies.chain import run
 from studies.refusal import RunError
 
 
@@ -26,8 +27,9 @@ def test_levels_lie_about_the_threshold():
     index = next(n for n in range(99) if random_scene.np.random.default_rng([3, n]).uniform() > 0.75)
     scene, kind, _ = random_scene.drawn(3, index)
     assert kind == "contact"
-    ratios = [level / scene.levels[0] for level in scene.levels]
-    assert ratios == pytest.approx([level / 0.7 for level in random_scene.LEVELS], rel=1e-12, abs=0)
+    threshold = run(scene, tolerance=1e-3).summary["threshold_amplitude_m"]
+    ratios = [level / threshold for level in scene.levels]
+    assert ratios == pytest.approx(random_scene.LEVELS, rel=1e-9, abs=0)
 
 
 def checked(index, true, estimate):
