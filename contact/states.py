@@ -14,6 +14,8 @@ from contact.slow import DONE, balance, riding
 PARAMETERS = 11
 AVERAGING = 12.0  # just above the threshold first order errs by so many (f_n/f)^2
 TURNS2 = 4.0 * np.pi**2  # (omega/f)^2
+LEAST_STEP = 1e-4  # relative; a smaller change would measure rounding
+NEARBY = 0.1  # relative change of velocity up to which secant steps serve
 MOVED = 1e-4  # share of the second-order correction that is not trusted
 
 
@@ -99,16 +101,43 @@ def _from_wave(parameters, waves, changed, rule, base, wave_error, tried):
     """Return the change of the first-order velocity by the wave's relative error; inf where it is not found."""
     if wave_error == 0.0:
         return 0.0
-    step = max(wave_error, 1e-4)
+    step = max(wave_error, LEAST_STEP)
+    slope = 0.0
+    if base != 0.0:
+        high, low = 1.0 + LEAST_STEP, 1.0 - LEAST_STEP
+        slope = _surplus(parameters, waves, high * base, rule) - _surplus(parameters, waves, low * base, rule)
+        slope /= (high - low) * base
     effects = np.zeros(4)
     for m in range(4):
         factor = 1.0 + step if m == 0 else 1.0 - step if m == 1 else 1.0
         _changed(waves, factor, 1.0 + step if m == 2 else 1.0, step if m == 3 else 0.0, changed)
-        if balance(parameters, changed, rule, 0, tried) != DONE:
-            return np.inf
-        effects[m] = abs(tried[0] - base)
+        effects[m] = abs(_moved(parameters, changed, base, slope, rule, tried) - base)
     both = max(effects[0], effects[1])
     return np.sqrt(both**2 + effects[2] ** 2 + effects[3] ** 2) * wave_error / step
+
+
+@compiled
+def _moved(parameters, waves, base, slope, rule, tried):
+    """Return the first-order velocity on a wave a little different, by two secant steps where they are small."""
+    if slope < 0.0:
+        before, f = base, _surplus(parameters, waves, base, rule)
+        v = base - f / slope
+        if abs(v - base) < NEARBY * abs(base):
+            g = _surplus(parameters, waves, v, rule)
+            if v != before and g != f:
+                last = v - g * (v - before) / (g - f)
+                if abs(last - v) < 0.1 * abs(v - base):
+                    return last
+    return tried[0] if balance(parameters, waves, rule, 0, tried) == DONE else np.inf
+
+
+@compiled
+def _surplus(parameters, waves, v, rule):
+    """Return the mean traction that is left to accelerate a slider riding at a velocity."""
+    sums, counts, still = np.zeros(2), np.zeros(4, np.int64), np.zeros((4, 1))
+    h = riding(parameters[0], waves, parameters[3], rule)
+    cycle(parameters, waves, h, v, still, rule, sums, counts)
+    return sums[1] - parameters[4] * v - parameters[5]
 
 
 @compiled

@@ -4,11 +4,15 @@ Its matrices are small and many.  Threads of a BLAS that wait for each other, an
 process, make it several times slower than one (69 s against 5 s were seen); frequencies and scenes are what to spread.
 """
 
+import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from functools import wraps
 
 WORKERS = 2  # threads over frequencies; the linear algebra of each runs outside the interpreter's lock
+VARIABLE = (
+    "SAWMOTOR_THREADS"  # of the environment: another number of them, 1 where processes share the machine
+)
 
 
 def one_blas_thread(work: Callable) -> Callable:
@@ -26,7 +30,7 @@ def one_blas_thread(work: Callable) -> Callable:
 
 
 @one_blas_thread
-def side_by_side(work: Callable, items: Iterable, *, workers: int = WORKERS) -> list:
+def side_by_side(work: Callable, items: Iterable, *, workers: int | None = None) -> list:
     """Return what ``work`` gives for every item, in their order, ``workers`` at a time."""
-    with ThreadPoolExecutor(workers) as pool:
+    with ThreadPoolExecutor(workers or int(os.environ.get(VARIABLE, WORKERS))) as pool:
         return list(pool.map(work, items))

@@ -109,30 +109,26 @@ def _ready(question, given, own, source) -> Driven | dict:
             amplitudes=(1.0, scene.wave.tangential_ratio), error=0.0, source=None, final=True,
         )  # fmt: skip
     places = [scene.stator.length / 2] if scene.slider is None else _places(scene.slider)
-    at = [source.places.index(place) for place in places]
+    at = [source.index(place) for place in places]
     if any(source.errors[k] is None for k in at):
         raise RunError("the stator's surface motion at this place is not known to the tolerance")
     amplitudes = (float(abs(source.normal[at[0]])), float(abs(source.tangential[at[0]])))
     error = max(source.errors[k] for k in at)
-    final = source.step == STEPS - 1
-    driven = Driven(
-        scene=replace(scene, drive=replace(scene.drive, frequency=source.frequency)), level=level, orbits=(),
-        amplitudes=amplitudes, error=error, source=source, final=final,
-    )  # fmt: skip
-    if scene.slider is None:
-        status = (
-            "ok" if error <= question.tolerance else f"above tolerance: the stator's error is {error:.1e}"
+    if scene.frequency != source.frequency:
+        scene = replace(scene, drive=replace(scene.drive, frequency=source.frequency))
+    orbits = ()
+    if scene.slider is not None:
+        orbits = source.orbits(
+            tuple(scene.slider.position + each for each in dict.fromkeys(scene.slider.offsets))
         )
-        return electrical(driven) | {"relative_error": error if level else 0.0, "status": status}
-    from contact import Orbit
-
-    offsets = dict.fromkeys(scene.slider.offsets)
-    at = [source.places.index(scene.slider.position + offset) for offset in offsets]
-    orbits = tuple(
-        Orbit(frequency=source.frequency, normal=source.normal[k], tangential=source.tangential[k])
-        for k in at
-    )
-    return replace(driven, orbits=orbits)
+    driven = Driven(
+        scene=scene, level=level, orbits=orbits, amplitudes=amplitudes, error=error, source=source,
+        final=source.step == STEPS - 1,
+    )  # fmt: skip
+    if scene.slider is not None:
+        return driven
+    status = "ok" if error <= question.tolerance else f"above tolerance: the stator's error is {error:.1e}"
+    return electrical(driven) | {"relative_error": error if level else 0.0, "status": status}
 
 
 def _places(slider) -> tuple[float, ...]:
@@ -218,7 +214,7 @@ def _ringing(driven: Driven):
     if scene.burst is None or driven.source is None:
         return None
     source = driven.source
-    if source.covered[source.places.index(scene.slider.position)]:
+    if source.covered[source.index(scene.slider.position)]:
         return None
     plain = replace(scene, slider=None, title="", drive=replace(scene.drive, voltage=(1.0,)))
     return _ring_up(plain, scene.slider.position)

@@ -8,7 +8,7 @@ stator, the next answer is ten times better: which of the ``STEPS`` a point uses
 import json
 import time
 from dataclasses import asdict, dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 from studies.design import Question, contact_places
 from studies.refusal import RunError, SceneError
@@ -59,6 +59,29 @@ class Source:
     comb_voltage: complex = 1.0
     reason: str = ""
 
+    def index(self, place: float) -> int:
+        """Return which of the places this one is."""
+        return self._index[place]
+
+    def orbits(self, places: tuple[float, ...]) -> tuple:
+        """Return the contact.Orbit of 1 V at some of the places."""
+        if places not in self._orbits:
+            from contact import Orbit
+
+            self._orbits[places] = tuple(
+                Orbit(frequency=self.frequency, normal=self.normal[k], tangential=self.tangential[k])
+                for k in map(self.index, places)
+            )
+        return self._orbits[places]
+
+    @cached_property
+    def _index(self) -> dict[float, int]:
+        return {place: k for k, place in enumerate(self.places)}
+
+    @cached_property
+    def _orbits(self) -> dict:
+        return {}
+
     def text(self) -> str:
         """Return it as JSON, complex numbers as [re, im], every digit kept."""
         return json.dumps(asdict(self), default=lambda number: [number.real, number.imag])
@@ -92,8 +115,39 @@ def variation(question: Question) -> Variation:
 
 def solved_sources(question: Question, names: tuple[str, ...], step: int) -> tuple[list[Source], float]:
     """Return the stator's answers of these names, and the seconds that they took."""
+    from fem.threads import one_blas_thread
+
     begun = time.perf_counter()
-    return [_answer(question, name, step) for name in names], time.perf_counter() - begun
+    if serves_band(question):
+        one_blas_thread(_in_bands)(question, names, step)
+    answers = [one_blas_thread(_answer)(question, name, step) for name in names]
+    return answers, time.perf_counter() - begun
+
+
+def _in_bands(question: Question, names, step: int) -> None:
+    """Solve the frequencies of these answers side by side, for `_answer` to read."""
+    _WAVES.clear()
+    groups = {}
+    for name in names:
+        try:
+            scene = variation(question).source(_values(name))
+            groups.setdefault((_Fixed(scene), _places(question, scene, _values(name))), []).append(
+                scene.frequency
+            )
+        except SceneError:
+            continue  # said when it is its turn
+    for (fixed, places), frequencies in groups.items():
+        band = _band(fixed, question.frequencies, places, goal(question, step))
+        drive = fixed.scene.drive
+        try:
+            waves = band.waves(frequencies, driven=drive.transducer, source_impedance=drive.source_impedance)
+        except RunError:
+            continue  # one of them: each is tried by itself
+        _WAVES.update({(fixed, frequency, places, step): wave
+                       for frequency, wave in zip(frequencies, waves, strict=True)})  # fmt: skip
+
+
+_WAVES = {}  # the frequencies of the task in hand
 
 
 def goal(question: Question, step: int) -> float:
@@ -108,8 +162,7 @@ def serves_band(question: Question) -> bool:
 
 
 def _answer(question: Question, name: str, step: int) -> Source:
-    values = json.loads(name)
-    values = {key: tuple(value) if isinstance(value, list) else value for key, value in values.items()}
+    values = _values(name)
     try:
         scene = variation(question).source(values)
         places = _places(question, scene, values)
@@ -123,6 +176,11 @@ def _answer(question: Question, name: str, step: int) -> Source:
         return Source(name=name, step=step, reason=f"refused: {error}")
     except (RunError, ValueError, ArithmeticError) as error:
         return Source(name=name, step=step, reason=f"no answer: {' '.join(str(error).split())}")
+
+
+def _values(name: str) -> dict:
+    values = json.loads(name)
+    return {key: tuple(value) if isinstance(value, list) else value for key, value in values.items()}
 
 
 def _places(question, scene, values) -> tuple[float, ...]:
@@ -142,16 +200,15 @@ def _places(question, scene, values) -> tuple[float, ...]:
 
 
 def _solved(question, name, step, scene, places) -> Source:
-    allowed = goal(question, step)
     try:
-        answers = [(_wave(question, scene, places, allowed), places)]
+        answers = [(_wave(question, scene, places, step), places)]
     except RunError:
         if len(places) == 1:
             raise
         answers = []
         for place in places:  # one that cannot be had, in a node of the wave, must not cost the others
             try:
-                answers.append((_wave(question, scene, (place,), allowed), (place,)))
+                answers.append((_wave(question, scene, (place,), step), (place,)))
             except RunError:
                 answers.append((None, (place,)))
         if all(wave is None for wave, _ in answers):
@@ -172,13 +229,15 @@ def _solved(question, name, step, scene, places) -> Source:
     )  # fmt: skip
 
 
-def _wave(question: Question, scene: Scene, places, allowed):
+def _wave(question: Question, scene: Scene, places, step: int):
     """Return the fem.SurfaceWave, from a band where the sweep has one for this geometry."""
-    if serves_band(question):
-        return _band(_Fixed(scene), question.frequencies, places, allowed).wave(
-            scene.frequency, driven=scene.drive.transducer, source_impedance=scene.drive.source_impedance
-        )
-    return _alone(scene, places, allowed)
+    if not serves_band(question):
+        return _alone(scene, places, goal(question, step))
+    fixed = _Fixed(scene)
+    known = _WAVES.pop((fixed, scene.frequency, places, step), None)
+    return known or _band(fixed, question.frequencies, places, goal(question, step)).wave(
+        scene.frequency, driven=scene.drive.transducer, source_impedance=scene.drive.source_impedance
+    )
 
 
 def _alone(scene: Scene, places, allowed):

@@ -49,14 +49,17 @@ class Variation:
 
     def resolved(self, values: tuple) -> Scene:
         """Return the scene of a point with its automatic values found; SceneError if the physics refuses it."""
-        scene = self.scene(values)
+        scene, found = self.scene(values), {}
         if scene.stator is not None:
-            source = self._resolved_source(*_source_blocks(scene))
-            scene = replace(scene, transducer=source.transducer)
-        if scene.slider is None:
-            return scene
-        stator = None if scene.slider.ball is None else scene.stator
-        return replace(scene, slider=self._resolved_slider(scene.slider, stator))
+            found["transducer"] = self._resolved_source(*_source_blocks(scene)).transducer
+        if scene.slider is not None:
+            stator = None if scene.slider.ball is None else scene.stator
+            found["slider"] = self._resolved_slider(scene.slider, stator)
+        return (
+            replace(scene, **found)
+            if any(getattr(scene, key) != each for key, each in found.items())
+            else scene
+        )
 
     def source(self, values: dict) -> Scene:
         """Return the resolved scene of a stator's answer: without slider, at one volt.
@@ -101,14 +104,12 @@ class Variation:
 
 
 def _source_blocks(scene: Scene) -> tuple:
-    drive = scene.drive
-    plain = Drive(
-        frequency=drive.frequency,
-        transducer=drive.transducer,
-        voltage=None if drive.voltage is None else (1.0,),
-        source_impedance=drive.source_impedance,
-    )
-    return scene.stator, scene.transducer, plain
+    return scene.stator, scene.transducer, _at_one_volt(scene.drive)
+
+
+@lru_cache(KEPT)
+def _at_one_volt(drive: Drive) -> Drive:
+    return replace(drive, voltage=None if drive.voltage is None else (1.0,), burst=None)
 
 
 def _resolved_source(stator, transducer, drive) -> Scene:

@@ -139,7 +139,8 @@ def _settle() -> None:
     import signal
     from multiprocessing.connection import wait
 
-    os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "SAWMOTOR_THREADS"):
+        os.environ[name] = "1"
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     driver = multiprocessing.parent_process()
 
