@@ -31,6 +31,8 @@ class Collocation:
         Fraction of the stretch at each node, 0 to 1.
     once, twice : (3, n, n) arrays
         Integrals in tau from 0: (once @ f)_j = int_0^tau_j f dtau; twice of a second integral.
+    columns : (3, 2, n, n) array
+        once and twice transposed: what the kernels add up runs along rows.
     rates : (n, n) array
         Derivatives in sigma at the nodes.
     tail : (2, n) array
@@ -42,6 +44,7 @@ class Collocation:
     tau: np.ndarray
     once: np.ndarray
     twice: np.ndarray
+    columns: np.ndarray
     rates: np.ndarray
     tail: np.ndarray
 
@@ -79,7 +82,17 @@ def collocation(nodes: int) -> Collocation:
     gap = sigma[:, None] - sigma + np.eye(nodes)
     rates = bary[None, :] / bary[:, None] / gap
     rates -= np.diag(rates.sum(axis=1))  # a constant has no slope
-    arrays = (sigma, bary, np.array(taus), np.array(once), np.array(twice), rates, analysis[-2:].copy())
+    columns = np.array([[a.T, b.T] for a, b in zip(once, twice, strict=True)])
+    arrays = (
+        sigma,
+        bary,
+        np.array(taus),
+        np.array(once),
+        np.array(twice),
+        columns,
+        rates,
+        analysis[-2:].copy(),
+    )
     for array in arrays:
         array.setflags(write=False)
     return Collocation(*arrays)

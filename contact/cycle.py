@@ -18,7 +18,7 @@ from functools import cache
 
 import numpy as np
 
-from contact.compiled import compiled
+from contact.compiled import compiled, native
 
 TURN = 2.0 * np.pi
 # places in the counts: contacts made, slips begun, reversals, contacts that stick on with their memory
@@ -35,15 +35,15 @@ def quadrature(nodes: int) -> np.ndarray:
 
 @compiled
 def place(h, v, path, phi):
-    """Return z, z', y, y', cos phi, sin phi; `path` has rows cos z, sin z, cos y, sin y by harmonic."""
+    """Return z, z', y, y', cos phi, sin phi; the last rows of `path` are cos z, sin z, cos y, sin y by harmonic."""
     co, si = np.cos(phi), np.sin(phi)
     c, s = co, si
     z, z_rate, y, y_rate = h, 0.0, -v * phi, -v
     for k in range(path.shape[1]):
-        z += path[0, k] * c + path[1, k] * s
-        y += path[2, k] * c + path[3, k] * s
-        z_rate += (k + 1) * (path[1, k] * c - path[0, k] * s)
-        y_rate += (k + 1) * (path[3, k] * c - path[2, k] * s)
+        z += path[4, k] * c + path[5, k] * s
+        y += path[6, k] * c + path[7, k] * s
+        z_rate += (k + 1) * (path[5, k] * c - path[4, k] * s)
+        y_rate += (k + 1) * (path[7, k] * c - path[6, k] * s)
         c, s = c * co - s * si, s * co + c * si
     return z, z_rate, y, y_rate, co, si
 
@@ -74,26 +74,29 @@ def _crossing(h, v, path, alpha, beta, x1, y1, low, high):
 @compiled
 def _window(v, path, c, s, h):
     """Return (start, end, kind) of slip towards s: kind 0 never, 1 a window, 2 always."""
-    across, along = s * path[3, 0] - c * path[1, 0], c * path[0, 0] - s * path[2, 0]
+    across, along = s * path[7, 0] - c * path[5, 0], c * path[4, 0] - s * path[6, 0]
     size = np.hypot(across, along)
     if s * v >= size:
         return 0.0, 0.0, 0.0
     if s * v <= -size:
         return 0.0, 0.0, 2.0
     centre, half = np.arctan2(along, across), np.arccos(s * v / size)
-    ends = np.empty(2)
-    for side in range(2):
-        phi = centre + (half if side == 1 else -half)
-        slope = -size * np.sin(phi - centre)
-        if path.shape[1] > 1 and abs(slope) > 1e-3 * size:
-            for _ in range(12):
-                _, zr, _, yr, _, _ = place(h, v, path, phi)
-                step = -(s * yr - c * zr) / slope
-                phi += step
-                if abs(step) < 1e-15:
-                    break
-        ends[side] = phi
-    return ends[0], ends[1], 1.0
+    return _edge(v, path, c, s, h, centre, -half, size), _edge(v, path, c, s, h, centre, half, size), 1.0
+
+
+@compiled
+def _edge(v, path, c, s, h, centre, half, size):
+    """Return the phase at which slip towards s begins or ends: of the first harmonic, then of all."""
+    phi = centre + half
+    slope = -size * np.sin(half)
+    if path.shape[1] > 1 and abs(slope) > 1e-3 * size:
+        for _ in range(12):
+            _, zr, _, yr, _, _ = place(h, v, path, phi)
+            step = -(s * yr - c * zr) / slope
+            phi += step
+            if abs(step) < 1e-15:
+                break
+    return phi
 
 
 @compiled
@@ -124,7 +127,7 @@ def _gather(parameters, h, v, path, start, stop, slip, x1, y1, parted, rule, sum
     A contact that almost parts at its trough has its singular points just off the real axis there: cut at it.
     """
     if not parted:
-        trough = np.arctan2(path[1, 0], path[0, 0]) + np.pi
+        trough = np.arctan2(path[5, 0], path[4, 0]) + np.pi
         trough += TURN * np.ceil((start - trough) / TURN)
         while trough < stop:
             _piece(parameters, h, v, path, start, trough, slip, x1, y1, rule, sums)
@@ -168,30 +171,28 @@ def _piece(parameters, h, v, path, start, stop, slip, x1, y1, rule, sums):
 @compiled
 def _stick(parameters, h, v, path, start, stop, x1, y1, parted, rule, sums):
     """Add the integrals of a stretch of stick, cut where x passes zero; return the number of passages."""
-    size = np.hypot(path[3, 0], path[2, 0])
-    edges = np.empty(8)
-    edges[0], count = start, 1
+    size = np.hypot(path[7, 0], path[6, 0])
+    # y of the first harmonic turns at centre - half, centre + half, and so on in every cycle
+    centre, half = np.arctan2(-path[6, 0], path[7, 0]), 0.0
     if abs(v) < size:
-        centre, half = np.arctan2(-path[2, 0], path[3, 0]), np.arccos(v / size)
-        for turn in range(3):
-            for side in range(2):
-                phi = centre - half if side == 0 else centre + half
-                phi += TURN * (np.ceil((start - phi) / TURN) + turn)
-                if start < phi < stop and count < 7:
-                    edges[count] = phi
-                    count += 1
-    inner = np.sort(edges[:count])
-    begin, passages = start, 0
-    before = x1
-    for m in range(1, count + 1):
-        end = stop if m == count else inner[m]
-        after = x1 + place(h, v, path, end)[2] - y1
+        half = np.arccos(v / size)
+        centre += TURN * np.floor((start - centre + half) / TURN)
+    begin, left, passages, before, side = start, start, 0, x1, 0
+    while left < stop:
+        right = stop
+        while half > 0.0 and side < 16:
+            turning = centre + (half if side % 2 == 1 else -half) + TURN * (side // 2)
+            side += 1
+            if turning > left:
+                right = min(turning, stop)
+                break
+        after = x1 + place(h, v, path, right)[2] - y1
         if before * after < 0.0:
-            root = _crossing(h, v, path, 0.0, 1.0, x1, y1, inner[m - 1], end)
+            root = _crossing(h, v, path, 0.0, 1.0, x1, y1, left, right)
             _gather(parameters, h, v, path, begin, root, 0.0, x1, y1, parted, rule, sums)
             begin = root
             passages += 1
-        before = after
+        before, left = after, right
     _gather(parameters, h, v, path, begin, stop, 0.0, x1, y1, parted, rule, sums)
     return passages
 
@@ -200,16 +201,14 @@ def _stick(parameters, h, v, path, start, stop, x1, y1, parted, rule, sums):
 def _contact(parameters, h, v, path, rule, sums, counts):
     """Add the integrals of one contact over one cycle of the motion that repeats."""
     c = parameters[7]
-    reach = np.hypot(path[0, 0], path[1, 0])
+    reach = np.hypot(path[4, 0], path[5, 0])
     if h <= -reach:
         return
-    windows = np.zeros((2, 3))
-    for m in range(2):
-        windows[m, 0], windows[m, 1], windows[m, 2] = _window(v, path, c, 1.0 - 2.0 * m, h)
+    forward, backward = _window(v, path, c, 1.0, h), _window(v, path, c, -1.0, h)
     parted = h < reach
     slip, x = 0.0, 0.0
     if parted:
-        crest, half = np.arctan2(path[1, 0], path[0, 0]), np.arccos(-h / reach)
+        crest, half = np.arctan2(path[5, 0], path[4, 0]), np.arccos(-h / reach)
         start, stop = crest - half, crest + half
         for _ in range(8 if path.shape[1] > 1 else 0):
             z, rate, _, _, _, _ = place(h, v, path, start)
@@ -223,12 +222,12 @@ def _contact(parameters, h, v, path, rule, sums, counts):
         slip = sign if sign * yr - c * zr > 0.0 else 0.0
     else:
         # a cycle with v > 0 stretches every contact backwards, so it must slip that way, up to the window's end
-        first = 0 if v < 0.0 else 1
-        back = 1.0 - 2.0 * first
-        if windows[first, 2] == 2.0:
+        back = 1.0 if v < 0.0 else -1.0
+        window = forward if v < 0.0 else backward
+        if window[2] == 2.0:
             slip, start = back, 0.0
         else:
-            start = windows[first, 1]
+            start = window[1]
             x = back * c * place(h, v, path, start)[0]
         stop = start + TURN
     slips, reversals, phi = 0, 0, start
@@ -236,18 +235,18 @@ def _contact(parameters, h, v, path, rule, sums, counts):
         slips += 1
     for _ in range(40):
         if slip != 0.0:
-            m = 0 if slip > 0.0 else 1
+            window = forward if slip > 0.0 else backward
             end = stop
-            if windows[m, 2] == 1.0:
-                end = windows[m, 1] + TURN * np.ceil((phi + 1e-12 - windows[m, 1]) / TURN)
+            if window[2] == 1.0:
+                end = window[1] + TURN * np.ceil((phi + 1e-12 - window[1]) / TURN)
                 if end > stop - 1e-12:
                     end = stop
             _gather(parameters, h, v, path, phi, end, slip, 0.0, 0.0, parted, rule, sums)
             x, slip, phi = slip * c * max(place(h, v, path, end)[0], 0.0), 0.0, end
         else:
             y1 = place(h, v, path, phi)[2]
-            up = _next_slip(h, v, path, c, 1.0, windows[0], x, y1, phi, stop)
-            down = _next_slip(h, v, path, c, -1.0, windows[1], x, y1, phi, stop)
+            up = _next_slip(h, v, path, c, 1.0, forward, x, y1, phi, stop)
+            down = _next_slip(h, v, path, c, -1.0, backward, x, y1, phi, stop)
             end = min(up, down)
             reversals += _stick(parameters, h, v, path, phi, end, x, y1, parted, rule, sums)
             x, phi = x + place(h, v, path, end)[2] - y1, end
@@ -263,7 +262,7 @@ def _contact(parameters, h, v, path, rule, sums, counts):
         counts[STUCK] += 1
 
 
-@compiled
+@native("f1 f2 f f f2 f2 f1 i1")
 def cycle(parameters, waves, h, v, fast, rule, sums, counts):
     """Fill the means (sum of P (1 + chi z'), sum of Q) and their harmonics over one cycle that repeats.
 
@@ -273,24 +272,33 @@ def cycle(parameters, waves, h, v, fast, rule, sums, counts):
         See `scaling`.
     h, v : float
         Mean approach and mean velocity.
-    fast : (4, K) array
-        The slider's own fast motion by harmonic: cos and sin of z_s, cos and sin of its travel.
+    fast : (8, K) array
+        The slider's own fast motion by harmonic, in the first rows: cos and sin of z_s, cos and sin of its travel; the
+        others are work.
     rule : (2, n) array
         See `quadrature`.
     sums : (2,) or (2 + 4 K,) array
         Overwritten: means, then for each harmonic the amplitudes cos and sin of normal force and of traction.
     counts : (4,) int array
         Overwritten: see the names of this module.
+
+    Returns
+    -------
+    int
+        0.
     """
-    path = np.empty((4, fast.shape[1]))
-    sums[:], counts[:] = 0.0, 0
+    for k in range(sums.size):
+        sums[k] = 0.0
+    for k in range(4):
+        counts[k] = 0
     for i in range(waves.shape[0]):
-        path[:] = -fast
-        for k in range(4):
-            path[k, 0] += waves[i, k]
-        _contact(parameters, h, v, path, rule, sums, counts)
-    sums[:2] /= TURN
-    sums[2:] /= np.pi
+        for m in range(4):
+            for k in range(fast.shape[1]):
+                fast[4 + m, k] = (waves[i, m] if k == 0 else 0.0) - fast[m, k]
+        _contact(parameters, h, v, fast, rule, sums, counts)
+    for k in range(sums.size):
+        sums[k] /= TURN if k < 2 else np.pi
+    return 0
 
 
 @compiled
@@ -299,7 +307,10 @@ def respond(parameters, sums, fast):
     d_n, d_t = parameters[2], parameters[4]
     for k in range(fast.shape[1]):
         n, m = k + 1.0, 2 + 4 * k
-        height = complex(sums[m], -sums[m + 1]) / complex(-n * n, n * d_n)
-        travel = complex(sums[m + 2], -sums[m + 3]) / complex(-n * n, n * d_t)
-        fast[0, k], fast[1, k] = height.real, -height.imag
-        fast[2, k], fast[3, k] = travel.real, -travel.imag
+        # (a - i b)/(-n^2 + i n d) for forces a cos + b sin
+        size = n * n * (n * n + d_n * d_n)
+        a, b = sums[m], sums[m + 1]
+        fast[0, k], fast[1, k] = -n * (n * a + d_n * b) / size, -n * (n * b - d_n * a) / size
+        size = n * n * (n * n + d_t * d_t)
+        a, b = sums[m + 2], sums[m + 3]
+        fast[2, k], fast[3, k] = -n * (n * a + d_t * b) / size, -n * (n * b - d_t * a) / size

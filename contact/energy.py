@@ -26,14 +26,14 @@ SINCE, CROWDING, SUMS = 11, 12, 13
 
 
 @compiled
-def account(parameters, length, once, regime, sign, shared, own, sums):
+def account(parameters, length, column, regime, sign, shared, own, sums):
     """Add the integrals over one stretch to the sums."""
     chi, d_n, d_t, q, mu, c = (
         parameters[1], parameters[2], parameters[4], parameters[5], parameters[6], parameters[7],
     )  # fmt: skip
     n = shared.shape[1]
     for k in range(n):
-        weight = length * once[n - 1, k]
+        weight = length * column[k, n - 1]
         w, v = shared[CLIMB, k], shared[SPEED, k]
         sums[NORMAL_LOSS] += weight * d_n * w * w
         sums[TANGENTIAL_LOSS] += weight * d_t * v * v
@@ -69,7 +69,7 @@ def mark(sums):
     """Note an event: the gap since the last one counts if there was one."""
     if sums[SINCE] > 1e-200:
         sums[CROWDING] = max(sums[CROWDING], 1.0 / sums[SINCE])
-    sums[SINCE] = np.finfo(np.float64).tiny
+    sums[SINCE] = 1e-300
 
 
 def chain_energy(memory, i, regime, s, z, x, c, sigma, bary, rates):

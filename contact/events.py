@@ -5,7 +5,7 @@ The table of node values of the stretch is that of `stretch`.
 
 import numpy as np
 
-from contact.compiled import compiled
+from contact.compiled import compiled, plain
 from contact.memory import memory_guard, recall
 from contact.regimes import (
     ANNULUS,
@@ -38,7 +38,6 @@ from contact.stretch import (
 _LAST = (0, 2, 1, 2, 3, 2)
 
 
-@compiled
 def open_regimes(parameters, waves, phase, state, regime, sign):
     """Set regime and sign of every contact, and its deformation within the slip limit, from the state at a phase."""
     c, s = np.cos(phase), np.sin(phase)
@@ -46,7 +45,7 @@ def open_regimes(parameters, waves, phase, state, regime, sign):
         z = waves[i, 0] * c + waves[i, 1] * s - state[0]
         z_rate = waves[i, 1] * c - waves[i, 0] * s - state[1]
         x_rate = waves[i, 3] * c - waves[i, 2] * s - state[2]
-        regime[i], sign[i], state[3 + i] = opening(
+        regime[i], sign[i], state[3 + i] = plain(opening)(
             z, state[3 + i], z_rate, x_rate, parameters[7], parameters[8]
         )
 

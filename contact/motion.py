@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from contact import energy, events, integrate, memory, mindlin, regimes, scaling
+from contact import energy, events, integrate, memory, mindlin, pattern, regimes, scaling, stretch
 from contact.collocation import Collocation
 from contact.convergence import ConvergenceError
 from contact.scaling import Scaled
@@ -80,24 +80,29 @@ class Motion:
     def turn(self, number: int, *, mobile: bool = True, stride: int = 0) -> np.ndarray:
         """Move through `number` whole cycles; return rows (v, z_s, mean v) every `stride` cycles."""
         rows = np.empty((number // stride if stride else 0, 3))
-        why = integrate.cycles(
-            self.problem.parameters, self.problem.waves, *self._matrices(), self.state, self.regime, self.sign,
-            number, mobile, self.truncation, self.tally, self.sums, stride, rows, self._limit(2.0 * np.pi),
-            self.memory,
-        )  # fmt: skip
-        self._refuse(why)
+        nothing = np.empty((0, self.regime.size, 6))
+        self._travel(0.0, 2.0 * np.pi, number, mobile, nothing[:, 0, 0], nothing, stride, rows)
         return rows
 
     def move(self, start: float, stop: float, at: np.ndarray) -> np.ndarray:
         """Move from one phase to another; return (k, contacts, 6) samples z, x, P, Q, regime, v at the phases `at`."""
-        samples = np.zeros((at.size, self.regime.size, 6))
-        why = integrate.advance(
-            self.problem.parameters, self.problem.waves, *self._matrices(), self.state, self.regime, self.sign,
-            start, stop, True, self.truncation, self.tally, self.sums, at, samples, self._limit(stop - start),
-            self.memory,
-        )  # fmt: skip
-        self._refuse(why)
+        samples, cycles = np.zeros((at.size, self.regime.size, 6)), self.tally[integrate.CYCLES]
+        self._travel(start, stop, 1, True, at, samples, 0, np.empty((0, 3)))
+        self.tally[integrate.CYCLES] = cycles
         return samples
+
+    def _travel(self, start, stop, number, mobile, at, samples, stride, rows):
+        table, contacts = self.table, self.regime.size
+        n = table.sigma.size
+        shared, own = np.zeros((stretch.ROWS, n)), np.zeros((stretch.PLANES, contacts, n))
+        why = integrate.travel(
+            self.problem.parameters, self.problem.waves, table.sigma, table.bary, table.tau, table.columns, table.rates,
+            table.tail, self.state, self.regime, self.sign, start, stop, number, mobile, self.truncation, self.tally,
+            self.sums, at, samples, stride, rows, self._limit(stop - start), self.memory,
+            *pattern.blank(contacts, n), shared, own, np.empty(n),
+        )  # fmt: skip
+        if why != integrate.DONE:
+            raise ConvergenceError(*_SENTENCES[why])
 
     def events(self) -> dict[str, int]:
         """Return the number of events by kind, and of stretches, halvings and sweeps."""
@@ -150,11 +155,3 @@ class Motion:
         """Return the stretches that a run may take: a guard that fires for ever must fail, not hang."""
         events = 500.0 * self.regime.size * (1.0 + span / (2.0 * math.pi))
         return int(min(events + 40.0 * span / self.problem.parameters[scaling.LONGEST], 1e9))
-
-    def _matrices(self):
-        table = self.table
-        return table.sigma, table.bary, table.tau, table.once, table.twice, table.rates, table.tail
-
-    def _refuse(self, why):
-        if why != integrate.DONE:
-            raise ConvergenceError(*_SENTENCES[why])

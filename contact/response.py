@@ -8,7 +8,7 @@ and 4 with its continuous extension (Hairer, Norsett and Wanner, *Solving Ordina
 
 import numpy as np
 
-from contact.compiled import compiled
+from contact.compiled import compiled, native
 from contact.cycle import STUCK, cycle, respond
 from contact.slow import DONE, STICKS, UNSETTLED, mean_push, riding, settled
 
@@ -53,7 +53,22 @@ def ripple(fast):
 
 @compiled
 def bounce(
-    parameters, waves, state, stop, rule, fast, sums, counts, corrected, per_period, enough, at, rows, work
+    parameters,
+    waves,
+    state,
+    stop,
+    rule,
+    fast,
+    sums,
+    still,
+    plain,
+    counts,
+    corrected,
+    per_period,
+    enough,
+    at,
+    rows,
+    work,
 ):
     """Follow bounce and velocity until the bounce has died or `stop`; return (phase, samples taken, reason).
 
@@ -63,8 +78,7 @@ def bounce(
     _, slope = mean_push(parameters[0], waves, max(h_end, state[0]), rule)
     rate = np.sqrt(slope)
     dt = 2.0 * np.pi / rate / per_period
-    h, w, v = state
-    still, plain = np.zeros_like(fast), np.zeros(2)
+    h, w, v = state[0], state[1], state[2]
     phase, taken, gain, pull, largest, steps = 0.0, 0, 0.0, 0.0, 0.0, 0
     while phase < stop:
         d = min(dt, stop - phase)
@@ -149,13 +163,13 @@ def accelerate(
     rows,
     taken,
     work,
+    k,
 ):
     """Follow the velocity with the bounce dead; return the reason for ending.
 
     `tolerance`: allowed in V per step.
     """
     h, v = state[0], state[2]
-    k = np.zeros(7)
     most = 3 if corrected else 0
     if not corrected:
         h = riding(parameters[0], waves, parameters[3], rule)
@@ -207,8 +221,39 @@ def accelerate(
     return DONE
 
 
+@native("f1 f2 f1 f f2 i f i f1 f2 i1 f2 f1 f2 f1 i1 f1")
+def _response(parameters, waves, state, stop, rule, corrected, tolerance, per_period, at, rows, work, fast, sums, still,
+              plain, counts, k):  # fmt: skip
+    """Fill the answer of `response`; return the reason for ending."""
+    speed = state[2]
+    h, w, v = -state[0], -state[1], speed
+    for _ in range(3):
+        cycle(parameters, waves, h, v, fast, rule, sums, counts)
+        if counts[STUCK] > 0:
+            return STICKS
+        respond(parameters, sums, fast)
+        height, climb, wiggle = ripple(fast)
+        h, w, v = height - state[0], climb - state[1], speed - wiggle
+    state[0], state[1], state[2] = h, w, v
+    phase, taken, why = bounce(parameters, waves, state, stop, rule, fast, sums, still, plain, counts, corrected,
+                               per_period, tolerance, at, rows, work)  # fmt: skip
+    if why == DONE and phase < stop:
+        why = accelerate(parameters, waves, state, phase, stop, rule, fast, sums, counts, corrected,
+                         0.01 * tolerance, at, rows, taken, work, k)  # fmt: skip
+    if not corrected:
+        for m in range(fast.shape[1]):
+            fast[0, m] = fast[1, m] = fast[2, m] = fast[3, m] = 0.0
+        cycle(parameters, waves, state[0], state[2], fast, rule, sums, counts)
+        respond(parameters, sums, fast)
+    height, climb, wiggle = ripple(fast)
+    state[0], state[1], state[2] = height - state[0], climb - state[1], state[2] + wiggle
+    for m in range(at.size):
+        rows[m, 0] += wiggle
+    return why
+
+
 def response(parameters, waves, state, stop, rule, harmonics, tolerance, per_period, at, rows, work):
-    """Follow the slider from (z_s, z_s', v) at phase 0 to `stop`; return (reason, share left of the bounce).
+    """Follow the slider from (z_s, z_s', v) at phase 0 to `stop`; return the reason for ending.
 
     Parameters
     ----------
@@ -231,28 +276,9 @@ def response(parameters, waves, state, stop, rule, harmonics, tolerance, per_per
     work : (2,) int array
         Steps of the bounce and of the velocity are added.
     """
-    corrected = harmonics > 0
-    fast, counts = np.zeros((4, max(harmonics, 8))), np.zeros(4, np.int64)
-    sums = np.zeros(2 + 4 * fast.shape[1])
-    speed = state[2]
-    slow = np.array([-state[0], -state[1], speed])
-    for _ in range(3):
-        cycle(parameters, waves, slow[0], slow[2], fast, rule, sums, counts)
-        if counts[STUCK] > 0:
-            return STICKS
-        respond(parameters, sums, fast)
-        height, climb, wiggle = ripple(fast)
-        slow[0], slow[1], slow[2] = -(state[0] - height), -(state[1] - climb), speed - wiggle
-    phase, taken, why = bounce(parameters, waves, slow, stop, rule, fast, sums, counts, corrected, per_period,
-                               tolerance, at, rows, work)  # fmt: skip
-    if why == DONE and phase < stop:
-        why = accelerate(parameters, waves, slow, phase, stop, rule, fast, sums, counts, corrected,
-                         0.01 * tolerance, at, rows, taken, work)  # fmt: skip
-    if not corrected:
-        fast[:] = 0.0
-        cycle(parameters, waves, slow[0], slow[2], fast, rule, sums, counts)
-        respond(parameters, sums, fast)
-    height, climb, wiggle = ripple(fast)
-    state[0], state[1], state[2] = height - slow[0], climb - slow[1], slow[2] + wiggle
-    rows[:, 0] += wiggle
-    return why
+    number = max(harmonics, 8)
+    return _response(
+        parameters, waves, state, stop, rule, harmonics > 0, tolerance, per_period, at, rows, work,
+        np.zeros((8, number)), np.zeros(2 + 4 * number), np.zeros((8, number)), np.zeros(2), np.zeros(4, np.int64),
+        np.zeros(7),
+    )  # fmt: skip

@@ -5,8 +5,6 @@ SIAM Review 46 (2004) 501). A guard is positive until its first root; even roots
 are searched too.
 """
 
-import numpy as np
-
 from contact.compiled import compiled
 
 
@@ -48,6 +46,15 @@ def root(a, b, sigma, bary, values):
 
 
 @compiled
+def largest(values):
+    """Return the largest magnitude."""
+    most = 0.0
+    for k in range(values.size):
+        most = max(most, abs(values[k]))
+    return most
+
+
+@compiled
 def _wiggles(u, v, du, dv):
     """Return whether the cubic with these ends and end slopes (times width) turns within the interval."""
     quadratic, linear = 3.0 * (2.0 * (u - v) + du + dv), 2.0 * (3.0 * (v - u) - 2.0 * du - dv)
@@ -66,27 +73,37 @@ def first_root(sigma, bary, rates, values):
     enough to zero; what the nodes resolve is then found.
     """
     n = sigma.size
-    before = 0.0
-    for j in range(n):
-        slope = 0.0
-        for k in range(n):
-            slope += rates[j, k] * values[k]
-        if j > 0:
+    for j in range(1, n):
+        low = min(values[j - 1], values[j])
+        # how far the cubic may reach below its ends: the slopes are wanted only where that may matter
+        steps = abs(values[j] - values[j - 1])
+        if j > 1:
+            steps = max(steps, abs(values[j - 1] - values[j - 2]))
+        if j < n - 1:
+            steps = max(steps, abs(values[j + 1] - values[j]))
+        if low < 2.0 * steps:
             width = sigma[j] - sigma[j - 1]
-            reach = 0.5 * width * max(abs(before), abs(slope))
-            near = min(values[j - 1], values[j]) < reach
-            if j == 1 and values[0] < 1e-12 * np.max(np.abs(values)):
-                near = (
-                    False  # a guard that has just opened: a dip there would be the interpolation's own error
-                )
+            before, slope = _slope(rates, j - 1, values), _slope(rates, j, values)
+            near = low < 0.5 * width * max(abs(before), abs(slope))
+            if near and j == 1 and values[0] < 1e-12 * largest(values):
+                # a guard that has just opened: a dip there would be the interpolation's own error
+                near = False
             if near and _wiggles(values[j - 1], values[j], before * width, slope * width):
                 place = _searched(sigma[j - 1], sigma[j], sigma, bary, values)
                 if place < 2.0:
                     return place
-            if values[j] < 0.0:
-                return root(sigma[j - 1], sigma[j], sigma, bary, values)
-        before = slope
+        if values[j] < 0.0:
+            return root(sigma[j - 1], sigma[j], sigma, bary, values)
     return 2.0
+
+
+@compiled
+def _slope(rates, j, values):
+    """Return the derivative in sigma at node j."""
+    slope = 0.0
+    for k in range(values.size):
+        slope += rates[j, k] * values[k]
+    return slope
 
 
 @compiled
@@ -95,7 +112,7 @@ def _searched(start, stop, sigma, bary, values):
 
     Negative beyond the rounding of the interpolation: a guard that starts from zero with zero slope is no root.
     """
-    rounding = -1e-13 * np.max(np.abs(values))
+    rounding = -1e-13 * largest(values)
     parts = 8
     step = (stop - start) / parts
     left, middle = interpolate(start - step, sigma, bary, values), interpolate(start, sigma, bary, values)

@@ -12,7 +12,7 @@ height and velocity its fixed point is the full periodic motion but for the harm
 
 import numpy as np
 
-from contact.compiled import compiled
+from contact.compiled import compiled, native
 from contact.cycle import STUCK, cycle, respond
 
 # why a computation ended
@@ -77,17 +77,15 @@ def settled(parameters, waves, h, v, fast, rule, sums, counts, most):
     The first guess is what `fast` and `h` hold; each round gains a factor of about (f_n/f)^2.
     """
     change = np.inf
-    before = np.empty_like(fast)
     for _ in range(most):
         cycle(parameters, waves, h, v, fast, rule, sums, counts)
         _, slope = mean_push(parameters[0], waves, h, rule)
         step = (parameters[3] - sums[0]) / slope if slope > 0.0 else 0.0
-        before[:] = fast
+        a, b, c, d = fast[0, 0], fast[1, 0], fast[2, 0], fast[3, 0]
         respond(parameters, sums, fast)
         h += step
-        change = abs(step)
-        for k in range(4):
-            change = max(change, abs(fast[k, 0] - before[k, 0]))
+        change = max(abs(step), abs(fast[0, 0] - a), abs(fast[1, 0] - b))
+        change = max(change, abs(fast[2, 0] - c), abs(fast[3, 0] - d))
         if change < 1e-13:
             break
     return h, change
@@ -100,18 +98,19 @@ def _excess(parameters, waves, h, v, fast, rule, sums, counts):
 
 
 @compiled
-def balance(parameters, waves, rule, harmonics, out):
-    """Fill out (v, h, residual, held, contacts made, slips, error of the fast motion); return the reason for ending.
-
-    harmonics 0: first order. Else with the fast motion's first harmonics.
-    """
+def balance_row(parameters, waves, rule, out, harmonics, still, sums, fast, all_sums, counts):
+    """Fill a row of `balances`; return the reason for ending; the last arguments are of `room`."""
+    for k in range(4):
+        still[k, 0] = 0.0
+        for m in range(fast.shape[1]):
+            fast[k, m] = 0.0
     reach_x = 0.0
     for i in range(waves.shape[0]):
         reach_x = max(reach_x, np.hypot(waves[i, 2], waves[i, 3]))
-    sums, counts, still = np.zeros(2), np.zeros(4, np.int64), np.zeros((4, 1))
     h = riding(parameters[0], waves, parameters[3], rule)
     friction = parameters[6] * parameters[3]
-    out[:] = 0.0
+    for k in range(out.size):
+        out[k] = 0.0
     out[1] = h
     low = _excess(parameters, waves, h, 0.0, still, rule, sums, counts)
     out[4], out[5] = counts[0], counts[1]
@@ -158,7 +157,6 @@ def balance(parameters, waves, rule, harmonics, out):
     if harmonics == 0 or not slope < 0.0:
         return DONE
     v -= f_old / slope
-    fast, all_sums = np.zeros((4, harmonics)), np.zeros(2 + 4 * harmonics)
     v_old, f_old, change = v, 0.0, np.inf
     for count in range(40):
         h, change = settled(parameters, waves, h, v, fast, rule, all_sums, counts, 1)
@@ -175,45 +173,92 @@ def balance(parameters, waves, rule, harmonics, out):
     out[0], out[1], out[2] = v, h, change
     out[4], out[5] = counts[0], counts[1]
     # the coefficients fall as n^-4.5 and the tail enters the mean with its own small share of the force
-    out[6] = np.hypot(all_sums[-2], all_sums[-1]) / (harmonics + 1.0) ** 2
+    last = all_sums.size - 1
+    out[6] = np.hypot(all_sums[last - 1], all_sums[last]) / (harmonics + 1.0) ** 2
     if sticks and abs(v) < 1e-6 * top:
         return STICKS
     return DONE if change < 1e-7 else UNSETTLED
 
 
-def drives_back(parameters, waves, rule):
-    """Return whether the unloaded wave drives against its crests."""
-    sums, counts, still = np.zeros(2), np.zeros(4, np.int64), np.zeros((4, 1))
+@native("f2 f3 f2 f2 i1 i i f2 f1 f2 f1 i1")
+def _balances(parameters, waves, rule, out, why, first, stride, still, sums, fast, all_sums, counts):
+    """Fill a row of `out` and the reason for ending for every `stride`-th problem from `first` on; return 0."""
+    for m in range(first, parameters.shape[0], stride):
+        why[m] = balance_row(
+            parameters[m], waves[m], rule, out[m], fast.shape[1], still, sums, fast, all_sums, counts
+        )
+    return 0
+
+
+def room(harmonics):
+    """Return work for one problem at a time: fast motions and sums of first order, the same with harmonics, counts."""
+    return (
+        np.zeros((8, 1)),
+        np.zeros(2),
+        np.zeros((8, harmonics)),
+        np.zeros(2 + 4 * harmonics),
+        np.zeros(4, np.int64),
+    )
+
+
+def balances(parameters, waves, rule, harmonics, out, why, first, stride):
+    """Balance every `stride`-th problem from `first` on.
+
+    Parameters
+    ----------
+    parameters, waves : (k, 11), (k, contacts, 4) arrays
+        See `scaling`.
+    rule : (2, n) array
+        See `quadrature`.
+    harmonics : int
+        Of the fast motion; 0: first order.
+    out : (k, 7) array
+        Rows to be filled: v, h, residual, held, contacts made, slips, error of the fast motion.
+    why : (k,) int array
+        To be filled with the reasons for ending.
+    first, stride : int
+        Which problems.
+    """
+    _balances(parameters, waves, rule, out, why, first, stride, *room(harmonics))
+
+
+def balance(parameters, waves, rule, harmonics, out):
+    """Fill one row of `balances`; return the reason for ending."""
+    why = np.zeros(1, np.int64)
+    balances(parameters[None], waves[None], rule, harmonics, out[None], why, 0, 1)
+    return int(why[0])
+
+
+@native("f1 f2 f f f2 f2 f1 f2 f1 i1 f1")
+def _gap(parameters, waves, v, span, rule, still, sums, fast, all_sums, counts, answer):
+    """Fill the answers of `first_order_gap` and `rest_tractions`; return 0."""
     h = riding(parameters[0], waves, parameters[3], rule)
-    cycle(parameters, waves, h, -1e-300, still, rule, sums, counts)
-    return sums[1] < 0.0
+    answer[1] = _excess(parameters, waves, h, 0.0, still, rule, sums, counts) + parameters[5]
+    answer[2] = _excess(parameters, waves, h, -1e-300, still, rule, sums, counts) + parameters[5]
+    if fast.shape[1] > 0:
+        plain = _excess(parameters, waves, h, v, still, rule, sums, counts)
+        step = 1e-3 * max(abs(v), 1e-3)
+        slope = (_excess(parameters, waves, h, v + step, still, rule, sums, counts) - plain) / step
+        settled(parameters, waves, h, v, fast, rule, all_sums, counts, 6)
+        gap = abs(all_sums[1] - parameters[4] * v - parameters[5] - plain)
+        answer[0] = gap * min(span, 1.0 / max(-slope, 1e-300))
+    return 0
 
 
 def first_order_gap(parameters, waves, v, span, rule, harmonics):
     """Return the error in V that first order collects by mean velocity v in a span of phase, or settles to."""
-    sums, counts, still = np.zeros(2), np.zeros(4, np.int64), np.zeros((4, 1))
-    h = riding(parameters[0], waves, parameters[3], rule)
-    plain = _excess(parameters, waves, h, v, still, rule, sums, counts)
-    step = 1e-3 * max(abs(v), 1e-3)
-    slope = (_excess(parameters, waves, h, v + step, still, rule, sums, counts) - plain) / step
-    fast, all_sums = np.zeros((4, harmonics)), np.zeros(2 + 4 * harmonics)
-    settled(parameters, waves, h, v, fast, rule, all_sums, counts, 6)
-    gap = abs(all_sums[1] - parameters[4] * v - parameters[5] - plain)
-    return gap * min(span, 1.0 / max(-slope, 1e-300))
-
-
-@compiled
-def balances(parameters, waves, rule, harmonics, out, why, first, stride):
-    """Fill a row of `balance` and the reason for ending for every `stride`-th problem from `first` on."""
-    for m in range(first, parameters.shape[0], stride):
-        why[m] = balance(parameters[m], waves[m], rule, harmonics, out[m])
+    answer = np.zeros(3)
+    _gap(parameters, waves, v, span, rule, *room(harmonics), answer)
+    return float(answer[0])
 
 
 def rest_tractions(parameters, waves, rule):
     """Return the least and the largest mean traction of a cycle at rest; they differ where a contact sticks."""
-    sums, counts, still = np.zeros(2), np.zeros(4, np.int64), np.zeros((4, 1))
-    h = riding(parameters[0], waves, parameters[3], rule)
-    cycle(parameters, waves, h, 0.0, still, rule, sums, counts)
-    low = sums[1]
-    cycle(parameters, waves, h, -1e-300, still, rule, sums, counts)
-    return low, sums[1]
+    answer = np.zeros(3)
+    _gap(parameters, waves, 0.0, 0.0, rule, *room(0), answer)
+    return float(answer[1]), float(answer[2])
+
+
+def drives_back(parameters, waves, rule):
+    """Return whether the unloaded wave drives against its crests."""
+    return rest_tractions(parameters, waves, rule)[1] < 0.0

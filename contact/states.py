@@ -6,9 +6,9 @@ of an answer depends on its neighbours. See `slow.balance` for the equations.
 
 import numpy as np
 
-from contact.compiled import compiled
+from contact.compiled import compiled, native
 from contact.cycle import cycle
-from contact.slow import DONE, balance, riding
+from contact.slow import DONE, balance_row, riding, room
 
 # places in a row of parameters, as `scaling` orders them
 PARAMETERS = 11
@@ -19,7 +19,6 @@ NEARBY = 0.1  # relative change of velocity up to which secant steps serve
 MOVED = 1e-4  # share of the second-order correction that is not trusted
 
 
-@compiled
 def states(
     sliders, shapes, omegas, wave_errors, ratios, which, factors, out, todo, rule, harmonics, first, stride
 ):
@@ -29,8 +28,19 @@ def states(
     reached keeps regime 0.
     """
     contacts = shapes.shape[1]
-    parameters, start, better, tried = np.zeros(PARAMETERS), np.zeros(7), np.zeros(7), np.zeros(7)
-    waves, changed = np.zeros((contacts, 4)), np.zeros((contacts, 4))
+    _states(
+        sliders, shapes, omegas, wave_errors, ratios, which, factors, out, todo, rule, first, stride,
+        np.zeros(PARAMETERS), np.zeros((3, 7)), np.zeros((2, contacts, 4)), *room(harmonics),
+    )  # fmt: skip
+
+
+@native("f2 f3 f1 f1 f1 i2 f1 f2 i1 f2 i i f1 f2 f3 f2 f1 f2 f1 i1")
+def _states(sliders, shapes, omegas, wave_errors, ratios, which, factors, out, todo, rule, first, stride,
+            parameters, answers, pair, still, sums, fast, all_sums, counts):  # fmt: skip
+    """Do the work of `states`; what follows `stride` is room. Return 0."""
+    contacts, harmonics = shapes.shape[1], fast.shape[1]
+    start, better, tried = answers[0], answers[1], answers[2]
+    waves, changed = pair[0], pair[1]
     for t in range(first, todo.size, stride):
         k = todo[t]
         slider, omega = sliders[which[k, 0]], omegas[which[k, 1]]
@@ -50,14 +60,21 @@ def states(
         parameters[4] = slider[8] / (mass * omega)
         parameters[5] = slider[4] / unit
         parameters[6], parameters[7] = slider[5], slider[2]
-        waves /= length
+        for i in range(contacts):
+            for j in range(4):
+                waves[i, j] /= length
         along /= length
-        if balance(parameters, waves, rule, 0, start) != DONE:
+        if balance_row(parameters, waves, rule, start, 0, still, sums, fast, all_sums, counts) != DONE:
             continue
         if start[0] < 0.0 and slider[4] > 0.0:  # which way the load points is for `mean_motion` to say
             continue
-        better[:] = start
-        if start[3] == 0.0 and balance(parameters, waves, rule, harmonics, better) != DONE:
+        for j in range(start.size):
+            better[j] = start[j]
+        if (
+            start[3] == 0.0
+            and balance_row(parameters, waves, rule, better, harmonics, still, sums, fast, all_sums, counts)
+            != DONE
+        ):
             continue
         v = better[0]
         reference = max(abs(v), along / 10.0)
@@ -70,20 +87,34 @@ def states(
                 0.0,
                 changed,
             )
-            if balance(parameters, changed, rule, 0, tried) != DONE:
+            if balance_row(parameters, changed, rule, tried, 0, still, sums, fast, all_sums, counts) != DONE:
                 continue
             error = abs(tried[0])
         else:
             error = max(better[6], better[2], MOVED * abs(v - start[0]), 1e-11 * abs(v))
-        lost = _from_wave(parameters, waves, changed, rule, start[0], wave_errors[which[k, 1]], tried)
+        lost = _from_wave(
+            parameters,
+            waves,
+            changed,
+            rule,
+            start[0],
+            wave_errors[which[k, 1]],
+            tried,
+            still,
+            sums,
+            fast,
+            all_sums,
+            counts,
+        )
         if not (np.isfinite(v) and np.isfinite(error) and np.isfinite(lost)):
             continue
         out[k, 0], out[k, 1] = v * length * omega, better[1] * length
         out[k, 2] = 3.0 if better[4] > 0.0 else 2.0 if better[5] > 0.0 else 1.0
         out[k, 3] = error / reference if reference > 0.0 else 0.0
         out[k, 4] = lost / reference if reference > 0.0 else 0.0
-        out[k, 5] = _stall(parameters, waves, rule) * unit
+        out[k, 5] = _stall(parameters, waves, rule, still, sums, counts) * unit
         out[k, 6] = start[3]
+    return 0
 
 
 @compiled
@@ -97,7 +128,9 @@ def _changed(waves, factor, tangential, turn, out):
 
 
 @compiled
-def _from_wave(parameters, waves, changed, rule, base, wave_error, tried):
+def _from_wave(
+    parameters, waves, changed, rule, base, wave_error, tried, still, sums, fast, all_sums, counts
+):
     """Return the change of the first-order velocity by the wave's relative error; inf where it is not found."""
     if wave_error == 0.0:
         return 0.0
@@ -105,45 +138,54 @@ def _from_wave(parameters, waves, changed, rule, base, wave_error, tried):
     slope = 0.0
     if base != 0.0:
         high, low = 1.0 + LEAST_STEP, 1.0 - LEAST_STEP
-        slope = _surplus(parameters, waves, high * base, rule) - _surplus(parameters, waves, low * base, rule)
+        slope = _surplus(parameters, waves, high * base, rule, still, sums, counts) - _surplus(
+            parameters, waves, low * base, rule, still, sums, counts
+        )
         slope /= (high - low) * base
-    effects = np.zeros(4)
+    both = turned = 0.0
     for m in range(4):
         factor = 1.0 + step if m == 0 else 1.0 - step if m == 1 else 1.0
         _changed(waves, factor, 1.0 + step if m == 2 else 1.0, step if m == 3 else 0.0, changed)
-        effects[m] = abs(_moved(parameters, changed, base, slope, rule, tried) - base)
-    both = max(effects[0], effects[1])
-    return np.sqrt(both**2 + effects[2] ** 2 + effects[3] ** 2) * wave_error / step
+        effect = abs(
+            _moved(parameters, changed, base, slope, rule, tried, still, sums, fast, all_sums, counts) - base
+        )
+        if m < 2:
+            both = max(both, effect)
+        else:
+            turned += effect**2
+    return np.sqrt(both**2 + turned) * wave_error / step
 
 
 @compiled
-def _moved(parameters, waves, base, slope, rule, tried):
+def _moved(parameters, waves, base, slope, rule, tried, still, sums, fast, all_sums, counts):
     """Return the first-order velocity on a wave a little different, by two secant steps where they are small."""
     if slope < 0.0:
-        before, f = base, _surplus(parameters, waves, base, rule)
+        before, f = base, _surplus(parameters, waves, base, rule, still, sums, counts)
         v = base - f / slope
         if abs(v - base) < NEARBY * abs(base):
-            g = _surplus(parameters, waves, v, rule)
+            g = _surplus(parameters, waves, v, rule, still, sums, counts)
             if v != before and g != f:
                 last = v - g * (v - before) / (g - f)
                 if abs(last - v) < 0.1 * abs(v - base):
                     return last
-    return tried[0] if balance(parameters, waves, rule, 0, tried) == DONE else np.inf
+    return (
+        tried[0]
+        if balance_row(parameters, waves, rule, tried, 0, still, sums, fast, all_sums, counts) == DONE
+        else np.inf
+    )
 
 
 @compiled
-def _surplus(parameters, waves, v, rule):
+def _surplus(parameters, waves, v, rule, still, sums, counts):
     """Return the mean traction that is left to accelerate a slider riding at a velocity."""
-    sums, counts, still = np.zeros(2), np.zeros(4, np.int64), np.zeros((4, 1))
     h = riding(parameters[0], waves, parameters[3], rule)
     cycle(parameters, waves, h, v, still, rule, sums, counts)
     return sums[1] - parameters[4] * v - parameters[5]
 
 
 @compiled
-def _stall(parameters, waves, rule):
+def _stall(parameters, waves, rule, still, sums, counts):
     """Return the mean traction at rest at which the motor stalls, 0 where the unloaded slider is held."""
-    sums, counts, still = np.zeros(2), np.zeros(4, np.int64), np.zeros((4, 1))
     h = riding(parameters[0], waves, parameters[3], rule)
     cycle(parameters, waves, h, 0.0, still, rule, sums, counts)
     low = sums[1]

@@ -13,13 +13,17 @@ Not for a stick band (creep), nor where the contact resonance is not well resolv
 
 import numpy as np
 
-from contact.compiled import compiled
+from contact.compiled import compiled, native
 from contact.edges import cubic, edge_excess, passage_excess, rising_root
+
+# rows of the cells, one column per run: slider, contact forces alone, distance within the cycle, what a step is made of
+HEIGHT, CLIMB, SPEED, PUSH, PULL, TRAVELLED, STEP, DAMP_N, DAMP_T, CELL = range(10)
 
 
 @compiled
-def _tabulate(waves, per_cycle, before, after, u_z, u_x, w_z, w_x):
+def _tabulate(waves, per_cycle, before, after, table):
     """Fill surface displacement and velocity of one cycle under an envelope that goes from `before` to `after`."""
+    u_z, u_x, w_z, w_x = table[0], table[1], table[2], table[3]
     h = 2.0 * np.pi / per_cycle
     turn = (after - before) / (2.0 * np.pi)
     for k in range(per_cycle + 1):
@@ -42,147 +46,220 @@ def _contact_edge(kappa, chi, z_rate, z_bend, h):
 
 
 @compiled
-def steps(parameters, waves, state, number, per_cycle, stride, rows, envelope):
-    """Move through `number` whole cycles of `per_cycle` steps; record (v, z_s, mean v) every `stride` cycles.
+def _step(parameters, k, table, own, cells, m):
+    """Move one run from step k of the cycle to the next; column m of `cells` is the slider, `own` its contacts."""
+    kappa, chi, d_n, p = parameters[0], parameters[1], parameters[2], parameters[3]
+    d_t, q, mu, c = parameters[4], parameters[5], parameters[6], parameters[7]
+    u_z, u_x, w_z, w_x = table[0], table[1], table[2], table[3]
+    z, x, slip = own[0], own[1], own[2]
+    height, climb, speed, push, pull = (
+        cells[HEIGHT, m],
+        cells[CLIMB, m],
+        cells[SPEED, m],
+        cells[PUSH, m],
+        cells[PULL, m],
+    )
+    h = cells[STEP, m]
+    climb_half = climb + 0.5 * h * (push - p - d_n * climb)
+    speed_half = speed + 0.5 * h * (pull - q - d_t * speed)
+    height += h * climb_half
+    travel = h * speed_half
+    cells[TRAVELLED, m] += travel
+    climb_next = 2.0 * climb_half - climb  # enough for rates at the step's end
+    speed_next = 2.0 * speed_half - speed
+    push, pull, push_excess, pull_excess = 0.0, 0.0, 0.0, 0.0
+    for i in range(z.size):
+        z_old, z_new = z[i], u_z[k + 1, i] - height
+        z[i] = z_new
+        if z_new <= 0.0:
+            if z_old > 0.0:
+                r0, r1 = h * (w_z[k, i] - climb), h * (w_z[k + 1, i] - climb_next)
+                s = rising_root(-z_old, -z_new, -r0, -r1)
+                rate = max(-(r0 + s * (r1 - r0)) / h, 1e-6)
+                first, second = _contact_edge(kappa, chi, rate, -height, h)
+                sign = 1.0 if x[i] > 0.0 else -1.0
+                push_excess += edge_excess(s, h, first * (1.0 - chi * rate), second)
+                pull_excess += sign * mu * edge_excess(s, h, first, second)
+                x[i], slip[i] = 0.0, 0.0
+            continue
+        z_rate, x_rate = w_z[k + 1, i] - climb_next, w_x[k + 1, i] - speed_next
+        limit = c * z_new
+        along = u_x[k + 1, i] - u_x[k, i] - travel
+        elastic = kappa * z_new * np.sqrt(z_new)
+        if z_old > 0.0 and slip[i] == 0.0:
+            old = x[i]
+            deformation = old + along
+            if abs(deformation) < limit:  # stick all along
+                x[i] = deformation
+                push += elastic * (1.0 + chi * z_rate)
+                left = 1.0 - abs(deformation) / limit
+                force = mu * elastic * (1.0 - left * np.sqrt(left))
+                pull += force if deformation > 0.0 else -force
+                if old * deformation < 0.0:
+                    bend = 0.375 * mu * elastic * x_rate * abs(x_rate) / (limit * limit)
+                    pull_excess += passage_excess(old / (old - deformation), h, bend)
+                continue
+            sign = 1.0 if deformation > 0.0 else -1.0
+            v_old = sign * (w_x[k, i] - speed) - c * (w_z[k, i] - climb)
+            v_new = sign * x_rate - c * z_rate
+            s = rising_root(sign * old - c * z_old, sign * deformation - limit, h * v_old, h * v_new)
+            v_edge = max(v_old + s * (v_new - v_old), 0.0)
+            z_edge = z_old + s * (z_new - z_old)
+            # left = (v_f/c z) t before the edge
+            loss = v_edge / (c * z_edge)
+            force = mu * kappa * z_edge * np.sqrt(z_edge) * loss * np.sqrt(loss)
+            pull_excess -= sign * edge_excess(s, h, force, 0.0)
+            if v_new >= 0.0:
+                x[i], slip[i] = sign * limit, sign
+            else:  # slips and sticks again within the step
+                x[i] = sign * limit
+        else:
+            if z_old <= 0.0:
+                r0, r1 = h * (w_z[k, i] - climb), h * z_rate
+                s = rising_root(z_old, z_new, r0, r1)
+                y0, y1 = h * (w_x[k, i] - speed), h * x_rate
+                rate, drift = max((r0 + s * (r1 - r0)) / h, 1e-6), (y0 + s * (y1 - y0)) / h
+                sign = 1.0 if drift > 0.0 else -1.0
+                x[i] = along - cubic(s, 0.0, along, y0, y1)
+                first, second = _contact_edge(kappa, chi, rate, -height, h)
+                push_excess += edge_excess(1.0 - s, h, first * (1.0 + chi * rate), second)
+                ratio = min(sign * drift / (c * rate), 1.0)
+                root = np.sqrt(1.0 - ratio)
+                share = 1.0 - (1.0 - ratio) * root
+                turn = 0.0
+                if ratio < 1.0:
+                    turn = (
+                        0.75 * root * (sign * (w_x[k + 1, i] - w_x[k, i]) / (h * c) + ratio * height) / rate
+                    )
+                    turn = min(max(turn, -1.0 / h), 1.0 / h)
+                pull_excess += (
+                    sign * mu * edge_excess(1.0 - s, h, first * share, second * share + first * turn)
+                )
+                slip[i] = sign if ratio == 1.0 else 0.0
+                v_old = sign * drift - c * rate
+            else:
+                s, sign = 0.0, slip[i]
+                v_old = sign * (w_x[k, i] - speed) - c * (w_z[k, i] - climb)
+            if slip[i] != 0.0:
+                v_new = sign * x_rate - c * z_rate
+                if v_new >= 0.0:
+                    x[i] = sign * limit
+                else:  # slip ends within the step: what follows is stick from the limit there
+                    rest = (1.0 - s) * h * v_new / (v_new - v_old)
+                    x[i] = sign * (limit + 0.5 * rest * v_new)
+                    slip[i] = 0.0
+            elif abs(x[i]) >= limit:
+                slip[i] = 1.0 if x[i] > 0.0 else -1.0
+                x[i] = slip[i] * limit
+        push += elastic * (1.0 + chi * z_rate)
+        if slip[i] != 0.0:
+            pull += slip[i] * mu * elastic
+        else:
+            left = max(1.0 - abs(x[i]) / limit, 0.0)
+            force = mu * elastic * (1.0 - left * np.sqrt(left))
+            pull += force if x[i] > 0.0 else -force
+    climb = (climb_half + 0.5 * h * (push - p) - push_excess) * cells[DAMP_N, m]
+    speed = (speed_half + 0.5 * h * (pull - q) - pull_excess) * cells[DAMP_T, m]
+    cells[HEIGHT, m], cells[CLIMB, m], cells[SPEED, m], cells[PUSH, m], cells[PULL, m] = (
+        height,
+        climb,
+        speed,
+        push,
+        pull,
+    )
 
-    `state` (z_s, z_s', v, x_1..x_n) is changed in place; arguments as in `integrate.cycles`. `envelope`: empty, or
-    complex values at the ends of the cycles, number + 1 of them. Returns False if the motion is not finite.
-    """
-    kappa, chi, d_n, p, d_t, q, mu, c = parameters[:8]
-    n = waves.shape[0]
-    h = 2.0 * np.pi / per_cycle
-    u_z, u_x = np.empty((per_cycle + 1, n)), np.empty((per_cycle + 1, n))
-    w_z, w_x = np.empty((per_cycle + 1, n)), np.empty((per_cycle + 1, n))
+
+@native("f2 f3 f2 i i1 i f3 c1 f4 f3 f2")
+def _abreast(parameters, waves, states, number, per_cycle, stride, rows, envelope, tables, own, cells):
+    """Do the work of `abreast`; return whether all is finite."""
+    runs, n = waves.shape[0], waves.shape[1]
     shaped = envelope.size > 0
     e = envelope[0] if shaped else 1.0 + 0.0j
-    _tabulate(waves, per_cycle, e, e, u_z, u_x, w_z, w_x)
-    height, climb, speed = state[0], state[1], state[2]
-    x = state[3:].copy()
-    slip = np.zeros(n)  # sign of the slip, 0 in stick
-    z = np.empty(n)
-    push, pull = 0.0, 0.0  # contact forces alone
-    for i in range(n):
-        z[i] = u_z[0, i] - height
-        if z[i] > 0.0:
-            elastic = kappa * z[i] * np.sqrt(z[i])
-            push += elastic * (1.0 + chi * (w_z[0, i] - climb))
-            left = max(1.0 - abs(x[i]) / (c * z[i]), 0.0)
-            pull += np.sign(x[i]) * mu * elastic * (1.0 - left * np.sqrt(left))
-            slip[i] = np.sign(x[i]) if left < 1e-13 else 0.0
-    damp_n, damp_t = 1.0 / (1.0 + 0.5 * h * d_n), 1.0 / (1.0 + 0.5 * h * d_t)
+    most = 0
+    for m in range(runs):
+        _tabulate(waves[m], per_cycle[m], e, e, tables[m])
+        _begin(parameters[m], states[m], per_cycle[m], tables[m], own[m], cells, m)
+        most = max(most, per_cycle[m])
     for cycle in range(number):
-        if shaped:
-            _tabulate(waves, per_cycle, envelope[cycle], envelope[cycle + 1], u_z, u_x, w_z, w_x)
-        travelled = 0.0
-        for k in range(per_cycle):
-            climb_half = climb + 0.5 * h * (push - p - d_n * climb)
-            speed_half = speed + 0.5 * h * (pull - q - d_t * speed)
-            height += h * climb_half
-            travel = h * speed_half
-            travelled += travel
-            climb_next = 2.0 * climb_half - climb  # enough for rates at the step's end
-            speed_next = 2.0 * speed_half - speed
-            push, pull, push_excess, pull_excess = 0.0, 0.0, 0.0, 0.0
-            for i in range(n):
-                z_old, z_new = z[i], u_z[k + 1, i] - height
-                z[i] = z_new
-                if z_new <= 0.0:
-                    if z_old > 0.0:
-                        r0, r1 = h * (w_z[k, i] - climb), h * (w_z[k + 1, i] - climb_next)
-                        s = rising_root(-z_old, -z_new, -r0, -r1)
-                        rate = max(-(r0 + s * (r1 - r0)) / h, 1e-6)
-                        first, second = _contact_edge(kappa, chi, rate, -height, h)
-                        sign = 1.0 if x[i] > 0.0 else -1.0
-                        push_excess += edge_excess(s, h, first * (1.0 - chi * rate), second)
-                        pull_excess += sign * mu * edge_excess(s, h, first, second)
-                        x[i], slip[i] = 0.0, 0.0
-                    continue
-                z_rate, x_rate = w_z[k + 1, i] - climb_next, w_x[k + 1, i] - speed_next
-                limit = c * z_new
-                along = u_x[k + 1, i] - u_x[k, i] - travel
-                elastic = kappa * z_new * np.sqrt(z_new)
-                if z_old > 0.0 and slip[i] == 0.0:
-                    old = x[i]
-                    deformation = old + along
-                    if abs(deformation) < limit:  # stick all along
-                        x[i] = deformation
-                        push += elastic * (1.0 + chi * z_rate)
-                        left = 1.0 - abs(deformation) / limit
-                        force = mu * elastic * (1.0 - left * np.sqrt(left))
-                        pull += force if deformation > 0.0 else -force
-                        if old * deformation < 0.0:
-                            bend = 0.375 * mu * elastic * x_rate * abs(x_rate) / (limit * limit)
-                            pull_excess += passage_excess(old / (old - deformation), h, bend)
-                        continue
-                    sign = 1.0 if deformation > 0.0 else -1.0
-                    v_old = sign * (w_x[k, i] - speed) - c * (w_z[k, i] - climb)
-                    v_new = sign * x_rate - c * z_rate
-                    s = rising_root(sign * old - c * z_old, sign * deformation - limit, h * v_old, h * v_new)
-                    v_edge = max(v_old + s * (v_new - v_old), 0.0)
-                    z_edge = z_old + s * (z_new - z_old)
-                    # left = (v_f/c z) t before the edge
-                    loss = v_edge / (c * z_edge)
-                    force = mu * kappa * z_edge * np.sqrt(z_edge) * loss * np.sqrt(loss)
-                    pull_excess -= sign * edge_excess(s, h, force, 0.0)
-                    if v_new >= 0.0:
-                        x[i], slip[i] = sign * limit, sign
-                    else:  # slips and sticks again within the step
-                        x[i] = sign * limit
-                else:
-                    if z_old <= 0.0:
-                        r0, r1 = h * (w_z[k, i] - climb), h * z_rate
-                        s = rising_root(z_old, z_new, r0, r1)
-                        y0, y1 = h * (w_x[k, i] - speed), h * x_rate
-                        rate, drift = max((r0 + s * (r1 - r0)) / h, 1e-6), (y0 + s * (y1 - y0)) / h
-                        sign = 1.0 if drift > 0.0 else -1.0
-                        x[i] = along - cubic(s, 0.0, along, y0, y1)
-                        first, second = _contact_edge(kappa, chi, rate, -height, h)
-                        push_excess += edge_excess(1.0 - s, h, first * (1.0 + chi * rate), second)
-                        ratio = min(sign * drift / (c * rate), 1.0)
-                        root = np.sqrt(1.0 - ratio)
-                        share = 1.0 - (1.0 - ratio) * root
-                        turn = 0.0
-                        if ratio < 1.0:
-                            turn = (
-                                0.75
-                                * root
-                                * (sign * (w_x[k + 1, i] - w_x[k, i]) / (h * c) + ratio * height)
-                                / rate
-                            )
-                            turn = min(max(turn, -1.0 / h), 1.0 / h)
-                        pull_excess += (
-                            sign * mu * edge_excess(1.0 - s, h, first * share, second * share + first * turn)
-                        )
-                        slip[i] = sign if ratio == 1.0 else 0.0
-                        v_old = sign * drift - c * rate
-                    else:
-                        s, sign = 0.0, slip[i]
-                        v_old = sign * (w_x[k, i] - speed) - c * (w_z[k, i] - climb)
-                    if slip[i] != 0.0:
-                        v_new = sign * x_rate - c * z_rate
-                        if v_new >= 0.0:
-                            x[i] = sign * limit
-                        else:  # slip ends within the step: what follows is stick from the limit there
-                            rest = (1.0 - s) * h * v_new / (v_new - v_old)
-                            x[i] = sign * (limit + 0.5 * rest * v_new)
-                            slip[i] = 0.0
-                    elif abs(x[i]) >= limit:
-                        slip[i] = 1.0 if x[i] > 0.0 else -1.0
-                        x[i] = slip[i] * limit
-                push += elastic * (1.0 + chi * z_rate)
-                if slip[i] != 0.0:
-                    pull += slip[i] * mu * elastic
-                else:
-                    left = max(1.0 - abs(x[i]) / limit, 0.0)
-                    force = mu * elastic * (1.0 - left * np.sqrt(left))
-                    pull += force if x[i] > 0.0 else -force
-            climb = (climb_half + 0.5 * h * (push - p) - push_excess) * damp_n
-            speed = (speed_half + 0.5 * h * (pull - q) - pull_excess) * damp_t
-        if not np.isfinite(height + climb + speed):
-            return False
-        if stride > 0 and (cycle + 1) % stride == 0:
-            row = (cycle + 1) // stride - 1
-            rows[row, 0], rows[row, 1], rows[row, 2] = speed, height, travelled / (2.0 * np.pi)
-    state[0], state[1], state[2] = height, climb, speed
-    state[3:] = x
+        for m in range(runs):
+            cells[TRAVELLED, m] = 0.0
+            if shaped:
+                _tabulate(waves[m], per_cycle[m], envelope[cycle], envelope[cycle + 1], tables[m])
+        # runs do not wait for each other: the processor works at several at once
+        for k in range(most):
+            for m in range(runs):
+                if k < per_cycle[m]:
+                    _step(parameters[m], k, tables[m], own[m], cells, m)
+        for m in range(runs):
+            if not np.isfinite(cells[HEIGHT, m] + cells[CLIMB, m] + cells[SPEED, m]):
+                return False
+            if stride > 0 and (cycle + 1) % stride == 0:
+                row = (cycle + 1) // stride - 1
+                rows[m, row, 0], rows[m, row, 1] = cells[SPEED, m], cells[HEIGHT, m]
+                rows[m, row, 2] = cells[TRAVELLED, m] / (2.0 * np.pi)
+    for m in range(runs):
+        states[m, 0], states[m, 1], states[m, 2] = cells[HEIGHT, m], cells[CLIMB, m], cells[SPEED, m]
+        for i in range(n):
+            states[m, 3 + i] = own[m, 1, i]
     return True
+
+
+@compiled
+def _begin(parameters, state, per_cycle, table, own, cells, m):
+    """Set the forces of the first instant and what stays the same."""
+    h = 2.0 * np.pi / per_cycle
+    cells[STEP, m] = h
+    cells[DAMP_N, m], cells[DAMP_T, m] = (
+        1.0 / (1.0 + 0.5 * h * parameters[2]),
+        1.0 / (1.0 + 0.5 * h * parameters[4]),
+    )
+    kappa, chi, mu, c = parameters[0], parameters[1], parameters[6], parameters[7]
+    cells[HEIGHT, m], cells[CLIMB, m], cells[SPEED, m] = state[0], state[1], state[2]
+    push, pull = 0.0, 0.0
+    for i in range(own.shape[1]):
+        x, z, slip = state[3 + i], table[0, 0, i] - state[0], 0.0
+        if z > 0.0:
+            elastic = kappa * z * np.sqrt(z)
+            push += elastic * (1.0 + chi * (table[2, 0, i] - state[1]))
+            left = max(1.0 - abs(x) / (c * z), 0.0)
+            pull += np.sign(x) * mu * elastic * (1.0 - left * np.sqrt(left))
+            slip = np.sign(x) if left < 1e-13 else 0.0
+        own[0, i], own[1, i], own[2, i] = z, x, slip
+    cells[PUSH, m], cells[PULL, m] = push, pull
+
+
+def abreast(parameters, waves, states, number, per_cycle, stride, rows, envelope) -> bool:
+    """Move several runs through whole cycles, side by side; return whether all have stayed finite.
+
+    Parameters
+    ----------
+    parameters, waves : (k, 11), (k, n, 4) arrays
+        See `scaling`; one row per run.
+    states : (k, 3 + n) array
+        z_s, z_s', v, x_1..x_n; changed in place.
+    number : int
+        Cycles.
+    per_cycle : (k,) int array
+        Steps in each cycle.
+    stride, rows : int, (k, number // stride, 3) array
+        Every `stride` cycles a row (v, z_s, mean v of the last cycle) is filled; stride 0 records nothing.
+    envelope : (0,) or (number + 1,) complex array
+        Factor on the waves at the ends of the cycles; empty: the waves as they are.
+    """
+    runs, n = waves.shape[:2]
+    room = np.empty((runs, 4, int(np.max(per_cycle)) + 1, n)), np.empty((runs, 3, n)), np.zeros((CELL, runs))
+    return bool(_abreast(parameters, waves, states, number, per_cycle, stride, rows, envelope, *room))
+
+
+def steps(parameters, waves, state, number, per_cycle, stride, rows, envelope) -> bool:
+    """Move one run through whole cycles of equal steps: `abreast` of one."""
+    return abreast(
+        parameters[None],
+        waves[None],
+        state[None],
+        number,
+        np.array([per_cycle]),
+        stride,
+        rows[None],
+        envelope,
+    )

@@ -14,7 +14,7 @@ from tests.contact.motors import orbit, slider
 
 def means(problem, h, v, nodes=20):
     sums, counts = np.zeros(2), np.zeros(4, np.int64)
-    cycle(problem.parameters, problem.waves, h, v, np.zeros((4, 1)), quadrature(nodes), sums, counts)
+    cycle(problem.parameters, problem.waves, h, v, np.zeros((8, 1)), quadrature(nodes), sums, counts)
     return sums, counts
 
 
@@ -75,7 +75,7 @@ def test_the_mean_push_and_the_riding_height_are_the_closed_ones():
 
 def test_the_fast_motion_obeys_its_equation():
     # Property: z'' + d z' = F harmonic by harmonic, and the same for the travel
-    sums, fast = np.zeros(2 + 4 * 3), np.zeros((4, 3))
+    sums, fast = np.zeros(2 + 4 * 3), np.zeros((8, 3))
     sums[2:] = np.arange(1.0, 13.0)
     parameters = np.zeros(12)
     parameters[scaling.NORMAL_DAMPING], parameters[scaling.TANGENTIAL_DAMPING] = 0.3, 0.07

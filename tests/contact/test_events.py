@@ -162,10 +162,40 @@ def test_plain_and_compiled_path_agree():
     assert float(plain.stdout) == pytest.approx(speed_after(10e-9, 2, 9, 1e-7), rel=1e-12)
 
 
-def test_kernels_are_cached_under_a_digest_of_all_their_sources():
+def test_kernels_are_cached_under_a_digest_of_all_their_sources(monkeypatch):
     # numba alone would go on running the old code of a function that lives in another file
-    from contact import compiled, integrate, stepped, stretch
+    from contact import compiled, integrate
 
-    kernels = (integrate.advance, integrate.cycles, stretch.sweep, regimes.follow, stepped.steps)
-    assert len({os.path.dirname(kernel.stats.cache_path) for kernel in kernels}) == 1
-    assert os.path.basename(compiled._folder("")) in kernels[0].stats.cache_path
+    before, read = compiled._digest(), type(compiled.HERE).read_bytes
+    for name in ("stretch.py", "collocation.py", "compiler.py"):
+
+        def changed(path, name=name):
+            return read(path) + (b"#" if path.name == name else b"")
+
+        monkeypatch.setattr(type(compiled.HERE), "read_bytes", changed)
+        assert compiled._digest() != before
+        monkeypatch.undo()
+    assert compiled._digest() in os.path.basename(compiled._folder())
+    assert isinstance(integrate.travel, compiled.Native)
+
+
+def test_a_damaged_file_of_machine_code_is_not_run(tmp_path):
+    from contact import compiled
+
+    file = tmp_path / "kernel.o"
+    compiled._write(file, b"machine code")
+    assert compiled._read(file) == b"machine code"
+    file.write_bytes(file.read_bytes()[:-1] + b"!")
+    assert compiled._read(file) is None
+    assert compiled._read(tmp_path / "absent.o") is None
+
+
+def test_a_kernel_refuses_what_its_machine_code_would_misread():
+    from contact import slow
+
+    out, why, rule = np.zeros((1, 7)), np.zeros(1, np.int64), np.zeros((2, 4))
+    parameters, waves = np.zeros((1, 11)), np.zeros((1, 1, 4))
+    with pytest.raises(TypeError, match="f2 expected, got int64"):
+        slow.balances(parameters.astype(np.int64), waves, rule, 0, out, why, 0, 1)
+    with pytest.raises(TypeError, match="f2 expected"):
+        slow.balances(parameters[:, ::2], waves, rule, 0, out, why, 0, 1)

@@ -42,8 +42,8 @@ def test_tabulated_velocities_are_those_of_the_tabulated_displacements():
     from contact.stepped import _tabulate
 
     waves, number = np.array([[0.3, -0.8, 0.5, 0.9]]), 512
-    tables = [np.empty((number + 1, 1)) for _ in range(4)]
-    _tabulate(waves, number, 0.4 + 0.1j, 0.9 - 0.7j, *tables)
+    tables = np.empty((4, number + 1, 1))
+    _tabulate(waves, number, 0.4 + 0.1j, 0.9 - 0.7j, tables)
     h = 2.0 * np.pi / number
     for displacement, velocity in ((tables[0], tables[2]), (tables[1], tables[3])):
         fourth = (8.0 * (displacement[3:-1] - displacement[1:-3]) - displacement[4:] + displacement[:-4]) / (
