@@ -10,16 +10,12 @@ from contact.batch import SteadyMap, steady_map
 from contact.convergence import ConvergenceError
 from contact.envelope import Envelope
 from contact.history import History, contact_history
-from contact.limits import (
-    release_amplitude,
-    release_factor,
-    riding_height,
-    threshold_amplitude,
-    threshold_factor,
-)
+from contact.limits import riding_height
+from contact.onset import release_amplitude, release_factor, threshold_amplitude, threshold_factor
 from contact.orbit import Orbit
 from contact.planner import Step, cycles_for, step
 from contact.population import Population, steady_population
+from contact.second_opinion import SecondOpinion, second_opinion
 from contact.slider import Slider
 from contact.steady import SteadyState, steady
 from contact.thrust import LoadLine, blocked_thrust, load_line
@@ -33,6 +29,7 @@ __all__ = [
     "MeanMotion",
     "Orbit",
     "Population",
+    "SecondOpinion",
     "Slider",
     "SteadyMap",
     "SteadyState",
@@ -47,6 +44,7 @@ __all__ = [
     "release_amplitude",
     "release_factor",
     "riding_height",
+    "second_opinion",
     "steady",
     "steady_map",
     "steady_population",

@@ -116,9 +116,20 @@ def _at_height(slider, orbits, problem, start, height, work):
     return Balance(problem=problem, height=height, speed=0.0, held=True, motion=motion, work=work)
 
 
+def opposed(slider: Slider, orbits: tuple[Orbit, ...]) -> float:
+    """Return +1 or -1, the direction of motion that a load opposes: that in which the unloaded wave drives at rest."""
+    if slider.load == 0.0 or slider.friction_coefficient * slider.preload == 0.0:
+        return 1.0
+    problem = scaling.scaled(slider, orbits, direction=1.0, start=0.0)
+    height = riding_height(slider, orbits) / problem.length
+    far = 10.0 * (1.0 + abs(height)) * (1.0 + slider.limit_slope)
+    highest, _ = traction(problem, height, 0.0, far, np.zeros(TALLY, np.int64))
+    return -1.0 if highest < 0.0 else 1.0
+
+
 def traction(problem, height, speed, deformations, work):
     """Return (<sum Q>, motion) of a repeating cycle at constant height and velocity, from given deformations."""
-    motion = Motion(problem, table=collocation(NODES), truncation=TRUNCATION)
+    motion = Motion(scaling.unmoved(problem), table=collocation(NODES), truncation=TRUNCATION)
     motion.place(-height, 0.0, speed, deformations)
     for turn in range(6):
         before = motion.state[3:].copy()

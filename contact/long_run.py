@@ -25,6 +25,7 @@ from contact.slider import Slider
 PERIODS, REPEATS = 12, 1e-9
 # stretches that a run may take (some seconds), and cycles
 BUDGET, MOST_CYCLES = 600_000, 30_000
+MEMORY = 10.0  # how much dearer a stretch is with the hysteretic law
 BATCHES, STUDENT = 16, 2.13  # of the mean, and the factor for 95 % with 15 degrees of freedom
 # as fast against the wave as this a contact follows the surface from the start
 SLOW = 5.0
@@ -102,6 +103,7 @@ def _followed(problem, begin, rate):
     """Return the mean of the motion from one start."""
     motion = Motion(problem, table=collocation(14), truncation=1e-11)
     motion.place(*begin)
+    budget = BUDGET / (MEMORY if motion.memory is not None else 1.0)
     block, passed, spent = 1, 0, 0
     rows, quiet = np.empty((0, 3)), 0
     while True:
@@ -116,10 +118,10 @@ def _followed(problem, begin, rate):
         period, gap = _period(rows)
         if period:
             return _repeating(problem, motion, period, gap, passed)
-        if spent > 0.25 * BUDGET or passed > MOST_CYCLES // 4:
+        if spent > 0.25 * budget or passed > MOST_CYCLES // 4:
             return _mean(problem, motion, max(BATCHES, passed), passed, rate)
         # as many cycles in a block as a twentieth of the budget takes
-        block = int(min(max(1, 0.05 * BUDGET * passed / spent), MOST_CYCLES // 20, 2 * block))
+        block = int(min(max(1, 0.05 * budget * passed / spent), MOST_CYCLES // 20, 2 * block))
 
 
 def _relaxation(problem):
@@ -133,7 +135,7 @@ def _relaxation(problem):
 
 
 def _refuse_unless_affordable(problem, rate):
-    stretches = 2.0 * math.pi / problem.parameters[scaling.LONGEST]
+    stretches = problem.stretches
     if stretches > BUDGET / 30:
         raise ConvergenceError(
             "out of reach",

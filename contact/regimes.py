@@ -87,7 +87,7 @@ def opening(z, x, z_rate, x_rate, c, band):
 @compiled
 def traction(regime, sign, z, x, normal_force, mu, c):
     """Return Q; in stick the smooth branch of sign s is continued past x = 0 and held at mu P past the limit."""
-    if regime == SEPARATED or z <= 0.0:
+    if regime == SEPARATED or c * z <= 0.0:
         return 0.0
     if regime == STICK:
         left = 1.0 - sign * x / (c * z)

@@ -60,6 +60,11 @@ class Scaled:
         """Unit of velocity, m/s."""
         return self.length * self.omega
 
+    @property
+    def stretches(self) -> float:
+        """Least number of stretches that a cycle of the full motion takes."""
+        return 2.0 * math.pi / float(self.parameters[LONGEST])
+
 
 def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start: float) -> Scaled:
     """Return the dimensionless problem.
@@ -83,7 +88,8 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
     ]
     stiffest = math.sqrt(1.5 * len(orbits) * kappa * math.sqrt(2.0) + 1e-300)
     # Picard's iteration gains nothing on a stretch longer than a damper's time
-    quickest = max(slider.normal_damping, slider.tangential_damping) / (slider.mass * omega) + 1e-300
+    viscous = max(slider.normal_damping, slider.tangential_damping) / (slider.mass * omega)
+    quickest = max(viscous, slider.contact_damping * omega * length * kappa) + 1e-300
     parameters = np.array(
         [
             kappa,
@@ -103,11 +109,20 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
     return Scaled(parameters, waves, length, omega)
 
 
+def unmoved(problem: Scaled) -> Scaled:
+    """Return the same problem for a slider that does not answer its forces: stretches as long as the wave allows."""
+    parameters = problem.parameters.copy()
+    parameters[LONGEST] = 2.0 * math.pi / 8.0
+    return Scaled(parameters, problem.waves, problem.length, problem.omega)
+
+
 def quiet(problem: Scaled) -> Scaled:
     """Return the same problem in the same units with the wave switched off."""
     parameters = problem.parameters.copy()
     kappa, contacts = parameters[KAPPA], len(problem.waves)
-    quickest = max(parameters[NORMAL_DAMPING], parameters[TANGENTIAL_DAMPING]) + 1e-300
+    quickest = (
+        max(parameters[NORMAL_DAMPING], parameters[TANGENTIAL_DAMPING], parameters[CHI] * kappa) + 1e-300
+    )
     parameters[LONGEST] = min(
         0.8 / math.sqrt(1.5 * contacts * kappa * math.sqrt(2.0) + 1e-300), 2.0 / quickest
     )

@@ -25,6 +25,8 @@ from contact.slider import Slider
 METHODS = ("auto", "exact", "averaged")
 # largest ratio of contact resonance to wave for which a periodic motion is searched, and cycles to settle before
 SLOWEST_WAVE, SETTLE = 20.0, 200
+# stretches of a cycle up to which that is worth its time
+MOST_STRETCHES = 8000.0
 # largest ratio for which cycle means are an answer, and their error over its square (true: 0.1 to 1.9)
 LARGEST_AVERAGED, AVERAGING_ERROR = 0.1, 3.9
 
@@ -158,6 +160,11 @@ def _repeating(slider, side, orbits, balance, tolerance):
     from contact.periodic import periodic
 
     unit = balance.problem.speed
+    if balance.problem.stretches > MOST_STRETCHES:
+        raise ConvergenceError(
+            "out of reach",
+            f"a cycle takes {balance.problem.stretches:.3g} stretches of the motion; raise the mass",
+        )
     try:
         fine = periodic(balance, nodes=16, truncation=1e-12)
     except ConvergenceError:

@@ -11,21 +11,30 @@ import numpy as np
 from contact.averaged import averaged_run, why_not
 from contact.convergence import ConvergenceError
 from contact.drive import reference_speed
+from contact.scaling import CHI, KAPPA, LOAD
 
 METHODS = ("auto", "exact", "stepped", "averaged")
 # up to here "auto" follows every event, whatever the tolerance
 EXACT_CYCLES = 3000
+# stretches that the exact way takes on at most, some minutes
+MOST_STRETCHES = 1e8
 # steps per cycle that are tried, and the tolerance down to which each has been seen to serve
 STEPS = ((24, 2e-3), (32, 4e-4), (48, 4e-5), (64, 1e-5), (96, 2e-6), (128, 1e-6), (192, 2e-7), (256, 0.0))
 # change of the contact's own oscillation in a step, omega_n dt, above which fixed steps are refused
 LARGEST_STEP = 0.2
+# share of its velocity that the contact's damper may take in a step
+LARGEST_DAMPING = 5e-3
 
 
 def rest_problem(slider, orbits):
     """Return the scaled problem whose phase 0 is where u_z of the first contact passes zero upwards."""
+    from contact.balance import opposed
     from contact.scaling import scaled
 
-    return scaled(slider, orbits, direction=1.0, start=-0.5 * math.pi - float(np.angle(orbits[0].normal)))
+    direction = opposed(slider, orbits)
+    return scaled(
+        slider, orbits, direction=direction, start=-0.5 * math.pi - float(np.angle(orbits[0].normal))
+    )
 
 
 def rest(slider, orbits, problem, *, nodes, truncation):
@@ -39,7 +48,7 @@ def rest(slider, orbits, problem, *, nodes, truncation):
     friction = slider.friction_coefficient * slider.preload
     used = min(slider.load / friction, 1.0) if friction > 0.0 else 0.0
     x = slider.limit_slope * depth * (1.0 - (1.0 - used) ** (2.0 / 3.0))
-    motion.place(-depth, 0.0, 0.0, x)
+    motion.place(-depth, 0.0, 0.0, math.copysign(x, problem.parameters[LOAD]))
     return motion
 
 
@@ -108,6 +117,12 @@ def _one(method, slider, orbits, problem, cycles, stride, tolerance, envelope):
 
 
 def _exact(slider, orbits, problem, cycles, stride, tolerance):
+    if cycles * problem.stretches > MOST_STRETCHES:
+        raise ConvergenceError(
+            "out of reach",
+            f"{cycles} cycles of at least {problem.stretches:.3g} stretches of the motion are more than can be "
+            "followed; shorten the burst, raise the mass or lower the dampers",
+        )
     fine = rest(slider, orbits, problem, nodes=16, truncation=1e-12)
     rows = fine.turn(cycles, stride=stride)
     coarse = rest(slider, orbits, problem, nodes=10, truncation=max(1e-9, min(1e-6, 1e-3 * tolerance)))
@@ -167,6 +182,9 @@ def why_not_stepped(slider, problem, per_cycle):
             f"the contact resonance is too fast: omega_n dt = {step * _stiffness(problem):.3g} with {per_cycle} steps "
             f"per cycle, more than {LARGEST_STEP}"
         )
+    # Hunt-Crossley's force enters by the rate, to first order in the step
+    if step * problem.parameters[CHI] * problem.parameters[KAPPA] * 2.0**1.5 > LARGEST_DAMPING:
+        return f"the contact's damper is too fast for {per_cycle} steps per cycle"
     if step * max(problem.parameters[2], problem.parameters[4]) > LARGEST_STEP:
         return f"the dampers are too fast for {per_cycle} steps per cycle"
     return ""
