@@ -25,7 +25,7 @@ from fem.slowness import stretch_absorbs
 from fem.spectral import line_nodes, reference_matrices
 
 LAYER_RATIO = 0.15
-HALF_SPACE_DEPTH = 2.0  # wavelengths of ordinary solid above the absorbing layer
+HALF_SPACE_DEPTH, MOST_DEPTH = 2.0, 8.0  # wavelengths of ordinary solid above the absorbing layer
 # Absorbing layer from above: height of an element in wavelengths and its stretch, gentle where waves arrive and large
 # where only the static field is left.  Motion to 4e-6 and better on PZT-8, LiNbO3 YZ and ST-X quartz.
 STRETCHED = ((0.5, 1 - 1j), (0.5, 1.5 - 2j), (0.5, 4 - 4j), (0.5, 12 - 8j), (0.5, 60 - 20j))
@@ -33,6 +33,7 @@ MOST_LOSS = 0.6  # at the bottom, where a stretch would make waves grow and loss
 FINGER_SCALE = (
     0.125  # wavelengths; above it a finger's near field needs no layers of its own through the depth
 )
+MOST_UNKNOWNS, MINUTES = 2000, 10  # on a line, and what a driven stator takes with as many
 VACUUM_HEIGHT = (
     64.0  # length units; the field of a transducer without net charge decays as the distance squared
 )
@@ -241,11 +242,18 @@ def discretise(stator: Stator, resolution: Resolution, *, wavelength: float, sur
     body = medium(stator.solid, names)
     unit = wavelength
     largest = resolution.element_size
+    unknowns = stator.thickness / unit / largest * resolution.order * len(names)
+    if unknowns > MOST_UNKNOWNS and not stator.absorbs_below:
+        raise ConvergenceError(
+            f"a section of {stator.thickness / unit:.3g} wavelengths of thickness, {stator.thickness:g} m, has "
+            f"{unknowns:.3g} unknowns on a line, which takes {MINUTES * (unknowns / MOST_UNKNOWNS) ** 3:.2g} minutes "
+            'or more and is not begun: take a thinner one, or bottom = "absorbing" where the bottom does not matter'
+        )
     layers = resolution.edge_layers if np.isfinite(surface_scale) else 0
     depth = stator.thickness / unit if np.isfinite(stator.thickness) else HALF_SPACE_DEPTH
     if stator.absorbs_below:
         # Any thickness is the same half-space; too near the surface the layer errs by 1e-4.
-        depth = max(depth, HALF_SPACE_DEPTH)
+        depth = min(max(depth, HALF_SPACE_DEPTH), MOST_DEPTH)
     scale = surface_scale / unit
     top = min(max(scale, FINGER_SCALE), depth / 2, largest) if layers else min(depth, largest)
     layers = edge_layers(resolution, top, min(scale, top)) if layers else 0

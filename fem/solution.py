@@ -19,6 +19,7 @@ from fem.section import Resolution, Section, discretise
 from fem.wavelength import slowest_wavelength
 
 CUT_OFF = 1e-3  # rad per slowest wavelength: a mode's wavenumber below which its square, all that is known, is rounding
+MOST_COLUMNS = 150_000  # of a quarter of a finger's
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,6 +76,12 @@ def solved(
     Solution
     """
     transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
+    fingers = sum(len(transducer.signs) for transducer in transducers)
+    if fingers * (resolution.edge_layers + 1) > MOST_COLUMNS:
+        raise ConvergenceError(
+            f"{fingers} fingers with {resolution.edge_layers} edge layers have more columns of elements than can be "
+            "walked through in minutes: take fewer finger_pairs, or ask for a looser tolerance"
+        )
     unit = slowest_wavelength(stator.solid, frequency)
     scale = min(transducer.finger_width / 2 for transducer in transducers)
     section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)

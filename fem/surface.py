@@ -13,6 +13,8 @@ import numpy as np
 
 from fem.spectral import lagrange
 
+MOST_SAMPLES = 50_000  # along the whole surface
+
 
 @dataclass(frozen=True, kw_only=True)
 class Stretch:
@@ -191,8 +193,8 @@ class SurfaceWave:
         return float(size.max() / size.min())
 
     def samples(self, per_wavelength: int = 12) -> tuple[np.ndarray, np.ndarray]:
-        """Places along the whole surface (m) and the motion there, shapes (n,) and (2, n)."""
-        step = self.phase_velocity / self.frequency / per_wavelength
+        """Places along the whole surface (m), fewer on a very long one, and the motion there: (n,) and (2, n)."""
+        step = max(self.phase_velocity / self.frequency / per_wavelength, self.length / MOST_SAMPLES)
         places = []
         for piece in self.pieces:
             start, stop = max(piece.start, 0.0), min(piece.stop, self.length)

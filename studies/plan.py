@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from studies import cost, resolved
 from studies.chain import SHARE, slider_left_out
 from studies.equations import contact_equations, field_equations
+from studies.refusal import RunError
 from studies.ring_up import RingUp, ring_up_left_out
 from studies.scene import Scene
 
@@ -111,8 +112,21 @@ def plan(scene: Scene, *, tolerance: float) -> Plan:
     ------
     SceneError
         If the scene is refused by the physics.
+    RunError
+        If a run would refuse its size.
     """
     scene = resolved.resolved(scene)
+    if scene.wave is None:
+        from fem import ConvergenceError
+
+        try:
+            return _plan(scene, tolerance)
+        except ConvergenceError as error:
+            raise RunError(str(error)) from None
+    return _plan(scene, tolerance)
+
+
+def _plan(scene: Scene, tolerance: float) -> Plan:
     speed = 0.0 if scene.wave is not None else cost.machine_speed()
     if scene.wave is not None:
         parts, left_out = [], ["stator, transducers and electric field: the surface motion is given"]

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 from studies.blocks import IsotropicSolid, PiezoelectricSolid, Slider, Stator
+from studies.endless import refuse_endless_burst
 from studies.refusal import SceneError
 from studies.scene import Scene
 
@@ -29,6 +30,7 @@ def resolved(scene: Scene) -> Scene:
         _check_layout(scene)
     if scene.slider is None:
         return scene
+    refuse_endless_burst(scene)
     return replace(scene, slider=resolved_slider(scene.slider, scene.stator))
 
 

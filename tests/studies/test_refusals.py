@@ -4,6 +4,7 @@ import pytest
 
 from studies import Scene, SceneError
 from studies.override import assigned
+from studies.resolved import resolved
 from studies.scene import read_table
 
 NAN = float("nan")
@@ -147,3 +148,28 @@ def test_python_construction_is_refused_in_the_same_words():
 
     with pytest.raises(SceneError, match=r"^wave\.frequency must be positive and finite, got -1\.0 Hz$"):
         Wave(frequency=-1, normal_amplitude=1e-9, tangential_ratio=0.7)
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "parts"),
+    [
+        ("twente-contact", ["wave.burst=1e6"], ["wave.burst", "at most", "2.2e+12 cycles", "hours", "1e+06 s"]),
+        ("twente-contact", ["wave.burst=4", "slider.law=hysteretic"], ["wave.burst", "2.73 s", "got 4 s"]),
+        ("twente", ["drive.burst=1 h"], ["drive.burst", "364 s", "got 3600 s"]),
+    ],
+)
+def test_a_burst_that_takes_hours_is_refused(name, settings, parts):
+    table = read_table(name)
+    for setting in settings:
+        table = assigned(table, setting)
+    with pytest.raises(SceneError) as refusal:
+        resolved(Scene.from_table("", table))
+    assert all(part in str(refusal.value) for part in parts), str(refusal.value)
+
+
+@pytest.mark.parametrize("settings", [["wave.burst=100"], ["wave.burst=2", "slider.law=hysteretic"]])
+def test_a_long_burst_is_not_refused(settings):
+    table = read_table("twente-contact")
+    for setting in settings:
+        table = assigned(table, setting)
+    assert resolved(Scene.from_table("", table)).burst > 1
