@@ -26,6 +26,7 @@ from tests.studies.scene_mutations import (
     stress_bases,
 )
 
+pytestmark = pytest.mark.filterwarnings("ignore:Generating overly large repr")
 QUIET = {
     "deadline": None,
     "database": None,
