@@ -10,13 +10,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem.densities import Densities, densities, shared, upward_slope
+from fem.free import FreeWave
 from fem.readout import column_fields
 from fem.solution import Solution
 from fem.spectral import gll_nodes, lagrange
 from fem.surface import Covered, SurfaceWave
 
 HAIR = 1e-6  # of the lines' distance: places nearer than this are one
-FREE_LINES = 24  # per wavelength of a free wave, which is shown over a few of them
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,14 +148,19 @@ def wave_field(
     )
 
 
-def free_field(wave, *, length: float, energies: bool = False) -> WaveField:
+def free_field(
+    wave: FreeWave, *, span: tuple[float, float], per_wavelength: float = 24, energies: bool = False
+) -> WaveField:
     """Return the field of a free wave over a length.
 
     Parameters
     ----------
     wave : FreeWave
-    length : float
-        m; the wave starts with u_z = 1 m at x = 0.
+        u_z = 1 m at the surface at x = 0.
+    span : tuple of float
+        m.
+    per_wavelength : float
+        Lines per wavelength.
     energies : bool
         Whether strain energy and power flow are wanted too.
 
@@ -165,7 +170,7 @@ def free_field(wave, *, length: float, energies: bool = False) -> WaveField:
         Over u_z at the surface.
     """
     wavelength = wave.velocity / wave.frequency
-    x = np.linspace(0, length, max(int(FREE_LINES * length / wavelength), 2) + 1)
+    x = _lines(*span, wavelength / per_wavelength, ())
     exponent = -(2j * np.pi / wavelength + wave.attenuation)
     values = np.exp(exponent * x)[:, None, None] * wave.profile
     found = None

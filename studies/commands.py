@@ -89,6 +89,7 @@ def wave(arguments: argparse.Namespace) -> int:
 
 def study(arguments: argparse.Namespace) -> int:
     """Run a study, or list them with their questions."""
+    from studies.override import axes_given
     from studies.progress import Progress
     from studies.study import STUDIES, module, question, run_study
 
@@ -99,7 +100,9 @@ def study(arguments: argparse.Namespace) -> int:
     module(arguments.name)
     out = arguments.out or Path("results") / arguments.name
     with result_directory(out) as folder, Progress() as progress:
-        answer = run_study(arguments.name, arguments.scene, folder, progress=progress)
+        answer = run_study(
+            arguments.name, arguments.scene, folder, progress=progress, over=axes_given(arguments.over)
+        )
     print(f"{answer}\nresults  {out}")
     return 0
 
@@ -107,15 +110,15 @@ def study(arguments: argparse.Namespace) -> int:
 def view(arguments: argparse.Namespace) -> int:
     """Show a run in a window, or draw it into files and name them."""
     from studies.progress import Progress
-    from studies.view import screenshot, show
+    from studies.view import view as show
+    from studies.view_options import Wanted
 
+    wanted = Wanted.read(arguments)
     with Progress() as progress:
-        if arguments.screenshot is None:
-            show(arguments.run, progress=progress)
-        else:
-            screenshot(arguments.run, arguments.screenshot, progress=progress)
-    if arguments.screenshot is not None:
-        print(arguments.screenshot)
+        remark = show(arguments.run, wanted, progress=progress)
+    if remark is not None:
+        print(f"sawmotor: {remark}", file=sys.stderr)
+    print("\n".join(wanted.files), end="\n" if wanted.files else "")
     return 0
 
 

@@ -82,12 +82,40 @@ def parser() -> argparse.ArgumentParser:
     study.add_argument(
         "scene", metavar="SCENE", nargs="?", help="a path or a shipped name, for studies of a scene"
     )
+    _axes(study)
     study.add_argument("--out", metavar="DIR", help="where the results go (results/NAME)")
 
-    view = _call(calls, "view", "the wave field of a run, in a window or as a picture")
-    view.add_argument("run", metavar="RUN_DIR", help="a directory that `sawmotor run` left")
-    view.add_argument("--screenshot", metavar="FILE", help="draw off screen into a PNG file")
+    _view(_call(calls, "view", "the wave field of a run, in a window, as a picture, a movie, a page or data"))
     return top
+
+
+def _view(call: argparse.ArgumentParser) -> None:
+    call.add_argument("run", metavar="RUN_DIR", help="a directory that `sawmotor run` left")
+    call.add_argument("--screenshot", metavar="FILE", help="draw off screen into a PNG file")
+    call.add_argument("--movie", metavar="FILE", help="one period of the wave as .gif or .mp4")
+    call.add_argument("--html", metavar="FILE", help="a page that moves and zooms in any browser, offline")
+    call.add_argument(
+        "--data",
+        metavar="FILE",
+        help=".vtu (complex field), .pvd (instants of a period) or .csv of the field",
+    )
+    call.add_argument("--show", metavar="WHAT", help="field, solid (the whole width) or contact (field)")
+    call.add_argument(
+        "--quantity",
+        metavar="Q",
+        default="u_z",
+        help="what colours it: u_z, u_x, u_y, potential, strain_energy, power_flow (u_z)",
+    )
+    call.add_argument("--phase", metavar="DEGREES", default="0", help="the instant, omega t (0)")
+    call.add_argument("--span", metavar="SPAN", help="whole, slider, wavelength or START:STOP in mm")
+    call.add_argument(
+        "--scale", metavar="TIMES", help="by which the displacement is enlarged (so that it is seen)"
+    )
+    call.add_argument("--size", metavar="WxH", help="pixels of the picture or movie")
+    call.add_argument("--frames", metavar="N", help="pictures of a movie (24), instants of a .pvd (12)")
+    call.add_argument(
+        "--voltage", metavar="V", help="of the contact; of a given wave its amplitude in m (the largest)"
+    )
 
 
 def _call(calls, name: str, text: str) -> argparse.ArgumentParser:

@@ -24,12 +24,14 @@ STUDIES = (
     "dispersion",
     "regime_map",
     "load_line",
+    "design_map",
     "contact_error_vs_time",
     "cell_triple",
     "fem_error_vs_time",
+    "gallery",
+    "published_motors",
     "error_vs_time",
     "calibration",
-    "published_motors",
 )
 
 
@@ -131,12 +133,18 @@ def question(name: str) -> str:
     return module(name).__doc__.splitlines()[0]
 
 
-def run_study(name: str, scene: str | None, folder: Path, *, progress: Callable[[str], None]) -> str:
-    """Run a study, leave its files in a directory and return its answer as text."""
+def run_study(
+    name: str, scene: str | None, folder: Path, *, progress: Callable[[str], None], over: dict | None = None
+) -> str:
+    """Run a study, over these axes if it takes any, leave its files in a directory and return its answer as text."""
     chosen = module(name)
+    if over and not getattr(chosen, "TAKES_AXES", False):
+        raise SceneError("--over", f"is not taken by the study {name}")
+    axes = {"over": over} if over else {}
     if scene is not None and not getattr(chosen, "TAKES_SCENE", False):
         raise SceneError("study", f"{name} has its own scenes and takes none")
-    record = chosen.run(scene, progress=progress) if scene is not None else chosen.run(progress=progress)
+    scenes = () if scene is None else (scene,)
+    record = chosen.run(*scenes, progress=progress, **axes)
     if isinstance(record, Record):
         from studies.answer import answer
         from studies.files import write_run
@@ -150,6 +158,9 @@ def run_study(name: str, scene: str | None, folder: Path, *, progress: Callable[
         for file, content in getattr(chosen, "tables", lambda record: {})(record).items():
             (folder / file).write_text(content, encoding="utf-8")
     progress("drawing")
+    if hasattr(chosen, "draw"):
+        chosen.draw(record, folder, progress=progress)
+        return text
     from studies.figures import saved
 
     for file, panel in panels.items():

@@ -51,7 +51,7 @@ def test_a_lossless_wave_carries_twice_its_kinetic_energy_at_its_velocity(name):
     else:
         solid = lossless(name, "YZ" if "Li" in name else "Z")
     wave = free_wave(plate(solid, thickness=6.0, bottom="absorbing"), frequency=FREQUENCY, tolerance=1e-9)
-    field = free_field(wave, length=1e-3, energies=True)
+    field = free_field(wave, span=(0.0, 1e-3), energies=True)
     kinetic = 0.25 * solid.density * OMEGA**2 * np.sum(abs(field.displacement) ** 2, axis=2)
     kinetic, strain, power = (
         depth_integral(values, field.z, wave.order)
@@ -69,7 +69,7 @@ def test_densities_of_the_meshless_half_space():
     solid = lossless("PZT-8", "Z")
     exact = rayleigh(solid, "open")
     wave = free_wave(plate(solid, thickness=4.0, bottom="absorbing"), frequency=FREQUENCY, tolerance=1e-9)
-    found = free_field(wave, length=1e-3, energies=True).densities
+    found = free_field(wave, span=(0.0, 1e-3), energies=True).densities
     wavelength, step = exact.velocity / FREQUENCY, 1e-4
     near = (wave.depth > -1.5 * wavelength) & (wave.depth < -step * wavelength)
     depth = -wave.depth[near] / wavelength

@@ -1,110 +1,501 @@
-"""The picture of a run's field: what its data hold, measured back, and that it is drawn off screen."""
+"""What `sawmotor view` shows: the drawn data measured back, and refusals in one sentence; everything off screen."""
 
+import base64
+import gzip
 import json
+import re
+import shutil
+import subprocess
+import sys
+from html import unescape
+from xml.etree import ElementTree
 
+import meshio
 import numpy as np
 import pytest
+import pyvista
 from PIL import Image
 
+from studies import field_data, movie, stage, view, wave_page
 from studies.__main__ import main
 from studies.chain import run
 from studies.files import write_run
+from studies.frame import MM, View
 from studies.override import assigned
 from studies.refusal import RunError, SceneError
 from studies.run_field import run_field
 from studies.scene import Scene, read_table
-from studies.view import magnification, screenshot, section
+from studies.shading import shade
+from studies.stage import Stage, magnification, views
+from studies.view_options import Wanted
+
+CHROMIUM = shutil.which("chromium")
 
 
 def quiet(text):
     return None
 
 
+def stage_of(found, shown, **changes):
+    given = {
+        "quantity": "u_z",
+        "phase": 0.0,
+        "factor": None,
+        "size": (1000, 400),
+        "off_screen": True,
+        "smooth": False,
+    }
+    return Stage(found, shown, **(given | changes))
+
+
+def drawn_surface(piece):
+    """Places in x and z of the section's upper edge as it is drawn, mm, and its colour value, of a piece's mesh."""
+    rows = len(piece.patch.z)
+    return piece.mesh.points[rows - 1 :: rows, [0, 2]].T.astype(float), piece.mesh["shade"][rows - 1 :: rows]
+
+
 @pytest.fixture(scope="module")
-def left(tmp_path_factory):
-    """A small driven motor, run with its field kept, and the same without."""
+def folder(tmp_path_factory):
+    """A small driven motor that has been run."""
     table = read_table("twente-left")
     settings = ["stator.length=24 mm", "transducer.0.center=5 mm", "transducer.0.finger_pairs=3"]
-    for setting in [*settings, "slider.position=14 mm", "drive.voltage=60"]:
+    for setting in [*settings, "slider.position=14.123 mm", "drive.voltage=60"]:
         table = assigned(table, setting)
-    record = run(Scene.from_table("", table), tolerance=1e-2)
-    folders = [tmp_path_factory.mktemp(name) for name in ("kept", "anew")]
-    for folder, field in zip(folders, (True, False), strict=True):
-        write_run(record, folder, field=field)
-    return record, *folders
+    folder = tmp_path_factory.mktemp("run")
+    write_run(run(Scene.from_table("", table), tolerance=1e-2), folder, field=False)
+    return folder
 
 
-def test_the_field_s_surface_is_the_motion_of_the_record(left):
-    record, kept, anew = left
-    for folder in (kept, anew):
-        found = run_field(folder, progress=quiet)
-        surface = found.field.displacement[:, -1]
-        # a place where both were sampled: the stator's left end
-        assert surface[0, 2] == pytest.approx(record.surface["u_z_m_per_V"][0], rel=1e-9)
-        assert found.field.z[-1] == 0.0
+@pytest.fixture(scope="module")
+def found(folder):
+    return run_field(folder, progress=quiet)
 
 
-def test_the_drawn_section_holds_the_field_with_its_wavelength(left):
-    _, kept, _ = left
-    found = run_field(kept, progress=quiet)
-    grid = section(found, magnification(found), 0.0, 0.024, -0.005)
-    values = grid[found.label]
-    assert np.abs(values).max() == pytest.approx(
-        abs(found.field.displacement[:, :, 2].real).max() * 1e9, rel=1e-12
+@pytest.fixture(scope="module")
+def long(tmp_path_factory):
+    """Seventy wavelengths of the seed's stator beside a transducer, absorbing ends, without a slider."""
+    table = read_table("twente-left")
+    del table["slider"]
+    table = assigned(assigned(table, "stator.length=95 mm"), "drive.voltage=1")
+    folder = tmp_path_factory.mktemp("long")
+    write_run(run(Scene.from_table("", table), tolerance=1e-2), folder, field=False)
+    return run_field(folder, progress=quiet)
+
+
+@pytest.fixture(scope="module")
+def given(tmp_path_factory):
+    """A run whose scene gives the surface motion."""
+    folder = tmp_path_factory.mktemp("given")
+    table = assigned(read_table("twente-contact"), "wave.normal_amplitude=[3e-9, 10e-9]")
+    write_run(run(Scene.from_table("", table), tolerance=1e-3), folder, field=False)
+    return folder
+
+
+def test_the_exported_field_moves_the_surface_as_the_run_says(found, folder, tmp_path):
+    """Read by meshio, linear interpolation along the surface gives run.json's motion under the slider."""
+    field_data.save(found, tmp_path / "field.vtu", span=None, instants=0, progress=quiet)
+    mesh = meshio.read(tmp_path / "field.vtu")
+    wave = json.loads((folder / "run.json").read_text())["wave"]
+    top = mesh.points[:, 2] == 0
+    x, order = mesh.points[top, 0], np.argsort(mesh.points[top, 0])
+    for axis, name in ((0, "tangential_m_per_V"), (2, "normal_m_per_V")):
+        for part, key in enumerate(("real", "imag")):
+            values = mesh.point_data[f"displacement_m_per_V_{key}"][top, axis]
+            assert np.interp(14.123e-3, x[order], values[order]) == pytest.approx(
+                wave[name][part], rel=1e-10, abs=0
+            )
+    for name in ("strain_energy_J_per_m3_per_V2", "power_flow_W_per_m2_per_V2"):
+        assert {name, f"{name}_pulse_real", f"{name}_pulse_imag"} <= set(mesh.point_data)
+
+
+def test_a_run_that_does_not_tell_its_resolution_is_run_again(found, folder, tmp_path):
+    shutil.copytree(folder, tmp_path / "older")
+    record = json.loads((folder / "run.json").read_text())
+    del record["wave"]["resolution"]
+    (tmp_path / "older" / "run.json").write_text(json.dumps(record))
+    again = run_field(tmp_path / "older", progress=quiet)
+    assert again.surface(14.123e-3) == pytest.approx(found.surface(14.123e-3), rel=2e-2)
+
+
+def test_the_drawn_field_has_the_computed_wavelength_and_turns_against_the_wave(long):
+    """Phase of u_z along the drawn upper edge at two instants a quarter period apart, fitted over 70 wavelengths."""
+    drawn = stage_of(long, (View(name="", start=0.022, stop=0.094, weight=1.0),), size=(8000, 300))
+    (piece,) = drawn.pieces
+    rest = piece.patch.x * MM
+    moved, values = [], []
+    for phase in (0.0, -0.5 * np.pi):
+        drawn.set_phase(phase)
+        places, value = drawn_surface(piece)
+        moved.append(places[0] - rest)
+        values.append(value.astype(float))
+    u_z, u_x = values[0] + 1j * values[1], moved[0] + 1j * moved[1]
+    slope = np.polyfit(rest, np.unwrap(np.angle(u_z)), 1)[0]
+    assert slope < 0  # exp(+i omega t): the wave runs to +x
+    assert 2 * np.pi / -slope == pytest.approx(long.wavelength * MM, rel=1e-3)
+    at_crest = (1j * u_x * np.conj(u_z)).real  # velocity along x at the instant of largest u_z
+    assert np.all(at_crest < 0)
+    drawn.close()
+
+
+def test_in_time_the_drawn_wave_runs_and_its_crests_move_back(found):
+    """The later instant is the earlier one moved to +x; a crest's material moves to -x."""
+    drawn = stage_of(found, (View(name="", start=0.012, stop=0.016, weight=1.0),))
+    (piece,) = drawn.pieces
+    (x, z), _ = drawn_surface(piece)
+    drawn.set_phase(0.3)
+    (later_x, later_z), _ = drawn_surface(piece)
+    even = np.linspace(12.6, 15.4, 2000)
+    before, after = (np.interp(even, one, other) for one, other in ((x, z), (later_x, later_z)))
+    step = round(0.3 / (2 * np.pi) * found.wavelength * MM / (even[1] - even[0]))
+    forward = np.sum(before[:-step] * after[step:])
+    assert forward > 1.05 * np.sum(before[step:] * after[:-step])
+    crests = z > 0.7 * z.max()
+    assert np.mean((later_x - x)[crests]) < 0
+    drawn.close()
+
+
+def test_colours_reach_from_end_to_end_of_the_field_and_say_it(found):
+    drawn = stage_of(found, views(found), size=(1000, 700))
+    outside = ~found.near_transducer(found.field.x)
+    largest = abs(found.field.displacement[outside, :, 2]).max() * 1e9
+    assert drawn.shade.limits == pytest.approx((-largest, largest), rel=1e-12)
+    for row, piece in enumerate(drawn.pieces):
+        actors = drawn.plotter.renderers[row].actors.values()
+        mappers = [each.mapper for each in actors if isinstance(each, pyvista.Actor)]
+        (mapper,) = (each for each in mappers if each.dataset is piece.mesh)
+        assert mapper.scalar_range == pytest.approx(drawn.shade.limits)
+        assert piece.mesh["shade"].max() > 0.2 * largest
+    assert drawn.shade.label == "u_z (nm per V)"
+    drawn.set_quantity("strain_energy")
+    assert drawn.shade.limits[0] == 0 < drawn.shade.limits[1]
+    assert (
+        min(piece.mesh["shade"].min() for piece in drawn.pieces) >= -1e-3 * drawn.shade.reach
+    )  # between nodes
+    drawn.close()
+
+
+def test_far_away_nodes_are_passed_over_and_none_is_averaged(found):
+    from studies.patch import patch
+
+    far = patch(found, shade(found, "u_z"), span=(0.0, found.length), bottom=-5e-3, spacing=0.1e-3)
+    field = found.field
+    lines, rows = np.searchsorted(field.x, far.x), np.abs(field.z[:, None] - far.z).argmin(axis=0)
+    assert len(far.x) < 0.6 * len(field.x)
+    np.testing.assert_array_equal(field.x[lines], far.x)
+    np.testing.assert_allclose(
+        far.displacement, field.displacement[np.ix_(lines, rows)][..., [0, 2]], rtol=1e-9
     )
-    far = section(found, 0.0, 0.012, 0.023, -1e-9)
-    top = far.points[:, 2].max()
-    x, u = far.points[far.points[:, 2] == top, 0], far[found.label][far.points[:, 2] == top]
-    even = np.linspace(x[0], x[-1], 4096)
-    spectrum = abs(np.fft.rfft(np.interp(even, x, u) * np.hanning(4096), 1 << 17))
-    wavelength = (even[1] - even[0]) * (1 << 17) / spectrum.argmax()
-    assert wavelength == pytest.approx(
-        found.wavelength * 1e3, rel=0.01
-    )  # 11 wavelengths and the plate's other modes
+    assert np.diff(far.x)[:-1].min() >= 0.1e-3
 
 
-def test_the_enlarged_displacement_is_seen_and_its_factor_round(left):
-    _, kept, _ = left
-    found = run_field(kept, progress=quiet)
+def test_from_near_the_modes_give_the_lines_between(found):
+    """Within one wavelength hundreds of lines, on the stator's own motion."""
+    from studies.patch import patch
+
+    start, stop = 14e-3, 15e-3
+    near = patch(found, shade(found, "u_z"), span=(start, stop), bottom=-0.4e-3, spacing=1e-6)
+    assert len(near.x) > 150
+    assert np.diff(near.z).max() < 7e-6
+    even = np.linspace(start, stop, 12001)
+    coarse = found.compute(span=(start, stop), per_wavelength=12000.0, energies=False)
+    for k, axis in enumerate((0, 2)):
+        expected = np.interp(near.x, coarse.x, coarse.displacement[:, -1, axis].real)
+        np.testing.assert_allclose(
+            near.displacement[:, -1, k].real, expected, atol=1e-6 * abs(expected).max()
+        )
+    assert even.size == 12001
+
+
+def test_the_enlarged_displacement_is_seen_and_its_factor_round(found):
     factor = magnification(found)
     assert 0.04 < factor * abs(found.field.displacement).max() / found.wavelength < 0.16
     assert len(f"{factor:g}".strip("0")) == 1
 
 
-def test_a_screenshot_shows_section_electrodes_and_slider(left, tmp_path):
-    _, kept, _ = left
-    screenshot(kept, tmp_path / "field.png", progress=quiet)
-    pixels = np.asarray(Image.open(tmp_path / "field.png").convert("RGB")).astype(int)
-    red = (pixels[:, :, 0] - pixels[:, :, 2] > 80).mean()
-    blue = (pixels[:, :, 2] - pixels[:, :, 0] > 80).mean()
-    comb = (abs(pixels - [230, 159, 0]).max(axis=2) < 10).sum()
-    assert red > 1e-3
-    assert blue > 1e-3
-    assert comb > 100  # one comb's colour
-    lower = pixels[-400:]
-    grey = (np.ptp(lower, axis=2) < 12) & (lower.max(axis=2) < 180) & (lower.max(axis=2) > 30)
-    assert grey[:, 700:900].sum() > 1000  # the ball, amid the lowest picture
+def test_a_screenshot_shows_section_electrodes_and_slider_where_they_are(found, folder, tmp_path):
+    view.view(folder, Wanted(screenshot=str(tmp_path / "a.png"), size=(1600, 1100)), progress=quiet)
+    pixels = np.asarray(Image.open(tmp_path / "a.png").convert("RGB")).astype(int)
+    assert (pixels[:, :, 0] - pixels[:, :, 2] > 60).mean() > 1e-3  # orange
+    assert (pixels[:, :, 2] - pixels[:, :, 0] > 60).mean() > 1e-3  # blue
+    combs = [(abs(pixels - colour).max(axis=2) < 12).sum() for colour in ([0, 0, 0], [204, 121, 167])]
+    assert min(combs) > 200
+    drawn = stage_of(found, views(found), size=(1600, 1100))
+    frame = drawn.frame(2)
+    lowest = pixels[-int(frame.height) :]
+    disc = (abs(lowest - 0x99).max(axis=2) < 4).sum(axis=0) > 30
+    columns = np.flatnonzero(disc)
+    middle = 0.5 * (frame.left + 1 - frame.right) * frame.width
+    place = (0.5 * (columns[0] + columns[-1]) + 0.5 - middle) * frame.pixel + 0.5 * (
+        frame.view.start + frame.view.stop
+    )
+    assert place == pytest.approx(14.123e-3, abs=2 * frame.pixel)
+    assert (columns[-1] - columns[0]) * frame.pixel == pytest.approx(2e-3, rel=0.03)
+    drawn.close()
+
+
+def test_fingers_ride_on_the_surface(found):
+    drawn = stage_of(found, (View(name="", start=0.0, stop=0.01, weight=1.0),), phase=0.9)
+    (piece,) = drawn.pieces
+    (x, z), _ = drawn_surface(piece)
+    for sign, fingers in piece.fingers.items():
+        points = np.asarray(fingers.mesh.points)
+        assert len(points) == 6 * len(found.fingers[sign])
+        np.testing.assert_allclose(points[::2, 2], np.interp(points[::2, 0], x, z), atol=2e-3 * np.ptp(z))
+        assert np.all(points[1::2, 2] > points[::2, 2])
+    assert set(piece.fingers) == {"+", "-"}
+    drawn.close()
+
+
+def test_pictures_come_fast_and_take_little_memory(found):
+    """Fifteen a second at 1000 x 400 by the processor's time; the whole 160 mm is measured by the benchmark."""
+    import time
+
+    drawn = stage_of(found, stage.chosen_views(found, None))
+    drawn.image()
+    begun = time.process_time()
+    for number in range(8):
+        drawn.set_phase(0.3 * number)
+        assert drawn.image().shape == (400, 1000, 3)
+    assert 8 / (time.process_time() - begun) > 15
+    drawn.close()
 
 
 def test_a_free_wave_is_drawn_from_its_profile(tmp_path):
-    record = run(Scene.load("rayleigh"), tolerance=1e-3)
-    write_run(record, tmp_path, field=True)
-    found = run_field(tmp_path, progress=quiet)
-    assert found.fingers == {}
-    assert found.balls == found.close == ()
-    u_x, _, u_z = found.field.displacement[0, -1]
+    write_run(run(Scene.load("rayleigh"), tolerance=1e-3), tmp_path, field=True)
+    free = run_field(tmp_path, progress=quiet)
+    assert free.fingers == {}
+    assert free.balls == free.spans == ()
+    u_x, _, u_z = free.field.displacement[0, -1]
     assert u_z == pytest.approx(1.0, abs=1e-12)
     assert (u_x / u_z).imag > 0  # retrograde: exp(+i omega t), towards +x
-    steps = np.diff(np.unwrap(np.angle(found.field.displacement[:, -1, 2])))
-    advance = 2 * np.pi * np.diff(found.field.x) / found.wavelength
-    np.testing.assert_allclose(steps, -advance, rtol=1e-9)
+    steps = np.diff(np.unwrap(np.angle(free.field.displacement[:, -1, 2])))
+    np.testing.assert_allclose(steps, -2 * np.pi * np.diff(free.field.x) / free.wavelength, rtol=1e-9)
+    # measured in the picture itself: colours of the undeformed section just below the surface
+    drawn = stage_of(free, views(free), factor=0.0, size=(1600, 500), smooth=False)
+    pixels, frame = drawn.image().astype(float), drawn.frame(0)
+    row = (
+        int(500 * (1 - (0.5 * (0.17 + 1 - 0.12) - 0.5 * (frame.top + frame.bottom) / frame.pixel / 500))) + 3
+    )
+    inside = slice(int(frame.left * 1600) + 4, int((1 - frame.right) * 1600) - 4)
+    tone = pixels[row, inside, 0] - pixels[row, inside, 2]
+    spectrum = abs(np.fft.rfft((tone - tone.mean()) * np.hanning(len(tone)), 1 << 20))
+    assert (1 << 20) / spectrum.argmax() * frame.pixel == pytest.approx(free.wavelength, rel=1e-3)
+    drawn.close()
 
 
-def test_a_scene_without_a_stator_says_why_there_is_no_field(tmp_path):
-    table = assigned(read_table("twente-contact"), "wave.normal_amplitude=3 nm")
-    write_run(run(Scene.from_table("", table), tolerance=1e-3), tmp_path, field=False)
-    with pytest.raises(SceneError, match="no wave field: its scene gives the surface motion"):
-        run_field(tmp_path, progress=quiet)
+def test_the_solid_carries_field_within_the_aperture_only(found):
+    from studies import beam
+
+    drawn = beam.solid(found, quantity="u_z", phase=0.0, factor=1.0, size=(600, 300), off_screen=True)
+    bounds = drawn.actors["surface"].mapper.dataset.bounds
+    assert (bounds.y_min, bounds.y_max) == pytest.approx((-10.0, 10.0))
+    whole = drawn.bounds
+    assert (whole.y_min, whole.y_max) == pytest.approx((-17.5, 17.5))
+    assert (whole.x_max - whole.x_min, whole.z_min) == pytest.approx((24.0, -5.0), abs=1e-3)
+    assert "only within the 20 mm aperture" in beam.said(found)
+    assert np.asarray(drawn.screenshot(return_img=True)).std() > 5
+    drawn.close()
+
+
+def test_a_movie_holds_one_period(found, folder, tmp_path):
+    file = tmp_path / "a.gif"
+    view.view(folder, Wanted(movie=str(file), size=(500, 220), frames=4, span="slider"), progress=quiet)
+    with Image.open(file) as picture:
+        assert (picture.n_frames, picture.size) == (4, (500, 220))
+        frames = []
+        for number in range(4):
+            picture.seek(number)
+            frames.append(np.asarray(picture.convert("RGB")).astype(float))
+    tones = [(frame[..., 0] - frame[..., 2])[100:, 100:360] for frame in frames]
+    half_a_period, quarter = (np.corrcoef(tones[0].ravel(), tones[k].ravel())[0, 1] for k in (2, 1))
+    assert half_a_period < -0.8
+    assert abs(quarter) < 0.5
+
+
+@pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="an MP4 needs ffmpeg")
+def test_a_movie_as_mp4(tmp_path):
+    frames = (np.full((50, 81, 3), 20 * k, dtype=np.uint8) for k in range(8))
+    assert movie.save(frames, tmp_path / "a.mp4", rate=8.0) == 8
+    assert (tmp_path / "a.mp4").read_bytes()[4:8] == b"ftyp"
+
+
+def test_without_ffmpeg_the_sentence_says_what_to_install(monkeypatch, tmp_path):
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    with pytest.raises(
+        RunError, match="ffmpeg, which is not installed: pip install imageio-ffmpeg, or name a"
+    ):
+        movie.check(tmp_path / "a.mp4")
+    movie.check(tmp_path / "a.gif")
+
+
+def test_without_pyvista_the_sentence_says_what_to_install(monkeypatch, folder, tmp_path):
+    monkeypatch.setitem(sys.modules, "pyvista", None)
+    with pytest.raises(RunError, match="pip install pyvista"):
+        view.view(folder, Wanted(screenshot=str(tmp_path / "a.png")), progress=quiet)
+
+
+def test_without_a_display_the_window_is_refused_with_what_to_do(monkeypatch, folder, given):
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    for which in (folder, given):
+        with pytest.raises(RunError, match="no display to open a window on; --screenshot"):
+            view.view(which, Wanted(), progress=quiet)
+
+
+def test_the_window_plays_pauses_picks_and_zooms(found):
+    from studies.window import Window
+
+    window = Window(found, quantity="u_z", phase=1.0, factor=None, span=None, off_screen=True)
+    assert window.playing
+    assert window.stage.shown[1].stop - window.stage.shown[1].start == pytest.approx(2 * found.wavelength)
+    window.tick(0)
+    assert window.stage.phase > 1.0
+    window.pick_phase(90.0)
+    assert not window.playing
+    assert window.stage.phase == pytest.approx(np.pi / 2)
+    window.tick(1)
+    assert window.stage.phase == pytest.approx(np.pi / 2)
+    window.pick_quantity("power_flow")
+    assert window.stage.shade.label.startswith("power flow along x (W/m^2")
+    window.pick_zoom(0.0)
+    assert window.stage.shown[1].stop - window.stage.shown[1].start == pytest.approx(found.wavelength)
+    window.pick_place(23.9)
+    assert window.stage.shown[1].stop == pytest.approx(found.length)
+    window.pick_zoom(5.0)
+    assert (window.stage.shown[1].start, window.stage.shown[1].stop) == pytest.approx((0.0, found.length))
+    assert window.stage.image().std() > 5
+    window.stage.close()
+
+
+@pytest.fixture(scope="module")
+def page(found):
+    return wave_page.page(found, quantity="potential", phase=0.5, factor=None, span=(0.012, 0.016))
+
+
+def test_the_page_needs_nothing_from_elsewhere(page):
+    without_data = re.sub(r'<script id="data".*?</script>', "", page, flags=re.S)
+    assert not re.search(r"(https?:)?//[a-z]", without_data)
+    assert not re.search(r"\b(src|href)=(?!\"data:)", without_data)
+    assert "@META@" not in page
+    assert "@DATA@" not in page
+
+
+def test_the_page_carries_the_field(page, found):
+    meta = json.loads(re.search(r'<script id="meta"[^>]*>(.*?)</script>', page, re.S).group(1))
+    raw = gzip.decompress(
+        base64.b64decode(re.search(r'<script id="data"[^>]*>(.*?)</script>', page, re.S).group(1))
+    )
+    arrays, offset = {}, 0
+    for name, kind, length in meta["arrays"]:
+        arrays[name] = np.frombuffer(raw, dtype=f"<{kind}", count=length, offset=offset)
+        offset += -(-arrays[name].nbytes // 4) * 4
+    assert offset == len(raw)
+    lines = np.abs(found.field.x[:, None] - arrays["x"]).argmin(axis=0)
+    rows = np.abs(found.field.z[:, None] - arrays["z"]).argmin(axis=0)
+    moved = arrays["moved"].reshape(meta["nx"], meta["nz"], 4) / 32767 * meta["moved_scale"]
+    field = found.field.displacement[np.ix_(lines, rows)]
+    assert abs(moved[..., 2] + 1j * moved[..., 3] - field[..., 2]).max() < 3e-5 * meta["moved_scale"]
+    names = [each["name"] for each in meta["quantities"]]
+    assert names == ["u_z", "u_x", "potential", "strain_energy", "power_flow"]
+    power = meta["quantities"][-1]
+    mean = arrays["power_flow"].reshape(meta["nx"], meta["nz"], 4)[..., 0] / 32767 * power["scale"]
+    expected = found.whole(energies=True).densities.power_flow[np.ix_(lines, rows)][..., 0]
+    assert abs(mean - expected).max() < 3e-5 * power["scale"]
+    assert (power["turns"], power["signed"], meta["balls"]) == (2, True, [14.123e-3])
+    assert len(meta["fingers"]) == 6
+
+
+def test_a_notebook_shows_the_page(folder):
+    html = wave_page.widget(folder)._repr_html_()
+    inner = re.fullmatch(r'<iframe srcdoc="([^"]*)" style="[^"]*"></iframe>', html).group(1)
+    assert unescape(inner).startswith("<!DOCTYPE html>")
+
+
+def chromium_says(file, tmp_path):
+    """What headless Chromium writes on the console of a page, without a network, and the page's last state."""
+    flags = (
+        "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking"
+    )
+    flags += (
+        " --disable-component-update --disable-sync --enable-unsafe-swiftshader --enable-logging=stderr --v=0"
+    )
+    flags += f" --virtual-time-budget=3000 --user-data-dir={tmp_path / 'profile'} --dump-dom"
+    done = subprocess.run(
+        [CHROMIUM, *flags.split(), file.as_uri()], capture_output=True, text=True, timeout=120, check=True
+    )
+    return [line for line in done.stderr.splitlines() if "CONSOLE" in line], done.stdout
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+def test_the_page_opens_in_a_browser_without_an_error(page, tmp_path):
+    (tmp_path / "page.html").write_text(page)
+    console, dom = chromium_says(tmp_path / "page.html", tmp_path)
+    said = [line for line in console if "GL Driver Message" not in line and "swiftshader" not in line]
+    assert said == []
+    assert 'data-ready="yes"' in dom
+    (tmp_path / "bad.html").write_text("<script>undefined_function()</script>")
+    console, _ = chromium_says(tmp_path / "bad.html", tmp_path)
+    assert any("undefined_function" in line for line in console)  # an error would be seen
+
+
+def test_a_time_series_is_the_field_at_its_instants(found, tmp_path):
+    field_data.save(found, tmp_path / "wave.pvd", span=(0.013, 0.015), instants=3, progress=quiet)
+    sets = ElementTree.parse(tmp_path / "wave.pvd").getroot().findall("Collection/DataSet")
+    assert [float(each.get("timestep")) * 2.2e6 for each in sets] == pytest.approx([0, 1 / 3, 2 / 3])
+    field = found.compute(span=(0.013, 0.015), energies=True)
+    for number, each in enumerate(sets):
+        mesh = meshio.read(tmp_path / each.get("file"))
+        turn = np.exp(2j * np.pi * number / 3)
+        expected = (field.displacement * turn).real.reshape(-1, 3)
+        moved = mesh.point_data["displacement_m_per_V"]
+        np.testing.assert_allclose(moved, expected, atol=1e-6 * abs(expected).max())
+        power = field.densities.power_flow + (field.densities.power_flow_pulse * turn**2).real
+        told = mesh.point_data["power_flow_W_per_m2_per_V2"][:, [0, 2]]
+        np.testing.assert_allclose(told, power.reshape(-1, 2), atol=1e-6 * abs(power).max())
+
+
+def test_a_table_of_the_field_is_one_row_a_node(found, tmp_path):
+    field_data.save(found, tmp_path / "field.csv", span=(0.0135, 0.014), instants=0, progress=quiet)
+    table = np.genfromtxt(tmp_path / "field.csv", delimiter=",", names=True)
+    field = found.compute(span=(0.0135, 0.014), energies=True)
+    assert len(table) == field.potential.size
+    np.testing.assert_array_equal(table["u_z_m_per_V_im"], field.displacement[..., 2].imag.ravel())
+    np.testing.assert_array_equal(
+        table["strain_energy_J_per_m3_per_V2"], field.densities.strain_energy.ravel()
+    )
+    np.testing.assert_array_equal(table["z_m"][: len(field.z)], field.z)
+
+
+def test_a_scene_without_a_stator_shows_its_contact_and_says_why(given, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("sys.argv", ["sawmotor", "view", str(given), "--screenshot", str(tmp_path / "a.png")])
+    assert main() == 0
+    captured = capsys.readouterr()
+    assert "no wave field: the scene of this run gives the surface motion itself" in captured.err
+    assert captured.out.strip() == str(tmp_path / "a.png")
+    assert np.asarray(Image.open(tmp_path / "a.png")).std() > 20
+    with pytest.raises(SceneError, match="there is no wave field"):
+        view.view(given, Wanted(screenshot=str(tmp_path / "a.png"), show="field"), progress=quiet)
+
+
+def test_a_contact_as_page_and_table(given, tmp_path, monkeypatch):
+    from studies import contact_view
+
+    monkeypatch.setattr(contact_view, "FRAMES", 2)
+    wanted = Wanted(html=str(tmp_path / "a.html"), data=str(tmp_path / "a.csv"), level=3e-9)
+    view.view(given, wanted, progress=quiet)
+    page = (tmp_path / "a.html").read_text()
+    assert page.count('src="data:image/') == 2
+    assert "3 nm" in page
+    head, *rows = (tmp_path / "a.csv").read_text().splitlines()
+    assert head.startswith("time_s,u_x_m,u_z_m,approach_m,")
+    assert len(rows) == 480
+
+
+def test_a_run_with_a_stator_shows_its_contact_too(folder, tmp_path):
+    view.view(folder, Wanted(screenshot=str(tmp_path / "a.png"), show="contact"), progress=quiet)
+    with Image.open(tmp_path / "a.png") as picture:
+        assert picture.size[0] > 1000
 
 
 @pytest.mark.parametrize("content", [None, "{}", "[]", "no json"])
@@ -115,23 +506,44 @@ def test_what_is_no_run_is_refused(tmp_path, content):
         run_field(tmp_path, progress=quiet)
 
 
-def test_an_unknown_picture_format_is_refused(tmp_path):
-    with pytest.raises(SceneError, match=r"^--screenshot must end in one of \.png"):
-        screenshot(tmp_path, "field.gif", progress=quiet)
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--screenshot", "a.gif"], "--screenshot must end in one of .png"),
+        (["--movie", "a.avi"], "--movie must end in .gif or .mp4, got 'a.avi'"),
+        (["--html", "a.txt"], "--html must end in .html, got 'a.txt'"),
+        (["--data", "a.txt"], "--data must end in one of .vtu, .pvd, .csv, got 'a.txt'"),
+        (["--screenshot", "a.png", "--quantity", "u_q"], "--quantity 'u_q' does not exist; did you mean u_z?"),
+        (["--screenshot", "a.png", "--show", "all"], "--show must be one of field, solid, contact, got 'all'"),
+        (["--screenshot", "a.png", "--span", "20:30"], "--span must lie on the stator, 0:24 mm, got 20:30 mm"),
+        (["--screenshot", "a.png", "--span", "here"], "--span must be whole, slider, wavelength or START:STOP in mm"),
+        (["--screenshot", "a.png", "--size", "big"], "--size must be WIDTHxHEIGHT in pixels"),
+        (["--screenshot", "a.png", "--phase", "nan"], "--phase must be a finite number (degrees), got 'nan'"),
+        (["--screenshot", "a.png", "--scale", "-1"], "--scale must be a finite number of at least 0 (times), got '-1'"),
+        (["--movie", "a.gif", "--frames", "1"], "--frames must be a whole number from 2 to 2000, got '1'"),
+        (["--movie", "a.gif", "--show", "solid"], "--movie shows the field or the contact, not the solid"),
+        (["--screenshot", "a.png", "--show", "contact", "--voltage", "0"], "--voltage must be above 0: at 0 nothing"),
+        (["--data", "a.vtu", "--show", "contact"], "--data must end in .csv for a contact, got 'a.vtu'"),
+    ],
+)  # fmt: skip
+def test_bad_options_are_refused_in_one_sentence(folder, tmp_path, monkeypatch, capsys, words, said):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.argv", ["sawmotor", "view", str(folder), *words])
+    assert main() == 2
+    captured = capsys.readouterr()
+    assert captured.err.startswith(f"sawmotor: {said}")
+    assert captured.err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
 
 
-def test_without_a_display_the_window_is_refused_with_what_to_do(monkeypatch, tmp_path):
-    from studies.view import show
-
-    monkeypatch.delenv("DISPLAY", raising=False)
-    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    with pytest.raises(RunError, match="--screenshot"):
-        show(tmp_path, progress=quiet)
-
-
-def test_the_command_draws_and_names_the_file(left, tmp_path, monkeypatch, capsys):
-    _, kept, _ = left
-    monkeypatch.setattr("sys.argv", ["sawmotor", "view", str(kept), "--screenshot", str(tmp_path / "a.png")])
-    assert main() == 0
-    assert capsys.readouterr().out.strip().endswith("a.png")
-    assert json.loads((kept / "run.json").read_text())["title"]
+def test_a_place_that_cannot_be_written_is_said(folder, tmp_path, found):
+    for wanted in ("screenshot", "movie"):
+        suffix = "png" if wanted == "screenshot" else "gif"
+        with pytest.raises(RunError, match="cannot be written"):
+            view.view(
+                folder,
+                Wanted(**{wanted: str(tmp_path / "no" / f"a.{suffix}")}, size=(300, 200)),
+                progress=quiet,
+            )
+    with pytest.raises(RunError, match="cannot be written"):
+        field_data.save(found, tmp_path / "no" / "a.csv", span=(0.0135, 0.014), instants=0, progress=quiet)
