@@ -21,7 +21,7 @@ from studies.refusal import SceneError, nearest, shown
 from studies.rule import Count, Impedance, Listed, Quantity
 from studies.scene import Scene
 
-__all__ = ["Axis", "axis", "latin_axis", "level_key", "point_axis", "rule_at"]
+__all__ = ["Axis", "axis", "latin_axis", "level_key", "point_axis", "rule_at", "unit_of"]
 
 MOST = 10_000_000  # values of one axis
 
@@ -144,7 +144,7 @@ def _ranged(key, rule, text):
     wanted = "must be START:STOP:N, with :log after it for even steps of the logarithm, or a list with commas"
     if len(parts) not in (3, 4) or (len(parts) == 4 and parts[3] != "log"):
         raise SceneError(f"--over {key}", f"{wanted}, got {shown(text)}")
-    unit = _unit(rule)
+    unit = unit_of(rule)
     if unit is None:
         raise SceneError(f"--over {key}", f"takes words: give a list with commas, got {shown(text)}")
     low, high = (si_value(f"--over {key}", toml_value(part), unit) for part in parts[:2])
@@ -189,7 +189,7 @@ def _entry(rule, value):
         return tuple(_entry(inner, each) for each in value)
     if isinstance(rule, Listed):
         rule = rule.alone or rule.each
-    unit = _unit(rule)
+    unit = unit_of(rule)
     if isinstance(rule, Count) and isinstance(value, float) and value.is_integer():
         return int(value)
     if unit is None or isinstance(rule, Count):
@@ -201,10 +201,10 @@ def _entry(rule, value):
         return value if not isinstance(value, float) or math.isfinite(value) else repr(value)
 
 
-def _unit(rule) -> str | None:
+def unit_of(rule) -> str | None:
     """Return the SI unit of a rule's numbers, None where it takes words."""
     if isinstance(rule, Listed):
-        return _unit(rule.alone or rule.each)
+        return unit_of(rule.alone or rule.each)
     if isinstance(rule, Quantity):
         return rule.unit
     return "ohm" if isinstance(rule, Impedance) else "" if isinstance(rule, Count) else None

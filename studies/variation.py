@@ -50,6 +50,8 @@ class Variation:
     def resolved(self, values: tuple) -> Scene:
         """Return the scene of a point with its automatic values found; SceneError if the physics refuses it."""
         scene, found = self.scene(values), {}
+        if scene.burst is not None:
+            return resolved(scene)
         if scene.stator is not None:
             found["transducer"] = self._resolved_source(*_source_blocks(scene)).transducer
         if scene.slider is not None:

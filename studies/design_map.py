@@ -1,0 +1,261 @@
+"""What velocity, thrust and efficiency a motor has over any two of its quantities.
+
+Method: a sweep of the scene (``twente-contact`` when none is named) over two axes, ``--over KEY=START:STOP:N`` twice,
+or amplitude and preload; at each point the steady velocity, the blocked thrust, and the efficiency at half of it.
+Threshold and release come from the closed forms, as the factor on the drive that would just reach them: their lines are
+where it is 1.  The scene's own point is a star.  Expected: the slider moves exactly where the threshold is passed, and
+leaves the surface in every cycle exactly where the release is; thrust within friction's mu times preload.  Run time:
+about 5 s.
+"""
+
+import math
+import sys
+import time
+from collections.abc import Callable
+from itertools import pairwise
+
+from studies.axes import axis, level_key, rule_at, unit_of
+from studies.override import replaced
+from studies.refusal import RunError, SceneError
+from studies.resolved import resolved
+from studies.scene import Scene
+from studies.study import Finding, Panel, StudyRecord
+from studies.sweep import sweep
+
+__all__ = ["figure", "run"]
+
+TAKES_SCENE = TAKES_AXES = True
+COUNTS = 28, 22
+PREFIXES = {-12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+PANELS = {
+    "velocity": ("velocity_m_per_s", "slider velocity (mm/s)", 1e3),
+    "thrust": ("thrust_N", "blocked thrust (mN)", 1e3),
+    "contact_efficiency": (
+        "contact_efficiency",
+        "contact: efficiency at half the thrust (%)",
+        1e2,
+    ),
+    "motor_efficiency": ("motor_efficiency", "motor: efficiency at half the thrust (1e-6)", 1e6),
+}
+
+
+def run(
+    scene: str | Scene = "twente-contact",
+    *,
+    over: dict | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> StudyRecord:
+    """Return the maps, their lines and the scene's own point.
+
+    Parameters
+    ----------
+    scene : str or Scene
+        A path, a shipped name or a scene with a slider.
+    over : dict, optional
+        Two keys of numbers and their values, as for a sweep.
+    progress : callable, optional
+        Told what is being done.
+    """
+    import numpy as np
+
+    begun = time.perf_counter()
+    say = progress or (lambda text: None)
+    chosen = resolved(scene if isinstance(scene, Scene) else Scene.load(scene))
+    if chosen.slider is None:
+        chosen.refuse("slider", "is missing: without one there is nothing to map")
+    table, level = chosen.to_table(), level_key(chosen.to_table())
+    axes = [axis(key, values) for key, values in (over or _usual(chosen, level)).items()]
+    _check(axes)
+    (x_key,), (y_key,) = axes[0].keys, axes[1].keys
+    own = [_own(table, each.keys[0]) for each in axes]
+    if level not in (x_key, y_key):
+        table = replaced(table, level, [max(chosen.levels)])
+    say(f"design map: {len(axes[0]) * len(axes[1])} points")
+    found = sweep(
+        table,
+        {y_key: axes[1].columns[0], x_key: axes[0].columns[0]},
+        also=("limits", "thrust", "efficiency"),
+        progress=lambda count, kept, failed, cost: say(
+            f"design map: {kept} of {count} points, {failed} failed"
+        ),
+    )
+    failed = f"{found.failed} of {found.points} points have no answer"
+    columns, shape = found.columns(), (len(axes[1]), len(axes[0]))
+    grid = {
+        name: np.array([math.nan if each is None else each for each in column]).reshape(shape)
+        for name, column in columns.items()
+        if name.endswith(("_factor", "_efficiency", "_m_per_s", "_N"))
+    }
+    regime = np.array(columns["regime"]).reshape(shape)
+    if not (np.isfinite(grid["velocity_m_per_s"]) & (grid["threshold_factor"] > 0.0)).any():
+        raise RunError(f"the map is empty: {failed}, {columns['status'][0]}")
+    shared = {
+        "x_key": x_key, "x": axes[0].columns[0], "y_key": y_key, "y": axes[1].columns[0],
+        "own_x": own[0], "own_y": own[1],
+        "threshold_factor": _plain(grid["threshold_factor"]), "release_factor": _plain(grid["release_factor"]),
+    }  # fmt: skip
+    at = "" if level in (x_key, y_key) else f", {_words(level, max(chosen.levels))}"
+    panels = []
+    for name, (key, label, scale) in PANELS.items():
+        if key in grid:
+            data = shared | {"value": _plain(grid[key]), "label": label, "scale": scale}
+            panels.append(Panel(name=name, title=f"{chosen.title}{at}", data=data))
+    return StudyRecord(
+        name="design_map", panels=tuple(panels), findings=_findings(grid, regime, columns, chosen.slider, failed),
+        seconds=time.perf_counter() - begun,
+    )  # fmt: skip
+
+
+def figure(record: Panel, ax):
+    """Draw one quantity as contours, the closed forms as lines, the scene's own point as a star."""
+    import numpy as np
+    from matplotlib.patheffects import withStroke
+
+    from studies.figures import COLOURS
+
+    data = record.data
+    value = np.ma.masked_invalid(np.asarray(data["value"], float) * data["scale"])
+    (x, x_label), (y, y_label) = (_scaled(data[f"{side}_key"], data[side]) for side in "xy")
+    if value.count() and np.ptp(value) > 0.0:
+        drawn = ax.contourf(x[0], y[0], value, levels=14, cmap="cividis")
+        ax.figure.colorbar(drawn, ax=ax, label=data["label"])
+        levels = [level for level in drawn.levels[::2] if level != 0.0]
+        lines = ax.contour(
+            x[0], y[0], value, levels=levels, colors="white", linestyles="solid", linewidths=0.5
+        )
+        ax.clabel(lines, fontsize="x-small", fmt="%g")
+    for name, style in (("threshold", ":"), ("release", "--")):
+        factor = np.asarray(data[f"{name}_factor"], float)
+        factor = np.log(np.where(np.isfinite(factor) & (factor > 0.0), factor, 1e6))
+        if factor.min() < 0.0 < factor.max():
+            line = ax.contour(
+                x[0], y[0], factor, levels=[0.0], colors="black", linestyles=style, linewidths=1.6
+            )
+            line.set_path_effects([withStroke(linewidth=3.0, foreground="white")])
+            ax.plot([], [], style, color="black", linewidth=1.6, label=f"{name} (theory)")
+    own = [(a * x[1], b * y[1]) for a in data["own_x"] for b in data["own_y"]]
+    inside = [(a, b) for a, b in own if x[0].min() <= a <= x[0].max() and y[0].min() <= b <= y[0].max()]
+    if inside:
+        ax.plot(*zip(*inside, strict=True), "*", color=COLOURS["intermittent"], markersize=9, markeredgecolor="black",
+                markeredgewidth=0.4, linestyle="none", label="the scene's own")  # fmt: skip
+    ax.set_xlabel(x_label)
+    ax.set_ylabel(y_label)
+    if _even_in_logarithm(x[0]):
+        ax.set_xscale("log")
+    if _even_in_logarithm(y[0]):
+        ax.set_yscale("log")
+    ax.set_title(record.title, fontsize="medium")
+    if ax.get_legend_handles_labels()[0]:
+        ax.legend(fontsize="small", framealpha=0.8, loc="best")
+    return ax
+
+
+def _plain(values) -> list:
+    """Return an array as lists, None where it is not finite."""
+    return [[each if math.isfinite(each) else None for each in row] for row in values.tolist()]
+
+
+def _usual(scene: Scene, level: str) -> dict:
+    """Return axes of amplitude or voltage and of preload that show every regime."""
+    import numpy as np
+
+    preload = scene.slider.preload
+    if preload == 0.0 or scene.slider.friction_coefficient == 0.0:
+        scene.refuse("slider.preload", "must be positive, with friction, for a map of regimes")
+    alone = replaced(scene.to_table(), level, [max(scene.levels)])
+    columns = sweep(alone, {}, also=("limits",), tolerance=1e-2).columns()
+    factors = columns["threshold_factor"][0], columns["release_factor"][0]
+    if None in factors:
+        raise SceneError(
+            "--over", "must be given twice: this scene has no threshold or release to choose axes by"
+        )
+    low, high = (max(scene.levels) * factor for factor in factors)
+    return {
+        level: np.geomspace(0.4 * low, 6.0 * high, COUNTS[0]),
+        "slider.preload": preload * np.geomspace(0.1, 10.0, COUNTS[1]),
+    }
+
+
+def _check(axes) -> None:
+    if len(axes) != 2 or any(isinstance(each, tuple) for each in axes):
+        raise SceneError("--over", f"must be given twice for a map, START:STOP:N or a list, got {len(axes)}")
+    for each in axes:
+        values, key = each.columns[0], each.keys[0]
+        if unit_of(rule_at(key)) is None or not all(isinstance(value, (int, float)) for value in values):
+            raise SceneError(f"--over {key}", "must be of numbers for a map")
+        if len(values) < 3 or not all(a < b for a, b in pairwise(values)):
+            raise SceneError(f"--over {key}", "must hold three values or more for a map, rising")
+
+
+def _own(table: dict, key: str) -> list[float]:
+    """Return the scene's own value of a key, or values, as a list; none where it has none."""
+    here = table
+    for part in key.split("."):
+        here = here[int(part)] if isinstance(here, list) else here.get(part)
+        if here is None:
+            return []
+    return [each for each in (here if isinstance(here, list) else [here]) if isinstance(each, (int, float))]
+
+
+def _findings(grid, regime, columns, slider, failed) -> tuple[Finding, ...]:
+    import numpy as np
+
+    moving, passed = grid["velocity_m_per_s"] != 0.0, grid["threshold_factor"] < 1.0
+    parted, released = regime == "intermittent", grid["release_factor"] < 1.0
+    known = np.isfinite(grid["velocity_m_per_s"]) & (grid["threshold_factor"] > 0.0)  # 0: nothing to pass
+    findings = [
+        Finding(statement=f"The closed form of the {name} parts the map.", quantity="share of points on their side",
+                expected="1", found=float(np.mean(right[known])), confirmed=bool(np.all(right[known])), remark=failed)
+        for name, right in (("threshold", moving == passed), ("release", parted == released))
+    ]  # fmt: skip
+    best = float(np.nanmax(grid["contact_efficiency"][known]))
+    findings.append(
+        Finding(statement="The load gets less than the wave gives.", quantity="largest efficiency of the contact",
+                expected="between 0 and 1", found=best, confirmed=0.0 < best < 1.0)
+    )  # fmt: skip
+    preload, mu = (
+        np.array(columns.get(f"slider.{key}", [each] * known.size), float).reshape(known.shape)[known]
+        for key, each in (("preload", slider.preload), ("friction_coefficient", slider.friction_coefficient))
+    )
+    most = float(np.nanmax(grid["thrust_N"][known] / (mu * preload)))
+    findings.append(
+        Finding(statement="Thrust is friction's.", quantity="largest blocked thrust over mu times preload",
+                expected="above 0, up to 1", found=most, confirmed=0.0 < most < 1.0 + 1e-9)
+    )  # fmt: skip
+    return tuple(findings)
+
+
+def _scaled(key: str, values):
+    """Return ((values in a handy unit, its factor), label)."""
+    import numpy as np
+
+    unit, values = unit_of(rule_at(key)), np.asarray(values, float)
+    name = key.split(".")[-1].replace("_", " ")
+    largest = float(np.max(np.abs(values)))
+    if not unit or " " in unit or "/" in unit or largest == 0.0:
+        return (values, 1.0), f"{name} ({unit})" if unit else name
+    power = min(max(3 * math.floor(math.log10(largest) / 3 + 1e-9), -12), 9)
+    if unit == "kg":
+        unit, power = "g", power + 3
+        return (values * 10.0 ** (3 - power), 10.0 ** (3 - power)), f"{name} ({PREFIXES[power]}{unit})"
+    return (values * 10.0**-power, 10.0**-power), f"{name} ({PREFIXES[power]}{unit})"
+
+
+def _words(key: str, value: float) -> str:
+    (scaled, _), label = _scaled(key, [value])
+    return f"{label.split(' (')[0]} {scaled[0]:g} {label.split('(')[-1].rstrip(')')}"
+
+
+def _even_in_logarithm(values) -> bool:
+    import numpy as np
+
+    if values[0] <= 0.0:
+        return False
+    steps = np.diff(np.log(values))
+    return bool(np.allclose(steps, steps[0], rtol=1e-6, atol=0.0)) and values[-1] > 3.0 * values[0]
+
+
+if __name__ == "__main__":
+    from studies.__main__ import main
+
+    sys.exit(main(["study", "design_map", *sys.argv[1:]]))
