@@ -136,6 +136,7 @@ def amplitude(
         for label, size, colour in sizes:
             ax.plot(x[chosen] * MM, size[chosen], color=COLOURS[colour], linewidth=width, label=label)
         ax.axvline(place * MM, color=COLOURS["line"], linestyle=":", linewidth=1.2, label=name)
+        ax.set_xlabel("x along the surface (mm)")
         ax.set_ylabel(f"amplitude, peak ({per})")
         ax.set_ylim(bottom=0)
         ax.grid(alpha=0.3)
@@ -148,7 +149,6 @@ def amplitude(
         f"within 4 wavelengths of the {name}: largest over smallest |u_z| {ratio:.3g} (within one wavelength)",
         fontsize="small",
     )
-    near.set_xlabel("x along the surface (mm)")
     whole.legend(frameon=False, ncols=3, fontsize="small")
     return figure
 

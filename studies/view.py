@@ -77,7 +77,7 @@ def view(folder: str | Path, wanted: Wanted, *, progress: Callable[[str], None])
         progress("drawing")
         _screenshot(found, wanted, span, show)
     if wanted.movie is not None:
-        _movie(found, wanted, span, show, progress)
+        _movie(found, wanted, span, progress)
     if not wanted.files:
         if show == "solid":
             _solid(found, wanted, STILL_SIZE, off_screen=False).show()
@@ -125,6 +125,10 @@ def _check_files(wanted: Wanted) -> None:
         check_picture(wanted.screenshot)
     if wanted.movie is not None:
         movie.check(wanted.movie)
+        if wanted.show == "solid":
+            raise SceneError(
+                "--movie", "shows the field or the contact, not the solid: leave --show solid out"
+            )
     if wanted.html is not None and Path(wanted.html).suffix.lower() not in (".html", ".htm"):
         raise SceneError("--html", f"must end in .html, got {wanted.html!r}")
     if wanted.data is not None:
@@ -145,10 +149,8 @@ def _screenshot(found: RunField, wanted: Wanted, span, show: str) -> None:
     drawn.close()
 
 
-def _movie(found: RunField, wanted: Wanted, span, show: str, progress) -> None:
+def _movie(found: RunField, wanted: Wanted, span, progress) -> None:
     size, count = wanted.size or MOVIE_SIZE, wanted.frames or FRAMES
-    if show == "solid":
-        raise SceneError("--movie", "shows the field or the contact, not the solid: leave --show solid out")
     stage = _stage(found, wanted, span, size, smooth=False, moving=True)
 
     def frames():

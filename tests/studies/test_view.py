@@ -196,14 +196,12 @@ def test_from_near_the_modes_give_the_lines_between(found):
     near = patch(found, shade(found, "u_z"), span=(start, stop), bottom=-0.4e-3, spacing=1e-6)
     assert len(near.x) > 150
     assert np.diff(near.z).max() < 7e-6
-    even = np.linspace(start, stop, 12001)
-    coarse = found.compute(span=(start, stop), per_wavelength=12000.0, energies=False)
+    coarse = found.compute(span=(start, stop), per_wavelength=4000.0, energies=False)
     for k, axis in enumerate((0, 2)):
         expected = np.interp(near.x, coarse.x, coarse.displacement[:, -1, axis].real)
         np.testing.assert_allclose(
-            near.displacement[:, -1, k].real, expected, atol=1e-6 * abs(expected).max()
+            near.displacement[:, -1, k].real, expected, atol=4e-6 * abs(expected).max()
         )
-    assert even.size == 12001
 
 
 def test_the_enlarged_displacement_is_seen_and_its_factor_round(found):
@@ -213,13 +211,13 @@ def test_the_enlarged_displacement_is_seen_and_its_factor_round(found):
 
 
 def test_a_screenshot_shows_section_electrodes_and_slider_where_they_are(found, folder, tmp_path):
-    view.view(folder, Wanted(screenshot=str(tmp_path / "a.png"), size=(1600, 1100)), progress=quiet)
+    view.view(folder, Wanted(screenshot=str(tmp_path / "a.png"), size=(1000, 700)), progress=quiet)
     pixels = np.asarray(Image.open(tmp_path / "a.png").convert("RGB")).astype(int)
     assert (pixels[:, :, 0] - pixels[:, :, 2] > 60).mean() > 1e-3  # orange
     assert (pixels[:, :, 2] - pixels[:, :, 0] > 60).mean() > 1e-3  # blue
     combs = [(abs(pixels - colour).max(axis=2) < 12).sum() for colour in ([0, 0, 0], [204, 121, 167])]
-    assert min(combs) > 200
-    drawn = stage_of(found, views(found), size=(1600, 1100))
+    assert min(combs) > 80
+    drawn = stage_of(found, views(found), size=(1000, 700))
     frame = drawn.frame(2)
     lowest = pixels[-int(frame.height) :]
     disc = (abs(lowest - 0x99).max(axis=2) < 4).sum(axis=0) > 30
@@ -406,10 +404,11 @@ def test_the_page_carries_the_field(page, found):
     assert len(meta["fingers"]) == 6
 
 
-def test_a_notebook_shows_the_page(folder):
+def test_a_notebook_shows_the_page(folder, monkeypatch):
+    monkeypatch.setattr(wave_page, "page", lambda found, **given: f'<!DOCTYPE html><p>{found.length:g} "m"')
     html = wave_page.widget(folder)._repr_html_()
     inner = re.fullmatch(r'<iframe srcdoc="([^"]*)" style="[^"]*"></iframe>', html).group(1)
-    assert unescape(inner).startswith("<!DOCTYPE html>")
+    assert unescape(inner) == '<!DOCTYPE html><p>0.024 "m"'
 
 
 def chromium_says(file, tmp_path):
@@ -537,13 +536,9 @@ def test_bad_options_are_refused_in_one_sentence(folder, tmp_path, monkeypatch, 
 
 
 def test_a_place_that_cannot_be_written_is_said(folder, tmp_path, found):
-    for wanted in ("screenshot", "movie"):
-        suffix = "png" if wanted == "screenshot" else "gif"
-        with pytest.raises(RunError, match="cannot be written"):
-            view.view(
-                folder,
-                Wanted(**{wanted: str(tmp_path / "no" / f"a.{suffix}")}, size=(300, 200)),
-                progress=quiet,
-            )
+    with pytest.raises(RunError, match="cannot be written"):
+        view.view(folder, Wanted(screenshot=str(tmp_path / "no" / "a.png"), size=(300, 200)), progress=quiet)
+    with pytest.raises(RunError, match="cannot be written"):
+        movie.save([np.zeros((20, 20, 3), dtype=np.uint8)] * 2, tmp_path / "no" / "a.gif", rate=4.0)
     with pytest.raises(RunError, match="cannot be written"):
         field_data.save(found, tmp_path / "no" / "a.csv", span=(0.0135, 0.014), instants=0, progress=quiet)

@@ -1,0 +1,180 @@
+"""The pictures that explain: what their lines and arrows hold, quantity and unit on every axis."""
+
+import re
+
+import numpy as np
+import pytest
+
+from contact import Orbit, Slider, burst, contact_history, steady
+from studies import power_pictures, surface_pictures
+from studies.contact_pictures import SlowMotion, moments, start_and_stop, strip
+
+UNIT = re.compile(r"\([^()]+\)| over ")  # a ratio has none
+SLIDER = Slider(
+    radius=1e-3, mass=0.089e-3, preload=0.089e-3 * 9.81, load=0.0, friction_coefficient=0.08,
+    effective_modulus=64e9, tangential_modulus=12e9, law="elastic", reciprocal=False, stick_band=0.0,
+    contact_damping=0.0, normal_damping=0.5, tangential_damping=1e-4,
+)  # fmt: skip
+# a wave that runs to +x, of any phase
+ORBIT = Orbit(frequency=2.2e6, normal=8e-9 * np.exp(0.7j), tangential=5.7e-9j * np.exp(0.75j))
+
+
+@pytest.fixture(scope="module")
+def found():
+    history = contact_history(SLIDER, ORBIT, stage="steady", skip=0, cycles=2, points_per_cycle=200)
+    return history, moments(history)
+
+
+def labelled(figure):
+    """Whether every axis that has numbers says quantity and unit; shared ones say it once for the figure."""
+    whole = [text.get_text() for text in (figure._supxlabel, figure._supylabel) if text is not None]
+    for ax in figure.axes:
+        for axis, words in ((ax.xaxis, ax.get_xlabel()), (ax.yaxis, ax.get_ylabel())):
+            ticks = [tick for tick in axis.get_ticklabels() if tick.get_visible() and tick.get_text()]
+            numbers = any(re.search(r"\d", tick.get_text()) for tick in ticks)
+            if numbers and not UNIT.search(words) and not any(UNIT.search(each) for each in whole):
+                return False
+    return True
+
+
+def test_the_drawn_path_is_the_contact_s_clock(found):
+    """The drawn surface point moves at the history's surface velocity and rises as the approach does."""
+    _, drawn = found
+    step = drawn.time[1] - drawn.time[0]
+    speed = np.gradient(drawn.surface[:, 0], step)[2:-2]
+    np.testing.assert_allclose(speed, drawn.surface_velocity[2:-2], atol=1e-3 * abs(speed).max())
+    ball = drawn.surface[:, 1] - drawn.approach  # the slider, far heavier than a wave's period, hardly moves
+    assert np.ptp(ball) < 1e-3 * abs(ORBIT.normal)
+    size = np.hypot(*drawn.orbit.T)
+    assert size.max() == pytest.approx(np.hypot(*drawn.surface.T).max(), rel=1e-3)
+    separated = drawn.regime == "separated"
+    assert 0.2 < separated.mean() < 0.8
+    assert not np.any(drawn.normal_force[separated])
+    assert drawn.slider_velocity.mean() == pytest.approx(
+        steady(SLIDER, ORBIT, tolerance=1e-6).velocity, rel=1e-9
+    )
+
+
+def test_slow_motion_shows_the_instant(found):
+    """Force arrows as long as the forces, the ball at its height, the cursor at the time, the colour of the regime."""
+    _, drawn = found
+    motion = SlowMotion(drawn, title="slow")
+    assert labelled(motion.figure)
+    pictures = []
+    for index in (50, 150):  # crest, trough
+        motion.show(index)
+        ax = motion.figure.axes[0]
+        (circle,) = ax.patches
+        bottom = circle.center[1] - circle.radius
+        assert bottom == pytest.approx((drawn.surface[index, 1] - drawn.approach[index]) * 1e9, rel=1e-12)
+        arrows = [text for text in ax.texts if text.arrow_patch is not None]
+        assert len(arrows) == (2 if index == 50 else 0)
+        assert ax.get_title().startswith(str(drawn.regime[index]))
+        assert motion._cursors[0].get_xdata()[0] == pytest.approx(drawn.time[index] * 1e9)
+        pictures.append(motion.image())
+    assert pictures[0].shape[2] == 3
+    assert np.mean(pictures[0] != pictures[1]) > 0.01
+
+
+def test_a_strip_has_eight_snapshots_over_five_traces(found):
+    figure = strip(found[1], title="strip")
+    figure.canvas.draw()
+    assert len(figure.axes) == 13
+    assert labelled(figure)
+    labels = [ax.get_ylabel() for ax in figure.axes[8:]]
+    assert labels == ["z (nm)", "x (nm)", "P (mN)", "Q (mN)", "v (mm/s)"]
+
+
+def test_start_and_stop_end_on_the_slope_of_friction():
+    motion = burst(SLIDER, ORBIT, duration=4e-3, after=8e-3, tolerance=1e-2, samples=200)
+    figure = start_and_stop([("8 nm", motion)], acceleration=0.08 * 9.81, title="start")
+    figure.canvas.draw()
+    assert labelled(figure)
+    end = figure.axes[1]
+    slopes = {line.get_label(): line.get_xydata() for line in end.lines}
+    theory = slopes["mu preload / m (theory)"]
+    assert abs((theory[1] - theory[0])[1] / (theory[1] - theory[0])[0]) == pytest.approx(
+        0.08 * 9.81, rel=1e-12
+    )
+    assert theory[0, 1] == pytest.approx(motion.velocity_at_burst_end * 1e3, rel=1e-12)
+
+
+def test_orbits_turn_the_way_the_arrows_say():
+    """A wave to +x turns anticlockwise, x right and z up: against itself at the crest."""
+    places = np.array([0.01, 0.02, 0.03])
+    normal = np.exp([0.3j, -2.0j, 1.1j])
+    tangential = np.array([0.7j, 0.6j, -0.7j]) * normal
+    assert surface_pictures.anticlockwise(tangential, normal).tolist() == [True, True, False]
+    figure = surface_pictures.orbits(places, tangential, normal, per="nm per V", title="orbits")
+    figure.canvas.draw()
+    assert labelled(figure)
+    for ax, a, b in zip(figure.axes, tangential, normal, strict=True):
+        (arrow,) = (text for text in ax.texts if text.arrow_patch is not None)
+        instants = np.linspace(0, 2 * np.pi, 10001)
+        crest = instants[np.argmax((b * np.exp(1j * instants)).real)]
+        velocity = (1j * a * np.exp(1j * crest)).real
+        assert np.sign(arrow.xy[0] - arrow.xyann[0]) == np.sign(velocity)
+    assert "2 anticlockwise (blue), 1 clockwise" in figure._suptitle.get_text()
+
+
+def test_amplitude_tells_the_ripple_of_the_standing_wave():
+    """A wave and a tenth of it coming back: largest over smallest 1.1/0.9."""
+    x, wavelength = np.linspace(0, 0.1, 20001), 1e-3
+    k = 2 * np.pi / wavelength
+    normal = np.exp(-1j * k * x) + 0.1 * np.exp(1j * k * x)
+    figure = surface_pictures.amplitude(
+        x, 0.7j * normal, normal, wavelength=wavelength, covered=[(0.01, 0.02)], focus=("slider", 0.05),
+        per="nm per V", title="amplitude",
+    )  # fmt: skip
+    figure.canvas.draw()
+    assert labelled(figure)
+    assert "|u_z| 1.22 " in figure.axes[1].get_title()
+
+
+def test_depth_profile_puts_points_on_lines():
+    depth = np.linspace(0, 3, 50)
+    theory = {"Re u_z": np.exp(-depth), "Im u_x": -np.exp(-2 * depth)}
+    points = {"Re u_z": np.exp(-depth[::5]), "Im u_x": -np.exp(-2 * depth[::5])}
+    figure = surface_pictures.depth_profile(depth, theory, {"section": (depth[::5], points)}, title="depth")
+    figure.canvas.draw()
+    assert labelled(figure)
+    for line, dots in ((0, 2), (1, 3)):
+        drawn, marks = figure.axes[0].lines[line].get_xydata(), figure.axes[0].lines[dots].get_xydata()
+        np.testing.assert_allclose(np.interp(marks[:, 0], *drawn.T), marks[:, 1], atol=1e-12)
+
+
+def test_bars_are_as_long_as_the_powers_and_energies():
+    electrical = {
+        "power_W_per_V2": 3.6e-3,
+        "power_radiated_W_per_V2": 2.2e-3,
+        "power_dissipated_W_per_V2": 1.4e-3,
+    }
+    figure = power_pictures.power_bars(electrical, title="power")
+    figure.canvas.draw()
+    assert [bar.get_width() for bar in figure.axes[0].patches] == pytest.approx([3.6, 2.2, 1.4])
+    assert UNIT.search(figure.axes[0].get_xlabel())
+    books = vars(steady(SLIDER, ORBIT, tolerance=1e-6).ledger)
+    figure = power_pictures.ledger_bars(books, title="8 nm")
+    figure.canvas.draw()
+    bars = {
+        label.get_text(): bar.get_width()
+        for label, bar in zip(figure.axes[0].get_yticklabels(), figure.axes[0].patches, strict=True)
+    }
+    assert bars["wave, friction force"] == pytest.approx(books["wave_tangential"] * 1e12)
+    given = bars.pop("wave, friction force") + bars.pop("wave, normal force")
+    assert sum(bars.values()) == pytest.approx(given, rel=1e-5)
+
+
+def test_power_along_the_stator_is_drawn_in_milliwatt():
+    x = np.linspace(0, 0.1, 11)
+    figure = power_pictures.power_along(x, 1e-3 * x, covered=[(0.01, 0.02)], given=2e-3, title="flow")
+    figure.canvas.draw()
+    assert labelled(figure)
+    assert figure.axes[0].lines[0].get_ydata()[-1] == pytest.approx(0.1)
+
+
+def test_weights_of_the_depth_integrate_polynomials():
+    from fem.spectral import line_nodes
+
+    z = line_nodes(np.array([-2.0, -0.5, 0.0]), 4)
+    assert power_pictures.depth_weights(z, 4) @ z**4 == pytest.approx(32 / 5, rel=1e-12)

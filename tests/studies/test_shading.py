@@ -1,0 +1,73 @@
+"""Colours that every eye can read: even steps in CIELAB, ends apart under each colour-blindness."""
+
+import matplotlib
+import numpy as np
+import pytest
+
+from studies.refusal import SceneError
+from studies.shading import QUANTITIES, colours, quantity
+
+# Machado, Oliveira and Fernandes 2009, severity 1.0, on linear sRGB
+BLINDNESS = {
+    "normal": np.eye(3),
+    "protan": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+    "deutan": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+    "tritan": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
+}  # fmt: skip
+XYZ = np.array(
+    [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]]
+)
+
+
+def linear(srgb):
+    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+
+
+def cielab(rgb):
+    """CIE 1976 L*, a*, b* of linear sRGB under D65."""
+    t = rgb @ XYZ.T / (XYZ @ np.ones(3))
+    f = np.where(t > (6 / 29) ** 3, np.cbrt(t), t / (3 * (6 / 29) ** 2) + 4 / 29)
+    return np.stack([116 * f[:, 1] - 16, 500 * (f[:, 0] - f[:, 1]), 200 * (f[:, 1] - f[:, 2])], axis=1)
+
+
+def unevenness(table):
+    """Largest departure of the steps of a scale from their mean, relative, in CIELAB."""
+    steps = np.linalg.norm(np.diff(cielab(linear(table)), axis=0), axis=1)
+    return abs(steps / steps.mean() - 1).max()
+
+
+def test_steps_look_equal():
+    """CIELAB is another model of the eye than the one the scales are made in, and stretches dark orange by 40 %."""
+    assert unevenness(colours("sequential", 33)) < 0.3
+    assert unevenness(colours("diverging", 33)) < 0.45
+    assert unevenness(matplotlib.colormaps["jet"](np.linspace(0, 1, 33))[:, :3]) > 0.8  # the bad example
+
+
+@pytest.mark.parametrize("eye", BLINDNESS)
+def test_scales_are_read_by_every_eye(eye):
+    seen = {
+        name: cielab((linear(colours(name, 65)) @ np.transpose(BLINDNESS[eye])).clip(0, 1))
+        for name in ("diverging", "sequential")
+    }
+    signed = seen["diverging"]
+    assert np.linalg.norm(signed[0] - signed[-1]) > 25  # ten just noticeable differences
+    assert abs(signed[0, 0] - signed[-1, 0]) < 10  # neither sign looks the larger
+    assert np.all(np.diff(signed[:33, 0]) > 0)
+    assert np.all(np.diff(signed[32:, 0]) < 0)
+    assert np.all(np.diff(seen["sequential"][:, 0]) < 0)
+
+
+def test_scales_lie_within_what_a_screen_shows():
+    for name in ("diverging", "sequential"):
+        table = colours(name, 300)
+        assert table.shape == (300, 3)
+        assert 0 <= table.min() < table.max() <= 1
+
+
+def test_every_quantity_has_a_unit_and_an_unknown_one_is_refused():
+    for name, each in QUANTITIES.items():
+        assert quantity(name) is each
+        assert all(each.units)
+        assert all(each.scales)
+    with pytest.raises(SceneError, match=r"^--quantity 'potental' does not exist; did you mean potential\?$"):
+        quantity("potental")
