@@ -220,7 +220,7 @@ def test_a_screenshot_shows_section_electrodes_and_slider_where_they_are(found, 
     drawn = stage_of(found, views(found), size=(1000, 700))
     frame = drawn.frame(2)
     lowest = pixels[-int(frame.height) :]
-    disc = (abs(lowest - 0x99).max(axis=2) < 4).sum(axis=0) > 30
+    disc = (abs(lowest - 0x99).max(axis=2) < 4).sum(axis=0) > 6
     columns = np.flatnonzero(disc)
     middle = 0.5 * (frame.left + 1 - frame.right) * frame.width
     place = (0.5 * (columns[0] + columns[-1]) + 0.5 - middle) * frame.pixel + 0.5 * (
