@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
 from studies.block import Block, OneOf, Within
-from studies.refusal import SceneError, shown
+from studies.refusal import SceneError, nearest, shown
 from studies.rule import Choice, Count, Flag, Impedance, Listed, Matrix, Quantity, Rule, Signs, Text
 
 __all__ = [
@@ -66,7 +66,9 @@ class Orientation(Rule):
             if len(value) != 3:
                 self._refuse(path, value)
             return tuple(Quantity(negative=True).read(f"{path}.{i}", angle) for i, angle in enumerate(value))
-        return Choice(ORIENTATIONS).read(path, value)
+        if value not in ORIENTATIONS:
+            self._refuse(path, value)
+        return value
 
     def written(self, value):
         """Return a list of angles."""
@@ -74,9 +76,9 @@ class Orientation(Rule):
 
     @staticmethod
     def _refuse(path, value):
-        raise SceneError(
-            path, f"must be a named cut or three angles [phi, theta, psi] in degrees, got {shown(value)}"
-        )
+        hint = nearest(value, ORIENTATIONS) if isinstance(value, str) else ""
+        rule = f"must be {', '.join(ORIENTATIONS)} or three angles [phi, theta, psi] in degrees"
+        raise SceneError(path, f"{rule}, got {shown(value)}{hint if 'mean' in hint else ''}")
 
 
 @dataclass(frozen=True, kw_only=True)

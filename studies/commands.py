@@ -28,8 +28,13 @@ def run(arguments: argparse.Namespace) -> int:
     out = arguments.out
     if out is None and not arguments.json:
         out = Path("results") / scene_path(arguments.scene).stem
-    if arguments.report and out is None:
-        raise SceneError("--report", "needs a directory to go to: give --out, or leave --json out")
+    for option in ("report", "field"):
+        if getattr(arguments, option) and out is None:
+            raise SceneError(f"--{option}", "needs a directory to go to: give --out, or leave --json out")
+    if arguments.field and not scene.transducer:
+        raise SceneError(
+            "--field", "keeps the field of a driven stator, and this scene has no [[transducer]]"
+        )
     with ExitStack() as stack:
         folder = None if out is None else stack.enter_context(result_directory(out))
         plotted = folder is not None and not (arguments.json or arguments.no_plot)
@@ -197,8 +202,9 @@ def _contents(scene: Scene) -> list[str]:
     lines.append(f"frequency   {frequency if isinstance(frequency, str) else f'{frequency / 1e6:g} MHz'}")
     if scene.levels:
         factor, unit, what = (1e9, "nm", "amplitude ") if scene.wave is not None else (1, "V", "voltage   ")
-        ends = f"{min(scene.levels) * factor:g} to {max(scene.levels) * factor:g} {unit}"
-        lines.append(f"{what}  {len(scene.levels)} values, {ends}")
+        low, high = (f"{level * factor:g}" for level in (min(scene.levels), max(scene.levels)))
+        several = f"{len(scene.levels)} values, {low} to {high}"
+        lines.append(f"{what}  {several if len(scene.levels) > 1 else high} {unit}")
     if scene.slider is not None:
         slider = scene.slider
         moduli = f"E* {slider.effective_modulus / 1e9:.4g} GPa, G* {slider.tangential_modulus / 1e9:.4g} GPa"

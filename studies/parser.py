@@ -15,6 +15,17 @@ class OneSentence(argparse.ArgumentParser):
         raise SceneError("", f"{message} (see {self.prog} --help)")
 
 
+class Version(argparse.Action):
+    """Prints the version, which is looked up only then."""
+
+    def __call__(self, parser, *_):
+        """Print and leave."""
+        from importlib.metadata import version
+
+        print(f"sawmotor {version('sawmotor')}")
+        parser.exit()
+
+
 def parser() -> argparse.ArgumentParser:
     """Return the parser of the whole command."""
     top = OneSentence(
@@ -23,6 +34,7 @@ def parser() -> argparse.ArgumentParser:
         epilog="Exit code 0: an answer within its tolerance; 1: the run could not give one; 2: bad input.",
         allow_abbrev=False,
     )
+    top.add_argument("--version", action=Version, nargs=0, help="print the version and leave")
     calls = top.add_subparsers(dest="call", metavar="COMMAND", parser_class=OneSentence)
 
     run = _call(

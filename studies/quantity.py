@@ -10,7 +10,7 @@ import re
 from decimal import Decimal, InvalidOperation
 from functools import cache
 
-from studies.refusal import SceneError, shown
+from studies.refusal import SceneError, nearest, shown
 
 __all__ = ["DIMENSIONS", "POWERS", "si_value"]
 
@@ -138,7 +138,8 @@ def _factor(name: str, unit: str) -> float:
     except LookupError:
         raise
     except Exception:  # pint's parser lets tokenizer, type and arithmetic errors through
-        raise LookupError(f"{shown(name)} is no known unit") from None
+        hint = nearest(name, POWERS[unit])
+        raise LookupError(f"{shown(name)} is no known unit{hint if 'mean' in hint else ''}") from None
 
 
 @cache

@@ -71,6 +71,9 @@ def test_a_scene_that_is_left_runs_again_to_the_same_numbers(call, tmp_path):
         ["run", "twente-contact", "--voltage", "5"],
         ["run", "twente", "--voltage", ""],
         ["run", "twente", "--voltage", "5:60"],
+        ["run", "twente", "--field", "--json"],
+        ["run", "rayleigh", "--field"],
+        ["run", "twente", "--explain", "--tolerance", "x"],
         ["run", "twente-contact", "--tolerance", "0"],
         ["run", "twente-contact", "--tolerance", "tight"],
         ["run", "twente-contact", "--tolerance", "nan"],
@@ -133,6 +136,16 @@ def test_a_defect_is_no_traceback(call, monkeypatch):
     assert status == 1
     assert one_sentence(err)
     assert "ZeroDivisionError" in err
+
+
+def test_the_version_is_that_of_the_package(call):
+    from importlib.metadata import version
+
+    assert call("--version") == (0, f"sawmotor {version('sawmotor')}\n", "")
+
+
+def test_a_check_of_one_voltage_speaks_of_one(call):
+    assert "voltage     7 V\n" in call("check", "twente", "--voltage", "7")[1]
 
 
 def test_scenes_and_check(call):

@@ -24,6 +24,12 @@ CASES = [
     ("twente", "slider.mass=5 mm", ["slider.mass", "a mass", "'5 mm'", "a length"]),
     ("twente", "slider.mass=true", ["slider.mass", "True"]),
     ("twente", "slider.mass=2020-01-01", ["slider.mass", "datetime.date(2020, 1, 1)"]),
+    ("twente", "drive.frequency=2.2 Mhz", ["drive.frequency", "'Mhz' is no known unit; did you mean MHz?"]),
+    (
+        "twente",
+        "stator.orientation=Q",
+        ["stator.orientation", "Z, X, YZ, 128YX, ST-X or three angles", "'Q'"],
+    ),
     ("twente", "slider.preload=-1 mN", ["slider.preload", "zero or positive", "-0.001 N"]),
     ("twente", "slider.preload=wait", ["slider.preload", '"weight"', "'wait'"]),
     ("twente", "slider.friction_coefficient=-0.1", ["slider.friction_coefficient", "-0.1"]),
@@ -153,7 +159,11 @@ def test_python_construction_is_refused_in_the_same_words():
 @pytest.mark.parametrize(
     ("name", "settings", "parts"),
     [
-        ("twente-contact", ["wave.burst=1e6"], ["wave.burst", "at most", "2.2e+12 cycles", "hours", "1e+06 s"]),
+        (
+            "twente-contact",
+            ["wave.burst=1e6"],
+            ["wave.burst", "at most", "2.2e+12 cycles", "hours", "1e+06 s"],
+        ),
         ("twente-contact", ["wave.burst=4", "slider.law=hysteretic"], ["wave.burst", "2.73 s", "got 4 s"]),
         ("twente", ["drive.burst=1 h"], ["drive.burst", "364 s", "got 3600 s"]),
     ],
