@@ -22,6 +22,7 @@ __all__ = [
     "Wave",
 ]
 
+NARROWEST = 1e-3  # finger or gap, of the pitch; narrower ones take ever finer elements
 ORIENTATIONS = ("Z", "X", "YZ", "128YX", "ST-X")
 
 
@@ -118,7 +119,10 @@ class Transducer(Block):
     split: Annotated[bool, Flag()] = False
 
     def check(self):
-        """Keep one sign per finger, and at least one finger."""
+        """Keep fingers and gaps of some width, one sign per finger, and at least one finger."""
+        if not NARROWEST <= self.metallisation <= 1 - NARROWEST:
+            rule = f"must be between {NARROWEST:g} and {1 - NARROWEST:g}, got {self.metallisation!r}"
+            self.refuse("metallisation", rule)
         if self.pattern is None:
             return
         if len(self.pattern) != self.fingers:

@@ -17,7 +17,7 @@ class SceneError(ValueError):
     """
 
     def __init__(self, path: str, rule: str):
-        super().__init__(f"{path} {rule}" if path else rule)
+        super().__init__(_on_one_line(f"{path} {rule}" if path else rule))
         self.path, self.rule = path, rule
 
     def moved(self, old: str, new: str) -> "SceneError":
@@ -27,6 +27,11 @@ class SceneError(ValueError):
 
 class RunError(RuntimeError):
     """A run of a sound scene that could not give an answer; the text says why and what to try."""
+
+
+def _on_one_line(text: str) -> str:
+    """Return a sentence in which what does not print, as in the name of a key, is written out."""
+    return "".join(sign if sign.isprintable() else ascii(sign)[1:-1] for sign in text)
 
 
 def nearest(word: str, known) -> str:

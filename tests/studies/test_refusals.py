@@ -55,6 +55,17 @@ CASES = [
     ("twente", "transducer.0.finger_pairs=0", ["transducer.0.finger_pairs", "integer"]),
     ("twente", "transducer.0.finger_pairs=9.5", ["transducer.0.finger_pairs", "9.5"]),
     ("twente", "transducer.0.metallisation=1", ["transducer.0.metallisation", "below 1", "1.0"]),
+    (
+        "twente",
+        "transducer.0.metallisation=0.9999999",
+        ["transducer.0.metallisation", "0.001 and 0.999", "0.9999999"],
+    ),
+    (
+        "twente",
+        "transducer.0.metallisation=1e-4",
+        ["transducer.0.metallisation", "0.001 and 0.999", "0.0001"],
+    ),
+    ("twente", "slider.a\x1eb=1", ["slider.a\\x1eb", "is no key"]),
     ("twente", "transducer.0.termination=closed", ["transducer.0.termination", '"open" or "short"']),
     ("twente", "transducer.0.termination=[1, 2, 3]", ["transducer.0.termination", "[resistance, reactance]"]),
     ("twente", "transducer.1.name=left", ["transducer.1.name", "'left'"]),
