@@ -23,8 +23,8 @@ from contact.slider import Slider
 # largest ratio of bounce to wave frequency, for v(t) and for the corrected steady state
 STIFFEST, STIFFEST_STEADY = 0.1, 0.3
 HARMONICS = 8
-# share of the first-order error that the second order has been seen to leave in v(t), times two
-LEFT_BY_SECOND_ORDER = 0.05
+# shares of the bound on the first-order error that first order has been seen to make of v(t), and second to leave
+FIRST_ORDER, LEFT_BY_SECOND_ORDER = 0.17, 0.05
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -174,7 +174,7 @@ def averaged_run(
     by_average = max(
         by_average, 3.0 * unit * (slider.normal_resonance(len(orbits)) / orbits[0].frequency) ** 2
     )
-    corrected = by_average > 0.7 * tolerance * unit
+    corrected = FIRST_ORDER * by_average > 0.7 * tolerance * unit
     work = np.zeros(2, np.int64)
 
     def run(allowed, per_period, nodes, record):
@@ -196,7 +196,9 @@ def averaged_run(
     per_period = int(min(12.0 * max(1.0, 1e-4 / allowed) ** 0.4, 96.0))
     coarse, _ = run(2.0 * allowed, per_period // 2, 10, False)
     state, rows[inner] = run(allowed, per_period, 10 if allowed >= 1e-5 else 16, True)
-    error = abs(float(state[2] - coarse[2])) + by_average * (LEFT_BY_SECOND_ORDER if corrected else 1.0)
+    error = abs(float(state[2] - coarse[2])) + by_average * (
+        LEFT_BY_SECOND_ORDER if corrected else FIRST_ORDER
+    )
     # a cycle forgets its deformations: one for those it starts with, one for the motion
     begin.place(*state, 0.0)
     begin.turn(1)

@@ -179,7 +179,8 @@ def _repeating(slider, side, orbits, balance, tolerance):
             f"the motion that repeats with the wave's period grows by {growth:.6g} per cycle: the slider hops",
         )
     velocity = fine.speed * unit
-    error = relative_to_reference((abs(fine.speed - coarse.speed) + fine.step) * unit, velocity, orbits)
+    missed = abs(fine.speed - coarse.speed) + fine.step + fine.rounding
+    error = relative_to_reference(missed * unit, velocity, orbits)
     status, note = _judged(error, tolerance, "periodic motion of the full equations")
     if slider.normal_damping == 0.0 and slider.contact_damping == 0.0:
         note += "; without normal damping the bounce of a real start would not die out"

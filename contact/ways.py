@@ -16,10 +16,16 @@ from contact.scaling import CHI, KAPPA, LOAD
 METHODS = ("auto", "exact", "stepped", "averaged")
 # up to here "auto" follows every event, whatever the tolerance
 EXACT_CYCLES = 3000
+# of the velocity, per cycle that is followed exactly
+ROUNDING = 1e-15
 # stretches that the exact way takes on at most, some minutes
 MOST_STRETCHES = 1e8
 # steps per cycle that are tried, and the tolerance down to which each has been seen to serve
 STEPS = ((24, 2e-3), (32, 4e-4), (48, 4e-5), (64, 1e-5), (96, 2e-6), (128, 1e-6), (192, 2e-7), (256, 0.0))
+# order that is counted on between two step sizes, and instants in the second half at which two runs are compared
+ORDER, WITNESSES = 2.0, 24
+# share of the tolerance down to which a step size serves that no comparison takes away
+FLOOR = 0.01
 # change of the contact's own oscillation in a step, omega_n dt, above which fixed steps are refused
 LARGEST_STEP = 0.2
 # share of its velocity that the contact's damper may take in a step
@@ -127,40 +133,56 @@ def _exact(slider, orbits, problem, cycles, stride, tolerance):
     rows = fine.turn(cycles, stride=stride)
     coarse = rest(slider, orbits, problem, nodes=10, truncation=max(1e-9, min(1e-6, 1e-3 * tolerance)))
     coarse.turn(cycles)
-    return fine, rows, abs(float(fine.state[2] - coarse.state[2])), fine.events()
+    # the coarse run errs a thousand times as much; what is left of the fine one is rounding, stretch by stretch
+    rounding = (
+        ROUNDING * cycles * reference_speed(float(fine.state[2]) * problem.speed, orbits) / problem.speed
+    )
+    return fine, rows, abs(float(fine.state[2] - coarse.state[2])) + rounding, fine.events()
 
 
 def _stepped(slider, orbits, problem, cycles, stride, tolerance, envelope):
-    """Refine the steps until two runs agree; half the difference bounds the error of a method of order 3 or so."""
+    """Refine the steps until two runs agree; their differences on the way tell the error of the finer one."""
     from contact.stepped import steps
 
+    usable = [n for n, _ in STEPS if not why_not_stepped(slider, problem, n)]
+    if not usable:
+        refusal = why_not_stepped(slider, problem, STEPS[-1][0])
+        raise ConvergenceError(
+            "not applicable", f"the stepped way does not apply: {refusal}; use method exact"
+        )
     begin = rest(slider, orbits, problem, nodes=16, truncation=1e-12)
-    first = next(k for k, (_, down_to) in enumerate(STEPS) if tolerance >= down_to)
-    before = None
-    for k in range(max(first - 1, 0), len(STEPS)):
-        per_cycle = STEPS[k][0]
-        refusal = why_not_stepped(slider, problem, per_cycle)
-        if refusal:
-            if k < len(STEPS) - 1:
-                continue
-            raise ConvergenceError(
-                "not applicable", f"the stepped way does not apply: {refusal}; use method exact"
-            )
-        state, rows = begin.state.copy(), np.empty((cycles // stride, 3))
-        if not steps(problem.parameters, problem.waves, state, cycles, per_cycle, stride, rows, envelope):
+    wanted = next(n for n, down_to in STEPS if tolerance >= down_to)
+    finer = sum(n < wanted for n in usable)
+    ladder = usable[max(finer - 1, 0) :]
+    ladder += [3 * ladder[-1] // 2] * (len(ladder) == 1)
+    inner = _divisor(stride, max(1, cycles // (2 * WITNESSES)))
+    late = cycles // inner // 2
+    before, error = None, math.inf
+    for per_cycle in ladder:
+        state, rows = begin.state.copy(), np.empty((cycles // inner, 3))
+        if not steps(problem.parameters, problem.waves, state, cycles, per_cycle, inner, rows, envelope):
             raise ConvergenceError("not finite", "the stepped motion overflowed; use method exact")
+        speeds = np.append(rows[late:, 0], state[2])
         reference = reference_speed(float(state[2]) * problem.speed, orbits) / problem.speed
-        error = math.inf if before is None else 0.5 * abs(float(state[2]) - before)
-        if error <= tolerance * reference or reference == 0.0:
-            break
-        before = float(state[2])
-    if reference == 0.0:
-        error = 0.0
+        if before is not None:
+            # events fall anywhere in a step: one difference may vanish by chance, the largest of many does not
+            gained = (per_cycle / before[0]) ** ORDER - 1.0
+            least = FLOOR * next((down_to for n, down_to in STEPS if n == per_cycle), 0.0) * reference
+            error = float(np.max(np.abs(speeds - before[1]))) / gained + least
+            if error <= tolerance * reference or reference == 0.0:
+                break
+        before = per_cycle, speeds
     begin.state[:] = state
     statistics = {
         "steps_per_cycle": per_cycle, "cycles": cycles, "omega_n_dt": _stiffness(problem) * 2.0 * math.pi / per_cycle,
     }  # fmt: skip
-    return begin, rows, error, statistics
+    every = stride // inner
+    return begin, rows[every - 1 :: every], 0.0 if reference == 0.0 else error, statistics
+
+
+def _divisor(number, most):
+    """Return the largest divisor of a number that is at most `most`."""
+    return next(d for d in range(min(number, most), 0, -1) if number % d == 0)
 
 
 def _stiffness(problem):

@@ -1,0 +1,83 @@
+"""Stated errors of the three ways: at most half the true one in one answer of twenty, and no worse than useful."""
+
+import math
+
+import numpy as np
+import pytest
+
+from contact import burst
+from contact.drive import reference_speed
+from contact.ways import STEPS, _divisor, rest_problem, why_not_stepped
+from studies.calibration_contact import TOLERANCES, ContactChecked, checked, drawn, kept, pessimism
+from tests.contact.motors import orbit, slider
+
+WAYS = ("burst, averaged", "burst, exact", "burst, stepped", "steady, averaged", "steady, exact")
+
+
+def test_stated_errors_hold_on_random_motors():
+    found = [each for number in range(8) for each in checked(number)]
+    assert {each.way for each in found} == set(WAYS)
+    assert min(kept(found).values()) >= 0.95
+    assert max(pessimism(found).values()) < 30.0  # of eight draws; about 10 of two hundred
+
+
+@pytest.mark.slow
+def test_stated_errors_hold_on_two_hundred():
+    found = [each for number in range(200) for each in checked(number)]
+    assert min(kept(found).values()) >= 0.95
+    assert max(pessimism(found).values()) < 11.0
+
+
+def test_draws_are_those_of_their_number():
+    assert drawn(3) == drawn(3)
+    assert drawn(3) != drawn(4)
+    assert len({len(drawn(n)[1]) for n in range(12)}) == 2
+
+
+def test_shares_and_medians_are_taken_way_by_way():
+    made = [
+        ContactChecked(number=0, way="a", tolerance=1e-3, true=true, estimate=1e-6)
+        for true in (1e-7, 1e-6, 1.9e-6, 2.1e-6)
+    ]
+    made.append(ContactChecked(number=0, way="b", tolerance=1e-3, true=1e-6, estimate=1e-7))
+    assert kept(made) == {"a": 0.75, "b": 0.0}
+    assert pessimism(made)["a"] == pytest.approx(0.5 * (1.0 + 1.0 / 1.9), rel=1e-12)
+
+
+def test_a_motor_that_only_the_finest_steps_serve_still_has_an_error():
+    # of two step sizes; with the last of the ladder alone there was nothing to compare
+    light = slider(mass=8e-11, normal_damping=1e-6, tangential_damping=1e-6)
+    problem = rest_problem(light, (orbit(5e-9),))
+    usable = [n for n, _ in STEPS if not why_not_stepped(light, problem, n)]
+    assert usable == [STEPS[-1][0]]
+    found = burst(light, orbit(5e-9), duration=5e-5, after=0.0, tolerance=1e-2, samples=2, method="stepped")
+    exact = burst(light, orbit(5e-9), duration=5e-5, after=0.0, tolerance=1e-8, samples=2, method="exact")
+    assert math.isfinite(found.relative_error)
+    reference = reference_speed(exact.velocity_at_burst_end, exact.orbits)
+    difference = abs(found.velocity_at_burst_end - exact.velocity_at_burst_end)
+    assert difference < 2.0 * found.relative_error * reference
+
+
+@pytest.mark.parametrize(("number", "most", "divisor"), [(12, 5, 4), (12, 12, 12), (13, 5, 1), (1, 7, 1)])
+def test_largest_divisor_below_a_bound(number, most, divisor):
+    assert _divisor(number, most) == divisor
+
+
+def test_rows_are_the_same_whatever_is_compared_on_the_way():
+    runs = [
+        burst(
+            slider(),
+            orbit(5e-9),
+            duration=600 / 2.2e6,
+            after=0.0,
+            tolerance=1e-3,
+            samples=n,
+            method="stepped",
+        )
+        for n in (3, 7, 601)
+    ]
+    long = dict(zip(np.round(runs[2].time * 2.2e6), runs[2].velocity, strict=True))
+    for run in runs[:2]:
+        for t, v in zip(np.round(run.time * 2.2e6), run.velocity, strict=True):
+            assert long[t] == v
+    assert len(TOLERANCES) == 5
