@@ -41,6 +41,30 @@ def passage_excess(s, h, bend):
 
 
 @compiled
+def kink_excess(theta, h, third):
+    """Return what the rule's sum has too much for third t^3 from an edge on, the nearest sample at theta h.
+
+    -zeta(-3, theta) is a quarter of Bernoulli's fourth polynomial.
+    """
+    square = theta * (theta - 1.0)
+    return -0.25 * third * h * h * h * h * (square * square - 1.0 / 30.0)
+
+
+@compiled
+def last_part(v0, v1, whole):
+    """Return (place, integral from there to 1) of the root of the parabola with ends v0 > 0 > v1 and this integral."""
+    bulge = 6.0 * (whole - 0.5 * (v0 + v1))
+    s = v0 / (v0 - v1)
+    for _ in range(3):
+        slope = v1 - v0 + bulge * (1.0 - 2.0 * s)
+        if slope >= 0.0:
+            break
+        s = min(max(s - (v0 + s * (v1 - v0) + bulge * s * (1.0 - s)) / slope, 0.0), 1.0)
+    r = 1.0 - s
+    return s, r * (v0 + 0.5 * (1.0 + s) * (v1 - v0) + bulge * r * (0.5 * s + r / 6.0))
+
+
+@compiled
 def cubic(s, y0, y1, r0, r1):
     """Return the cubic through y0, y1 with slopes r0, r1 (times the step) at s in [0, 1]."""
     return y0 + s * (r0 + s * (3.0 * (y1 - y0) - 2.0 * r0 - r1 + s * (2.0 * (y0 - y1) + r0 + r1)))

@@ -14,10 +14,10 @@ Not for a stick band (creep), nor where the contact resonance is not well resolv
 import numpy as np
 
 from contact.compiled import compiled, native
-from contact.edges import cubic, edge_excess, passage_excess, rising_root
+from contact.edges import cubic, edge_excess, kink_excess, last_part, passage_excess, rising_root
 
 # rows of the cells, one column per run: slider, contact forces alone, distance within the cycle, what a step is made of
-HEIGHT, CLIMB, SPEED, PUSH, PULL, TRAVELLED, STEP, DAMP_N, DAMP_T, CELL = range(10)
+HEIGHT, CLIMB, SPEED, PUSH, PULL, TRAVELLED, STEP, DAMP_N, DAMP_T, INVERSE, CELL = range(11)
 
 
 @compiled
@@ -43,6 +43,21 @@ def _contact_edge(kappa, chi, z_rate, z_bend, h):
     """Return the coefficients of t^1.5 and t^2.5 in the elastic force at contact or release."""
     first = kappa * z_rate * np.sqrt(z_rate)
     return first, first * min(max(0.75 * z_bend / z_rate, -1.0 / h), 1.0 / h)
+
+
+@compiled
+def _slip_edge(scale, c, below, above, v_old, v_new, h):
+    """Return what the rule's sum has too much for mu P - |Q| where stick ends within the step.
+
+    It is mu K (z - |x|/c)^1.5; `below` and `above` are |x| - c z at the ends of the step, v their rates.
+    """
+    if above <= 0.0:
+        return 0.0
+    s = rising_root(below, above, h * v_old, h * v_new)
+    v_edge = max(v_old + s * (v_new - v_old), 0.0)
+    bend = 0.75 * (v_old - v_new) / max(v_edge, 1e-300)
+    first = scale * v_edge / c * np.sqrt(v_edge / c)
+    return edge_excess(s, h, first, first * min(max(bend, -1.0), 1.0) / h)
 
 
 @compiled
@@ -78,6 +93,14 @@ def _step(parameters, k, table, own, cells, m):
                 rate = max(-(r0 + s * (r1 - r0)) / h, 1e-6)
                 first, second = _contact_edge(kappa, chi, rate, -height, h)
                 sign = 1.0 if x[i] > 0.0 else -1.0
+                if slip[i] == 0.0:  # it must have slipped before
+                    along = x[i] + u_x[k + 1, i] - u_x[k, i] - travel
+                    sign = 1.0 if along > 0.0 else -1.0
+                    v_old = sign * (w_x[k, i] - speed) - c * (w_z[k, i] - climb)
+                    v_new = sign * (w_x[k + 1, i] - speed_next) - c * (w_z[k + 1, i] - climb_next)
+                    pull_excess -= sign * _slip_edge(
+                        mu * kappa, c, sign * x[i] - c * z_old, sign * along - c * z_new, v_old, v_new, h
+                    )
                 push_excess += edge_excess(s, h, first * (1.0 - chi * rate), second)
                 pull_excess += sign * mu * edge_excess(s, h, first, second)
                 x[i], slip[i] = 0.0, 0.0
@@ -92,8 +115,9 @@ def _step(parameters, k, table, own, cells, m):
             if abs(deformation) < limit:  # stick all along
                 x[i] = deformation
                 push += elastic * (1.0 + chi * z_rate)
-                left = 1.0 - abs(deformation) / limit
-                force = mu * elastic * (1.0 - left * np.sqrt(left))
+                # mu P (1 - (1 - |x|/c z)^1.5) without its division
+                left = z_new - abs(deformation) * cells[INVERSE, m]
+                force = mu * (elastic - kappa * left * np.sqrt(left))
                 pull += force if deformation > 0.0 else -force
                 if old * deformation < 0.0:
                     bend = 0.375 * mu * elastic * x_rate * abs(x_rate) / (limit * limit)
@@ -102,13 +126,9 @@ def _step(parameters, k, table, own, cells, m):
             sign = 1.0 if deformation > 0.0 else -1.0
             v_old = sign * (w_x[k, i] - speed) - c * (w_z[k, i] - climb)
             v_new = sign * x_rate - c * z_rate
-            s = rising_root(sign * old - c * z_old, sign * deformation - limit, h * v_old, h * v_new)
-            v_edge = max(v_old + s * (v_new - v_old), 0.0)
-            z_edge = z_old + s * (z_new - z_old)
-            # left = (v_f/c z) t before the edge
-            loss = v_edge / (c * z_edge)
-            force = mu * kappa * z_edge * np.sqrt(z_edge) * loss * np.sqrt(loss)
-            pull_excess -= sign * edge_excess(s, h, force, 0.0)
+            pull_excess -= sign * _slip_edge(
+                mu * kappa, c, sign * old - c * z_old, sign * deformation - limit, v_old, v_new, h
+            )
             if v_new >= 0.0:
                 x[i], slip[i] = sign * limit, sign
             else:  # slips and sticks again within the step
@@ -144,9 +164,17 @@ def _step(parameters, k, table, own, cells, m):
                 v_new = sign * x_rate - c * z_rate
                 if v_new >= 0.0:
                     x[i] = sign * limit
-                else:  # slip ends within the step: what follows is stick from the limit there
+                elif z_old <= 0.0:
+                    # slip ends within the step: what follows is stick from the limit there
                     rest = (1.0 - s) * h * v_new / (v_new - v_old)
                     x[i] = sign * (limit + 0.5 * rest * v_new)
+                    slip[i] = 0.0
+                else:
+                    s, lag = last_part(v_old, v_new, (sign * along - c * (z_new - z_old)) / h)
+                    x[i] = sign * (limit + h * lag)
+                    # mu P - |Q| begins as the 1.5th power of a parabola
+                    third = max(0.5 * (v_old - v_new) / (c * h), 0.0)
+                    pull_excess -= sign * mu * kappa * kink_excess(1.0 - s, h, third * np.sqrt(third))
                     slip[i] = 0.0
             elif abs(x[i]) >= limit:
                 slip[i] = 1.0 if x[i] > 0.0 else -1.0
@@ -155,8 +183,8 @@ def _step(parameters, k, table, own, cells, m):
         if slip[i] != 0.0:
             pull += slip[i] * mu * elastic
         else:
-            left = max(1.0 - abs(x[i]) / limit, 0.0)
-            force = mu * elastic * (1.0 - left * np.sqrt(left))
+            left = max(z_new - abs(x[i]) * cells[INVERSE, m], 0.0)
+            force = mu * (elastic - kappa * left * np.sqrt(left))
             pull += force if x[i] > 0.0 else -force
     climb = (climb_half + 0.5 * h * (push - p) - push_excess) * cells[DAMP_N, m]
     speed = (speed_half + 0.5 * h * (pull - q) - pull_excess) * cells[DAMP_T, m]
@@ -208,7 +236,7 @@ def _abreast(parameters, waves, states, number, per_cycle, stride, rows, envelop
 def _begin(parameters, state, per_cycle, table, own, cells, m):
     """Set the forces of the first instant and what stays the same."""
     h = 2.0 * np.pi / per_cycle
-    cells[STEP, m] = h
+    cells[STEP, m], cells[INVERSE, m] = h, 1.0 / parameters[7]
     cells[DAMP_N, m], cells[DAMP_T, m] = (
         1.0 / (1.0 + 0.5 * h * parameters[2]),
         1.0 / (1.0 + 0.5 * h * parameters[4]),

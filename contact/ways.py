@@ -5,6 +5,7 @@ of the last v and what it counted; each refuses where it does not apply. The err
 """
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
@@ -16,16 +17,12 @@ from contact.scaling import CHI, KAPPA, LOAD
 METHODS = ("auto", "exact", "stepped", "averaged")
 # up to here "auto" follows every event, whatever the tolerance
 EXACT_CYCLES = 3000
-# of the velocity, per cycle that is followed exactly
-ROUNDING = 1e-15
 # stretches that the exact way takes on at most, some minutes
 MOST_STRETCHES = 1e8
 # steps per cycle that are tried, and the tolerance down to which each has been seen to serve
-STEPS = ((24, 2e-3), (32, 4e-4), (48, 4e-5), (64, 1e-5), (96, 2e-6), (128, 1e-6), (192, 2e-7), (256, 0.0))
-# order that is counted on between two step sizes, and instants in the second half at which two runs are compared
-ORDER, WITNESSES = 2.0, 24
-# share of the tolerance down to which a step size serves that no comparison takes away
-FLOOR = 0.01
+STEPS = ((24, 2e-3), (32, 4e-4), (48, 4e-5), (64, 1e-5), (96, 4e-6), (128, 1.5e-6), (192, 2e-7), (256, 0.0))
+# nodes per stretch, truncation of a stretch, and the tolerance down to which each serves
+ORDERS = ((8, 1e-5, math.inf), (8, 1e-7, 1e-8), (12, 1e-9, 1e-10), (16, 1e-12, 0.0))
 # change of the contact's own oscillation in a step, omega_n dt, above which fixed steps are refused
 LARGEST_STEP = 0.2
 # share of its velocity that the contact's damper may take in a step
@@ -123,66 +120,72 @@ def _one(method, slider, orbits, problem, cycles, stride, tolerance, envelope):
 
 
 def _exact(slider, orbits, problem, cycles, stride, tolerance):
+    """Follow every event at two orders; where they do not agree to the tolerance, at the next."""
     if cycles * problem.stretches > MOST_STRETCHES:
         raise ConvergenceError(
             "out of reach",
             f"{cycles} cycles of at least {problem.stretches:.3g} stretches of the motion are more than can be "
             "followed; shorten the burst, raise the mass or lower the dampers",
         )
-    fine = rest(slider, orbits, problem, nodes=16, truncation=1e-12)
-    rows = fine.turn(cycles, stride=stride)
-    coarse = rest(slider, orbits, problem, nodes=10, truncation=max(1e-9, min(1e-6, 1e-3 * tolerance)))
-    coarse.turn(cycles)
-    # the coarse run errs a thousand times as much; what is left of the fine one is rounding, stretch by stretch
-    rounding = (
-        ROUNDING * cycles * reference_speed(float(fine.state[2]) * problem.speed, orbits) / problem.speed
-    )
-    return fine, rows, abs(float(fine.state[2] - coarse.state[2])) + rounding, fine.events()
+    level = next((k for k, (_, _, down_to) in enumerate(ORDERS) if tolerance >= down_to), len(ORDERS) - 1)
+
+    def follow(order):
+        nodes, truncation, _ = ORDERS[order]
+        motion = rest(slider, orbits, problem, nodes=nodes, truncation=truncation)
+        return motion, motion.turn(cycles, stride=stride)
+
+    (coarse, _), (fine, rows) = _both(follow, level - 1, level)
+    while True:
+        reference = reference_speed(float(fine.state[2]) * problem.speed, orbits) / problem.speed
+        # two runs may agree by chance, but not a thousand times better than their stretches are laid out
+        error = max(abs(float(fine.state[2] - coarse.state[2])), 1e-3 * ORDERS[level][1] * reference)
+        if error <= tolerance * reference or level == len(ORDERS) - 1:
+            return fine, rows, error, fine.events()
+        level += 1
+        coarse, (fine, rows) = fine, follow(level)
+
+
+def _both(work, first, second):
+    """Return what some work gives for two arguments, at the same time: the kernels let other threads run."""
+    with ThreadPoolExecutor(1) as aside:
+        job = aside.submit(work, first)
+        found = work(second)
+        return job.result(), found
 
 
 def _stepped(slider, orbits, problem, cycles, stride, tolerance, envelope):
-    """Refine the steps until two runs agree; their differences on the way tell the error of the finer one."""
+    """Refine the steps until two runs agree; the error of a method of order 3 is 3/4 of what 4/3 the steps change."""
     from contact.stepped import steps
 
-    usable = [n for n, _ in STEPS if not why_not_stepped(slider, problem, n)]
-    if not usable:
-        refusal = why_not_stepped(slider, problem, STEPS[-1][0])
+    begin = rest(slider, orbits, problem, nodes=16, truncation=1e-12)
+    fits = [k for k, (number, _) in enumerate(STEPS) if not why_not_stepped(slider, problem, number)]
+    if len(fits) < 2:
+        refusal = why_not_stepped(slider, problem, STEPS[-2][0])
         raise ConvergenceError(
             "not applicable", f"the stepped way does not apply: {refusal}; use method exact"
         )
-    begin = rest(slider, orbits, problem, nodes=16, truncation=1e-12)
-    wanted = next(n for n, down_to in STEPS if tolerance >= down_to)
-    finer = sum(n < wanted for n in usable)
-    ladder = usable[max(finer - 1, 0) :]
-    ladder += [3 * ladder[-1] // 2] * (len(ladder) == 1)
-    inner = _divisor(stride, max(1, cycles // (2 * WITNESSES)))
-    late = cycles // inner // 2
-    before, error = None, math.inf
-    for per_cycle in ladder:
-        state, rows = begin.state.copy(), np.empty((cycles // inner, 3))
-        if not steps(problem.parameters, problem.waves, state, cycles, per_cycle, inner, rows, envelope):
+
+    def follow(k):
+        state, rows = begin.state.copy(), np.empty((cycles // stride, 3))
+        if not steps(problem.parameters, problem.waves, state, cycles, STEPS[k][0], stride, rows, envelope):
             raise ConvergenceError("not finite", "the stepped motion overflowed; use method exact")
-        speeds = np.append(rows[late:, 0], state[2])
+        return state, rows
+
+    k = max(next(k for k, (_, down_to) in enumerate(STEPS) if tolerance >= down_to), fits[1])
+    (coarse, _), (state, rows) = _both(follow, k - 1, k)
+    while True:
         reference = reference_speed(float(state[2]) * problem.speed, orbits) / problem.speed
-        if before is not None:
-            # events fall anywhere in a step: one difference may vanish by chance, the largest of many does not
-            gained = (per_cycle / before[0]) ** ORDER - 1.0
-            least = FLOOR * next((down_to for n, down_to in STEPS if n == per_cycle), 0.0) * reference
-            error = float(np.max(np.abs(speeds - before[1]))) / gained + least
-            if error <= tolerance * reference or reference == 0.0:
-                break
-        before = per_cycle, speeds
+        error = 0.75 * abs(float(state[2] - coarse[2])) if reference > 0.0 else 0.0
+        if error <= tolerance * reference or k == len(STEPS) - 1:
+            break
+        k += 1
+        coarse, (state, rows) = state, follow(k)
     begin.state[:] = state
     statistics = {
-        "steps_per_cycle": per_cycle, "cycles": cycles, "omega_n_dt": _stiffness(problem) * 2.0 * math.pi / per_cycle,
+        "steps_per_cycle": STEPS[k][0], "cycles": cycles,
+        "omega_n_dt": _stiffness(problem) * 2.0 * math.pi / STEPS[k][0],
     }  # fmt: skip
-    every = stride // inner
-    return begin, rows[every - 1 :: every], 0.0 if reference == 0.0 else error, statistics
-
-
-def _divisor(number, most):
-    """Return the largest divisor of a number that is at most `most`."""
-    return next(d for d in range(min(number, most), 0, -1) if number % d == 0)
+    return begin, rows, error, statistics
 
 
 def _stiffness(problem):
