@@ -33,7 +33,7 @@ MOST_LOSS = 0.6  # at the bottom, where a stretch would make waves grow and loss
 FINGER_SCALE = (
     0.125  # wavelengths; above it a finger's near field needs no layers of its own through the depth
 )
-MOST_UNKNOWNS, MINUTES = 2000, 10  # on a line, and what a driven stator takes with as many
+MOST_UNKNOWNS, USUAL_ORDER, MINUTES = 2000, 7, 10  # on a line, and what a driven stator takes with as many
 VACUUM_HEIGHT = (
     64.0  # length units; the field of a transducer without net charge decays as the distance squared
 )
@@ -242,11 +242,11 @@ def discretise(stator: Stator, resolution: Resolution, *, wavelength: float, sur
     body = medium(stator.solid, names)
     unit = wavelength
     largest = resolution.element_size
-    unknowns = stator.thickness / unit / largest * resolution.order * len(names)
+    unknowns = stator.thickness / unit / largest * USUAL_ORDER * len(names)
     if unknowns > MOST_UNKNOWNS and not stator.absorbs_below:
         raise ConvergenceError(
             f"a section of {stator.thickness / unit:.3g} wavelengths of thickness, {stator.thickness:g} m, has "
-            f"{unknowns:.3g} unknowns on a line, which takes {MINUTES * (unknowns / MOST_UNKNOWNS) ** 3:.2g} minutes "
+            f"about {unknowns:.3g} unknowns on a line, takes {MINUTES * (unknowns / MOST_UNKNOWNS) ** 3:.2g} minutes "
             'or more and is not begun: take a thinner one, or bottom = "absorbing" where the bottom does not matter'
         )
     layers = resolution.edge_layers if np.isfinite(surface_scale) else 0
