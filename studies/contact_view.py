@@ -114,9 +114,10 @@ def contact_moments(scene: Scene, record: dict, *, level: float | None, progress
     return moments(history), f"{scene.title}: {named}, slider {speed:.4g} mm/s"
 
 
-def frames(found, title: str, count: int):
+def frames(found, title: str, count: int, *, dpi: float = 100.0):
     """Give the pictures of the contact's first cycle, which repeats."""
     motion = SlowMotion(found, title=title)
+    motion.figure.set_dpi(dpi)
     for number in range(count):
         motion.show(round(number * INSTANTS / count))
         yield motion.image()

@@ -8,8 +8,8 @@ __all__ = ["draw_all"]
 ORBITS = 12
 MOVIE, SOLID, STILL = (720, 300), (1000, 470), (1200, 720)
 FRAMES = 16
-COLOURS = 128  # of a PNG: a third of the size
-DPI = 90
+COLOURS = 128  # of a diagram
+DPI = 80
 DEPTH = 3.0  # wavelengths
 
 
@@ -33,7 +33,6 @@ def draw_all(gallery, folder: Path, *, voltage: float, progress: Callable[[str],
 
     found, record = gallery.found, gallery.record
     title = record.scene.title
-    _draw_field(found, folder, progress)
     for name, figure in (
         ("orbits", _orbits(found)),
         ("amplitude", _amplitude(found)),
@@ -49,10 +48,11 @@ def draw_all(gallery, folder: Path, *, voltage: float, progress: Callable[[str],
     saved(folder / "velocity.png", lambda ax: velocity(record, ax))
     for module, panel in gallery.others:
         saved(folder / f"{panel.name}.png", lambda ax, module=module, panel=panel: module.figure(panel, ax))
+    for diagram in folder.glob("*.png"):
+        _reduce(diagram)
+    _draw_field(found, folder, progress)
     progress("contact in slow motion")
-    movie.save(frames(*gallery.contact, 2 * FRAMES), folder / "contact.gif", rate=10.0)
-    for picture in folder.glob("*.png"):
-        _reduce(picture)
+    movie.save(frames(*gallery.contact, 2 * FRAMES, dpi=DPI), folder / "contact.gif", rate=10.0)
 
 
 def _draw_field(found, folder: Path, progress) -> None:
@@ -60,16 +60,15 @@ def _draw_field(found, folder: Path, progress) -> None:
 
     from studies import movie
     from studies.beam import solid
+    from studies.shading import palette
     from studies.stage import Stage, chosen_views, magnification, views
 
     progress("drawing the field")
     given = {"quantity": "u_z", "phase": 0.0, "factor": None, "off_screen": True}
     still = Stage(found, views(found), size=STILL, smooth=True, **given)
-    still.plotter.render()
-    still.plotter.screenshot(str(folder / "wave.png"))
-    still.set_quantity("power_flow")
-    still.plotter.render()
-    still.plotter.screenshot(str(folder / "wave_power_flow.png"))
+    for name, quantity in (("wave", "u_z"), ("wave_power_flow", "power_flow")):
+        still.set_quantity(quantity)
+        _write(still.image(), folder / f"{name}.png")
     still.close()
     moving = Stage(found, chosen_views(found, None), size=MOVIE, smooth=False, **given)
 
@@ -78,11 +77,11 @@ def _draw_field(found, folder: Path, progress) -> None:
             moving.set_phase(2 * np.pi * number / FRAMES)
             yield moving.image()
 
-    movie.save(pictures(), folder / "wave.gif", rate=12.0)
+    movie.save(pictures(), folder / "wave.gif", rate=12.0, palette=palette("diverging"))
     moving.close()
     progress("drawing the solid")
     block = solid(found, quantity="u_z", phase=0.0, factor=magnification(found), size=SOLID, off_screen=True)
-    block.screenshot(str(folder / "solid.png"))
+    _write(block.screenshot(return_img=True), folder / "solid.png")
     block.close()
 
 
@@ -152,8 +151,16 @@ def _power_flow(found):
     )  # fmt: skip
 
 
+def _write(picture, file: Path) -> None:
+    """Write a picture of a field with a palette: a third of the size."""
+    from studies.movie import reduced
+    from studies.shading import palette
+
+    reduced(picture, palette("diverging")).save(file, optimize=True)
+
+
 def _reduce(picture: Path) -> None:
-    """Write a PNG again with a palette: a third of the size."""
+    """Write a diagram again with a palette of its own."""
     from PIL import Image
 
     with Image.open(picture) as image:

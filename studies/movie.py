@@ -9,7 +9,7 @@ import numpy as np
 
 from studies.refusal import RunError, SceneError
 
-__all__ = ["FORMATS", "check", "save"]
+__all__ = ["FORMATS", "check", "reduced", "save"]
 
 FORMATS = (".gif", ".mp4")
 COLOURS = 128  # of a GIF; one palette for all its pictures
@@ -31,7 +31,9 @@ def check(file: str | Path) -> None:
         _ffmpeg()
 
 
-def save(frames: Iterable[np.ndarray], file: str | Path, *, rate: float) -> int:
+def save(
+    frames: Iterable[np.ndarray], file: str | Path, *, rate: float, palette: np.ndarray | None = None
+) -> int:
     """Write pictures as a movie that repeats (GIF) or plays (MP4).
 
     Parameters
@@ -42,6 +44,8 @@ def save(frames: Iterable[np.ndarray], file: str | Path, *, rate: float) -> int:
         Ends in .gif or .mp4.
     rate : float
         Pictures per second.
+    palette : ndarray, shape (n, 3), uint8, optional
+        At most 256 colours of a GIF; found in the pictures if None, which passes over rare ones.
 
     Returns
     -------
@@ -55,21 +59,38 @@ def save(frames: Iterable[np.ndarray], file: str | Path, *, rate: float) -> int:
     """
     check(file)
     try:
-        return (_gif if Path(file).suffix.lower() == ".gif" else _mp4)(frames, Path(file), rate)
+        if Path(file).suffix.lower() == ".gif":
+            return _gif(frames, Path(file), rate, palette)
+        return _mp4(frames, Path(file), rate)
     except OSError as error:
         raise RunError(f"the movie {str(file)!r} cannot be written: {error.strerror or error}") from None
 
 
-def _gif(frames, file: Path, rate: float) -> int:
+def reduced(picture: np.ndarray, palette: np.ndarray):
+    """Return a picture (height, width, 3) of uint8 in the nearest colours of a palette, as a PIL image."""
+    from PIL import Image
+    from scipy.spatial import cKDTree
+
+    packed = picture.astype(np.uint32) @ np.array([1 << 16, 1 << 8, 1], dtype=np.uint32)
+    found, places = np.unique(packed, return_inverse=True)
+    seen = np.stack([found >> 16, found >> 8 & 255, found & 255], axis=1)
+    _, nearest = cKDTree(palette).query(seen)
+    image = Image.fromarray(nearest.astype(np.uint8)[places].reshape(picture.shape[:2]))
+    image.putpalette(np.asarray(palette, dtype=np.uint8).tobytes())
+    return image
+
+
+def _gif(frames, file: Path, rate: float, palette) -> int:
     from PIL import Image
 
-    pictures = [Image.fromarray(frame) for frame in frames]
-    # a palette of all colours that ever appear: of pictures spread over the movie, side by side
-    some = [np.asarray(each) for each in pictures[:: max(1, len(pictures) // 4)]]
-    palette = Image.fromarray(np.concatenate(some)).quantize(COLOURS)
-    reduced = [each.quantize(palette=palette, dither=Image.Dither.NONE) for each in pictures]
-    reduced[0].save(
-        file, save_all=True, append_images=reduced[1:], duration=round(1000 / rate), loop=0, optimize=False
+    shown = list(frames)
+    if palette is None:
+        # of pictures spread over the movie, one below the other
+        some = Image.fromarray(np.concatenate(shown[:: max(1, len(shown) // 4)])).quantize(COLOURS)
+        palette = np.reshape(some.getpalette(), (-1, 3))
+    pictures = [reduced(each, palette) for each in shown]
+    pictures[0].save(
+        file, save_all=True, append_images=pictures[1:], duration=round(1000 / rate), loop=0, optimize=False
     )
     return len(pictures)
 

@@ -13,9 +13,11 @@ import numpy as np
 
 from studies.refusal import SceneError, nearest
 
-__all__ = ["QUANTITIES", "Quantity", "Shade", "colours", "quantity", "shade"]
+__all__ = ["QUANTITIES", "Quantity", "Shade", "colours", "palette", "quantity", "shade"]
 
 NM = 1e9
+MARK_COLOURS = ("#CC79A7", "#009E73")  # of electrodes and crystal axes; the others are black, grey and white
+SCALE = 192  # colours of a scale in a palette of 256
 # lightness, chroma and hue (degrees) in OKLab
 PALE, BLUE, ORANGE, DARK = (0.965, 0.0, 0.0), (0.45, 0.11, 252.0), (0.45, 0.11, 52.0), (0.30, 0.13, 272.0)
 
@@ -179,6 +181,13 @@ def colours(name: str, count: int = 256) -> np.ndarray:
     """
     ends = (BLUE, PALE, ORANGE) if name == "diverging" else (PALE, DARK)
     return _srgb(_line(ends, count))
+
+
+def palette(name: str) -> np.ndarray:
+    """Return the 256 colours that a picture of a field needs, (256, 3) of uint8: a scale, greys, the marks on it."""
+    marks = [[int(colour[k : k + 2], 16) for k in (1, 3, 5)] for colour in MARK_COLOURS]
+    greys = np.repeat(np.linspace(0, 255, 256 - SCALE - len(marks))[:, None], 3, axis=1)
+    return np.round(np.concatenate([255 * colours(name, SCALE), marks, greys])).astype(np.uint8)
 
 
 def _line(ends, count: int) -> np.ndarray:

@@ -151,6 +151,8 @@ def _screenshot(found: RunField, wanted: Wanted, span, show: str) -> None:
 
 def _movie(found: RunField, wanted: Wanted, span, progress) -> None:
     size, count = wanted.size or MOVIE_SIZE, wanted.frames or FRAMES
+    from studies.shading import palette
+
     stage = _stage(found, wanted, span, size, smooth=False, moving=True)
 
     def frames():
@@ -159,7 +161,7 @@ def _movie(found: RunField, wanted: Wanted, span, progress) -> None:
             stage.set_phase(wanted.phase + 2 * np.pi * number / count)
             yield stage.image()
 
-    movie.save(frames(), wanted.movie, rate=RATE)
+    movie.save(frames(), wanted.movie, rate=RATE, palette=palette(stage.shade.colours))
     stage.close()
 
 

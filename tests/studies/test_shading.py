@@ -4,8 +4,9 @@ import matplotlib
 import numpy as np
 import pytest
 
+from studies.movie import reduced
 from studies.refusal import SceneError
-from studies.shading import QUANTITIES, colours, quantity
+from studies.shading import QUANTITIES, colours, palette, quantity
 
 # Machado, Oliveira and Fernandes 2009, severity 1.0, on linear sRGB
 BLINDNESS = {
@@ -71,3 +72,14 @@ def test_every_quantity_has_a_unit_and_an_unknown_one_is_refused():
         assert all(each.scales)
     with pytest.raises(SceneError, match=r"^--quantity 'potental' does not exist; did you mean potential\?$"):
         quantity("potental")
+
+
+def test_a_palette_holds_the_scale_and_the_marks():
+    """A picture of scale, electrodes, axes, black and white is the same after it has been reduced, to 2 of 255."""
+    table = palette("diverging")
+    assert table.shape == (256, 3)
+    marks = np.array([[204, 121, 167], [0, 158, 115], [0, 0, 0], [255, 255, 255]])
+    picture = np.concatenate([np.round(255 * colours("diverging", 500)), marks]).astype(np.uint8)[None]
+    back = np.asarray(reduced(picture, table).convert("RGB")).astype(int)
+    assert abs(back - picture).max() <= 2
+    np.testing.assert_array_equal(back[0, -4:], marks)
