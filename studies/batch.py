@@ -15,7 +15,7 @@ from studies.outcomes import Driven, also_asked, electrical
 from studies.points import slider_answer
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
-from studies.source import SHARE, STEPS, Source, variation
+from studies.source import SHARE, STEPS, Source, keep_to, variation
 
 __all__ = ["Batch", "solved_points"]
 
@@ -62,6 +62,7 @@ def solved_points(
         Of the compiled loop; all processors when absent.
     """
     begun = time.perf_counter()
+    keep_to(threads)
     given = variation(question)
     found, ready, finer = {}, {}, []
     for point, own in zip(points, values, strict=True):

@@ -42,7 +42,7 @@ class Driver:
     def __init__(self, design: Design, store: Store, staff, progress):
         self.design, self.store, self.staff, self.progress = design, store, staff, progress
         self.question: Question = design.question
-        self.size = 16  # points in the next batch
+        self.size = 4  # points in the next batch
         self.sources: dict[tuple[str, int], Source] = {}
 
     def run(self) -> None:
@@ -132,7 +132,7 @@ class Driver:
 
     def _submit(self, task: _Task):
         if task.names:
-            return self.staff.submit(solved_sources, self.question, task.names, task.step)
+            return self.staff.submit(solved_sources, self.question, task.names, task.step, self.staff.threads)
         needed = {}
         if self.question.kind == "driven":
             for name in dict.fromkeys(self.question.source(own) for own in task.values):
@@ -172,6 +172,10 @@ class Driver:
                     answers.append((task, future.result()))
                 except self.staff.lost:
                     lost.append(task)
+                except ImportError as error:
+                    raise RunError(
+                        f"a worker cannot import what it needs ({error}): install sawmotor there"
+                    ) from None
                 except CancelledError:
                     raise RunError(
                         "the Dask scheduler is gone; the same command goes on from there"

@@ -6,6 +6,7 @@ stator, the next answer is ten times better: which of the ``STEPS`` a point uses
 """
 
 import json
+import os
 import time
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property, lru_cache
@@ -15,7 +16,7 @@ from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.variation import Variation
 
-__all__ = ["SHARE", "STEPS", "Source", "serves_band", "solved_sources", "variation"]
+__all__ = ["SHARE", "STEPS", "Source", "keep_to", "serves_band", "solved_sources", "variation"]
 
 SHARE, GAIN = 0.25, 0.1  # of the tolerance at first, and of the step before
 STEPS = 3
@@ -113,15 +114,24 @@ def variation(question: Question) -> Variation:
     return _variation(json.dumps(asdict(question)))
 
 
-def solved_sources(question: Question, names: tuple[str, ...], step: int) -> tuple[list[Source], float]:
+def solved_sources(
+    question: Question, names: tuple[str, ...], step: int, threads: int | None
+) -> tuple[list[Source], float]:
     """Return the stator's answers of these names, and the seconds that they took."""
     from fem.threads import one_blas_thread
 
+    keep_to(threads)
     begun = time.perf_counter()
     if serves_band(question):
         one_blas_thread(_in_bands)(question, names, step)
     answers = [one_blas_thread(_answer)(question, name, step) for name in names]
     return answers, time.perf_counter() - begun
+
+
+def keep_to(threads: int | None) -> None:
+    """Keep this process, a worker, to so many threads; None leaves it as it is."""
+    if threads is not None:
+        os.environ["SAWMOTOR_THREADS"] = str(threads)
 
 
 def _in_bands(question: Question, names, step: int) -> None:

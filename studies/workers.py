@@ -5,15 +5,19 @@ decide.  One thread per worker: the stator's matrices are small, and processes s
 of a BLAS do.  A worker that vanishes costs its tasks, which are given out again.
 """
 
+import logging
 import multiprocessing
 import os
+import re
 import threading
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 
-from studies.refusal import RunError, SceneError
+from studies.refusal import RunError, SceneError, shown
 
 __all__ = ["Here", "OnDask", "Processes", "workers"]
+
+ADDRESS = re.compile(r"((tcp|tls|ucx|ws|wss)://)?[^\s/:]+:\d{1,5}|(tcp|tls)://\[[0-9a-fA-F:]+\]:\d{1,5}")
 
 
 class Here(Executor):
@@ -87,12 +91,19 @@ class OnDask:
     threads = 1
 
     def __init__(self, address: str):
+        if not ADDRESS.fullmatch(address):
+            raise SceneError(
+                "--scheduler", f"must be an address such as tcp://127.0.0.1:8786, got {shown(address)}"
+            )
         try:
             from distributed import Client
             from distributed.scheduler import KilledWorker
         except ImportError:
             raise SceneError("--scheduler", "needs Dask: pip install 'sawmotor[dask]'") from None
         self.lost = (KilledWorker,)
+        for name in list(logging.root.manager.loggerDict):  # what goes wrong is said here, in a sentence
+            if name.split(".")[0] == "distributed":
+                logging.getLogger(name).setLevel(logging.CRITICAL + 1)
         try:
             self._client = Client(address, timeout=10, set_as_default=False)
         except (OSError, ValueError) as error:
