@@ -18,10 +18,16 @@ from contact.scaling import CHI, KAPPA, LOAD
 METHODS = ("auto", "exact", "stepped", "averaged")
 # up to here "auto" follows every event, whatever the tolerance
 EXACT_CYCLES = 3000
+# of the velocity, per cycle that is followed exactly
+ROUNDING = 1e-15
 # stretches that the exact way takes on at most, some minutes
 MOST_STRETCHES = 1e8
 # steps per cycle that are tried, and the tolerance down to which each has been seen to serve
 STEPS = ((24, 2e-3), (32, 4e-4), (48, 4e-5), (64, 1e-5), (96, 4e-6), (128, 1.5e-6), (192, 2e-7), (256, 0.0))
+# order that is counted on between two step sizes, and instants in the second half at which two runs are compared
+ORDER, WITNESSES = 1.75, 24
+# share of the tolerance down to which a step size serves that no comparison takes away
+FLOOR = 0.01
 # nodes per stretch, truncation of a stretch, and the tolerance down to which each serves
 ORDERS = ((8, 1e-5, math.inf), (8, 1e-7, 1e-8), (12, 1e-9, 1e-10), (16, 1e-12, 0.0))
 # change of the contact's own oscillation in a step, omega_n dt, above which fixed steps are refused
@@ -138,8 +144,9 @@ def _exact(slider, orbits, problem, cycles, stride, tolerance):
     (coarse, _), (fine, rows) = _both(follow, level - 1, level)
     while True:
         reference = reference_speed(float(fine.state[2]) * problem.speed, orbits) / problem.speed
-        # two runs may agree by chance, but not a thousand times better than their stretches are laid out
-        error = max(abs(float(fine.state[2] - coarse.state[2])), 1e-3 * ORDERS[level][1] * reference)
+        # two runs may agree by chance, but not so much better than their stretches are laid out
+        error = max(abs(float(fine.state[2] - coarse.state[2])), 3e-6 * ORDERS[level][1] * reference)
+        error += ROUNDING * cycles * reference
         if error <= tolerance * reference or level == len(ORDERS) - 1:
             return fine, rows, error, fine.events()
         level += 1
@@ -148,6 +155,8 @@ def _exact(slider, orbits, problem, cycles, stride, tolerance):
 
 def _both(work, first, second):
     """Return what some work gives for two arguments, at the same time: the kernels let other threads run."""
+    if os.environ.get("SAWMOTOR_THREADS") == "1":
+        return work(first), work(second)
     with ThreadPoolExecutor(1) as aside:
         job = aside.submit(work, first)
         found = work(second)
@@ -155,9 +164,7 @@ def _both(work, first, second):
 
 
 def _stepped(slider, orbits, problem, cycles, stride, tolerance, envelope):
-    if os.environ.get("SAWMOTOR_THREADS") == "1":
-        return work(first), work(second)
-    """Refine the steps until two runs agree; the error of a method of order 3 is 3/4 of what 4/3 the steps change."""
+    """Refine the steps until two runs agree; their differences on the way tell the error of the finer one."""
     from contact.stepped import steps
 
     begin = rest(slider, orbits, problem, nodes=16, truncation=1e-12)
@@ -168,27 +175,38 @@ def _stepped(slider, orbits, problem, cycles, stride, tolerance, envelope):
             "not applicable", f"the stepped way does not apply: {refusal}; use method exact"
         )
 
+    inner = _divisor(stride, max(1, cycles // (2 * WITNESSES)))
+    late = cycles // inner // 2
+
     def follow(k):
-        state, rows = begin.state.copy(), np.empty((cycles // stride, 3))
-        if not steps(problem.parameters, problem.waves, state, cycles, STEPS[k][0], stride, rows, envelope):
+        state, rows = begin.state.copy(), np.empty((cycles // inner, 3))
+        if not steps(problem.parameters, problem.waves, state, cycles, STEPS[k][0], inner, rows, envelope):
             raise ConvergenceError("not finite", "the stepped motion overflowed; use method exact")
-        return state, rows
+        return np.append(rows[late:, 0], state[2]), state, rows
 
     k = max(next(k for k, (_, down_to) in enumerate(STEPS) if tolerance >= down_to), fits[1])
-    (coarse, _), (state, rows) = _both(follow, k - 1, k)
+    (coarse, _, _), (fine, state, rows) = _both(follow, k - 1, k)
     while True:
         reference = reference_speed(float(state[2]) * problem.speed, orbits) / problem.speed
-        error = 0.75 * abs(float(state[2] - coarse[2])) if reference > 0.0 else 0.0
+        # events fall anywhere in a step: one difference may vanish by chance, the largest of many does not
+        error = float(np.max(np.abs(fine - coarse))) / ((STEPS[k][0] / STEPS[k - 1][0]) ** ORDER - 1.0)
+        error = error + FLOOR * STEPS[k][1] * reference if reference > 0.0 else 0.0
         if error <= tolerance * reference or k == len(STEPS) - 1:
             break
         k += 1
-        coarse, (state, rows) = state, follow(k)
+        coarse, (fine, state, rows) = fine, follow(k)
     begin.state[:] = state
     statistics = {
         "steps_per_cycle": STEPS[k][0], "cycles": cycles,
         "omega_n_dt": _stiffness(problem) * 2.0 * math.pi / STEPS[k][0],
     }  # fmt: skip
-    return begin, rows, error, statistics
+    every = stride // inner
+    return begin, rows[every - 1 :: every], error, statistics
+
+
+def _divisor(number, most):
+    """Return the largest divisor of a number that is at most `most`."""
+    return next(d for d in range(min(number, most), 0, -1) if number % d == 0)
 
 
 def _stiffness(problem):
