@@ -55,7 +55,7 @@ class Processes:
 
     def __init__(self, size: int):
         self.size, self.slots = size, 2 * size
-        self.renew()
+        self._start()
 
     def submit(self, work, *arguments) -> Future:
         """Give a task to the next process that is free."""
@@ -67,7 +67,23 @@ class Processes:
             return future
 
     def renew(self) -> None:
-        """Start processes anew after one has vanished."""
+        """Start processes anew after one has vanished.
+
+        Raises
+        ------
+        RunError
+            If they do not start at all.
+        """
+        self._start()
+        try:
+            self._pool.submit(os.getpid).result()
+        except BrokenProcessPool:
+            raise RunError(
+                "the worker processes do not start: a script that asks for workers must do so under "
+                'if __name__ == "__main__":'
+            ) from None
+
+    def _start(self) -> None:
         self._pool = ProcessPoolExecutor(
             self.size, mp_context=multiprocessing.get_context("spawn"), initializer=_settle
         )

@@ -60,6 +60,14 @@ def rows(folder):
     return found
 
 
+def seen(folder):
+    """Return the rows that stand while another process is at work."""
+    try:
+        return rows(folder) if (folder / FILE).exists() else []
+    except sqlite3.OperationalError:
+        return []  # its tables are not there yet
+
+
 # --- designs
 
 
@@ -290,11 +298,7 @@ def test_a_driver_that_is_killed_loses_nothing_that_it_reported(tmp_path):
     reported = []
     while process.poll() is None and len(reported) < 50:
         time.sleep(0.02)
-        if (tmp_path / "s" / FILE).exists():
-            try:
-                reported = rows(tmp_path / "s")
-            except sqlite3.OperationalError:
-                continue  # its tables are not there yet
+        reported = seen(tmp_path / "s")
     process.send_signal(signal.SIGKILL)
     process.communicate()
     assert 0 < len(reported) < 5000
@@ -374,13 +378,26 @@ def test_processes_give_the_same_bits_and_may_vanish(whole):
 
 
 @pytest.mark.slow
+def test_processes_that_do_not_start_are_said_to(tmp_path):
+    script = tmp_path / "unguarded.py"
+    script.write_text(
+        "from studies.sweep import sweep\nsweep('twente-contact', {'slider.radius': [1e-3]}, workers=2)\n"
+    )
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    done = subprocess.run(
+        [sys.executable, script], capture_output=True, text=True, env=environment, timeout=100
+    )
+    assert "RunError: the worker processes do not start" in done.stderr
+
+
+@pytest.mark.slow
 def test_an_interrupt_from_the_terminal_stops_processes_and_keeps_points(tmp_path):
     over = {"slider.preload": "0.1 mN:10 mN:400:log", "wave.normal_amplitude": "0.5 nm:20 nm:100:log"}
     words = [part for key, text in over.items() for part in ("--over", f"{key}={text}")]
     process = command(
         "twente-contact", *words, "--workers", "2", "--out", str(tmp_path / "s"), start_new_session=True
     )
-    while not (tmp_path / "s" / FILE).exists() or not rows(tmp_path / "s"):
+    while not seen(tmp_path / "s"):
         time.sleep(0.1)
     os.killpg(process.pid, signal.SIGINT)
     _, err = process.communicate(timeout=30)
