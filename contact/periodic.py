@@ -58,7 +58,7 @@ class Periodic:
     def rounding(self) -> float:
         """What the rounding of one cycle makes of the speed, a quotient of small numbers for a heavy slider."""
         away = np.linalg.inv(self.jacobian - np.eye(self.state.size))[2]
-        return 2e-16 * float(np.abs(away) @ (1.0 + np.abs(self.state)))
+        return 2.2e-16 * float(np.abs(away) @ np.abs(self.state))
 
 
 def periodic(
