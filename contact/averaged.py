@@ -161,7 +161,7 @@ def averaged_run(
     rows[ends <= 1] = begin.state[2], begin.state[0]
     at = np.minimum(at, stop)
     unit = reference_speed(0.0, orbits) / problem.speed
-    first, second, fine = np.zeros(7), np.zeros(7), quadrature(20)
+    first, second, fine = np.zeros(7), np.zeros(7), quadrature(12)
     slow.balance(problem.parameters, problem.waves, fine, 0, first)
     slow.balance(problem.parameters, problem.waves, fine, HARMONICS, second)
     by_average = abs(second[0] - first[0])
@@ -193,9 +193,9 @@ def averaged_run(
         return state, found
 
     allowed = max(min(tolerance, 1e-3), 1e-9)
-    per_period = int(min(12.0 * max(1.0, 1e-4 / allowed) ** 0.4, 96.0))
-    coarse, _ = run(2.0 * allowed, per_period // 2, 10, False)
-    state, rows[inner] = run(allowed, per_period, 10 if allowed >= 1e-5 else 16, True)
+    per_period = int(min(8.0 * max(1.0, 1e-4 / allowed) ** 0.4, 96.0))
+    coarse, _ = run(2.0 * allowed, per_period // 2, 8, False)
+    state, rows[inner] = run(allowed, per_period, 8 if allowed >= 1e-5 else 16, True)
     error = abs(float(state[2] - coarse[2])) + by_average * (
         LEFT_BY_SECOND_ORDER if corrected else FIRST_ORDER
     )

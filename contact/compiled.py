@@ -29,6 +29,11 @@ def compiled(function):
     return function if _PLAIN else Kernel(function)
 
 
+def summed(function):
+    """Return the function, compiled like the others, its sums in the order that suits the processor; a decorator."""
+    return function if _PLAIN else Kernel(function, {"reassoc", "nsz"})
+
+
 def native(types: str):
     """Return a decorator for a kernel that is called from Python often or first.
 
@@ -50,7 +55,8 @@ def plain(kernel):
 class Kernel:
     """A function that numba compiles; called from Python or from another kernel."""
 
-    def __init__(self, function):
+    def __init__(self, function, freedom=frozenset()):
+        self.freedom = set(freedom)
         self.function, self.__doc__, self.__name__ = function, function.__doc__, function.__name__
         self.__module__, self.__wrapped__ = function.__module__, function
 
@@ -65,7 +71,9 @@ class Kernel:
         usual = numba.config.CACHE_DIR
         numba.config.CACHE_DIR = _folder()
         try:
-            return numba.njit(cache=True, nogil=True, error_model="numpy")(self.function)
+            return numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=self.freedom)(
+                self.function
+            )
         finally:
             numba.config.CACHE_DIR = usual
 

@@ -239,7 +239,7 @@ def _response(parameters, waves, state, stop, rule, corrected, tolerance, per_pe
                                per_period, tolerance, at, rows, work)  # fmt: skip
     if why == DONE and phase < stop:
         why = accelerate(parameters, waves, state, phase, stop, rule, fast, sums, counts, corrected,
-                         0.01 * tolerance, at, rows, taken, work, k)  # fmt: skip
+                         0.1 * tolerance, at, rows, taken, work, k)  # fmt: skip
     if not corrected:
         for m in range(fast.shape[1]):
             fast[0, m] = fast[1, m] = fast[2, m] = fast[3, m] = 0.0

@@ -12,11 +12,25 @@ height and velocity its fixed point is the full periodic motion but for the harm
 
 import numpy as np
 
-from contact.compiled import compiled, native
-from contact.cycle import STUCK, cycle, respond
+from contact.compiled import compiled, native, summed
+from contact.cycle import STUCK, circle, cycle, respond
 
 # why a computation ended
 DONE, STICKS, UNSETTLED = 0, 1, 2
+
+
+@summed
+def _mean_powers(h, a, half, rule):
+    """Return the sums of z^1.5 and z^0.5 over the half of a cycle that is in contact."""
+    force = rate = 0.0
+    for j in range(rule.shape[1]):
+        co, _ = circle(half * rule[0, j])
+        z = h + a * co
+        z = z if z > 0.0 else 0.0
+        root = np.sqrt(z)
+        force += rule[1, j] * z * root
+        rate += rule[1, j] * root
+    return force, rate
 
 
 @compiled
@@ -31,12 +45,7 @@ def mean_push(kappa, waves, h, rule):
             last = a
             if h > -a:
                 half = np.pi if h >= a else np.arccos(-h / a)
-                for j in range(rule.shape[1]):
-                    z = h + a * np.cos(half * rule[0, j])
-                    if z > 0.0:
-                        root = np.sqrt(z)
-                        force += rule[1, j] * z * root
-                        rate += rule[1, j] * root
+                force, rate = _mean_powers(h, a, half, rule)
                 force *= kappa * half / np.pi
                 rate *= 1.5 * kappa * half / np.pi
         total += force
