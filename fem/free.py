@@ -114,9 +114,7 @@ def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave
         raise ConvergenceError(
             f"the free wave's velocity is known to {error:.1e} only, {tolerance:.1e} was asked for: ask for less"
         )
-    surface = section.surface_dofs["uz"]
-    pair = modes.right[:, modes.rayleigh]
-    shape = np.mean(pair / pair[surface], axis=1)
+    shape = _at_the_upper_face(modes.right[:, modes.rayleigh], section)
     profile = np.zeros((len(section.dofs), 4), dtype=complex)
     exists = section.dofs >= 0
     profile[exists] = shape[section.dofs[exists]]
@@ -137,6 +135,18 @@ def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave
         seconds=time.perf_counter() - begun,
         left_out=left_out(section),
     )
+
+
+def _at_the_upper_face(twins: np.ndarray, section: Section) -> np.ndarray:
+    """Return the sum of one or two modes of (nearly) one velocity with u_z = 1 at the surface and the least motion.
+
+    Two like faces guide two such modes, and any mixture of them is as good a solution: this one leaves the lower face
+    at rest.
+    """
+    top = twins[section.surface_dofs["uz"]]
+    moved = twins[section.mechanical]
+    towards = np.linalg.solve(moved.conj().T @ moved, top.conj())
+    return twins @ (towards / (top @ towards))
 
 
 def left_out(section: Section) -> tuple[str, ...]:

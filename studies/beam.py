@@ -98,10 +98,10 @@ def said(found: RunField) -> str:
 
 def _words(plotter, found: RunField, shading, factor: float) -> None:
     size = " x ".join(
-        f"{each * MM:g}" for each in (found.length, found.scene.stator.width, -found.field.z[0])
+        f"{each * MM:.4g}" for each in (found.length, found.scene.stator.width, -found.field.z[0])
     )
     title = (
-        f"{found.scene.title}: {size} mm (x, y, z), {found.drive}, displacement x {factor:g}\n{said(found)}"
+        f"{found.scene.title}: {size} mm (x, y, z), {found.drive}, {found.enlarged(factor)}\n{said(found)}"
     )
     plotter.add_text(title, position="upper_left", font_size=8, color="black")
     plotter.add_scalar_bar(

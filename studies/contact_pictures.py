@@ -247,7 +247,8 @@ def _draw(ax, moments: Moments, index: int, *, small: bool = False) -> None:
     from matplotlib.patches import Circle
 
     across, up = moments.surface[index] * NM
-    path, scale = moments.orbit * NM, float(abs(moments.orbit).max()) * NM or 1.0
+    path = moments.orbit * NM
+    scale = max(float(abs(moments.orbit).max()), 0.4 * float(moments.approach.max())) * NM
     bottom = up - moments.approach[index] * NM
     lowest = (moments.surface[:, 1] - moments.approach).min() * NM
     colour = REGIMES[str(moments.regime[index])]

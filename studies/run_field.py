@@ -93,6 +93,10 @@ class RunField:
         """What drives the field, and what its numbers refer to."""
         return "free wave" if self.free else f"{self.scene.drive.transducer!r} driven, per volt"
 
+    def enlarged(self, factor: float) -> str:
+        """How a displacement that is enlarged by a factor is drawn, for a reader."""
+        return f"u_z drawn as {factor * 1e6:g} um" if self.free else f"displacement x {factor:g}"
+
     @property
     def aperture(self) -> float:
         """Width of the beam in m: the narrowest transducer's, or of a free wave the stator's."""

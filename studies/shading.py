@@ -13,7 +13,7 @@ import numpy as np
 
 from studies.refusal import SceneError, nearest
 
-__all__ = ["QUANTITIES", "Quantity", "Shade", "colours", "palette", "quantity", "shade"]
+__all__ = ["QUANTITIES", "Quantity", "Shade", "colours", "palette", "present", "quantity", "shade"]
 
 NM = 1e9
 MARK_COLOURS = ("#CC79A7", "#009E73")  # of electrodes and crystal axes; the others are black, grey and white
@@ -143,6 +143,15 @@ def quantity(name: str) -> Quantity:
     return QUANTITIES[name]
 
 
+def present(found) -> list[str]:
+    """Return the names of the quantities that a run's field has."""
+    absent = {
+        "u_y": not np.any(found.field.displacement[..., 1]),
+        "potential": not np.any(found.field.potential),
+    }
+    return [name for name in QUANTITIES if not absent.get(name, False)]
+
+
 def shade(found, name: str) -> Shade:
     """Return how a quantity colours the field of a run.
 
@@ -154,19 +163,24 @@ def shade(found, name: str) -> Shade:
     Raises
     ------
     SceneError
-        For an unknown name.
+        For an unknown name, or a field that this solid does not have.
     """
     chosen = quantity(name)
     field = found.whole(energies=chosen.turns == 2)
     mean, amplitude = chosen.parts(field)
     outside = ~found.near_transducer(field.x)
+    if not np.any(amplitude):
+        material = found.scene.stator.orientation
+        raise SceneError(
+            "--quantity", f"{name!r} is zero everywhere: uncoupled in this solid, orientation {material}"
+        )
     size = abs(amplitude[outside]) + (abs(mean[outside]) if chosen.turns == 2 else 0.0)
     unit, scale = chosen.units[found.free], chosen.scales[found.free]
     return Shade(
         quantity=chosen,
         label=f"{chosen.title} ({unit})",
         scale=scale,
-        reach=float(size.max()) * scale or 1.0,
+        reach=float(size.max()) * scale,
     )
 
 

@@ -185,7 +185,7 @@ class Stage:
         ruler(plotter, frame)
         crystal(plotter, frame, self.found)
         field = self.found.field
-        scale = f"{field.frequency / 1e6:g} MHz, {self.found.drive}, displacement x {self.factor:g}"
+        scale = f"{field.frequency / 1e6:g} MHz, {self.found.drive}, {self.found.enlarged(self.factor)}"
         title = f"{self.found.scene.title}: {frame.view.name} ({scale})" if row == 0 else frame.view.name
         write(plotter, title, (0.01, 1 - 0.5 * 26 / frame.height), 12, side="left")
         look(plotter, frame)

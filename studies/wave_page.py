@@ -15,7 +15,7 @@ from studies.crystal import SEEN
 from studies.frame import COMB_COLOURS
 from studies.patch import thinned
 from studies.run_field import RunField
-from studies.shading import QUANTITIES, Shade, colours, shade
+from studies.shading import Shade, colours, present, shade
 from studies.stage import magnification
 
 __all__ = ["page", "widget"]
@@ -58,11 +58,7 @@ def page(
     parts["moved"] = _short(np.stack([moved[..., k].real if part == 0 else moved[..., k].imag
                                       for k in (0, 1) for part in (0, 1)], axis=-1), largest)  # fmt: skip
     known = []
-    for name in QUANTITIES:
-        if name == "u_y" and not np.any(field.displacement[..., 1]):
-            continue
-        if name == "potential" and not np.any(field.potential):
-            continue
+    for name in present(found):
         shading = shade(found, name)
         mean, amplitude = (each[chosen] for each in shading.parts(field))
         values = np.stack([mean, amplitude.real, amplitude.imag, np.zeros_like(mean)], axis=-1)
@@ -74,6 +70,7 @@ def page(
     meta = {
         "title": found.scene.title or "sawmotor",
         "drive": f"{field.frequency / 1e6:g} MHz, {found.drive}",
+        "free": found.free,
         "nx": len(lines),
         "nz": len(rows),
         "arrays": listed,

@@ -9,7 +9,7 @@ import numpy as np
 
 from studies.frame import View, write
 from studies.run_field import RunField
-from studies.shading import QUANTITIES
+from studies.shading import present
 from studies.stage import Stage
 
 __all__ = ["Window"]
@@ -43,9 +43,7 @@ class Window:
         _, place = found.focus
         start, stop = span or (place - found.wavelength, place + found.wavelength)
         self.place, self.reach = 0.5 * (start + stop), stop - start
-        self.names = [
-            each for each in QUANTITIES if each != "u_y" or np.any(found.field.displacement[..., 1])
-        ]
+        self.names = present(found)
         self.playing, self._last, self._rested = True, time.perf_counter(), 0.0
         self.stage = Stage(
             found,

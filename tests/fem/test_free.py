@@ -81,3 +81,15 @@ def test_what_is_left_out_is_said():
     assert any("out-of-plane" in reason for reason in ceramic.left_out)
     assert not any("electric potential" in reason for reason in ceramic.left_out)
     assert any("electric potential" in reason for reason in steel.left_out)
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-5, 1e-8])
+def test_the_profile_is_that_of_the_upper_face(tolerance):
+    """Five wavelengths, both faces free: the twin modes are one to rounding and come out mixed in any way."""
+    solid = cut("PZT-8", "Z")
+    wave = free_wave(plate(solid, thickness=5.0), frequency=FREQUENCY, tolerance=tolerance)
+    lower = wave.depth < -2.5 * wave.velocity / FREQUENCY
+    assert abs(wave.profile[lower, :3]).max() < 1e-2
+    half_space = rayleigh(solid, "open")
+    displacement, _ = half_space.profile(-wave.depth[~lower] * FREQUENCY / half_space.velocity)
+    assert abs(wave.profile[~lower, :3] - displacement).max() < 2e-2

@@ -287,6 +287,13 @@ def test_a_free_wave_is_drawn_from_its_profile(tmp_path):
     drawn.close()
 
 
+def test_a_field_that_a_solid_does_not_have_is_refused(found, tmp_path):
+    with pytest.raises(
+        SceneError, match=r"--quantity 'u_y' is zero everywhere: uncoupled in this solid, orientation Z"
+    ):
+        stage_of(found, views(found), quantity="u_y")
+
+
 def test_the_solid_carries_field_within_the_aperture_only(found):
     from studies import beam
 
