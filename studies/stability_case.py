@@ -17,7 +17,7 @@ class Case:
     Attributes
     ----------
     part : str
-        "contact" or "stator".
+        "free wave", "stator", "contact" or "chain".
     varied : str
         The quantity, or what it is a corner of.
     value : float

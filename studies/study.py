@@ -32,6 +32,8 @@ STUDIES = (
     "published_motors",
     "error_vs_time",
     "calibration",
+    "stability",
+    "left_out",
 )
 
 

@@ -1,0 +1,73 @@
+"""Frequencies at which the linear algebra of the driven stator is singular though the physics need not be.
+
+A mode at its cut-off has k = 0: there the two directions of the guided modes meet.  A clamped piece of the stator that
+resonates cannot be condensed: the block between its lines is singular.  Both are found in the discretisation that an
+answer to a tolerance of 1e-3 uses, to all digits, so that the case meets them exactly.
+"""
+
+import numpy as np
+
+__all__ = ["cut_off", "piece_resonance"]
+
+LEVEL = 2  # of fem.harmonic.LEVELS
+BAND = (0.6, 1.6)  # of the frequency: about a piece's first resonance
+STEPS = 60
+
+
+def cut_off(motor) -> float:
+    """Return the first cut-off frequency in Hz of a lossless section above the motor's."""
+    from scipy.linalg import eig
+
+    section = _section(motor)
+    first, second = motor.frequency, 2 * motor.frequency
+    low, high = (section.matrices(each)[2] for each in (first, second))
+    mass = (low - high) / (second**2 - first**2)
+    squares = eig(low + first**2 * mass, mass, right=False)
+    squares = squares[np.isfinite(squares)]
+    squares = squares[(abs(squares.imag) < 1e-9 * abs(squares)) & (squares.real > 0)].real
+    frequencies = np.sqrt(squares)
+    return float(frequencies[frequencies > 1.1 * motor.frequency].min())
+
+
+def piece_resonance(motor) -> float:
+    """Return the first resonance in Hz of a finger's clamped cell, by bisection on the count of negatives."""
+    low, high = (motor.frequency * side for side in BAND)
+    first = _negatives(motor, low)
+    for _ in range(STEPS):
+        middle = (low + high) / 2
+        if _negatives(motor, middle) > first:
+            high = middle
+        else:
+            low = middle
+    return (low + high) / 2
+
+
+def _section(motor):
+    from fem.harmonic import LEVELS
+    from fem.section import discretise
+    from fem.wavelength import slowest_wavelength
+
+    return discretise(
+        motor.stator,
+        LEVELS[LEVEL],
+        wavelength=slowest_wavelength(motor.stator.solid, motor.frequency),
+        surface_scale=motor.transducers[0].finger_width / 2,
+    )
+
+
+def _negatives(motor, frequency: float) -> int:
+    """Negative eigenvalues of the line in mid-finger when the cell's sides are clamped."""
+    from fem.cell import folded
+    from fem.chain import FingerShape, half_cells
+    from fem.harmonic import LEVELS
+
+    section = _section(motor)
+    unit, transducer = section.length_unit, motor.transducers[0]
+    shape = FingerShape(
+        half_finger=transducer.finger_width / 2 / unit, half_gaps=(transducer.half_gap / unit,) * 2
+    )
+    rising, falling = half_cells(section, frequency, shape, LEVELS[LEVEL])
+    phi, n = section.surface_dofs["phi"], section.size
+    middle = folded(rising, 1, phi, 0)[n : 2 * n, n : 2 * n] + folded(falling, 0, phi, 0)[:n, :n]
+    keep = np.arange(n) != phi
+    return int(np.sum(np.linalg.eigvalsh(middle[np.ix_(keep, keep)]) < 0))

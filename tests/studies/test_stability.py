@@ -1,0 +1,197 @@
+"""The atlas of extreme cases and the study of what is left out: verdicts that can fall, witnesses that can speak."""
+
+import json
+import math
+import warnings
+
+import numpy as np
+import pytest
+
+from fem.half_space import rayleigh
+from fem.materials import isotropic
+from studies import left_out, stability, stability_chain, stability_free, stability_stator
+from studies.lamb import bulk_velocities, plate_wavenumbers, rayleigh_velocity
+from studies.omission import OMISSIONS
+from studies.refusal import RunError
+from studies.stability_case import Case, Outcome
+from studies.stability_verdict import NoWitness, judged
+from studies.study import STUDIES
+
+
+def case_of(room, part: str, varied: str, value: float) -> Outcome:
+    return room.judge(Case(part=part, varied=varied, value=value, unit=""))
+
+
+def raising(error: Exception):
+    def posed():
+        raise error
+
+    return posed
+
+
+def warned():
+    warnings.warn("overflow", RuntimeWarning, stacklevel=1)
+    return 0.0, 1e-4, True
+
+
+@pytest.mark.parametrize(
+    ("posed", "verdict"),
+    [
+        (lambda: (1e-4, 1e-4, True), "right"),
+        (lambda: (1.9e-4, 1e-4, True), "right"),
+        (lambda: (2.1e-4, 1e-4, True), "WRONG"),
+        (
+            lambda: (0.9e-5, 1e-9, True),
+            "right",
+        ),  # a hundredth of the tolerance: nothing was asked of the estimate
+        (lambda: (1.1e-5, 1e-9, True), "WRONG"),
+        (lambda: (math.nan, 1e-4, True), "WRONG"),
+        (lambda: (1e-4, math.nan, True), "WRONG"),
+        (lambda: (1e-3, 2e-3, True), "flagged"),
+        (lambda: (1e-4, 1e-4, "the error is larger than asked for"), "flagged"),
+        (raising(RunError("too thick")), "refused"),
+        (raising(NoWitness("none")), "flagged"),
+        (raising(ValueError("stator.length must be positive")), "refused"),
+        (raising(ValueError("array must not contain infs")), "WRONG"),
+        (raising(ZeroDivisionError("division")), "WRONG"),
+        (warned, "WRONG"),
+    ],
+)
+def test_a_verdict_follows_error_estimate_and_what_was_raised(posed, verdict):
+    assert judged(posed, 1e-3).verdict == verdict
+
+
+@pytest.mark.parametrize("poisson", [-0.9, 0.1, 0.499])
+def test_closed_form_and_partial_waves_agree_on_rayleigh_s_wave(poisson):
+    solid = isotropic(name="x", youngs_modulus=71e9, poisson_ratio=poisson, density=2690.0)
+    known = rayleigh_velocity(*bulk_velocities(71e9, poisson, 2690.0))
+    assert rayleigh(solid, "open").velocity == pytest.approx(known, rel=1e-12, abs=0)
+
+
+@pytest.mark.parametrize("thickness", [5.0, 400.0])
+def test_a_thick_plate_s_lowest_modes_are_rayleigh_s_wave_twice(thickness):
+    longitudinal, shear = bulk_velocities(71e9, 0.3, 2690.0)
+    omega = 2 * np.pi * 1e6
+    plate = {"longitudinal": longitudinal, "shear": shear, "half_thickness": thickness * shear / 1e6 / 2}
+    pair = [plate_wavenumbers(omega, **plate, symmetric=each)[-1] for each in (True, False)]
+    known = omega / rayleigh_velocity(longitudinal, shear)
+    assert np.mean(pair) == pytest.approx(known, rel=1e-5 if thickness < 10 else 1e-12, abs=0)
+
+
+@pytest.mark.parametrize(
+    ("room", "part", "varied", "value", "verdict"),
+    [
+        (stability_free, "free wave", "Poisson's ratio, half-space", 0.4999999, "right"),
+        (stability_free, "free wave", "thickness", 0.2, "right"),
+        (stability_free, "free wave", "mechanical quality", 5.0, "right"),
+        (stability_free, "free wave", "coupling", 10.0, "right"),
+        (stability_free, "free wave", "frequency", 1e13, "right"),
+        pytest.param(stability_stator, "stator", "metallisation", 0.02, "right", marks=pytest.mark.slow),
+        pytest.param(
+            stability_stator,
+            "stator",
+            "distance from a piece's resonance",
+            0.0,
+            "refused",
+            marks=pytest.mark.slow,
+        ),
+        (stability_stator, "stator", "distance from a cut-off", 0.0, "refused"),
+        (stability_stator, "stator", "thickness", 100.0, "refused"),
+    ],
+)
+def test_a_few_cases_come_out_as_they_should(room, part, varied, value, verdict):
+    outcome = case_of(room, part, varied, value)
+    assert outcome.verdict == verdict, outcome
+    assert bool(outcome.guard) == (verdict != "right")
+
+
+@pytest.mark.slow
+def test_a_lossy_layer_under_a_tilted_cut_is_judged_by_its_own_convergence():
+    assert case_of(stability_free, "free wave", "cut", 6.0).verdict in ("refused", "right")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("varied", ["source impedance", "three contacts", "mirror image", "load"])
+def test_the_chain_s_witnesses_agree(varied):
+    for value in stability_chain.VARIED[varied][1]:
+        assert case_of(stability_chain, "chain", varied, value).verdict == "right"
+
+
+def rows():
+    """Cases of two parts as the study keeps them."""
+    made = []
+    for part in stability.PARTS:
+        for number, verdict in enumerate(("right", "flagged", "refused")):
+            answered = verdict != "refused"
+            case = Case(part=part, varied="a quantity", value=10.0**number, unit="m")
+            error, estimate = (1e-5, 3e-5) if answered else (math.nan, math.nan)
+            guard = "" if verdict == "right" else "a|guard"
+            outcome = Outcome(
+                verdict=verdict, guard=guard, relative_error=error, relative_estimate=estimate, seconds=0.5
+            )
+            made.append(stability._row(case, outcome))
+    return made
+
+
+def record():
+    made = rows()
+    return stability.StudyRecord(
+        name="stability",
+        panels=tuple(
+            stability._panel(part, [row for row in made if row["part"] == part]) for part in stability.PARTS
+        ),
+        findings=stability._findings(made),
+        seconds=1.0,
+    )
+
+
+def test_the_atlas_leaves_tables_pictures_and_numbers(tmp_path):
+    found = record()
+    json.dumps(found.to_dict(), allow_nan=False)
+    files = stability.tables(found)
+    assert files["cases.csv"].count("\n") == 13
+    assert (
+        "| chain | a quantity | 1 m | 100 m | 3 | 1 | 1 | 1 |  | 0.33 | 1.5 | a/guard |"
+        in files["summary.md"]
+    )
+    stability.draw(found, tmp_path, progress=lambda text: None)
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "free_wave.png", "stator.png", "contact.png", "chain.png", "error_against_estimate.png",
+    }  # fmt: skip
+
+
+def test_one_wrong_answer_contradicts_the_atlas():
+    made = rows()
+    assert [finding.confirmed for finding in stability._findings(made * 13)] == [True, True]
+    made[0] |= {"verdict": "WRONG"}
+    assert [finding.confirmed for finding in stability._findings(made * 13)] == [True, False]
+
+
+def test_both_studies_are_listed():
+    assert {"stability", "left_out"} <= set(STUDIES)
+
+
+QUICK = (
+    "out-of-plane displacement",
+    "electric potential",
+    "absorbing layers at the ends",
+    "complex arithmetic in the pieces",
+)
+
+
+@pytest.mark.parametrize(
+    "omission", [each for each in OMISSIONS if each.part in QUICK], ids=lambda each: each.part
+)
+def test_the_answer_is_the_same_with_a_part_put_back(omission):
+    first, second = omission.without(), omission.put_back()
+    assert first.values == pytest.approx(
+        second.values, rel=0, abs=omission.allowed * abs(second.values).max()
+    )
+    assert np.any(first.values != second.values)
+
+
+@pytest.mark.slow
+def test_every_part_that_is_left_out_is_measured_and_found_the_same():
+    found = left_out.run()
+    assert all(finding.confirmed for finding in found.findings), str(found)
+    assert "| out-of-plane displacement |" in left_out.tables(found)["left_out.md"]
