@@ -146,6 +146,11 @@ def _window(found, title: str) -> None:
     from matplotlib import pyplot
     from matplotlib.animation import FuncAnimation
 
+    if pyplot.get_backend().lower() == "agg":
+        raise RunError(
+            "a window of the contact needs a toolkit that matplotlib can use: pip install PySide6; --screenshot FILE, "
+            "--movie FILE and --html FILE need none"
+        )
     figure = pyplot.figure(figsize=(9.0, 4.6), layout="constrained")
     motion = SlowMotion(found, title=title, figure=figure)
     figure.animation = FuncAnimation(

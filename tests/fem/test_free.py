@@ -83,13 +83,13 @@ def test_what_is_left_out_is_said():
     assert any("electric potential" in reason for reason in steel.left_out)
 
 
-@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-5, 1e-8])
-def test_the_profile_is_that_of_the_upper_face(tolerance):
-    """Five wavelengths, both faces free: the twin modes are one to rounding and come out mixed in any way."""
+@pytest.mark.parametrize("thickness", [4.5, 5.0, 5.27, 8.0])
+def test_the_profile_is_that_of_the_upper_face(thickness):
+    """Both faces free, several wavelengths: the twin modes are one to rounding and come out mixed in any way."""
     solid = cut("PZT-8", "Z")
-    wave = free_wave(plate(solid, thickness=5.0), frequency=FREQUENCY, tolerance=tolerance)
+    wave = free_wave(plate(solid, thickness=thickness), frequency=FREQUENCY, tolerance=1e-3)
     lower = wave.depth < -2.5 * wave.velocity / FREQUENCY
-    assert abs(wave.profile[lower, :3]).max() < 1e-2
+    assert abs(wave.profile[lower, :3]).max() < 1e-3
     half_space = rayleigh(solid, "open")
     displacement, _ = half_space.profile(-wave.depth[~lower] * FREQUENCY / half_space.velocity)
     assert abs(wave.profile[~lower, :3] - displacement).max() < 2e-2
