@@ -144,7 +144,7 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
         stator_seconds = time.perf_counter() - begun
         answer = _slider(scene, wave, place, tolerance, say, ringing)
         for _ in range(ROUNDS - 1):
-            goal = _needed(answer, wave.relative_error, tolerance)
+            goal = _needed(answer, wave.relative_error, tolerance, 0.0 if ringing is None else ringing.error)
             if goal is None:
                 break
             again, before = time.perf_counter(), wave.relative_error
@@ -206,10 +206,17 @@ def _slider(scene: Scene, wave, place: float, tolerance: float, say, ringing) ->
     )
 
 
-def _needed(answer: SliderAnswer, reached: float, tolerance: float) -> float | None:
-    """Return the stator's tolerance that would do, or None where it is good enough."""
+def _needed(answer: SliderAnswer, reached: float, tolerance: float, ringing: float) -> float | None:
+    """Return the stator's tolerance that would do, or None where it is good enough or cannot help.
+
+    ``ringing`` is what the ring-up adds to the stator's part: no finer stator makes it smaller.
+    """
     part = max((stator for stator, contact in answer.parts if stator + contact > tolerance), default=0.0)
-    return None if part == 0 else reached * 0.5 * tolerance / part
+    room = 0.5 * tolerance - ringing
+    if part <= ringing or room <= 0:
+        return None
+    goal = reached * room / (part - ringing)
+    return goal if goal < reached else None
 
 
 def _slider_blocks(answer: SliderAnswer, tolerance: float) -> dict:

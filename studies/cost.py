@@ -29,16 +29,21 @@ ENDS = 3.0  # joins, for each open end, and for each transducer between two of t
 AUDIT = 8.0  # joins, of the power balance
 CALL = 2e-3  # s, of everything in a join or a condensed column that is not algebra
 KEPT = 1.35  # memory over that of the blocks alone: mirror images, modes, work space
-PROCESS, KERNELS = 70e6, 100e6  # bytes: Python with its numerical libraries, the compiled contact
-LOAD, LOAD_KERNELS = 0.12, 0.3  # s
-POINT = {"elastic": 0.008, "hysteretic": 0.02}  # s, of a steady state on one contact
+PROCESS = 70e6  # bytes: Python with its numerical libraries
+KERNELS = {
+    "elastic": 28e6,
+    "hysteretic": 108e6,
+}  # bytes, the compiled contact; the hysteretic law's needs numba
+LOAD, LOAD_KERNELS = 0.12, {"elastic": 0.1, "hysteretic": 0.6}  # s
+POINT = {"elastic": 0.006, "hysteretic": 0.04}  # s, of a steady state on one contact
 CONTACTS = {
     "elastic": (0.008, 1.5),
-    "hysteretic": (0.08, 2.0),
+    "hysteretic": (0.1, 2.0),
 }  # s of a steady state on n > 1: factor, exponent
-CYCLE = {"exact": 1.4e-4, "hysteretic": 6e-4, "stepped": 4.5e-6}  # s per cycle of a burst
-AVERAGED = 0.1  # s, of a burst
+CYCLE = {"exact": 4.5e-5, "hysteretic": 2e-4, "stepped": 4.5e-6}  # s per cycle of a burst
+AVERAGED = 0.05  # s, of a burst
 BAND_NODES = 7  # solutions that preparing a band of frequencies is worth
+BAND_KEPT = 5  # solutions whose blocks it holds at once
 FREQUENCY = {"absorbing": (110, 0.013), "sent back": (1000, 0.03)}  # of a ring-up: how many, and s for each
 
 
@@ -101,9 +106,9 @@ def free_seconds(lines: list[int], speed: float) -> float:
 
 
 def contact_seconds(points: int, law: str, contacts: int) -> float:
-    """Return the time of steady states, compiled kernels at hand."""
+    """Return the time of loading the kernels, compiled before, and of steady states."""
     factor, exponent = CONTACTS[law]
-    return points * (POINT[law] if contacts == 1 else factor * contacts**exponent)
+    return LOAD_KERNELS[law] + points * (POINT[law] if contacts == 1 else factor * contacts**exponent)
 
 
 def burst_seconds(points: int, way: str, law: str, cycles: float) -> float:
@@ -113,6 +118,17 @@ def burst_seconds(points: int, way: str, law: str, cycles: float) -> float:
     return points * cycles * CYCLE["hysteretic" if law == "hysteretic" and way == "exact" else way]
 
 
-def memory(block_bytes: list[int], *, contact: bool) -> float:
-    """Return the bytes of a process that keeps the blocks of its two finest discretisations."""
-    return PROCESS + (KERNELS if contact else 0.0) + KEPT * sum(sorted(block_bytes)[-2:])
+def memory(block_bytes: list[float], *, band: float, law: str | None) -> float:
+    """Return the bytes of a process that keeps the blocks of its two finest discretisations.
+
+    Parameters
+    ----------
+    block_bytes : list of float
+        Of each discretisation.
+    band : float
+        Blocks of the discretisation of a band of frequencies; zero without one.
+    law : str or None
+        Of the contact; None without one.
+    """
+    kept = KEPT * (sum(sorted(block_bytes)[-2:]) + BAND_KEPT * band)
+    return PROCESS + (KERNELS[law] if law else 0.0) + kept

@@ -2,7 +2,8 @@
 
 from studies import cost
 from studies.answer import table
-from studies.plan import Part, Plan
+from studies.parts import Part
+from studies.plan import Plan
 
 __all__ = ["explanation"]
 

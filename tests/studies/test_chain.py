@@ -5,8 +5,9 @@ from dataclasses import replace
 import pytest
 
 from studies import Scene, SceneError, Wave, bridge, chain
-from studies.chain import run
+from studies.chain import _needed, run
 from studies.override import assigned
+from studies.points import SliderAnswer
 from studies.record import plain
 from studies.refusal import RunError
 from studies.scene import read_table
@@ -221,3 +222,15 @@ def test_the_free_wave_is_the_half_space_s():
 def test_what_is_not_finite_never_leaves(value):
     with pytest.raises(RunError, match=r"points\.0\.velocity_m_per_s"):
         plain("points", [{"velocity_m_per_s": value}])
+
+
+def test_a_finer_stator_is_asked_for_only_where_it_helps():
+    def needed(*parts, ringing=0.0):
+        answer = SliderAnswer(points=(), parts=parts, summary={}, trajectories=())
+        return _needed(answer, 1e-4, 1e-3, ringing)
+
+    assert needed((2e-3, 1e-6), (5e-4, 0.0)) == pytest.approx(1e-4 * 0.5e-3 / 2e-3, rel=1e-12, abs=0)
+    assert needed((9e-4, 0.0)) is None
+    assert needed((5.2e-3, 0.0), ringing=5e-3) is None  # the ringing alone is too much
+    assert needed((1.9e-3, 0.0), ringing=1e-4) == pytest.approx(1e-4 * 0.4e-3 / 1.8e-3, rel=1e-12, abs=0)
+    assert needed((3e-4, 9e-4)) is None  # the contact limits
