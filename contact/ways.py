@@ -23,7 +23,7 @@ ROUNDING = 1e-15
 # stretches that the exact way takes on at most, some minutes
 MOST_STRETCHES = 1e8
 # steps per cycle that are tried, and the tolerance down to which each has been seen to serve
-STEPS = ((24, 2e-3), (32, 4e-4), (48, 4e-5), (64, 1e-5), (96, 4e-6), (128, 1.5e-6), (192, 2e-7), (256, 0.0))
+STEPS = ((24, 2e-3), (32, 4e-4), (56, 4e-5), (80, 1e-5), (128, 1.5e-6), (192, 2e-7), (256, 0.0))
 # order that is counted on between two step sizes, and instants in the second half at which two runs are compared
 ORDER, WITNESSES = 1.75, 24
 # share of the tolerance down to which a step size serves that no comparison takes away
