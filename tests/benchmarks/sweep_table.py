@@ -44,15 +44,15 @@ def environment() -> dict:
     return os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "PYTHONPATH": here}
 
 
-def swept(folder: Path, *words: str) -> dict:
+def swept(folder: Path, *words: str, before: str = "") -> dict:
     """Run the command; return its answer with wall, CPU (all processes, driver), memory of the driver in MB."""
-    before, begun = os.times(), time.perf_counter()
+    then, begun = os.times(), time.perf_counter()
     process = subprocess.run(
-        [sys.executable, "-c", MEASURED, "sweep", *words, "--json", "--out", str(folder)],
+        [sys.executable, "-c", before + MEASURED, "sweep", *words, "--json", "--out", str(folder)],
         capture_output=True, text=True, env=environment(), check=False,
     )  # fmt: skip
     wall, after = time.perf_counter() - begun, os.times()
-    cpu = after.children_user + after.children_system - before.children_user - before.children_system
+    cpu = after.children_user + after.children_system - then.children_user - then.children_system
     status, memory, own = json.loads(process.stderr.splitlines()[-1])
     found = json.loads(process.stdout) if process.stdout else {}
     return found | {
@@ -125,6 +125,22 @@ def dask_workers(folder: Path) -> None:
     text = f"{gain:.2f}x ({walls[1]:.1f} s, {walls[2]:.1f} s; points of {work[1] * 1e3:.0f} ms, workers busy for "
     text += f"{busy[1]:.0%} and {busy[2]:.0%} of the time, same bits: {same})"
     line("2 Dask workers against 1", ">= 1.8x", text, gain >= 1.8 and same)
+
+
+def threads(folder: Path) -> None:
+    """Measure two processes of one thread against two of two, for bursts, which can use two."""
+    found = {}
+    for number in (1, 2):
+        setting = f"from studies.workers import Processes; Processes.threads = {number}\n"
+        found[number] = swept(
+            folder / f"threads{number}", "twente-contact", *LONG, "--workers", "2", before=setting
+        )
+    text = ", ".join(
+        f"{number} thread{'s' * (number > 1)}: {each['wall']:.1f} s, CPU {each['cpu']:.1f} s"
+        for number, each in found.items()
+    )
+    better = found[1]["cpu"] <= 1.05 * found[2]["cpu"]  # on a busy machine more threads are given more time
+    line("one thread per worker or two, 2 workers on 2 processors", "one, measured", text, better)
 
 
 def overhead(folder: Path) -> None:
@@ -223,7 +239,16 @@ def main() -> None:
         folder = Path(folder)
         swept(folder / "warm", "twente-contact", "--over", "slider.preload=1 mN,2 mN")
         print("| what | wanted | found | passed |\n|---|---|---|---|")
-        for measured in (contact_map, frequencies, dask_workers, overhead, kills, million, bad_points):
+        for measured in (
+            contact_map,
+            frequencies,
+            dask_workers,
+            threads,
+            overhead,
+            kills,
+            million,
+            bad_points,
+        ):
             if given.only in (None, measured.__name__) and not (quick and measured is million):
                 measured(folder, *([3 if quick else 20] if measured is kills else []))
 

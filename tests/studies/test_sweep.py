@@ -256,6 +256,10 @@ def test_batches_windows_and_interruptions_change_nothing(whole, tmp_path, monke
     assert found.columns() == whole
     assert rows(tmp_path / "s")[: len(before)] == before
     assert found.counts == {"ok": 48}
+    with sqlite3.connect(found.path) as connection:
+        computed = connection.execute("select sum(points) from batches").fetchone()[0]
+    connection.close()
+    assert computed == 48  # what was there is not computed again
 
 
 def test_another_sweep_in_the_same_place_is_refused(tmp_path):
