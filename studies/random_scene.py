@@ -24,7 +24,11 @@ CUTS = (
     ("quartz (Bechmann)", "ST-X"),
 )
 BOTTOMS = ("free", "grounded", "clamped", "absorbing")
-SLOW = ("PZT-5H", "LiNbO3 (Kovacs)", "quartz (Bechmann)")  # absorbing bottoms here: minutes for a converged answer
+SLOW = (
+    "PZT-5H",
+    "LiNbO3 (Kovacs)",
+    "quartz (Bechmann)",
+)  # absorbing bottoms here: minutes for a converged answer
 KINDS = (("motor", 0.6), ("wave", 0.75), ("contact", 0.92), ("free", 1.0))  # cumulative shares
 TOLERANCES = (3e-2, 1e-2, 1e-2, 3e-3, 3e-3, 1e-3)
 LEVELS = (0.7, 1.15, 1.6, 4.0, 9.0)  # of the threshold
