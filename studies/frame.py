@@ -81,7 +81,7 @@ class Frame:
 def framed(found: RunField, view: View, *, width: float, height: float) -> Frame:
     """Return where a view's section lies in a picture of some size in pixels.
 
-    The length fills the width; the depth follows from the height, unless the section is shallower.
+    The length fills the width; how deep it is seen follows from the height.
     """
     sides = max(LEFT * width, LEAST_LEFT) + max(RIGHT * width, LEAST_RIGHT)
     pixel = (view.stop - view.start) / (width - sides)
@@ -90,9 +90,6 @@ def framed(found: RunField, view: View, *, width: float, height: float) -> Frame
     room = 0.15 * min(visible, 2 * found.wavelength)
     top = min(2.1 * found.radius, BALL_SHARE * visible) if carries else room
     bottom = max(found.field.z[0], top - visible)
-    if bottom == found.field.z[0]:
-        top = 2.1 * found.radius if carries else room
-        pixel = max(pixel, (top - bottom) / (height * (1 - LOW - HIGH)))
     return Frame(view=view, bottom=float(bottom), top=top, pixel=pixel, width=width, height=height)
 
 

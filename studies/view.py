@@ -88,7 +88,14 @@ def view(folder: str | Path, wanted: Wanted, *, progress: Callable[[str], None])
     return None
 
 
-def plotter(folder: str | Path, *, quantity: str = "u_z", phase: float = 0.0, span=None):
+def plotter(
+    folder: str | Path,
+    *,
+    quantity: str = "u_z",
+    phase: float = 0.0,
+    span: str | tuple[float, float] | None = None,
+    size: tuple[int, int] = STILL_SIZE,
+):
     """Return the pyvista Plotter of a run's field, off screen, for pyvista's own notebook backends and other uses.
 
     Parameters
@@ -100,10 +107,12 @@ def plotter(folder: str | Path, *, quantity: str = "u_z", phase: float = 0.0, sp
         rad.
     span : str or tuple of float or None
         As in `Wanted`.
+    size : tuple of int
+        Pixels.
     """
     found = run_field(folder, progress=lambda text: None)
     wanted = Wanted(quantity=quantity, phase=phase, span=span)
-    return _stage(found, wanted, _limits(found, span), STILL_SIZE, smooth=True).plotter
+    return _stage(found, wanted, _limits(found, span), size, smooth=True).plotter
 
 
 def written(file: str, write: Callable[[], object]) -> None:

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from fem.field import wave_field
+from fem.field import WaveField, wave_field
 from fem.field_file import read_vtu, write_vtu
 from fem.materials import fields
 from fem.readout import surface_wave
+from fem.spectral import line_nodes
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution
 
 CASES = (
@@ -162,12 +163,24 @@ def test_a_line_stands_where_it_is_wanted(case):
     assert motion == pytest.approx(wave.motion(place), rel=1e-10)
 
 
-def test_between_nodes_the_elements_polynomials_hold(case):
-    """A finer section of the same field: the basis of the depth is exact for its own polynomials and at its nodes."""
-    _, field = case
-    np.testing.assert_allclose(field.depth_basis(field.z), np.eye(len(field.z)), atol=1e-12)
-    heights = np.linspace(field.z[0], 0, 101)
-    scaled = field.z / field.z[0]
-    np.testing.assert_allclose(
-        field.depth_basis(heights) @ scaled**8, (heights / field.z[0]) ** 8, atol=1e-12
+def test_between_nodes_the_elements_polynomials_hold():
+    """Three elements, on each a polynomial of its order; ends are shared."""
+    order, ends = 4, np.array([-3.0, -1.0, -0.4, 0.0])
+    z = line_nodes(ends, order)
+    field = WaveField(
+        x=np.zeros(1),
+        z=z,
+        displacement=np.zeros((1, 13, 3)),
+        potential=np.zeros((1, 13)),
+        frequency=1.0,
+        order=order,
     )
+
+    def broken(at):
+        return (
+            at**4 + np.where(at > -1, 5 * (at + 1) ** 3, 0.0) - np.where(at > -0.4, 9 * (at + 0.4) ** 2, 0.0)
+        )
+
+    np.testing.assert_allclose(field.depth_basis(z), np.eye(13), atol=1e-13)
+    heights = np.linspace(-3, 0, 101)
+    np.testing.assert_allclose(field.depth_basis(heights) @ broken(z), broken(heights), atol=1e-11)

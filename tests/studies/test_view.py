@@ -237,6 +237,19 @@ def test_a_screenshot_shows_section_electrodes_and_slider_where_they_are(found, 
     drawn.close()
 
 
+def test_a_view_has_room_for_depth_and_ball(found):
+    """From far the whole depth and the whole ball, from near a part of both; one scale for lengths and heights."""
+    from studies.frame import HIGH, LOW, framed
+
+    for start, stop, whole in ((0.0, found.length, True), (0.0138, 0.0144, False)):
+        frame = framed(found, View(name="", start=start, stop=stop, weight=1.0), width=1000.0, height=500.0)
+        assert frame.pixel * 1000 * (1 - frame.left - frame.right) >= (stop - start) * (1 - 1e-12)
+        assert frame.top - frame.bottom <= frame.pixel * 500 * (1 - LOW - HIGH) * (1 + 1e-12)
+        assert (frame.bottom == found.field.z[0]) == whole
+        assert (frame.top > 2 * found.radius) == whole
+        assert frame.top > 0
+
+
 def test_fingers_ride_on_the_surface(found):
     drawn = stage_of(found, (View(name="", start=0.0, stop=0.01, weight=1.0),), phase=0.9)
     (piece,) = drawn.pieces
@@ -434,7 +447,7 @@ def test_a_notebook_shows_the_page(folder, monkeypatch):
 
 
 def test_a_plotter_for_pyvista_s_own_notebook_backends(folder):
-    plotter = view.plotter(folder, quantity="u_x", span="wavelength")
+    plotter = view.plotter(folder, quantity="u_x", span="wavelength", size=(500, 300))
     assert isinstance(plotter, pyvista.Plotter)
     assert plotter.off_screen
     assert np.asarray(plotter.screenshot(return_img=True)).std() > 5
@@ -522,9 +535,11 @@ def test_a_contact_as_page_and_table(given, tmp_path, monkeypatch):
 
 
 def test_a_run_with_a_stator_shows_its_contact_too(folder, tmp_path):
-    view.view(folder, Wanted(screenshot=str(tmp_path / "a.png"), show="contact"), progress=quiet)
-    with Image.open(tmp_path / "a.png") as picture:
-        assert picture.size[0] > 1000
+    """On the orbit of the run's own surface motion."""
+    view.view(folder, Wanted(data=str(tmp_path / "a.csv"), show="contact", level=30.0), progress=quiet)
+    table = np.genfromtxt(tmp_path / "a.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
+    told = json.loads((folder / "run.json").read_text())["wave"]["normal_m_per_V"]
+    assert table["u_z_m"].max() == pytest.approx(30.0 * np.hypot(*told), rel=1e-3)  # 240 instants a cycle
 
 
 @pytest.mark.parametrize("content", [None, "{}", "[]", "no json"])
