@@ -92,7 +92,7 @@ def chain_energy(memory, i, regime, s, z, x, c, sigma, bary, rates):
     for number, (kind, start, u, w, k) in enumerate(pieces):
         stop = pieces[number + 1][1] if number + 1 < len(pieces) else z
         if kind != 0:
-            deflection, roots = x - 0.5 * (u + w) + kind * c * start, np.sqrt([start, stop])
+            deflection, roots = x - 0.5 * (u + w) + kind * c * start, np.sqrt([max(start, 0.0), stop])
             parts = (
                 2.0 * deflection**2 * roots
                 - 4.0 / 3.0 * deflection * kind * c * roots**3
@@ -114,6 +114,7 @@ def chain_energy(memory, i, regime, s, z, x, c, sigma, bary, rates):
         )
         total += 8.0 * c / 3.0 * half * inside
         total += (
-            2.0 * np.sqrt(stop) * (x - at(profile, end)) ** 2 - 2.0 * np.sqrt(start) * (x - profile[0]) ** 2
+            2.0 * np.sqrt(stop) * (x - at(profile, end)) ** 2
+            - 2.0 * np.sqrt(max(start, 0.0)) * (x - profile[0]) ** 2
         )
     return 0.375 / c * total

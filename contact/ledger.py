@@ -77,6 +77,13 @@ class Ledger:
         return abs(self.residual) / scale if scale > 0.0 else 0.0
 
 
+def together(*ledgers: Ledger) -> Ledger:
+    """Return the ledger of spans one after the other."""
+    return Ledger(
+        **{name: sum(getattr(each, name) for each in ledgers) for name in Ledger.__dataclass_fields__}
+    )
+
+
 def ledger(slider: Slider, motion, before: np.ndarray, spans: int = 1) -> Ledger:
     """Return the ledger of what a `motion.Motion` has done since its sums were cleared.
 

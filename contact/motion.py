@@ -51,6 +51,8 @@ class Motion:
         self.tally, self.sums = np.zeros(integrate.TALLY, np.int64), np.zeros(energy.SUMS)
         parameters = problem.parameters
         hysteretic = parameters[scaling.LAW] == scaling.HYSTERETIC and parameters[scaling.LIMIT_SLOPE] > 0.0
+        # energies at the start of what the sums cover, where someone noted them
+        self.begun = None
         self.memory = memory.blank(contacts, table.sigma.size) if hysteretic else None
 
     def place(self, height, climb, speed, deformations=0.0):

@@ -18,6 +18,7 @@ import numpy as np
 from contact import bounds
 from contact.drive import available, relative_to_reference, towards_plus
 from contact.envelope import Envelope
+from contact.ledger import Ledger, ledger, together
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
 from contact.ways import METHODS, rest_problem, run, silence
@@ -47,9 +48,13 @@ class Trajectory:
         Estimated error of `velocity_at_burst_end` over max(|v|, omega |u_x|/10), from a second computation.
     status, message, method : str
         "ok" or what is to be known; a sentence; "exact", "stepped" or "averaged".
+    ledger : Ledger or None
+        Energies of burst and slide after it; None where the burst was not followed event by event.
+    after_ledger : Ledger or None
+        Of the slide alone, which is always followed so; None without one.
     statistics : dict
-        Events by kind (those after the burst, and those during it when exact); steps per cycle and omega_n dt when
-        stepped; order and steps when averaged.
+        Events by kind (those after the burst, and those during it when exact), smallest gap between two in s (inf:
+        fewer), chatter; steps per cycle and omega_n dt when stepped; order and steps when averaged.
     seconds : float
         Time taken.
     """
@@ -66,6 +71,8 @@ class Trajectory:
     status: str
     message: str
     method: str
+    ledger: Ledger | None
+    after_ledger: Ledger | None
     statistics: dict
     seconds: float
 
@@ -135,10 +142,15 @@ def burst(
     if cycles % stride == 0:
         for series in (time, velocity, position):
             series.pop()
+    book = after_book = None
+    if motion.begun is not None:
+        book = ledger(slider, motion, motion.begun)
+        statistics["smallest_gap"] = motion.smallest_gap()
     if after > 0.0:
         count = max(2, round(samples * (1.0 - share)))
         at = np.arange(1, count + 1) * (after / count)
         still = silence(motion)
+        begun_after = still.energy()
         recorded = still.move(0.0, problem.omega * after * (1.0 + 1e-12), at * problem.omega)
         time.append(cycles / frequency + at)
         velocity.append(recorded[:, 0, 5])
@@ -146,6 +158,9 @@ def burst(
         position.append(-recorded[:, 0, 0])
         for name, number in still.events().items():
             statistics[f"after_{name}"] = number
+        statistics["after_smallest_gap"] = still.smallest_gap()
+        after_book = ledger(slider, still, begun_after)
+        book = None if book is None else together(book, after_book)
     end = side * speed_at_end * problem.speed
     relative = relative_to_reference(error * problem.speed, end, listed)
     status, message = "ok", f"{cycles} cycles from rest"
@@ -156,5 +171,6 @@ def burst(
         slider=slider, orbits=listed, time=np.concatenate(time),
         velocity=side * np.concatenate(velocity) * problem.speed, position=np.concatenate(position) * length,
         duration=cycles / frequency, cycles=cycles, velocity_at_burst_end=end, relative_error=float(relative),
-        status=status, message=message, method=method, statistics=statistics, seconds=clock.perf_counter() - begun,
+        status=status, message=message, method=method, ledger=book, after_ledger=after_book, statistics=statistics,
+        seconds=clock.perf_counter() - begun,
     )  # fmt: skip

@@ -74,7 +74,10 @@ def silence(motion):
 
 
 def run(method, slider, orbits, problem, cycles, stride, tolerance, envelope):
-    """Return (motion, rows, error, statistics, method used) of a burst; `envelope` as in `stepped.steps`."""
+    """Return (motion, rows, error, statistics, method used) of a burst; `envelope` as in `stepped.steps`.
+
+    The exact way leaves the energies of the burst in the motion's sums, and in `motion.begun` those at its start.
+    """
     if method != "auto":
         return (*_one(method, slider, orbits, problem, cycles, stride, tolerance, envelope), method)
     reference = reference_speed(0.0, orbits) / problem.speed
@@ -139,6 +142,7 @@ def _exact(slider, orbits, problem, cycles, stride, tolerance):
     def follow(order):
         nodes, truncation, _ = ORDERS[order]
         motion = rest(slider, orbits, problem, nodes=nodes, truncation=truncation)
+        motion.begun = motion.energy()
         return motion, motion.turn(cycles, stride=stride)
 
     (coarse, _), (fine, rows) = _both(follow, level - 1, level)

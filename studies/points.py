@@ -8,6 +8,7 @@ from studies import bridge
 from studies.propagation import velocity_error
 from studies.refusal import SceneError
 from studies.scene import Scene
+from studies.tally import burst_tally, steady_tally
 
 __all__ = ["SliderAnswer", "slider_answer"]
 
@@ -100,10 +101,12 @@ def _point(scene: Scene, slider, orbits: tuple, stator_error: float, tolerance: 
         state = _refusing(lambda: steady(orbits))
         from_stator = velocity_error(state.velocity, orbits, stator_error, _nearby(slider, state, steady))
         values = {"velocity_m_per_s": state.velocity, "regime": state.regime}
+        tally = steady_tally(state)
         from_contact, status, message, trajectory = state.relative_error, state.status, state.message, None
         if scene.burst is not None:
             trajectory = _burst(scene, slider, orbits, state.velocity, tolerance, ringing)
             values["velocity_at_burst_end_m_per_s"] = trajectory.velocity_at_burst_end
+            tally |= burst_tally(trajectory)
             from_stator += 0.0 if ringing is None else ringing.error
             if trajectory.relative_error > from_contact or status == "ok":
                 from_contact = max(from_contact, trajectory.relative_error)
@@ -112,7 +115,7 @@ def _point(scene: Scene, slider, orbits: tuple, stator_error: float, tolerance: 
         return {"status": " ".join(str(error).split())}, (0.0, 0.0), None
     values["relative_error"] = from_stator + from_contact
     values["status"] = status if status == "ok" else f"{status}: {message}"
-    return values, (from_stator, from_contact), trajectory
+    return values | tally, (from_stator, from_contact), trajectory
 
 
 def _nearby(slider, state, steady):

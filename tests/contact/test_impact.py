@@ -13,7 +13,7 @@ from scipy.special import gamma
 from contact import energy, limits, regimes, scaling, steady
 from contact.balance import balanced
 from contact.collocation import collocation
-from contact.integrate import CYCLES
+from contact.integrate import CHATTER, CYCLES
 from contact.motion import Motion
 from tests.contact.motors import orbit, slider
 
@@ -70,6 +70,59 @@ def test_gross_sliding_takes_mu_times_the_normal_momentum(law):
     lost = 3.0 - motion.state[2]
     assert lost == pytest.approx(2.0 * s.friction_coefficient * speed / motion.problem.speed, rel=1e-9)
     assert motion.tally[regimes.SLIP_TO_STICK] == 0
+
+
+@pytest.mark.parametrize("damping", [0.01, 0.3, 2.0, 30.0])
+def test_restitution_of_a_ball_with_the_contact_damper(damping):
+    # Closed form: m z' dz'/(1 + chi z') = -P dz, so that g(y) = y - ln(1 + y) of y = chi z' is the same on the way in
+    # and out, whatever the spring (Hunt and Crossley 1975)
+    from scipy.optimize import brentq
+
+    _, _, speed, _ = thrown("sphere on a wall")
+    _, motion, *_ = thrown("sphere on a wall", contact_damping=damping / speed)
+    motion.move(0.0, 40.0, np.empty(0))
+    left = damping - math.log1p(damping)
+    out = brentq(lambda y: -y - math.log1p(-y) - left, 1e-12, 1.0 - 1e-15, xtol=1e-15)
+    assert motion.state[1] * motion.problem.speed == pytest.approx(speed * out / damping, rel=1e-8)
+    assert (motion.tally[regimes.CONTACT], motion.tally[regimes.RELEASE]) == (1, 1)
+
+
+@pytest.mark.parametrize("over", [1e-9, 1e-3, 0.5, 40.0])
+def test_the_stick_slip_valve_opens_and_closes_twice_a_cycle(over):
+    # Published trap: slip that ends where its speed passes zero, and sticks or slips on by a hair. A surface that goes
+    # to and fro by A = (1 + over) x_max under a body that does not move: the spring is stretched by 2 x_max, then slips
+    # 2 (A - x_max) to the turning point. Closed form: loss 4 mu P (A - x_max) per cycle
+    from contact import Orbit
+
+    s = slider()
+    x_max = s.limit_slope * s.rest_approach(1)
+    wave = (Orbit(frequency=2.2e6, normal=0.0, tangential=(1.0 + over) * x_max),)
+    problem = scaling.scaled(s, wave, direction=1.0, start=0.0)
+    motion = Motion(problem, table=collocation(16), truncation=1e-12)
+    motion.place(-s.rest_approach(1) / problem.length, 0.0, 0.0, x_max / problem.length)
+    motion.turn(1, mobile=False)
+    motion.tally[:], motion.sums[:] = 0, 0.0
+    cycles = 300
+    motion.turn(cycles, mobile=False)
+    kinds = (regimes.STICK_TO_SLIP, regimes.SLIP_TO_STICK, regimes.REVERSAL, regimes.CONTACT, CHATTER)
+    assert [motion.tally[kind] for kind in kinds] == [2 * cycles, 2 * cycles, 2 * cycles, 0, 0]
+    unit = s.mass * problem.speed**2
+    lost = 4.0 * s.friction_coefficient * s.preload * over * x_max * cycles
+    assert motion.sums[energy.SLIP_LOSS] * unit == pytest.approx(lost, rel=1e-9 + 1e-14 / over)
+
+
+def test_the_stick_slip_valve_stays_shut_below_the_slip_limit():
+    from contact import Orbit
+
+    s = slider()
+    x_max = s.limit_slope * s.rest_approach(1)
+    wave = (Orbit(frequency=2.2e6, normal=0.0, tangential=(1.0 - 1e-9) * x_max),)
+    problem = scaling.scaled(s, wave, direction=1.0, start=0.0)
+    motion = Motion(problem, table=collocation(16), truncation=1e-12)
+    motion.place(-s.rest_approach(1) / problem.length, 0.0, 0.0, wave[0].tangential.real / problem.length)
+    motion.turn(300, mobile=False)
+    assert motion.tally[regimes.STICK_TO_SLIP] == 0
+    assert motion.sums[energy.SLIP_LOSS] == 0.0
 
 
 def held(cycles):

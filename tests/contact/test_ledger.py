@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from contact import contact_history, hertz, mindlin, regimes, steady
-from contact.ledger import ledger
+from contact import burst, contact_history, hertz, mindlin, regimes, steady
+from contact.ledger import Ledger, ledger, together
 from contact.ways import rest, rest_problem, silence
 from tests.contact.motors import orbit, slider
 
@@ -137,3 +137,40 @@ def test_gaps_between_events_are_measured():
     gap = np.min(np.diff(h.time[change]))
     assert found["smallest_gap"] == pytest.approx(gap, abs=2.0 * (h.time[1] - h.time[0]))
     assert found["chatter"] is False
+
+
+@pytest.mark.parametrize(
+    "changed", [{}, {"reciprocal": True}, {"law": "hysteretic"}, {"contact_damping": 10.0, "load": 1e-5}]
+)
+@pytest.mark.parametrize("A", [1e-9, 20e-9])
+def test_a_burst_and_the_slide_after_it_balance(A, changed):
+    s = slider(**changed)
+    found = burst(s, orbit(A), duration=3e-4, after=2e-3, tolerance=1e-6, samples=20, method="exact")
+    assert found.ledger.relative_residual < 1e-8
+    assert found.after_ledger.relative_residual < 1e-8
+    assert found.after_ledger.wave == 0.0
+    # what the slide loses is part of the whole, and the slider's kinetic energy goes from rest to nearly rest
+    assert 0.0 < found.after_ledger.slip < found.ledger.slip
+    kinetic = 0.5 * s.mass * found.velocity_at_burst_end**2
+    assert found.ledger.slider - found.after_ledger.slider >= kinetic * (1.0 - 1e-9)
+    assert found.statistics["smallest_gap"] > 0.0
+
+
+def test_a_burst_in_steps_has_a_ledger_of_the_slide_alone():
+    found = burst(
+        slider(), orbit(5e-9), duration=3e-4, after=2e-3, tolerance=1e-3, samples=20, method="stepped"
+    )
+    assert found.ledger is None
+    assert found.after_ledger.relative_residual < 1e-8
+    alone = burst(slider(), orbit(5e-9), duration=3e-4, after=0.0, tolerance=1e-6, samples=20, method="exact")
+    assert alone.after_ledger is None
+    # a burst's books against its motion: the slider's kinetic energy, from rest
+    kinetic = 0.5 * slider().mass * alone.velocity_at_burst_end**2
+    assert kinetic <= alone.ledger.slider < 1.5 * kinetic
+
+
+def test_the_books_of_two_spans_add_up():
+    names = Ledger.__dataclass_fields__
+    one, two = (Ledger(**{name: base + k for k, name in enumerate(names)}) for base in (1.0, 20.0))
+    both = together(one, two)
+    assert [getattr(both, name) for name in names] == [21.0 + 2.0 * k for k in range(len(names))]

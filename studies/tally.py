@@ -1,0 +1,46 @@
+"""What a point of a run says about its own motion: events by kind, the smallest gap, chatter, the ledger's residual.
+
+Flat, for they are columns of velocity.csv as well. Steady states count per wave cycle; a burst over all of it where it
+was followed event by event, and the slide after it always.
+"""
+
+import math
+
+__all__ = ["burst_tally", "steady_tally"]
+
+EVENTS = ("contact", "release", "stick_to_slip", "slip_to_stick", "reversal", "graze")
+
+
+def steady_tally(state) -> dict:
+    """Return the tally of a `contact.SteadyState`; empty where a closed form answers."""
+    counted = state.statistics
+    if "contact" not in counted:
+        return {}
+    cycles = counted.get("averaged_cycles", 1)
+    found = {f"{name}_per_cycle": counted[name] / cycles for name in EVENTS}
+    if counted.get("period_cycles", 1) != 1:
+        found["period_cycles"] = counted["period_cycles"]  # 0: none was seen
+    found |= _gap("", counted) | {"chatter": bool(counted["chatter"])}
+    if state.regime != "stick":  # there the wave does no work to compare with
+        found["ledger_relative_residual"] = state.ledger.relative_residual
+    return found
+
+
+def burst_tally(trajectory) -> dict:
+    """Return the tally of a `contact.Trajectory`."""
+    counted, found = trajectory.statistics, {"burst_method": trajectory.method}
+    for prefix, name in (("", "burst"), ("after_", "after")):
+        if f"{prefix}contact" not in counted:
+            continue
+        found |= {f"{name}_{event}": counted[f"{prefix}{event}"] for event in EVENTS}
+        found |= _gap(f"{name}_", counted, prefix) | {f"{name}_chatter": bool(counted[f"{prefix}chatter"])}
+    for name, book in (("burst", trajectory.ledger), ("after", trajectory.after_ledger)):
+        if book is not None:
+            found[f"{name}_ledger_relative_residual"] = book.relative_residual
+    return found
+
+
+def _gap(name, counted, prefix=""):
+    """Return the smallest gap, where there were two events."""
+    gap = counted.get(f"{prefix}smallest_gap", math.inf)
+    return {f"{name}smallest_gap_s": gap} if math.isfinite(gap) else {}
