@@ -89,7 +89,7 @@ def page(
         "axes": _axes(found),
     }
     text = json.dumps(meta, allow_nan=False).replace("</", "<\\/")
-    template = (files("studies") / "wave_page.html").read_text(encoding="utf-8")
+    template = (files("studies") / "templates" / "wave_page.html").read_text(encoding="utf-8")
     return template.replace("@META@", text).replace("@DATA@", packed)
 
 

@@ -7,7 +7,9 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from html import unescape
+from pathlib import Path
 from xml.etree import ElementTree
 
 import meshio
@@ -437,6 +439,17 @@ def test_the_page_carries_the_field(page, found):
     assert abs(mean - expected).max() < 3e-5 * power["scale"]
     assert (power["turns"], power["signed"], meta["balls"]) == (2, True, [14.123e-3])
     assert len(meta["fingers"]) == 6
+
+
+def test_what_the_program_reads_is_installed_with_it():
+    """Scenes and templates are package data."""
+    root = Path(__file__).parents[2]
+    patterns = tomllib.loads((root / "pyproject.toml").read_text())["tool"]["setuptools"]["package-data"][
+        "studies"
+    ]
+    read = {path for suffix in ("toml", "html") for path in (root / "studies").rglob(f"*.{suffix}")}
+    assert len(read) > 5
+    assert read == {path for pattern in patterns for path in (root / "studies").glob(pattern)}
 
 
 def test_a_notebook_shows_the_page(folder, monkeypatch):
