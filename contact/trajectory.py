@@ -7,7 +7,8 @@ once. During the burst the motion is followed event by event ("exact"), in fixed
 ("averaged"); "auto" takes the cheapest whose error estimate keeps the tolerance. After the burst it is always followed
 event by event, with stretches as long as the contact's resonance allows.
 
-With an envelope the wave swells and fades as it says; what is left of it at the end of the burst stops there.
+With an envelope the wave swells and fades as it says; what is left of it at the end of the burst stops there, or
+fades as a ring-down says, followed in fixed steps.
 """
 
 import time as clock
@@ -20,6 +21,7 @@ from contact.drive import available, relative_to_reference, towards_plus
 from contact.envelope import Envelope
 from contact.ledger import Ledger, ledger, together
 from contact.orbit import Orbit, as_orbits
+from contact.ring_down import ring_down as ringing_down
 from contact.slider import Slider
 from contact.ways import METHODS, rest_problem, run, silence
 
@@ -42,6 +44,8 @@ class Trajectory:
         Length of the burst in whole cycles, s.
     cycles : int
         The same in cycles.
+    rang : float
+        How long the surface was followed as it rang down after the burst, s; 0 without a ring-down.
     velocity_at_burst_end : float
         m/s.
     relative_error : float
@@ -49,9 +53,9 @@ class Trajectory:
     status, message, method : str
         "ok" or what is to be known; a sentence; "exact", "stepped" or "averaged".
     ledger : Ledger or None
-        Energies of burst and slide after it; None where the burst was not followed event by event.
+        Energies of burst and slide after it; None where the burst was not followed event by event, or rang down.
     after_ledger : Ledger or None
-        Of the slide alone, which is always followed so; None without one.
+        Of the slide alone, on a surface at rest, which is always followed so; None without one.
     statistics : dict
         Events by kind (those after the burst, and those during it when exact), smallest gap between two in s (inf:
         fewer), chatter; steps per cycle and omega_n dt when stepped; order and steps when averaged.
@@ -66,6 +70,7 @@ class Trajectory:
     position: np.ndarray
     duration: float
     cycles: int
+    rang: float
     velocity_at_burst_end: float
     relative_error: float
     status: str
@@ -87,6 +92,7 @@ def burst(
     samples: int,
     method: str = "auto",
     envelope: Envelope | None = None,
+    ring_down: Envelope | None = None,
 ) -> Trajectory:
     """Return the motion over a burst from rest and for a while after it.
 
@@ -106,6 +112,8 @@ def burst(
         "exact", "stepped", "averaged" or "auto".
     envelope : Envelope, optional
         Factor on the orbits over time; only the stepped way takes one.
+    ring_down : Envelope, optional
+        Factor on the orbits after the burst, time from its end; it takes its time from `after`.
 
     Returns
     -------
@@ -146,13 +154,24 @@ def burst(
     if motion.begun is not None:
         book = ledger(slider, motion, motion.begun)
         statistics["smallest_gap"] = motion.smallest_gap()
-    if after > 0.0:
+    rang = 0.0
+    if ring_down is not None:
+        share_rung = max(2, round(samples * (1.0 - share) / 2.0))
+        times, rows = ringing_down(
+            slider, problem, motion, ring_down, frequency=frequency, longest=after, rows=share_rung
+        )
+        if times.size:
+            rang, book = float(times[-1]), None
+            time.append(cycles / frequency + times)
+            velocity.append(rows[:, 0])
+            position.append(rows[:, 1])
+    if after > rang:
         count = max(2, round(samples * (1.0 - share)))
-        at = np.arange(1, count + 1) * (after / count)
+        at = np.arange(1, count + 1) * ((after - rang) / count)
         still = silence(motion)
         begun_after = still.energy()
-        recorded = still.move(0.0, problem.omega * after * (1.0 + 1e-12), at * problem.omega)
-        time.append(cycles / frequency + at)
+        recorded = still.move(0.0, problem.omega * (after - rang) * (1.0 + 1e-12), at * problem.omega)
+        time.append(cycles / frequency + rang + at)
         velocity.append(recorded[:, 0, 5])
         # the surface stands still at zero: the first contact's approach is minus the slider's position
         position.append(-recorded[:, 0, 0])
@@ -170,7 +189,7 @@ def burst(
     return Trajectory(
         slider=slider, orbits=listed, time=np.concatenate(time),
         velocity=side * np.concatenate(velocity) * problem.speed, position=np.concatenate(position) * length,
-        duration=cycles / frequency, cycles=cycles, velocity_at_burst_end=end, relative_error=float(relative),
-        status=status, message=message, method=method, ledger=book, after_ledger=after_book, statistics=statistics,
-        seconds=clock.perf_counter() - begun,
+        duration=cycles / frequency, cycles=cycles, rang=rang, velocity_at_burst_end=end,
+        relative_error=float(relative), status=status, message=message, method=method, ledger=book,
+        after_ledger=after_book, statistics=statistics, seconds=clock.perf_counter() - begun,
     )  # fmt: skip

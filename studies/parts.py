@@ -119,7 +119,7 @@ def _ring_up(scene: Scene, parts: list[Part], band: Part) -> list[str]:
         "response over a band of frequencies, as many as the ringing asks for; its time is the least certain",
     )
     parts.append(replace(band, name="ring-up", facts=how))
-    return [*ring_up_left_out(scene, RingUp(envelope=None, found=None, error=0.0), ())]
+    return [*ring_up_left_out(scene, RingUp(envelope=None, ring_down=None, found=None, error=0.0), ())]
 
 
 def free_parts(scene: Scene, tolerance: float, speed: float) -> tuple[list[Part], list[str]]:

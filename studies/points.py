@@ -148,22 +148,25 @@ def _burst(scene: Scene, slider, orbits: tuple, velocity: float, tolerance: floa
     after_ring = 20 / slider.tangential_resonance(len(orbits)) if slider.preload > 0 else 0.0
     method = _method(scene, "a burst", BURST_METHODS)
 
-    def followed(shape):
+    rings = 0.0 if ringing is None or ringing.ring_down is None else float(ringing.ring_down.time[-1])
+
+    def followed(shape, fading=None):
         return contact.burst(
             slider,
             orbits,
             duration=scene.burst,
-            after=min(1.2 * stopping + after_ring, 10 * scene.burst),
+            after=min(1.2 * stopping + after_ring, 10 * scene.burst) + (rings if fading is not None else 0.0),
             tolerance=tolerance,
             samples=SAMPLES,
             method=method,
             envelope=shape,
+            ring_down=fading,
         )
 
     if ringing is None or ringing.envelope is None or method not in SHAPED_METHODS:
         return followed(None)
     try:
-        return followed(ringing.envelope)
+        return followed(ringing.envelope, ringing.ring_down)
     except contact.ConvergenceError:
         if method != "auto":
             raise

@@ -2,7 +2,7 @@
 
 The response over a band about the drive's frequency gives the complex envelope (fem.burst); over the steady motion it
 is the factor on the orbits that the contact takes.  One factor serves all balls and both directions.  After the burst's
-end the contact lets the surface stand still: the ring-down is in the envelope, but not yet in the slider's motion.
+end the surface rings down under the slider as the same envelope goes on, until it is spent.
 """
 
 from collections.abc import Callable
@@ -27,6 +27,8 @@ class RingUp:
     ----------
     envelope : contact.Envelope or None
         Factor on the steady orbits; None where the stator rings for too long to be followed.
+    ring_down : contact.Envelope or None
+        The same from the end of the burst on, time from there.
     found : fem.BurstEnvelope or None
     error : float
         Of a velocity at the burst's end: the envelope's error for as long as it rings up, over the burst's length;
@@ -34,6 +36,7 @@ class RingUp:
     """
 
     envelope: object = field(repr=False)
+    ring_down: object = field(repr=False)
     found: object = field(repr=False)
     error: float
 
@@ -75,12 +78,19 @@ def ring_up(scene: Scene, place: float, *, progress: Callable[[str], None]) -> R
             most=MOST,
         )
     except fem.ConvergenceError:
-        return RingUp(envelope=None, found=None, error=min(1.0, MOST / (2 * half) / scene.burst))
-    on = found.time < scene.burst
-    factor = found.normal[on] / found.steady_normal
-    envelope = Envelope(time=found.time[on], amplitude=abs(factor), phase=np.unwrap(np.angle(factor)))
+        return RingUp(
+            envelope=None, ring_down=None, found=None, error=min(1.0, MOST / (2 * half) / scene.burst)
+        )
+    factor, on = found.normal / found.steady_normal, found.time < scene.burst
+
+    def shape(which, start):
+        part = factor[which]
+        return Envelope(time=found.time[which] - start, amplitude=abs(part), phase=np.unwrap(np.angle(part)))
+
+    envelope = shape(on, 0.0)
+    ring_down = shape(~on, scene.burst) if np.any(~on) else None
     error = found.relative_error * min(1.0, found.settling / scene.burst)
-    return RingUp(envelope=envelope, found=found, error=float(error))
+    return RingUp(envelope=envelope, ring_down=ring_down, found=found, error=float(error))
 
 
 def ring_up_left_out(scene: Scene, ringing: RingUp | None, trajectories) -> tuple[str, ...]:
@@ -89,7 +99,11 @@ def ring_up_left_out(scene: Scene, ringing: RingUp | None, trajectories) -> tupl
         return ()
     if ringing is None:
         return ("the burst's ring-up: the slider stands over a transducer",)
-    reasons = ["the burst's ring-down: once it ends the surface stands still"]
+    reasons = []
+    silent = sum(motion.rang == 0.0 for _, motion in trajectories)
+    if silent:
+        which = f"in {silent} of {len(trajectories)} bursts the surface stands still once the drive ends"
+        reasons.append(f"the burst's ring-down: {which}")
     plain = sum(motion.method != "stepped" for _, motion in trajectories)
     if plain:
         which = f"{plain} of {len(trajectories)} bursts, whose motion takes a steady wave"

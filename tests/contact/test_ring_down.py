@@ -1,0 +1,64 @@
+"""The surface rings down after a burst: limits in which the answer is known, and the same motion by another way."""
+
+import numpy as np
+import pytest
+
+from contact import ConvergenceError, Envelope, burst
+from tests.contact.motors import orbit, slider
+
+F = 2.2e6
+
+
+def fading(time_constant, longest, points=400):
+    t = np.linspace(0.0, longest, points)
+    return Envelope(time=t, amplitude=np.exp(-t / time_constant), phase=np.zeros(points))
+
+
+def after(shape, s=None, cycles=400, **changed):
+    asked = {"duration": cycles / F, "after": 2e-3, "tolerance": 1e-4, "samples": 400, "method": "stepped"}
+    return burst(s or slider(), orbit(5e-9), ring_down=shape, **(asked | changed))
+
+
+def test_a_wave_that_goes_on_is_a_longer_burst():
+    # Limit: a factor of one for 300 cycles is a burst that is longer by as many
+    steady_on = Envelope(time=[0.0, 300.5 / F], amplitude=[1.0, 1.0], phase=[0.0, 0.0])
+    rung, longer = after(steady_on), after(None, cycles=701)
+    at = np.searchsorted(rung.time, 701 / F * (1.0 - 1e-9))
+    assert rung.rang == pytest.approx(301 / F, rel=1e-12)
+    assert rung.time[at] == pytest.approx(701 / F, rel=1e-12)
+    assert rung.velocity[at] == pytest.approx(longer.velocity_at_burst_end, rel=1e-4)
+    assert rung.velocity_at_burst_end < 0.9 * rung.velocity[at]
+
+
+def test_a_wave_that_stops_at_once_is_no_ring_down():
+    quick, none = after(fading(0.01 / F, 3.0 / F, 4000)), after(None)
+    assert quick.velocity[-1] == pytest.approx(none.velocity[-1], abs=0.1 * none.velocity_at_burst_end)
+    assert none.rang == 0.0
+    assert none.after_ledger is not None
+
+
+def test_a_slow_end_carries_the_slider_on_and_it_still_stops():
+    none, rung = after(None), after(fading(200 / F, 2000 / F))
+    assert rung.rang > 1000 / F
+    travelled = [np.trapezoid(each.velocity, each.time) for each in (none, rung)]
+    assert travelled[1] > 1.5 * travelled[0]
+    assert np.max(rung.velocity) > rung.velocity_at_burst_end
+    assert abs(rung.velocity[-1]) < 0.05 * np.max(rung.velocity)
+    assert np.all(np.diff(rung.time) > 0.0)
+    assert rung.time[-1] == pytest.approx(400 / F + 2e-3, rel=1e-9)
+    assert rung.velocity_at_burst_end == none.velocity_at_burst_end
+
+
+def test_a_step_of_the_envelope_at_the_burst_end_is_seen_by_the_whole_way_too():
+    # the same swell and fade as one envelope over a longer burst
+    t = np.array([0.0, 400.0, 700.0, 1000.0]) / F
+    whole = Envelope(time=t, amplitude=[1.0, 1.0, 0.6, 0.4], phase=[0.0, 0.0, 0.3, 0.5])
+    down = Envelope(time=t[1:] - t[1], amplitude=[1.0, 0.6, 0.4], phase=[0.0, 0.3, 0.5])
+    joined, split = after(None, cycles=1000, envelope=whole, tolerance=1e-5), after(down, tolerance=1e-5)
+    at = np.searchsorted(split.time, 1000 / F * (1.0 - 1e-9))
+    assert split.velocity[at] == pytest.approx(joined.velocity_at_burst_end, rel=1e-3)
+
+
+def test_where_steps_do_not_apply_it_is_refused():
+    with pytest.raises(ConvergenceError, match=r"ring-down needs fixed steps: .*stick_band"):
+        after(fading(100 / F, 900 / F), slider(stick_band=1e-3), method="exact")
