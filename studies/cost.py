@@ -35,6 +35,7 @@ KERNELS = {
     "hysteretic": 108e6,
 }  # bytes, the compiled contact; the hysteretic law's needs numba
 LOAD, LOAD_KERNELS = 0.12, {"elastic": 0.1, "hysteretic": 0.6}  # s
+COMPILE = 15.0  # s, of the kernels when they are not there yet
 POINT = {"elastic": 0.006, "hysteretic": 0.04}  # s, of a steady state on one contact
 CONTACTS = {
     "elastic": (0.008, 1.5),
@@ -105,10 +106,14 @@ def free_seconds(lines: list[int], speed: float) -> float:
     return 0.04 + sum(2 * EIGENPAIRS * line**3 for line in lines) / (SOLVER_SHARE * speed)
 
 
-def contact_seconds(points: int, law: str, contacts: int) -> float:
-    """Return the time of loading the kernels, compiled before, and of steady states."""
+def contact_seconds(points: int, law: str, contacts: int, *, ready: bool) -> float:
+    """Return the time of loading the kernels, or of compiling them if they are not ready, and of steady states."""
     factor, exponent = CONTACTS[law]
-    return LOAD_KERNELS[law] + points * (POINT[law] if contacts == 1 else factor * contacts**exponent)
+    return (
+        LOAD_KERNELS[law]
+        + (0.0 if ready else COMPILE)
+        + points * (POINT[law] if contacts == 1 else factor * contacts**exponent)
+    )
 
 
 def burst_seconds(points: int, way: str, law: str, cycles: float) -> float:

@@ -171,6 +171,8 @@ def free_parts(scene: Scene, tolerance: float, speed: float) -> tuple[list[Part]
 
 def contact_part(scene: Scene) -> Part:
     """Return the part of a slider."""
+    from contact import kernels
+
     slider = scene.slider
     contacts = 1 if isinstance(slider.contacts, int) else len(slider.contacts)
     points = len(scene.levels)
@@ -179,7 +181,10 @@ def contact_part(scene: Scene) -> Part:
         f"{slider.law} law, {contacts} contact{'s' if contacts > 1 else ''}, {points} {unit}",
         f"steady state: {AVERAGED if slider.method == 'averaged' else STEADY}",
     ]
-    seconds = cost.contact_seconds(points, slider.law, contacts)
+    ready = kernels.ready()
+    if not ready:
+        facts.append(f"its kernels are compiled first, once: about {cost.COMPILE:g} s")
+    seconds = cost.contact_seconds(points, slider.law, contacts, ready=ready)
     if scene.burst is not None:
         frequency = _with_frequency(scene).frequency
         cycles, way = scene.burst * frequency, _way(scene, scene.burst * frequency)

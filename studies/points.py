@@ -68,10 +68,13 @@ def slider_answer(
     ringing : studies.ring_up.RingUp, optional
         How the orbits grow during a burst.
     """
+    from contact import kernels
+
     slider = _refusing(lambda: bridge.contact_slider(scene.slider))
     points, parts, trajectories = [], [], []
     for number, level in enumerate(scene.levels, start=1):
-        progress(f"contact: point {number} of {len(scene.levels)}")
+        waits = number == 1 and not kernels.ready()
+        progress(f"contact: point {number} of {len(scene.levels)}{', compiling once' if waits else ''}")
         point = {} if scene.wave is not None else {"voltage_V": level}
         for side, amplitude in zip(("normal", "tangential"), amplitudes, strict=True):
             point[f"{side}_amplitude_m"] = amplitude * level

@@ -116,3 +116,19 @@ def test_terms_that_are_zero_are_not_written():
     assert "R_n2" in equations[-1]
     equations = plan(changed("twente-contact", "slider.load=1 uN"), tolerance=1e-3).parts[0].equations
     assert equations[-1].endswith("m v_s' = Q - R_t v_s - load")
+
+
+def test_kernels_that_are_not_there_are_counted(monkeypatch, tmp_path):
+    import contact.compiled
+
+    monkeypatch.delenv("NUMBA_DISABLE_JIT", raising=False)
+    scene = changed("twente-contact")
+    folder = tmp_path / "kernels"
+    folder.mkdir()
+    monkeypatch.setattr(contact.compiled, "_folder", lambda: str(folder))
+    (cold,) = plan(scene, tolerance=1e-3).parts
+    assert any("compiled first" in fact for fact in cold.facts)
+    (folder / "cycle-turn-9.o").write_bytes(b"")
+    (warm,) = plan(scene, tolerance=1e-3).parts
+    assert not any("compiled first" in fact for fact in warm.facts)
+    assert cold.seconds == pytest.approx(warm.seconds + cost.COMPILE, rel=1e-12, abs=0)
