@@ -24,6 +24,7 @@ STUDIES = (
     "dispersion",
     "regime_map",
     "load_line",
+    "step_planner",
     "design_map",
     "contact_error_vs_time",
     "cell_triple",

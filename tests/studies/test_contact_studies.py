@@ -2,7 +2,7 @@
 
 from matplotlib.figure import Figure
 
-from studies import load_line, regime_map
+from studies import load_line, regime_map, step_planner
 
 
 def test_regime_map_lies_on_its_lines(monkeypatch):
@@ -25,6 +25,20 @@ def test_load_line_stalls_and_is_below_one(monkeypatch):
     assert [panel.name for panel in record.panels] == ["load_line", "efficiency"]
     ax = load_line.figure(record.panels[0], Figure().add_subplot())
     assert len(ax.get_lines()) == 5
+
+
+def test_steps_are_planned_and_grow_as_the_square_of_the_cycles(monkeypatch):
+    monkeypatch.setattr(step_planner, "LINES", 1)
+    monkeypatch.setattr(step_planner, "CYCLES", (64, 512, 1024, 2048))
+    monkeypatch.setattr(step_planner, "WANTED", (2e-9, 2e-8))
+    record = step_planner.run()
+    assert [finding.confirmed for finding in record.findings] == [True, True, True]
+    assert [panel.name for panel in record.panels] == ["step_planner", "stopping"]
+    (plans,) = record.panels[0].data["planned_cycles"].values()
+    assert plans == sorted(plans)
+    ax = step_planner.figure(record.panels[0], Figure().add_subplot())
+    assert (ax.get_xscale(), ax.get_yscale()) == ("log", "log")
+    assert len(ax.get_lines()) == 2
 
 
 def test_error_against_time_names_who_failed_in_silence(monkeypatch):

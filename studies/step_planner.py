@@ -1,0 +1,172 @@
+"""How far a burst of N cycles moves the slider, how many cycles a step of 2 nm takes, where it stops and what it rings.
+
+Method: the slider of ``twente-contact``, or of a scene with a given wave, from rest at up to four of its amplitudes
+above threshold: bursts of 8 to 4096 cycles, each followed until the slider has slipped for the last time and only
+rings in its spring; then the inverse, by bisection on whole cycles.  Expected: far from its steady speed the slider
+gains speed evenly, so that steps grow as N^2; the step found for a distance reaches it, and a cycle less does not;
+the travel is that of the velocity itself.  Run time: about 5 s.
+"""
+
+import sys
+import time
+from collections.abc import Callable
+
+from studies import bridge
+from studies.resolved import resolved
+from studies.scene import Scene
+from studies.study import Finding, Panel, StudyRecord
+
+__all__ = ["figure", "run"]
+
+TAKES_SCENE = True
+CYCLES = tuple(2**k for k in range(3, 13))
+WANTED = (2e-9, 1e-8, 1e-7)  # m
+LINES = 4
+
+
+def run(
+    scene: str | Scene = "twente-contact", *, progress: Callable[[str], None] | None = None
+) -> StudyRecord:
+    """Return steps over cycles, and cycles over steps.
+
+    Parameters
+    ----------
+    scene : str or Scene
+        A path, a shipped name or a scene with a given wave and a slider.
+    progress : callable, optional
+        Told what is being done.
+    """
+    import numpy as np
+
+    import contact
+
+    begun = time.perf_counter()
+    say = progress or (lambda text: None)
+    chosen = resolved(scene if isinstance(scene, Scene) else Scene.load(scene))
+    if chosen.wave is None or chosen.slider is None:
+        chosen.refuse("wave", "is missing: this study takes a given [wave] and a [slider]")
+    slider, shape = bridge.contact_slider(chosen.slider), bridge.given_orbits(chosen.wave)
+    moving = [a for a in chosen.levels if a > 1.5 * contact.threshold_amplitude(slider, shape)]
+    if not moving:
+        chosen.refuse("wave.normal_amplitude", "must hold a value above 1.5 times the threshold amplitude")
+    picked = sorted({moving[round(k * (len(moving) - 1) / LINES)] for k in range(1, LINES + 1)})
+    steps, planned = {}, {}
+    for amplitude in picked:
+        name = f"{amplitude * 1e9:g} nm"
+        say(f"step planner: {name}")
+        orbits = bridge.scaled(shape, amplitude)
+        steps[name] = [contact.step(slider, orbits, cycles=number) for number in CYCLES]
+        planned[name] = [contact.cycles_for(slider, orbits, displacement=size) for size in WANTED]
+    pairs = [(size, *pair) for plans in planned.values() for size, pair in zip(WANTED, plans, strict=True)]
+    reached = all(abs(less.displacement) < size <= abs(enough.displacement) for size, less, enough in pairs)
+    slowest = steps[f"{picked[0] * 1e9:g} nm"]
+    exponent = float(np.log2(slowest[-1].displacement / slowest[-2].displacement))
+    orbits = bridge.scaled(shape, picked[0])
+    travel = _travelled(slider, orbits, chosen.frequency, slowest[-2])
+    findings = [
+        Finding(
+            statement="The cycles found for a step reach it, and a cycle less does not.",
+            quantity="smallest step that was planned, m",
+            expected=f"{WANTED[0]:g} m and up to a cycle's worth more",
+            found=float(min(abs(enough.displacement) for _, _, enough in pairs)),
+            confirmed=reached,
+            remark="; ".join(
+                f"{name}: {', '.join(f'{pair[1].cycles} cycles' for pair in plans)}"
+                for name, plans in planned.items()
+            ),
+        ),
+        Finding(
+            statement="Far from its steady speed the slider gains speed evenly: steps grow as cycles squared.",
+            quantity=f"exponent between {CYCLES[-2]} and {CYCLES[-1]} cycles at the smallest amplitude",
+            expected="2",
+            found=exponent,
+            confirmed=abs(exponent - 2.0) < 0.1,
+        ),
+        Finding(
+            statement="The step is the integral of the velocity.",
+            quantity=f"travel in {CYCLES[-2]} cycles and the slide after over the step",
+            expected="1, but for the ring about where the slider stays",
+            found=travel,
+            confirmed=abs(travel - 1.0) < 0.02,
+        ),
+    ]
+    sides = (("step_planner", "step", "displacement"), ("stopping", "slide after the burst", "stopping"))
+    panels = [
+        Panel(
+            name=file,
+            title=f"{chosen.title}: {title}",
+            data={
+                "cycles": np.array(CYCLES),
+                "distance_m": {
+                    key: np.array([getattr(each, value) for each in line]) for key, line in steps.items()
+                },
+                "velocity_m_per_s": {
+                    key: np.array([each.velocity for each in line]) for key, line in steps.items()
+                },
+                "ring_m": {key: np.array([each.ring for each in line]) for key, line in steps.items()},
+                "stopping_time_s": {
+                    key: np.array([each.stopping_time for each in line]) for key, line in steps.items()
+                },
+                "planned_cycles": {key: [pair[1].cycles for pair in plans] for key, plans in planned.items()},
+                "wanted_m": np.array(WANTED),
+                "axis": f"{title} (nm)",
+            },
+        )
+        for file, title, value in sides
+    ]
+    return StudyRecord(
+        name="step_planner",
+        panels=tuple(panels),
+        findings=tuple(findings),
+        seconds=time.perf_counter() - begun,
+    )
+
+
+def _travelled(slider, orbits, frequency, step) -> float:
+    """Return the integral of a trajectory's velocity over a step."""
+    import numpy as np
+
+    import contact
+
+    found = contact.burst(
+        slider, orbits, duration=step.cycles / frequency, after=10.0 * step.stopping_time, tolerance=1e-6,
+        samples=4000, method="exact",
+    )  # fmt: skip
+    return float(np.trapezoid(found.velocity, found.time) / step.displacement)
+
+
+def figure(record: Panel, ax):
+    """Draw distance against cycles; what was planned as crosses."""
+    import numpy as np
+
+    from studies.figures import COLOURS
+
+    data = record.data
+    palette = [COLOURS["stick"], COLOURS["slip"], COLOURS["second"], COLOURS["intermittent"]]
+    cycles = np.asarray(data["cycles"])
+    for (name, distance), colour in zip(data["distance_m"].items(), palette, strict=False):
+        values = np.asarray(distance) * 1e9
+        forward = values > 0.0
+        ax.plot(cycles[forward], values[forward], ".-", color=colour, linewidth=1, markersize=4, label=name)
+        if record.name == "step_planner":
+            ax.plot(
+                data["planned_cycles"][name],
+                np.asarray(data["wanted_m"]) * 1e9,
+                "x",
+                color=colour,
+                markersize=6,
+            )
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    ax.set_xlabel("cycles of the wave")
+    ax.set_ylabel(data["axis"])
+    ax.set_title(record.title, fontsize="medium")
+    ax.grid(alpha=0.3)
+    ax.legend(frameon=False)
+    return ax
+
+
+if __name__ == "__main__":
+    from studies.__main__ import main
+
+    sys.exit(main(["study", "step_planner", *sys.argv[1:]]))
