@@ -110,19 +110,22 @@ class Native(Kernel):
                         raise TypeError(f"{self.__name__}: {word} expected, got {part.dtype} {part.shape}")
                     values.append(face["data"][0])
                     values.extend(part.shape)
-        entry, layout = self._loaded.get(len(words)) or self._load(words)
+        entry, layout = self._loaded.get(len(words)) or self._load(words, arguments)
         table, answer = struct.pack(layout, *values), ctypes.c_int64()
         if entry(ctypes.byref(answer), ctypes.byref(ctypes.c_void_p()), table, table) != 0:
             raise RuntimeError(f"{self.__name__} has failed")  # kernels raise nothing: not reached
         return answer.value
 
-    def _load(self, words):
+    def _load(self, words, arguments):
         """Return (function, layout of its table of arguments) from the file, which is made if it is not there."""
         with _LOCK:
             path = Path(_folder()) / f"{self.__module__.rpartition('.')[2]}-{self.__name__}-{len(words)}.o"
             code = _read(path)
             if code is None:
-                code = _machine_code(self, words)
+                fields = [
+                    type(a) for k, a in zip(self.types, arguments, strict=True) if k == "m" and a is not None
+                ]
+                code = _machine_code(self, words, *fields)
                 _write(path, code)
             entry = _entry(code)
             layout = "".join("d" if w == "f" else "q" * (1 + int(w[1:] or 0)) for w in words)
@@ -219,7 +222,7 @@ def _numba():
     return numba
 
 
-def _machine_code(kernel, words):
+def _machine_code(kernel, words, fields=None):
     from contact.compiler import machine_code
 
-    return machine_code(kernel, words, _numba())
+    return machine_code(kernel, words, fields, _numba())

@@ -14,8 +14,11 @@ _LIBRARY = re.compile(
 _COUNTING = re.compile(r"^define [^\n]*@NRT_(in|de)cref\([^{]*\{.*?^\}", re.MULTILINE | re.DOTALL)
 
 
-def machine_code(kernel, words: list[str], numba) -> bytes:
-    """Return the object file of a kernel for arguments of these type words, its entry named `kernel`."""
+def machine_code(kernel, words: list[str], fields: type | None, numba) -> bytes:
+    """Return the object file of a kernel for arguments of these type words, its entry named `kernel`.
+
+    `fields`: class of the named tuple among the arguments, if there is one.
+    """
     from numba.core.compiler_lock import global_compiler_lock
     from numba.core.registry import cpu_target
 
@@ -24,7 +27,7 @@ def machine_code(kernel, words: list[str], numba) -> bytes:
     with global_compiler_lock:
         codegen._library_class, codegen.set_env = _put_off(usual), lambda name, environment: None
         try:
-            library = _lowered(kernel, words, numba)
+            library = _lowered(kernel, words, fields, numba)
         finally:
             codegen._library_class = usual
             del codegen.set_env
@@ -52,7 +55,7 @@ def _put_off(usual):
     return Lowered
 
 
-def _lowered(kernel, words, numba):
+def _lowered(kernel, words, fields, numba):
     """Return numba's code library of the entry, not optimised."""
     from numba.core import cgutils, types
     from numba.extending import intrinsic
@@ -66,7 +69,7 @@ def _lowered(kernel, words, numba):
 
     scope = {"carray": numba.carray, "pointer": pointer, "kernel": kernel}
     scope |= {"f": numba.float64, "i": numba.int64, "c": numba.complex128}
-    given, at, fields = [], 0, None
+    given, at = [], 0
     for word in words:
         if len(word) == 1:
             given.append(f"{'numbers' if word == 'f' else 'words'}[{at}]")
@@ -76,7 +79,7 @@ def _lowered(kernel, words, numba):
             shape = "".join(f"words[{at + 1 + k}], " for k in range(axes))
             given.append(f"carray(pointer(words[{at}]), ({shape}), {word[0]})")
             at += 1 + axes
-    given, fields = _gathered(kernel, given)
+    given = _gathered(kernel, given)
     scope["Fields"] = fields
     source = (
         f"def entry(words, numbers):\n"
@@ -91,16 +94,13 @@ def _lowered(kernel, words, numba):
 
 
 def _gathered(kernel, given):
-    """Return the arguments, those of a named tuple gathered into one, and the tuple's class."""
+    """Return the arguments, those of a named tuple gathered into one."""
     if "m" not in kernel.types:
-        return given, None
+        return given
     at = kernel.types.index("m")
     extra = len(given) - len(kernel.types) + 1
-    if extra == 0:
-        return [*given[:at], "None", *given[at:]], None
-    from contact.memory import Memory
-
-    return [*given[:at], f"Fields({', '.join(given[at : at + extra])})", *given[at + extra :]], Memory
+    one = f"Fields({', '.join(given[at : at + extra])})" if extra else "None"
+    return [*given[:at], one, *given[at + extra :]]
 
 
 def _optimised(library):

@@ -41,16 +41,6 @@ def passage_excess(s, h, bend):
 
 
 @compiled
-def kink_excess(theta, h, third):
-    """Return what the rule's sum has too much for third t^3 from an edge on, the nearest sample at theta h.
-
-    -zeta(-3, theta) is a quarter of Bernoulli's fourth polynomial.
-    """
-    square = theta * (theta - 1.0)
-    return -0.25 * third * h * h * h * h * (square * square - 1.0 / 30.0)
-
-
-@compiled
 def last_part(v0, v1, whole):
     """Return (place, integral from there to 1) of the root of the parabola with ends v0 > 0 > v1 and this integral."""
     bulge = 6.0 * (whole - 0.5 * (v0 + v1))

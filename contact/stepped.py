@@ -14,7 +14,7 @@ Not for a stick band (creep), nor where the contact resonance is not well resolv
 import numpy as np
 
 from contact.compiled import compiled, native
-from contact.edges import cubic, edge_excess, kink_excess, last_part, passage_excess, rising_root
+from contact.edges import cubic, edge_excess, last_part, passage_excess, rising_root
 
 # rows of the cells, one column per run: slider, contact forces alone, distance within the cycle, what a step is made of
 HEIGHT, CLIMB, SPEED, PUSH, PULL, TRAVELLED, STEP, DAMP_N, DAMP_T, INVERSE, CELL = range(11)
@@ -170,11 +170,8 @@ def _step(parameters, k, table, own, cells, m):
                     x[i] = sign * (limit + 0.5 * rest * v_new)
                     slip[i] = 0.0
                 else:
-                    s, lag = last_part(v_old, v_new, (sign * along - c * (z_new - z_old)) / h)
+                    _, lag = last_part(v_old, v_new, (sign * along - c * (z_new - z_old)) / h)
                     x[i] = sign * (limit + h * lag)
-                    # mu P - |Q| begins as the 1.5th power of a parabola
-                    third = max(0.5 * (v_old - v_new) / (c * h), 0.0)
-                    pull_excess -= sign * mu * kappa * kink_excess(1.0 - s, h, third * np.sqrt(third))
                     slip[i] = 0.0
             elif abs(x[i]) >= limit:
                 slip[i] = 1.0 if x[i] > 0.0 else -1.0

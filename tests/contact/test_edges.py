@@ -2,10 +2,21 @@
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import brentq
 from scipy.special import zeta
 
 from contact import burst
-from contact.edges import cubic, edge_excess, passage_excess, rising_root, zeta_five_halves, zeta_three_halves
+from contact.edges import (
+    cubic,
+    edge_excess,
+    last_part,
+    passage_excess,
+    rising_root,
+    zeta_five_halves,
+    zeta_three_halves,
+)
 from tests.contact.motors import orbit, slider
 
 
@@ -72,6 +83,37 @@ def test_48_steps_per_cycle_keep_five_digits(A, allowed):
     assert abs(state[2] - motion.state[2]) / reference < allowed
     # the height too, against the rest approach
     assert abs(state[0] - motion.state[0]) * problem.length / slider().rest_approach(1) < 3.0 * allowed
+
+
+@given(st.floats(0.01, 2.0), st.floats(-2.0, -0.01), st.floats(-0.3, 0.3))
+@settings(max_examples=50, deadline=None, derandomize=True)
+def test_the_last_part_of_a_parabola(v0, v1, bulge):
+    # Oracle: Brent's method and numpy's polynomials, for ends v0 and v1 and a bulge
+    bulge *= min(v0, -v1)
+    f = np.polynomial.Polynomial([v0, v1 - v0 + bulge, -bulge])
+    found, part = last_part(v0, v1, f.integ()(1.0))
+    root = brentq(f, 0.0, 1.0, xtol=1e-15)
+    assert found == pytest.approx(root, abs=2e-4)
+    assert part == pytest.approx(f.integ()(1.0) - f.integ()(root), abs=1e-6)
+
+
+def test_slip_and_stick_are_followed_to_high_order():
+    # Oracle: the event-exact way at 3 nm, cycle by cycle, each with two slips; 7e-6 of the friction's impulse with
+    # edges of first order
+    from contact.stepped import steps
+    from contact.ways import rest, rest_problem
+
+    problem = rest_problem(slider(), (orbit(3e-9),))
+    motion = rest(slider(), (orbit(3e-9),), problem, nodes=14, truncation=1e-11)
+    motion.turn(800)
+    gained, nothing, flat = [], np.empty((0, 3)), np.empty(0, complex)
+    for _ in range(40):
+        state = motion.state.copy()
+        assert steps(problem.parameters, problem.waves, state, 1, 48, 0, nothing, flat)
+        motion.turn(1)
+        gained.append(state[2] - motion.state[2])
+    impulse = 2.0 * np.pi * problem.parameters[6] * problem.parameters[3]
+    assert np.sqrt(np.mean(np.square(gained))) < 2.5e-6 * impulse
 
 
 @pytest.mark.parametrize("A", [2e-9, 10e-9])
