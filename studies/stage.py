@@ -115,7 +115,7 @@ class Stage:
         self.found, self.shown, self.size, self.panel = found, list(shown), size, panel
         self.phase = phase
         self.factor = magnification(found) if factor is None else factor
-        self.spare = self.factor * float(abs(found.field.displacement).max())
+        self.reach = self.factor * float(abs(found.field.displacement).max())
         self.shade: Shade = shade(found, quantity)
         self._tables = {name: _table(name) for name in ("diverging", "sequential")}
         weights = [view.weight for view in self.shown] + ([panel] if panel else [])
@@ -223,7 +223,8 @@ class Piece:
         pyvista = pyvista_quietly()
         found = stage.found
         self.factor = stage.factor
-        spare = stage.spare  # moves into the frame from beyond its edges, which cut it
+        # moves into the frame from beyond its edges, which cut it
+        spare = min(stage.reach, 2 * (frame.view.stop - frame.view.start))
         self.patch: Patch = patch(
             found,
             stage.shade,

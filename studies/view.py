@@ -20,6 +20,7 @@ FORMATS = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff")
 STILL_SIZE, MOVIE_SIZE = (1600, 1100), (1000, 400)
 FRAMES, RATE = 24, 16.0  # of a movie: one period of the wave
 INSTANTS = 12  # of a .pvd
+NARROWEST = 0.05  # wavelengths
 
 
 def view(folder: str | Path, wanted: Wanted, *, progress: Callable[[str], None]) -> str | None:
@@ -63,6 +64,7 @@ def view(folder: str | Path, wanted: Wanted, *, progress: Callable[[str], None])
         refuse_without_display()
     found = run_field(folder, progress=progress)
     span = _limits(found, wanted.span)
+    _check_scale(found, wanted.factor)
     if wanted.data is not None:
         from studies import field_data
 
@@ -200,6 +202,14 @@ def _solid(found: RunField, wanted: Wanted, size, *, off_screen: bool):
     )
 
 
+def _check_scale(found: RunField, factor: float | None) -> None:
+    """Refuse a displacement drawn larger than the stator is thick."""
+    most = -float(found.field.z[0]) / (float(abs(found.field.displacement).max()) or 1.0)
+    if factor is not None and factor > most:
+        rule = f"must be at most {most:.3g}, where the displacement is drawn as large as the stator is thick"
+        raise SceneError("--scale", f"{rule}, got {factor:g}")
+
+
 def _limits(found: RunField, span) -> tuple[float, float] | None:
     """Return the stretch that is meant, m."""
     if span is None:
@@ -213,4 +223,8 @@ def _limits(found: RunField, span) -> tuple[float, float] | None:
     if not 0 <= span[0] < span[1] <= found.length * (1 + 1e-9):
         rule = f"must lie on the stator, 0:{found.length * 1e3:g} mm"
         raise SceneError("--span", f"{rule}, got {span[0] * 1e3:g}:{span[1] * 1e3:g} mm")
+    least = NARROWEST * found.wavelength
+    if span[1] - span[0] < least:
+        rule = f"must be at least {least * 1e3:.3g} mm long, a twentieth of a wavelength"
+        raise SceneError("--span", f"{rule}, got {(span[1] - span[0]) * 1e3:.3g} mm")
     return span

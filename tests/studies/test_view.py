@@ -577,6 +577,8 @@ def test_what_is_no_run_is_refused(tmp_path, content):
         (["--screenshot", "a.png", "--size", "big"], "--size must be WIDTHxHEIGHT in pixels"),
         (["--screenshot", "a.png", "--phase", "nan"], "--phase must be a finite number (degrees), got 'nan'"),
         (["--screenshot", "a.png", "--scale", "-1"], "--scale must be a finite number of at least 0 (times), got '-1'"),
+        (["--screenshot", "a.png", "--span", "14:14.001"], "--span must be at least 0.0496 mm long"),
+        (["--screenshot", "a.png", "--scale", "1e300"], "--scale must be at most "),
         (["--movie", "a.gif", "--frames", "1"], "--frames must be a whole number from 2 to 2000, got '1'"),
         (["--movie", "a.gif", "--show", "solid"], "--movie shows the field or the contact, not the solid"),
         (["--screenshot", "a.png", "--show", "contact", "--voltage", "0"], "--voltage must be above 0: at 0 nothing"),
