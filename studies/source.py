@@ -136,6 +136,8 @@ def keep_to(threads: int | None) -> None:
 
 def _in_bands(question: Question, names, step: int) -> None:
     """Solve the frequencies of these answers side by side, for `_answer` to read."""
+    import fem
+
     _WAVES.clear()
     groups = {}
     for name in names:
@@ -147,12 +149,12 @@ def _in_bands(question: Question, names, step: int) -> None:
         except SceneError:
             continue  # said when it is its turn
     for (fixed, places), frequencies in groups.items():
-        band = _band(fixed, question.frequencies, places, goal(question, step))
         drive = fixed.scene.drive
         try:
+            band = _band(fixed, question.frequencies, places, goal(question, step))
             waves = band.waves(frequencies, driven=drive.transducer, source_impedance=drive.source_impedance)
-        except RunError:
-            continue  # one of them: each is tried by itself
+        except (RunError, ValueError, ArithmeticError, fem.ConvergenceError):
+            continue  # one of them: each is tried by itself, and says why
         _WAVES.update({(fixed, frequency, places, step): wave
                        for frequency, wave in zip(frequencies, waves, strict=True)})  # fmt: skip
 
@@ -172,6 +174,8 @@ def serves_band(question: Question) -> bool:
 
 
 def _answer(question: Question, name: str, step: int) -> Source:
+    import fem
+
     values = _values(name)
     try:
         scene = variation(question).source(values)
@@ -183,9 +187,14 @@ def _answer(question: Question, name: str, step: int) -> Source:
             scene = replace(scene, drive=replace(scene.drive, frequency=frequency))
         return _solved(question, name, step, scene, places)
     except SceneError as error:
-        return Source(name=name, step=step, reason=f"refused: {error}")
-    except (RunError, ValueError, ArithmeticError) as error:
-        return Source(name=name, step=step, reason=f"no answer: {' '.join(str(error).split())}")
+        reason = f"refused: {error}"
+    except (RunError, fem.ConvergenceError) as error:
+        reason = f"no answer: {error}"
+    except MemoryError:
+        reason = "no answer: the stator needs more memory than the worker has"
+    except Exception as error:
+        reason = f"no answer: a defect of sawmotor: {type(error).__name__}: {error}"
+    return Source(name=name, step=step, reason=" ".join(reason.split()))
 
 
 def _values(name: str) -> dict:
@@ -243,11 +252,12 @@ def _wave(question: Question, scene: Scene, places, step: int):
     """Return the fem.SurfaceWave, from a band where the sweep has one for this geometry."""
     if not serves_band(question):
         return _alone(scene, places, goal(question, step))
-    fixed = _Fixed(scene)
+    fixed, drive = _Fixed(scene), scene.drive
     known = _WAVES.pop((fixed, scene.frequency, places, step), None)
-    return known or _band(fixed, question.frequencies, places, goal(question, step)).wave(
-        scene.frequency, driven=scene.drive.transducer, source_impedance=scene.drive.source_impedance
-    )
+    if known is not None:
+        return known
+    band = _band(fixed, question.frequencies, places, goal(question, step))
+    return band.wave(scene.frequency, driven=drive.transducer, source_impedance=drive.source_impedance)
 
 
 def _alone(scene: Scene, places, allowed):

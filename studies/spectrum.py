@@ -39,9 +39,14 @@ class Response:
 
     def wave(self, frequency: float, *, driven: str, source_impedance: complex = 0.0):
         """Return the fem.SurfaceWave at a frequency in Hz."""
+        from fem import ConvergenceError
+
         for band in self.bands:
             if band.limits[0] <= frequency <= band.limits[1]:
-                return band.wave(frequency, driven=driven, source_impedance=source_impedance)
+                try:
+                    return band.wave(frequency, driven=driven, source_impedance=source_impedance)
+                except ConvergenceError:
+                    break
         return self.alone(frequency)
 
     def waves(self, frequencies, *, driven: str, source_impedance: complex = 0.0) -> list:

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fem import ConvergenceError
 from studies import Scene
 from studies.center import center_frequency
 from studies.chain import run
@@ -12,7 +13,7 @@ from studies.override import assigned
 from studies.refusal import RunError
 from studies.resolved import resolved
 from studies.scene import read_table
-from studies.spectrum import response, spectrum
+from studies.spectrum import Response, response, spectrum
 
 
 def quiet(text):
@@ -133,3 +134,14 @@ def test_a_lobe_beyond_the_range_is_refused(monkeypatch):
     monkeypatch.setattr(center, "response", lambda *arguments, **rest: rising)
     with pytest.raises(RunError, match=r"no maximum between 1\.7 and 2\.6 MHz: give drive\.frequency"):
         center_frequency(resolved(chip("drive.frequency=center")), 20e-3, progress=quiet)
+
+
+def test_a_frequency_at_which_the_band_fails_is_solved_by_itself():
+    class Failing:
+        limits = (1.0, 3.0)
+
+        def wave(self, frequency, **_):
+            raise ConvergenceError("its modes leave a residual")
+
+    failing = Response(limits=(1.0, 3.0), bands=(Failing(),), alone=lambda frequency: ("alone", frequency))
+    assert failing.wave(2.0, driven="left") == ("alone", 2.0)

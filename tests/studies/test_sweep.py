@@ -222,6 +222,30 @@ def test_the_stator_is_solved_once_for_each_frequency_and_geometry(tmp_path):
     assert 0 < columns["thrust_N"][point] < 0.08 * columns["slider.preload"][point]
 
 
+def test_a_stator_without_an_answer_costs_its_own_points_alone(monkeypatch):
+    from fem import ConvergenceError
+    from studies import source
+
+    solved = source._solved
+
+    def failing(question, name, step, scene, places):
+        if scene.frequency > 2.195e6:
+            raise (
+                ConvergenceError("its error stays large")
+                if scene.frequency < 2.205e6
+                else ZeroDivisionError("0/0")
+            )
+        return solved(question, name, step, scene, places)
+
+    monkeypatch.setattr(source, "_solved", failing)
+    over = {"drive.frequency": "2.19 MHz,2.2 MHz,2.21 MHz", "slider.mass": "1e-4,-1"}
+    found = sweep(SMALL, over, tolerance=1e-2).columns()["status"]
+    assert found[::2] == [
+        "ok", "no answer: its error stays large", "no answer: a defect of sawmotor: ZeroDivisionError: 0/0",
+    ]  # fmt: skip
+    assert all(status.startswith("refused: slider.mass") for status in found[1::2])
+
+
 def test_a_point_near_the_threshold_gets_a_better_stator(tmp_path, monkeypatch):
     monkeypatch.setattr("studies.source.SHARE", 1.0)  # a stator that is just good enough by itself
     voltages = [5.0, 11.2, 40.0]
@@ -434,3 +458,29 @@ def test_the_command_prints_json_and_says_what_is_not_ok(tmp_path):
     assert answer["counts"] == {"ok": 1, "refused": 1}
     assert answer["reasons"][0]["status"] == "refused: slider.preload must be zero or positive, got -0.001 N"
     assert "1 of 2 points have no answer within the tolerance; point 0: refused" in err
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "over",
+    [
+        {"drive.frequency": "2.15 MHz:2.25 MHz:7", "slider.position": "6.5 mm,7 mm"},  # a band
+        {"drive.burst": "2e-4", "slider.preload": "1 mN,2 mN"},  # its ring-up
+        {"drive.frequency": "center", "slider.preload": "1 mN,2 mN", "stator.thickness": "0.35 mm"},
+        {"stator.length": "12 mm,13 mm", "slider.contacts": "[1, ['-0.2 mm', '0.2 mm']]"},
+    ],
+)
+def test_driven_points_are_those_of_a_run(over):
+    found = sweep(SMALL, over, tolerance=1e-2)
+    columns = found.columns()
+    assert found.counts == {"ok": found.points}
+    for point in (0, found.points - 1):
+        table = SMALL
+        for key in over:
+            value = columns[key][point]
+            table = replaced(table, key, json.loads(value) if str(value).startswith("[") else value)
+        (expected,) = run(Scene.from_table("", table), tolerance=1e-2).points
+        error = 2 * (expected["relative_error"] + columns["relative_error"][point])
+        for key in (key for key in columns if key.startswith("velocity") or key.endswith("amplitude_m")):
+            if key in expected:
+                assert columns[key][point] == pytest.approx(expected[key], rel=error, abs=0), key
