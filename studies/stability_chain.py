@@ -130,7 +130,7 @@ VARIED: dict[str, tuple[str, tuple, Callable[[float], dict], str]] = {
     "ball of steel on a cut": ("", tuple(range(len(BALLS))), _ball, "tighter"),
     "contact law": ("", tuple(range(len(LAWS))), lambda v: _with_slider(**LAWS[int(v)]), "tighter"),
     "position": ("m", (0.0, 1e-4, 2.9e-3, 4.1e-3, 9e-3), lambda v: _with_slider(position=v), "tighter"),
-    "burst": ("s", (1e-9, 1e-6, 2e-5), lambda v: _driven(burst=v), "tighter"),
+    "burst": ("s", (1e-6, 2e-5), lambda v: _driven(burst=v), "tighter"),
     "tolerance": ("", (1e-1, 1e-2, 1e-3, 1e-4, 1e-5), lambda _: _changed(), "tighter"),
     "thickness": ("m", (1e-6, 0.2, 1e6), lambda v: _changed(stator={"thickness": v}), "tighter"),
     "frequency": ("Hz", (1e3, 2.2e5, 8e6), lambda v: _driven(frequency=v), "tighter"),
@@ -156,11 +156,10 @@ def judge(case: Case) -> Outcome:
         if case.varied == "frequency":
             made["transducer"][0]["period"] = 0.98e-3
         record = _run(made, tolerance)
-        failed = [point["status"] for point in record.points if point["status"] != "ok"]
-        if failed:
-            return 0.0, math.nan if "nan" in failed[0] else 0.0, failed[0]
+        if record.shortfall:
+            raise NoWitness(f"none is asked where the answer itself is flagged: {record.shortfall}")
         error, estimate = _worst(record, _known(witness, made, tolerance))
-        return error, estimate, record.shortfall or True
+        return error, estimate, True
 
     return judged(posed, tolerance)
 

@@ -68,5 +68,6 @@ def judged(posed: Callable[[], tuple[float, float, bool | str]], tolerance: floa
     if not sound or error > max(PROMISED * estimate, UNASKED * tolerance):
         return outcome("WRONG", "" if kept is True else str(kept), error, estimate)
     if kept is not True or estimate > tolerance:
-        return outcome("flagged", str(kept), error, estimate)
+        said = f"it states an error of {estimate:.1e}" if kept is True else str(kept)
+        return outcome("flagged", said, error, estimate)
     return outcome("right", "", error, estimate)

@@ -98,7 +98,8 @@ def _direct(motor, _) -> tuple[complex, np.ndarray]:
         frequency=motor.frequency,
         resolution=Resolution(order=6, edge_layers=2),
         wavelength=slowest_wavelength(motor.stator.solid, motor.frequency),
-        stretch_layers=1,
+        stretch_size=0.25,
+        stretch_layers=3,
     )
     floats = motor.stator.bottom != "grounded"
     wiring = [ports_of(each, floats) for each in motor.transducers]
