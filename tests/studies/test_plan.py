@@ -50,11 +50,11 @@ OTHERS = {
 def check(name, tolerance, *settings):
     """Plan a scene; run it in a process of its own, a second time where the first may have compiled kernels."""
     scene = changed(name, *settings)
-    planned = plan(scene, tolerance=tolerance)
     command = [sys.executable, "-m", "tests.studies.predictions", name, str(tolerance), *settings]
     for _ in range(1 if scene.slider is None else 2):
         done = subprocess.run(command, capture_output=True, text=True, check=True)
     used = json.loads(done.stdout)
+    planned = plan(scene, tolerance=tolerance)
     assert used["seconds"] / cost.TIME_WITHIN < planned.seconds < used["seconds"] * cost.TIME_WITHIN
     assert used["bytes"] / cost.MEMORY_WITHIN < planned.bytes < used["bytes"] * cost.MEMORY_WITHIN
     assert list(planned.left_out) == used["left_out"]
