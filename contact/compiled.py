@@ -191,7 +191,11 @@ def _entry(code):
 @cache
 def _folder():
     usual = os.environ.get("NUMBA_CACHE_DIR")
-    return str(Path(usual or HERE / "__pycache__") / f"kernels-{_digest()}")
+    if not usual:
+        # where the package may not be written to, the user's own cache serves
+        own = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "sawmotor"
+        usual = HERE / "__pycache__" if os.access(HERE, os.W_OK) else own
+    return str(Path(usual) / f"kernels-{_digest()}")
 
 
 def _digest():

@@ -179,6 +179,15 @@ def test_kernels_are_cached_under_a_digest_of_all_their_sources(monkeypatch):
     assert isinstance(integrate.travel, compiled.Native)
 
 
+def test_kernels_of_a_package_that_may_not_be_written_to_go_to_the_users_cache(monkeypatch, tmp_path):
+    from contact import compiled
+
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setattr(compiled.os, "access", lambda path, mode: False)
+    assert compiled._folder.__wrapped__().startswith(str(tmp_path / "sawmotor" / "kernels-"))
+
+
 def test_a_damaged_file_of_machine_code_is_not_run(tmp_path):
     from contact import compiled
 
