@@ -15,7 +15,8 @@ from studies.outcomes import Driven, also_asked, electrical
 from studies.points import slider_answer
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
-from studies.source import SHARE, STEPS, Source, keep_to, variation
+from studies.source import Source
+from studies.source_solver import SHARE, STEPS, keep_to, variation
 
 __all__ = ["Batch", "solved_points"]
 

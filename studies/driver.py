@@ -14,7 +14,8 @@ from dataclasses import dataclass, replace
 from studies.batch import solved_points
 from studies.design import Design, Question
 from studies.refusal import RunError
-from studies.source import STEPS, Source, serves_band, solved_sources
+from studies.source import Source
+from studies.source_solver import STEPS, serves_band, solved_sources
 from studies.store import LOST, Store
 
 __all__ = ["Driver"]

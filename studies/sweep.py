@@ -2,7 +2,7 @@
 
 ``sweep("twente", {"slider.preload": "1 mN:100 mN:50", "drive.voltage": "5:60:12"}, out="map")``.  A point is the scene
 with some keys changed; its row is what a run of that scene would find.  What several points share is computed
-once: the stator for each frequency and geometry (``source``), then the contact for batches of points (``batch``).
+once: the stator for each frequency and geometry (``source_solver``), then the contact for batches of points.
 A row is written when its batch is done and is durable when it is counted; the same call goes on with what is
 missing, and with points that were lost with their worker.
 """
@@ -17,7 +17,7 @@ from studies.design import Design, designed
 from studies.driver import Driver
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene, read_table
-from studies.source import variation
+from studies.source_solver import variation
 from studies.store import FILE, Store
 from studies.workers import workers as chosen_workers
 

@@ -224,9 +224,9 @@ def test_the_stator_is_solved_once_for_each_frequency_and_geometry(tmp_path):
 
 def test_a_stator_without_an_answer_costs_its_own_points_alone(monkeypatch):
     from fem import ConvergenceError
-    from studies import source
+    from studies import source_solver
 
-    solved = source._solved
+    solved = source_solver._solved
 
     def failing(question, name, step, scene, places):
         if scene.frequency > 2.195e6:
@@ -237,7 +237,7 @@ def test_a_stator_without_an_answer_costs_its_own_points_alone(monkeypatch):
             )
         return solved(question, name, step, scene, places)
 
-    monkeypatch.setattr(source, "_solved", failing)
+    monkeypatch.setattr(source_solver, "_solved", failing)
     over = {"drive.frequency": "2.19 MHz,2.2 MHz,2.21 MHz", "slider.mass": "1e-4,-1"}
     found = sweep(SMALL, over, tolerance=1e-2).columns()["status"]
     assert found[::2] == [
@@ -247,7 +247,7 @@ def test_a_stator_without_an_answer_costs_its_own_points_alone(monkeypatch):
 
 
 def test_a_point_near_the_threshold_gets_a_better_stator(tmp_path, monkeypatch):
-    monkeypatch.setattr("studies.source.SHARE", 1.0)  # a stator that is just good enough by itself
+    monkeypatch.setattr("studies.source_solver.SHARE", 1.0)  # a stator that is just good enough by itself
     voltages = [5.0, 11.2, 40.0]
     found = sweep(SMALL, {"drive.voltage": voltages}, tolerance=2.5e-4, out=tmp_path / "s")
     with sqlite3.connect(found.path) as connection:
