@@ -2,9 +2,9 @@
 
 Method: for every entry of ``left_out`` that the Python API can put back one question asked twice (see omission.py):
 processor time once everything is compiled, peak memory of what is allocated, unknowns, and the relative difference of
-the answers, which must be rounding (1e-12) or the part's own size.  Whole commands in processes of their own show what
-absent blocks save in imports, time and memory; the wave under the slider is the same whether the scene has one or not.
-Run time: about a minute of one processor.
+the answers.  Whole commands in processes of their own show what absent blocks save in imports, time and memory.
+Expected: differences of rounding (1e-12) or of the part's own size; the wave under the slider the same whether the
+scene has one or not.  Run time: about a minute of one processor.
 """
 
 import json
