@@ -1,8 +1,8 @@
 """How an error of the surface motion becomes one of the slider's velocity: by solving the contact beside it.
 
 The stator's relative error bounds the change of both complex amplitudes of an orbit, a common phase apart,
-which moves nothing.  Three changes of that size are tried - all amplitudes, the tangential one alone, its
-phase - and the changes of velocity that they make are added in quadrature.  Amplitudes are tried upwards
+which moves nothing, relative to the larger one.  Three changes of that size are tried - all amplitudes, the ratio of
+the two, their phase - and the changes of velocity that they make are added in quadrature.  Amplitudes are tried upwards
 and downwards: near the threshold one side may stick where the other slips.
 """
 
@@ -41,12 +41,21 @@ def velocity_error(
     if relative_error == 0 or speed == 0:
         return 0.0
     step = max(relative_error, LEAST_STEP)
-    tangential, turned = 1 + step, cmath.exp(1j * step)
     tried = (
         tuple(orbit.scaled(1 + step) for orbit in orbits),
         tuple(orbit.scaled(1 - step) for orbit in orbits),
-        tuple(replace(orbit, tangential=orbit.tangential * tangential) for orbit in orbits),
-        tuple(replace(orbit, tangential=orbit.tangential * turned) for orbit in orbits),
+        tuple(_sheared(orbit, 1 + step * _slenderness(orbit)) for orbit in orbits),
+        tuple(_sheared(orbit, cmath.exp(1j * step * _slenderness(orbit))) for orbit in orbits),
     )
     grown, shrunk, ratio, phase = (abs(solve(each) - velocity) for each in tried)
     return math.hypot(max(grown, shrunk), ratio, phase) * (relative_error / step) / speed
+
+
+def _slenderness(orbit) -> float:
+    """Return the larger amplitude over the smaller: the error is relative to the larger, and both may err by it."""
+    small, large = sorted((abs(orbit.normal), abs(orbit.tangential)))
+    return min(large / small, 10.0) if small > 0 else 1.0
+
+
+def _sheared(orbit, factor: complex):
+    return replace(orbit, tangential=orbit.tangential * factor)

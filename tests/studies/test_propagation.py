@@ -35,8 +35,18 @@ def test_ratio_and_phase_count_too():
         angle = (orbits[0].tangential / orbits[0].normal / -0.7j).imag
         return 1 + 4 * angle
 
-    assert velocity_error(1.0, (ORBIT,), 1e-5, ratio) == pytest.approx(3e-5, rel=1e-3)
-    assert velocity_error(1.0, (ORBIT,), 1e-5, turned) == pytest.approx(4e-5, rel=1e-3)
+    # an error relative to |u_z| is 1 / 0.7 times as large relative to |u_x|
+    assert velocity_error(1.0, (ORBIT,), 1e-5, ratio) == pytest.approx(3e-5 / 0.7, rel=1e-3)
+    assert velocity_error(1.0, (ORBIT,), 1e-5, turned) == pytest.approx(4e-5 / 0.7, rel=1e-3)
+
+
+def test_a_weak_normal_motion_errs_as_the_strong_tangential_one():
+    flat = Orbit(frequency=2.2e6, normal=1e-9 + 0j, tangential=-2e-9j)
+
+    def ratio(orbits):
+        return 1 + 3 * (abs(orbits[0].tangential / orbits[0].normal) / 2 - 1)
+
+    assert velocity_error(1.0, (flat,), 1e-5, ratio) == pytest.approx(6e-5, rel=1e-3)
 
 
 def test_a_threshold_within_reach_is_felt_from_the_sticking_side():
