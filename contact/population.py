@@ -4,9 +4,9 @@ Each problem is scaled and solved by itself in one compiled loop, so that its an
 bit, on which problems are computed beside it, nor on the number of threads. The steady state is that of `mean_motion`:
 averaged, with the second-order correction. What that does not know or does not reach is marked, and left to `steady`.
 
-The wave's relative error bounds the change of both amplitudes, a common phase apart. Four changes of that size (both
-amplitudes up, down, the tangential one alone, its phase) are tried in first order, whose derivatives are good to
-O((f_n/f)^2), and their effects added in quadrature.
+The wave's relative error bounds the change of both amplitudes, a common phase apart, relative to the larger one. Four
+changes of that size (both amplitudes up, down, their ratio, their phase) are tried in first order, whose derivatives
+are good to O((f_n/f)^2), and their effects added in quadrature.
 """
 
 import math

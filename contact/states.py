@@ -15,6 +15,8 @@ PARAMETERS = 11
 AVERAGING = 12.0  # just above the threshold first order errs by so many (f_n/f)^2
 TURNS2 = 4.0 * np.pi**2  # (omega/f)^2
 LEAST_STEP = 1e-4  # relative; a smaller change would measure rounding
+EDGE = 2e-3  # velocity over the reference speed below which the threshold is near
+SLENDEREST = 10.0  # larger over smaller amplitude up to which the smaller's error grows
 NEARBY = 0.1  # relative change of velocity up to which secant steps serve
 MOVED = 1e-4  # share of the second-order correction that is not trusted
 
@@ -78,20 +80,19 @@ def _states(sliders, shapes, omegas, wave_errors, ratios, which, factors, out, t
             continue
         v = better[0]
         reference = max(abs(v), along / 10.0)
-        if start[3] == 1.0:
+        error = max(better[6], better[2], MOVED * abs(v - start[0]), 1e-11 * abs(v))
+        if start[3] == 1.0 or abs(v) < EDGE * reference:
             # the averaging may have misjudged the edge: look at the amplitude larger by its error
             _changed(
                 waves,
                 1.0 + min(AVERAGING * ratios[which[k, 0]] ** 2 * TURNS2 / omega**2, 0.5),
-                1.0,
+                0.0,
                 0.0,
                 changed,
             )
             if balance_row(parameters, changed, rule, tried, 0, still, sums, fast, all_sums, counts) != DONE:
                 continue
-            error = abs(tried[0])
-        else:
-            error = max(better[6], better[2], MOVED * abs(v - start[0]), 1e-11 * abs(v))
+            error = max(error, abs(tried[0] - start[0]))
         lost = _from_wave(
             parameters,
             waves,
@@ -118,13 +119,20 @@ def _states(sliders, shapes, omegas, wave_errors, ratios, which, factors, out, t
 
 
 @compiled
-def _changed(waves, factor, tangential, turn, out):
-    """Set waves with both amplitudes, then the tangential one and its phase, changed."""
-    co, si = np.cos(turn), np.sin(turn)
+def _changed(waves, factor, shear, turn, out):
+    """Set waves with both amplitudes, then the tangential one and its phase, changed.
+
+    The last two by as many times more as the larger amplitude exceeds the smaller: errors are relative to the larger.
+    """
     for i in range(waves.shape[0]):
+        normal, along = np.hypot(waves[i, 0], waves[i, 1]), np.hypot(waves[i, 2], waves[i, 3])
+        small, large = min(normal, along), max(normal, along)
+        slender = min(large / small, SLENDEREST) if small > 0.0 else 1.0
+        co, si = np.cos(turn * slender), np.sin(turn * slender)
+        more = factor * (1.0 + shear * slender)
         out[i, 0], out[i, 1] = waves[i, 0] * factor, waves[i, 1] * factor
-        a, b = waves[i, 2] * factor * tangential, waves[i, 3] * factor * tangential
-        out[i, 2], out[i, 3] = a * co - b * si, a * si + b * co
+        out[i, 2] = more * (waves[i, 2] * co + waves[i, 3] * si)
+        out[i, 3] = more * (waves[i, 3] * co - waves[i, 2] * si)
 
 
 @compiled
@@ -145,7 +153,7 @@ def _from_wave(
     both = turned = 0.0
     for m in range(4):
         factor = 1.0 + step if m == 0 else 1.0 - step if m == 1 else 1.0
-        _changed(waves, factor, 1.0 + step if m == 2 else 1.0, step if m == 3 else 0.0, changed)
+        _changed(waves, factor, step if m == 2 else 0.0, step if m == 3 else 0.0, changed)
         effect = abs(
             _moved(parameters, changed, base, slope, rule, tried, still, sums, fast, all_sums, counts) - base
         )

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from contact import Orbit, blocked_thrust, mean_motion, steady, steady_population
+from contact import Orbit, blocked_thrust, mean_motion, steady, steady_population, threshold_factor
 from studies.propagation import reference_speed, velocity_error
 from tests.contact.motors import orbit, slider
 
@@ -92,3 +92,15 @@ def test_what_it_does_not_know_it_leaves(changed):
     )
     assert found.regime[0] == "unknown"
     assert math.isnan(found.velocity[0])
+
+
+@pytest.mark.parametrize("below", [1e-4, 1e-5])
+def test_what_is_close_to_the_threshold_may_be_wrong_by_what_lies_beyond_it(below):
+    factor = threshold_factor(SLIDERS[3], WAVES[0]) * (1 - below)
+    found = solved([(3, 0, factor)])
+    orbits = tuple(each.scaled(factor) for each in WAVES[0])
+    full = steady(SLIDERS[3], orbits, tolerance=1e-3)
+    assert full.relative_error > 0.0
+    # both judge by first order; which side of the edge it stands on moves the judgement by a twentieth
+    assert found.error[0] == pytest.approx(full.relative_error, rel=0.1)
+    assert abs(found.velocity[0] - full.velocity) <= found.error[0] * reference_speed(0.0, orbits)
