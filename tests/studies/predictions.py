@@ -4,10 +4,10 @@ Prints as JSON what it took: CPU seconds with all imports, largest memory, unkno
 """
 
 import json
-import resource
 import sys
 import time
 
+from studies.attempt import peak_memory
 from studies.chain import run
 from studies.override import assigned
 from studies.scene import Scene, read_table
@@ -31,7 +31,7 @@ def used(scene: Scene, tolerance: float) -> dict:
     seconds, wave = time.process_time() - begun, record.surface_wave
     return {
         "seconds": seconds,
-        "bytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024,
+        "bytes": peak_memory(),
         "unknowns": None if wave is None else wave.unknowns,
         "order": None if wave is None else wave.solution.resolution.order,
         "left_out": record.left_out,
