@@ -28,7 +28,7 @@ SLOWEST_WAVE, SETTLE = 20.0, 200
 # stretches of a cycle up to which that is worth its time
 MOST_STRETCHES = 8000.0
 # largest ratio for which cycle means are an answer, and their error over its square (true: 0.1 to 1.9)
-LARGEST_AVERAGED, AVERAGING_ERROR = 0.1, 3.9
+LARGEST_AVERAGED, AVERAGING_ERROR = 0.1, 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
