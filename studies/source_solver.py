@@ -20,6 +20,7 @@ from studies.variation import Variation
 __all__ = ["SHARE", "STEPS", "keep_to", "serves_band", "solved_sources", "variation"]
 
 SHARE, GAIN = 0.25, 0.1  # of the tolerance at first, and of the step before
+BAND_SHARE = 0.1  # a band a level finer costs half as much again, two bands twice as much
 STEPS = 3
 
 
@@ -87,7 +88,9 @@ _WAVES = {}  # the frequencies of the task in hand
 
 def goal(question: Question, step: int) -> float:
     """Return the relative error allowed at a step."""
-    return question.tolerance * (SHARE * GAIN**step if question.has_slider else 1.0)
+    if not question.has_slider:
+        return question.tolerance
+    return question.tolerance * (BAND_SHARE if serves_band(question) else SHARE) * GAIN**step
 
 
 def serves_band(question: Question) -> bool:
