@@ -23,7 +23,7 @@ from fem.eigenpairs import companion_modes, even_odd_modes
 from fem.section import Section
 
 POLISHING_STEPS = 6
-RICCATI_TOLERANCE = 1e-11  # ordinary sections reach 1e-15; at 1e-10 the motion has been seen wrong by 5e-4
+RICCATI_TOLERANCE = 5e-11  # ordinary sections reach 1e-15; at 1e-10 the motion has been seen wrong by 5e-4
 PROPAGATING = 0.3  # a mode whose |Im k| is below this share of |Re k| counts as propagating
 NEAR_HALF_SPACE = (
     0.02  # relative distance of k from the half-space's that halves a mode's claim to be the surface wave

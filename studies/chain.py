@@ -112,7 +112,10 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
     if scene.frequency == "center":
         from studies.center import center_frequency
 
-        drive = replace(scene.drive, frequency=center_frequency(scene, place, progress=say))
+        try:
+            drive = replace(scene.drive, frequency=center_frequency(scene, place, progress=say))
+        except fem.ConvergenceError as error:
+            raise RunError(f"looking for the centre frequency: {error}") from None
         scene = replace(scene, drive=drive)
     places = (place,) if slider is None else _places(place, slider)
     block, transducers = resolved.stator(scene.stator), resolved.transducers(scene)
