@@ -16,7 +16,7 @@ AVERAGING = 12.0  # just above the threshold first order errs by so many (f_n/f)
 TURNS2 = 4.0 * np.pi**2  # (omega/f)^2
 LEAST_STEP = 1e-4  # relative; a smaller change would measure rounding
 EDGE = 2e-3  # velocity over the reference speed below which the threshold is near
-SLENDEREST = 10.0  # larger over smaller amplitude up to which the smaller's error grows
+SLENDEREST = 1e3  # larger over smaller amplitude up to which the smaller's error grows
 NEARBY = 0.1  # relative change of velocity up to which secant steps serve
 MOVED = 1e-4  # share of the second-order correction that is not trusted
 

@@ -96,13 +96,11 @@ def driven_wave(
     begun = time.perf_counter()
     at = np.array(places or (stator.length / 2,))
     say = progress or (lambda text: None)
-    level, gain = first_level(tolerance), _gain(stator)
-    coarse = reached = None
-    refusal = "make the fingers less extreme"
-    for resolution in LEVELS[level:]:
+
+    def at_level(resolution: Resolution) -> SurfaceWave:
         say(f"stator: order {resolution.order}, {resolution.edge_layers} edge layers")
-        try:
-            solution = solved(
+        return surface_wave(
+            solved(
                 stator,
                 transducers,
                 frequency=frequency,
@@ -110,12 +108,33 @@ def driven_wave(
                 source_impedance=source_impedance,
                 resolution=resolution,
             )
+        )
+
+    wave, refusal = _climbed(at_level, first_level(tolerance), tolerance, at, _gain(stator))
+    wave = _audited(wave, begun, say)
+    if wave.relative_error > tolerance:
+        raise ConvergenceError(
+            f"the stator's surface motion is known to {wave.relative_error:.1e} only, {tolerance:.1e} was asked for: "
+            f"ask for less, or {refusal}",
+            reached=wave,
+        )
+    return wave
+
+
+def _climbed(
+    at_level: Callable[[Resolution], SurfaceWave], level: int, tolerance: float, at: np.ndarray, gain: float
+) -> tuple[SurfaceWave, str]:
+    """Climb the levels to the tolerance, or as far as they go; return the wave and why it went no further."""
+    coarse = reached = None
+    for resolution in LEVELS[level:]:
+        try:
+            wave = at_level(resolution)
         except ConvergenceError as error:
-            if reached is None:
+            if reached is not None:
+                return reached, f"finer, {error}"
+            if level == 0:
                 raise
-            refusal = f"finer, {error}"
-            break
-        wave = surface_wave(solution)
+            return _climbed(at_level, level - 1, tolerance, at, gain)  # a coarser pair says how far it got
         if coarse is not None:
             wave = reached = replace(
                 wave,
@@ -123,13 +142,9 @@ def driven_wave(
                 admittance_error=abs(wave.admittance / coarse.admittance - 1) / (gain - 1),
             )
             if wave.relative_error <= tolerance:
-                return _audited(wave, begun, say)
+                break
         coarse = wave
-    raise ConvergenceError(
-        f"the stator's surface motion is known to {reached.relative_error:.1e} only, {tolerance:.1e} was asked for: "
-        f"ask for less, or {refusal}",
-        reached=_audited(reached, begun, say),
-    )
+    return reached, "make the fingers less extreme"
 
 
 def _audited(wave: SurfaceWave, begun: float, say: Callable[[str], None]) -> SurfaceWave:

@@ -13,6 +13,7 @@ from dataclasses import replace
 
 __all__ = ["reference_speed", "velocity_error"]
 
+SLENDEREST = 1e3  # larger over smaller amplitude up to which the smaller's error grows
 LEAST_STEP = 1e-4  # relative; a difference over a smaller step would measure the contact solver's rounding
 
 
@@ -54,7 +55,7 @@ def velocity_error(
 def _slenderness(orbit) -> float:
     """Return the larger amplitude over the smaller: the error is relative to the larger, and both may err by it."""
     small, large = sorted((abs(orbit.normal), abs(orbit.tangential)))
-    return min(large / small, 10.0) if small > 0 else 1.0
+    return min(large / small, SLENDEREST) if small > 0 else 1.0
 
 
 def _sheared(orbit, factor: complex):

@@ -105,7 +105,9 @@ def test_without_a_burst_nothing_rings():
 
 
 def test_a_stator_that_rings_too_long_is_an_error_and_said(monkeypatch):
-    import studies.ring_up as ring
+    from importlib import import_module
+
+    ring = import_module("studies.ring_up")
 
     monkeypatch.setattr(ring, "MOST", 40)
     scene = chip("drive.burst=2 ms", "drive.voltage=60", "stator.material=PZT-8")

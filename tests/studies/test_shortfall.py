@@ -2,7 +2,7 @@
 
 import pytest
 
-from fem import harmonic
+from fem import ConvergenceError, harmonic
 from studies.chain import run
 from studies.scene import Scene, read_table
 
@@ -39,3 +39,19 @@ def test_a_velocity_out_of_reach_is_recorded_with_its_error(two_levels, table):
     assert record.error["parts"]["stator"] > 1e-3
     assert "see error.parts" in record.shortfall
     assert record.electrical["power_W_per_V2"] > 0
+
+
+def test_a_level_that_has_no_answer_leaves_the_one_below(monkeypatch, table):
+    del table["slider"]
+    solve = harmonic.solved
+
+    def refused(*arguments, resolution, **rest):
+        if resolution == harmonic.LEVELS[2]:
+            raise ConvergenceError("the guided modes leave a residual")
+        return solve(*arguments, resolution=resolution, **rest)
+
+    monkeypatch.setattr(harmonic, "solved", refused)
+    record = run(Scene.from_table("", table), tolerance=1e-4)
+    assert record.surface_wave.solution.resolution == harmonic.LEVELS[1]
+    assert 1e-4 < record.error["relative"] < 0.1
+    assert "was asked for" in record.shortfall
