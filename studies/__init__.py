@@ -7,9 +7,15 @@
 Conventions: exp(+i omega t), peak amplitudes, SI units, x along the surface, z out of it, slider velocity
 positive along +x.  Importing this package imports no numerical library; ``studies.chain.run`` imports what
 its scene needs.
+
+The rooms, bottom to top: scene (the file and what it may say) - chain (voltage to velocity) - report (what a run leaves,
+and its plan) - view (pictures and films of fields and contacts), sweep (many runs of one scene) - peers (what others
+would do), stability (extreme cases and their witnesses).  A study is a file named by its question.
 """
 
-from studies.blocks import (
+from studies.refusal import SceneError
+from studies.scene import Scene, shipped_scenes
+from studies.scene.blocks import (
     Damping,
     Drive,
     IsotropicSolid,
@@ -19,8 +25,6 @@ from studies.blocks import (
     Transducer,
     Wave,
 )
-from studies.refusal import SceneError
-from studies.scene import Scene, shipped_scenes
 
 __all__ = [
     "Damping",

@@ -10,9 +10,9 @@ import sys
 import time
 from collections.abc import Callable
 
-from studies import passband
+from studies.chain import passband
+from studies.chain.spectrum import response, spectrum
 from studies.scene import Scene
-from studies.spectrum import response, spectrum
 from studies.study import Finding, Panel, StudyRecord
 
 __all__ = ["figure", "run"]
@@ -99,7 +99,7 @@ def run(
 
 def figure(record: Panel, ax):
     """Draw conductance and susceptance, computed points and estimated lines."""
-    from studies.figures import COLOURS
+    from studies.report.figures import COLOURS
 
     data = record.data
     at = data["frequency_Hz"] / 1e6

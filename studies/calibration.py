@@ -192,7 +192,7 @@ def _findings(seed: int, checked: list[Checked], refused: list[Checked]) -> tupl
 
 def figure(record: Panel, ax):
     """Draw true error against estimate, with the promise."""
-    from studies.figures import COLOURS
+    from studies.report.figures import COLOURS
 
     marks = {
         "motor": ("slip", "o"),

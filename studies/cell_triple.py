@@ -11,8 +11,8 @@ import sys
 import time
 from collections.abc import Callable
 
-from studies import passband, resolved
-from studies.scene import Scene
+from studies.chain import passband
+from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord
 
 __all__ = ["figure", "run"]
@@ -139,7 +139,7 @@ def run(
 
 def figure(record: Panel, ax):
     """Draw the Bloch waves' phase and decay per finger, with the stop bands."""
-    from studies.figures import COLOURS
+    from studies.report.figures import COLOURS
 
     data, at = record.data, record.data["frequency_Hz"] / 1e6
     lines, decay = [], ax.twinx()

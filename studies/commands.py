@@ -6,21 +6,21 @@ import sys
 from contextlib import ExitStack
 from pathlib import Path
 
-from studies.files import write_run
-from studies.override import assigned, toml_value, voltages
 from studies.refusal import SceneError, shown
+from studies.report.files import write_run
 from studies.results import result_directory
 from studies.scene import Scene, read_table, scene_path, shipped_scenes
+from studies.scene.override import assigned, toml_value, voltages
 
 __all__ = ["check", "run", "scenes", "study", "sweep", "view", "wave"]
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the chain of a scene; print its answer and leave its files."""
-    from studies.answer import answer
     from studies.chain import run as run_chain
-    from studies.drawing import Drawing
     from studies.progress import Progress
+    from studies.report.answer import answer
+    from studies.report.drawing import Drawing
 
     wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
     if arguments.explain:
@@ -62,8 +62,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _explain(scene: Scene, wanted: float, *, as_json: bool) -> int:
-    from studies.explanation import explanation
-    from studies.plan import plan
+    from studies.report.explanation import explanation
+    from studies.report.plan import plan
 
     planned = plan(scene, tolerance=wanted)
     if as_json:
@@ -86,7 +86,7 @@ def wave(arguments: argparse.Namespace) -> int:
     else:
         print(half_space_answer(answer))
     if arguments.plot is not None:
-        from studies.crystal import save_axes
+        from studies.report.crystal import save_axes
 
         save_axes(answer, arguments.plot)
     return 0
@@ -94,8 +94,8 @@ def wave(arguments: argparse.Namespace) -> int:
 
 def study(arguments: argparse.Namespace) -> int:
     """Run a study, or list them with their questions."""
-    from studies.override import axes_given
     from studies.progress import Progress
+    from studies.scene.override import axes_given
     from studies.study import STUDIES, module, question, run_study
 
     if arguments.name is None:
@@ -116,7 +116,7 @@ def view(arguments: argparse.Namespace) -> int:
     """Show a run in a window, or draw it into files and name them."""
     from studies.progress import Progress
     from studies.view import view as show
-    from studies.view_options import Wanted
+    from studies.view.options import Wanted
 
     wanted = Wanted.read(arguments)
     with Progress() as progress:
@@ -137,7 +137,7 @@ def scenes(arguments: argparse.Namespace) -> int:
 
 def check(arguments: argparse.Namespace) -> int:
     """Check a scene without running it and print what a run would do."""
-    from studies.resolved import resolved
+    from studies.scene.resolved import resolved
 
     scene = resolved(changed_scene(arguments))
     print(f"{arguments.scene}: {scene.title or 'no title'}")
@@ -147,8 +147,8 @@ def check(arguments: argparse.Namespace) -> int:
 
 def sweep(arguments: argparse.Namespace) -> int:
     """Compute what is missing of a sweep's points, and say what they came to."""
-    from studies.override import axes_given
-    from studies.sweep_answer import run_sweep
+    from studies.scene.override import axes_given
+    from studies.sweep.answer import run_sweep
 
     table = changed_table(arguments)
     out = arguments.out or Path("results") / f"{scene_path(arguments.scene).stem}-sweep"

@@ -64,7 +64,7 @@ def _rows(seed: Seed, amplitude: float) -> list[dict]:
     import contact
     from contact.stepped import steps
     from contact.ways import rest, rest_problem
-    from studies import contact_peers as peers
+    from studies.peers import contact as peers
 
     slider, orbits = seed.slider, seed.orbits(amplitude)
     problem = rest_problem(slider, orbits)

@@ -14,13 +14,13 @@ import time
 from collections.abc import Callable
 from itertools import pairwise
 
-from studies.axes import axis, level_key, rule_at, unit_of
-from studies.override import replaced
 from studies.refusal import RunError, SceneError
-from studies.resolved import resolved
 from studies.scene import Scene
+from studies.scene.override import replaced
+from studies.scene.resolved import resolved
 from studies.study import Finding, Panel, StudyRecord
 from studies.sweep import sweep
+from studies.sweep.axes import axis, level_key, rule_at, unit_of
 
 __all__ = ["figure", "run"]
 
@@ -111,7 +111,7 @@ def figure(record: Panel, ax):
     import numpy as np
     from matplotlib.patheffects import withStroke
 
-    from studies.figures import COLOURS
+    from studies.report.figures import COLOURS
 
     data = record.data
     value = np.ma.masked_invalid(np.asarray(data["value"], float) * data["scale"])

@@ -12,8 +12,7 @@ import sys
 import time
 from collections.abc import Callable
 
-from studies import resolved
-from studies.scene import Scene
+from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord
 
 __all__ = ["figure", "rayleigh_lamb", "run"]
@@ -86,7 +85,7 @@ def run(
 
 def figure(record: Panel, ax):
     """Draw wavenumbers of the modes as points and theory as a line or, of many roots, as fine dots."""
-    from studies.figures import COLOURS
+    from studies.report.figures import COLOURS
 
     data = record.data
     at, wavenumbers = data["frequency_Hz"] / 1e6, data["wavenumber_rad_per_m"] / 1e3

@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-from studies.attempt import alone, peak_memory
+from studies.peers.attempt import alone, peak_memory
 from studies.refusal import RunError
 from studies.study import Finding, Panel, StudyRecord
 
@@ -78,8 +78,8 @@ def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
 
 
 def _scene():
-    from studies.resolved import resolved
     from studies.scene import Scene
+    from studies.scene.resolved import resolved
 
     return resolved(Scene.load(SCENE))
 
@@ -145,7 +145,7 @@ def _orbit(scene, motion):
 def _velocities(scene, motion, way: str) -> dict:
     """Return the steady velocities at the scene's voltages for a motion per volt."""
     import contact
-    from studies import bridge
+    from studies.chain import bridge
 
     slider, orbit = bridge.contact_slider(scene.slider), _orbit(scene, motion)
     velocities = []
@@ -164,8 +164,8 @@ def _contact(way: str, motion) -> dict:
 
 
 def _mesh(per_wavelength: int) -> dict:
-    from studies import resolved
-    from studies.uniform_mesh import uniform_solution
+    from studies.peers.uniform_mesh import uniform_solution
+    from studies.scene import resolved
 
     scene = _scene()
     transducers = tuple(sorted(resolved.transducers(scene), key=lambda each: each.center))
@@ -188,7 +188,8 @@ def _mesh(per_wavelength: int) -> dict:
 def _solver(method: str, rtol: float, motion) -> dict:
     """Return v after a number of cycles from rest by an event solver of scipy, against our event-exact way."""
     from contact.ways import rest, rest_problem
-    from studies import bridge, contact_peers
+    from studies.chain import bridge
+    from studies.peers import contact as contact_peers
 
     scene = _scene()
     slider, orbit = bridge.contact_slider(scene.slider), _orbit(scene, motion).scaled(PEER_VOLTAGE)

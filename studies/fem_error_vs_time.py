@@ -16,8 +16,8 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-from studies.attempt import Attempt, attempted
-from studies.contenders import CURVES, Problem, missing
+from studies.peers.attempt import Attempt, attempted
+from studies.peers.contenders import CURVES, Problem, missing
 from studies.refusal import RunError
 from studies.study import Finding, Panel, StudyRecord
 
@@ -87,8 +87,7 @@ def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
 
 def problem(ends: str) -> Problem:
     """Return the stator of the scene with other ends, the driven transducer first."""
-    from studies import resolved
-    from studies.scene import Scene
+    from studies.scene import Scene, resolved
 
     scene = resolved.resolved(Scene.load(SCENE))
     transducers = sorted(resolved.transducers(scene), key=lambda each: each.center)
@@ -107,8 +106,8 @@ def reference(posed: Problem) -> tuple[complex, tuple[complex, complex]]:
         return FREE_ENDS
     import numpy as np
 
-    from studies.plate_response import PlateResponse
-    from studies.strip_charges import StripCharges
+    from studies.peers.plate_response import PlateResponse
+    from studies.peers.strip_charges import StripCharges
 
     solid = posed.stator.solid
     plate = PlateResponse(

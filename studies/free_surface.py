@@ -1,10 +1,10 @@
 """``sawmotor wave``: the Rayleigh wave of a material's half-space, without a mesh and without loss."""
 
-from studies.answer import table
-from studies.blocks import Orientation
-from studies.crystal import crystal_tables, tables_text
-from studies.record import plain
+from studies.chain.record import plain
 from studies.refusal import RunError, SceneError
+from studies.report.answer import table
+from studies.report.crystal import crystal_tables, tables_text
+from studies.scene.blocks import Orientation
 
 __all__ = ["half_space_answer", "half_space_wave"]
 

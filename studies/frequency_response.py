@@ -12,9 +12,9 @@ import sys
 import time
 from collections.abc import Callable
 
-from studies import passband, resolved
-from studies.scene import Scene
-from studies.spectrum import response, spectrum
+from studies.chain import passband
+from studies.chain.spectrum import response, spectrum
+from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord
 
 __all__ = ["figure", "run"]
@@ -114,7 +114,7 @@ def run(
 
 def figure(record: Panel, ax):
     """Draw the amplitude with its estimate, or the group delay with the way's."""
-    from studies.figures import COLOURS
+    from studies.report.figures import COLOURS
 
     data = record.data
     at = data["frequency_Hz"] / 1e6

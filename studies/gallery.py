@@ -14,8 +14,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from studies import bridge
-from studies.record import Record
+from studies.chain import bridge
+from studies.chain.record import Record
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord
 
@@ -34,7 +34,7 @@ class Gallery(StudyRecord):
     ----------
     record : Record
         Of the run.
-    found : studies.run_field.RunField
+    found : studies.view.run_field.RunField
     contact : tuple
         `contact_pictures.Moments` and title.
     bursts : tuple of (str, contact.Trajectory)
@@ -68,8 +68,8 @@ def run(scene: str | Scene = "twente", *, progress: Callable[[str], None] | None
     import contact
     from studies import admittance, regime_map
     from studies.chain import run as run_chain
-    from studies.contact_view import contact_moments
-    from studies.run_field import of_record
+    from studies.view.contact_view import contact_moments
+    from studies.view.run_field import of_record
 
     begun = time.perf_counter()
     say = progress or (lambda text: None)
@@ -114,7 +114,7 @@ def run(scene: str | Scene = "twente", *, progress: Callable[[str], None] | None
 def _findings(record: Record, found, state, slow) -> tuple[Finding, ...]:
     import numpy as np
 
-    from studies.surface_pictures import anticlockwise
+    from studies.view.surface_pictures import anticlockwise
 
     top = found.field.displacement[:, -1]
     normal, tangential = top[:, 2], top[:, 0]
@@ -168,7 +168,7 @@ def _findings(record: Record, found, state, slow) -> tuple[Finding, ...]:
 
 def draw(gallery: Gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
     """Draw the gallery's pictures into a directory."""
-    from studies.gallery_pictures import draw_all
+    from studies.view.gallery_pictures import draw_all
 
     draw_all(gallery, folder, voltage=VOLTAGE, progress=progress)
 

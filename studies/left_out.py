@@ -28,8 +28,9 @@ WATCHED = ("numpy", "scipy", "skfem", "meshio", "numba", "pint", "matplotlib", "
 OURS = ("fem", "contact", "studies")
 CENSUS = """
 import contextlib, io, json, sys, time
-from studies import override, scene
-from studies.attempt import peak_memory
+from studies.scene import override
+from studies import scene
+from studies.peers.attempt import peak_memory
 from studies.chain import run
 table = scene.read_table(sys.argv[1])
 words = sys.argv[2:]

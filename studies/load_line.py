@@ -11,9 +11,9 @@ import sys
 import time
 from collections.abc import Callable
 
-from studies import bridge
-from studies.resolved import resolved
+from studies.chain import bridge
 from studies.scene import Scene
+from studies.scene.resolved import resolved
 from studies.study import Finding, Panel, StudyRecord
 
 __all__ = ["figure", "run"]
@@ -94,7 +94,7 @@ def figure(record: Panel, ax):
     """Draw a quantity against load."""
     import numpy as np
 
-    from studies.figures import COLOURS
+    from studies.report.figures import COLOURS
 
     data = record.data
     palette = [COLOURS["stick"], COLOURS["slip"], COLOURS["second"], COLOURS["intermittent"], COLOURS["line"]]

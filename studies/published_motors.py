@@ -54,7 +54,7 @@ def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
 
 def figure(panel: Panel, ax):
     """Draw each prediction over the published value: a point as taken, a band over what is swept; grey: published."""
-    from studies.figures import COLOURS
+    from studies.report.figures import COLOURS
 
     data = panel.data
     count = len(data["quantity"])

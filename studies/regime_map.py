@@ -12,9 +12,9 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-from studies import bridge
-from studies.resolved import resolved
+from studies.chain import bridge
 from studies.scene import Scene
+from studies.scene.resolved import resolved
 from studies.study import Finding, Panel, StudyRecord
 
 __all__ = ["figure", "run"]
@@ -135,7 +135,7 @@ def figure(record: Panel, ax):
     """Draw simulated regimes as points, closed forms as lines, the operating points as stars."""
     import numpy as np
 
-    from studies.figures import COLOURS
+    from studies.report.figures import COLOURS
 
     data = record.data
     A, preload = np.asarray(data["amplitude_m"]) * 1e9, np.asarray(data["preload_N"]) * 1e3

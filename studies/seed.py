@@ -2,9 +2,9 @@
 
 from collections.abc import Callable
 
-from studies import bridge
-from studies.resolved import resolved
+from studies.chain import bridge
 from studies.scene import Scene
+from studies.scene.resolved import resolved
 
 __all__ = ["Seed"]
 

@@ -44,7 +44,7 @@ def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
 
 def figure(record: Panel, ax):
     """Draw a panel: curves of the left axis, and of a second axis on the right where there are any."""
-    from studies.figures import COLOURS
+    from studies.report.figures import COLOURS
 
     data = record.data
     palette = iter(

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
 
-from studies.record import Record, plain, provenance
+from studies.chain.record import Record, plain, provenance
 from studies.refusal import SceneError, nearest
 
 __all__ = ["STUDIES", "Finding", "Panel", "StudyRecord", "question", "run_study"]
@@ -149,8 +149,8 @@ def run_study(
     scenes = () if scene is None else (scene,)
     record = chosen.run(*scenes, progress=progress, **axes)
     if isinstance(record, Record):
-        from studies.answer import answer
-        from studies.files import write_run
+        from studies.report.answer import answer
+        from studies.report.files import write_run
 
         write_run(record, folder, field=False)
         text, panels = answer(record), {name: record}
@@ -164,7 +164,7 @@ def run_study(
     if hasattr(chosen, "draw"):
         chosen.draw(record, folder, progress=progress)
         return text
-    from studies.figures import saved
+    from studies.report.figures import saved
 
     for file, panel in panels.items():
         saved(folder / f"{file}.png", lambda ax, panel=panel: chosen.figure(panel, ax))

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable
 
 from studies.chain import run as run_chain
-from studies.record import Record
+from studies.chain.record import Record
 from studies.scene import Scene
 
 __all__ = ["figure", "run"]
@@ -42,7 +42,7 @@ def run(
 
 def figure(record: Record, ax):
     """Draw velocity against voltage, or against amplitude where the wave is given."""
-    from studies.figures import velocity
+    from studies.report.figures import velocity
 
     return velocity(record, ax)
 

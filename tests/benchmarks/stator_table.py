@@ -34,9 +34,9 @@ from fem.readout import surface_wave
 from fem.section import Resolution
 from fem.solution import Solution, solved
 from fem.wavelength import slowest_wavelength
-from studies.attempt import attempted
-from studies.contenders import CURVES, missing
 from studies.fem_error_vs_time import LIMITS, problem, reference, seconds_at
+from studies.peers.attempt import attempted
+from studies.peers.contenders import CURVES, missing
 
 # Largest element (wavelengths) and layers of the direct mesh's stretches: at 0.05 they still err by 1.4e-10; more
 # layers at an absorbing end are more than scikit-fem can place points in.
@@ -51,7 +51,7 @@ band = frequency_band(posed.stator, posed.transducers, lowest=2.1e6, highest=2.3
 band.waves(np.linspace(2.1e6, 2.3e6, 100), driven="left")
 """
 PEAK = """
-from studies.attempt import peak_memory
+from studies.peers.attempt import peak_memory
 print(peak_memory())
 """
 RUN = """

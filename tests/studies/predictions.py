@@ -7,10 +7,10 @@ import json
 import sys
 import time
 
-from studies.attempt import peak_memory
 from studies.chain import run
-from studies.override import assigned
+from studies.peers.attempt import peak_memory
 from studies.scene import Scene, read_table
+from studies.scene.override import assigned
 
 
 def changed(name: str, *settings: str) -> Scene:

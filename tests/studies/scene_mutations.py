@@ -9,8 +9,9 @@ from dataclasses import dataclass, fields
 
 from hypothesis import strategies as st
 
-from studies import SceneError, blocks, shipped_scenes
-from studies.blocks import (
+from studies import SceneError, shipped_scenes
+from studies.scene import Scene, blocks, read_table
+from studies.scene.blocks import (
     Damping,
     Drive,
     IsotropicSolid,
@@ -20,9 +21,8 @@ from studies.blocks import (
     Transducer,
     Wave,
 )
-from studies.quantity import POWERS, si_value
-from studies.rule import Quantity
-from studies.scene import Scene, read_table
+from studies.scene.quantity import POWERS, si_value
+from studies.scene.rule import Quantity
 
 BLOCKS = (Scene, Stator, PiezoelectricSolid, IsotropicSolid, Transducer, Drive, Wave, Slider, Damping)
 KEYS = sorted({entry.name for block in BLOCKS for entry in fields(block)})

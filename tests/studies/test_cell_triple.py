@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from studies import cell_triple
-from studies.figures import saved
+from studies.report.figures import saved
 
 
 @pytest.fixture(scope="module")

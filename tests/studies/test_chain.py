@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import pytest
 
-from studies import Scene, SceneError, Wave, bridge, chain
-from studies.chain import _needed, run
-from studies.override import assigned
-from studies.points import SliderAnswer
-from studies.record import plain
+from studies import Scene, SceneError, Wave, chain
+from studies.chain import _needed, bridge, run
+from studies.chain.points import SliderAnswer
+from studies.chain.record import plain
 from studies.refusal import RunError
 from studies.scene import read_table
+from studies.scene.override import assigned
 
 
 def changed(name, *settings):

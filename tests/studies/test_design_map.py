@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from contact import steady, threshold_factor
-from studies import bridge, design_map
+from studies import design_map
+from studies.chain import bridge
 from studies.refusal import SceneError
-from studies.resolved import resolved
 from studies.scene import Scene
+from studies.scene.resolved import resolved
 
 OVER = {"wave.normal_amplitude": "0.5 nm:15 nm:7:log", "slider.radius": "0.5 mm:4 mm:4"}
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from studies import Scene, SceneError, dispersion
-from studies.figures import saved
+from studies.report.figures import saved
 
 LONGITUDINAL, SHEAR, THICKNESS = 5900.0, 3100.0, 0.7e-3
 STRETCHING = 2 * SHEAR * np.sqrt(1 - (SHEAR / LONGITUDINAL) ** 2)
@@ -63,8 +63,8 @@ def test_the_fastest_growing_wavenumber_is_the_surface_wave_s(record, tmp_path):
 def test_without_a_section_or_a_frequency_there_is_nothing_to_ask():
     with pytest.raises(SceneError, match="stator is missing: a given wave has no section"):
         dispersion.run("twente-contact")
-    from studies.override import assigned
     from studies.scene import read_table
+    from studies.scene.override import assigned
 
     table = assigned(
         assigned(read_table("twente-left"), "drive.frequency=center"), "transducer.0.period=1 mm"

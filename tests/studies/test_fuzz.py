@@ -17,8 +17,8 @@ import pytest
 from hypothesis import HealthCheck, Phase, given, seed, settings
 
 from studies.__main__ import main
-from studies.cost import TIME_WITHIN
-from studies.plan import plan
+from studies.report.cost import TIME_WITHIN
+from studies.report.plan import plan
 from studies.scene import Scene
 from tests.studies.scene_mutations import (
     SMALL,

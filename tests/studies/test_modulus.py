@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import fem
-from studies.modulus import indentation_modulus, pair_moduli, tangential_compliance
 from studies.refusal import SceneError
-from studies.resolved import resolved
 from studies.scene import Scene, read_table
+from studies.scene.modulus import indentation_modulus, pair_moduli, tangential_compliance
+from studies.scene.resolved import resolved
 
 VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
 

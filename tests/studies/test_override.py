@@ -2,9 +2,9 @@
 
 import pytest
 
-from studies.override import assigned, toml_value, voltages
 from studies.refusal import SceneError
 from studies.scene import read_table
+from studies.scene.override import assigned, toml_value, voltages
 
 
 def rest_equal(changed, original, key):

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studies import Scene, SceneError, admittance, frequency_response, passband
-from studies.chain import run
-from studies.figures import saved
-from studies.override import assigned
+from studies import Scene, SceneError, admittance, frequency_response
+from studies.chain import passband, run
+from studies.report.figures import saved
 from studies.scene import read_table
+from studies.scene.override import assigned
 
 
 @pytest.fixture(scope="module")

@@ -8,10 +8,12 @@ import sys
 import numpy as np
 import pytest
 
-from studies import attempt, contenders, fem_error_vs_time, peer
-from studies.attempt import Attempt, attempted
-from studies.contenders import CURVES
+from studies import fem_error_vs_time
 from studies.fem_error_vs_time import seconds_at
+from studies.peers import attempt, contenders
+from studies.peers import ngsolve_stator as peer
+from studies.peers.attempt import Attempt, attempted
+from studies.peers.contenders import CURVES
 from studies.refusal import RunError
 from tests.studies.motors import small_problem, truth
 
@@ -93,7 +95,9 @@ def test_without_the_peer_a_sentence_says_what_to_install(monkeypatch):
 
 
 def test_nothing_imports_the_peer_unasked():
-    program = "import sys, studies.fem_error_vs_time, studies.peer; print('ngsolve' in sys.modules)"
+    program = (
+        "import sys, studies.fem_error_vs_time, studies.peers.ngsolve_stator; print('ngsolve' in sys.modules)"
+    )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["False"]
 

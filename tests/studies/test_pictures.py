@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from contact import Orbit, Slider, burst, contact_history, steady
-from studies import power_pictures, surface_pictures
-from studies.contact_pictures import SlowMotion, moments, start_and_stop, strip
+from studies.view import power_pictures, surface_pictures
+from studies.view.contact_pictures import SlowMotion, moments, start_and_stop, strip
 
 UNIT = re.compile(r"\([^()]+\)| over ")  # a ratio has none
 SLIDER = Slider(

@@ -7,10 +7,10 @@ import time
 
 import pytest
 
-from studies import cost
 from studies.chain import run
-from studies.explanation import explanation
-from studies.plan import plan
+from studies.report import cost
+from studies.report.explanation import explanation
+from studies.report.plan import plan
 from studies.scene import Scene, shipped_scenes
 from tests.studies.predictions import changed
 

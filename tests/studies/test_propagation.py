@@ -5,7 +5,7 @@ import math
 import pytest
 
 from contact import Orbit
-from studies.propagation import LEAST_STEP, reference_speed, velocity_error
+from studies.chain.propagation import LEAST_STEP, reference_speed, velocity_error
 
 ORBIT = Orbit(frequency=2.2e6, normal=3e-9 + 0j, tangential=-2.1e-9j)
 SPEED = 2 * math.pi * 2.2e6 * 2.1e-9 / 10

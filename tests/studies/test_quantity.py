@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from studies.quantity import DIMENSIONS, POWERS, si_value
 from studies.refusal import SceneError
+from studies.scene.quantity import DIMENSIONS, POWERS, si_value
 
 SI = {"N s/m": "N*s/m", "kg/m^3": "kg/m^3"}
 

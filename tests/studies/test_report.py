@@ -9,10 +9,10 @@ import pytest
 
 import fem
 from studies.chain import run
-from studies.energies import balances
-from studies.intermediate import intermediate_numbers, si
-from studies.limits import model_limits
 from studies.report import report
+from studies.report.energies import balances
+from studies.report.intermediate import intermediate_numbers, si
+from studies.report.limits import model_limits
 from tests.studies.predictions import changed
 
 EVIL = '<script>alert("ran")</script> & $\\frac{"'
@@ -159,7 +159,7 @@ def test_a_report_without_a_place_is_refused(capsys):
 def test_a_title_is_drawn_as_it_stands(contact, tmp_path):
     from dataclasses import replace
 
-    from studies.figures import draw_run
+    from studies.report.figures import draw_run
 
     scene = replace(contact.scene, title=r"costs $5 \frac{ and $6")
     draw_run(replace(contact, scene=scene), tmp_path)

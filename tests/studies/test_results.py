@@ -8,9 +8,9 @@ import tomllib
 import pytest
 
 from studies.chain import run
-from studies.drawing import Drawing
-from studies.files import write_run
 from studies.refusal import RunError
+from studies.report.drawing import Drawing
+from studies.report.files import write_run
 from studies.results import result_directory
 from studies.scene import Scene, read_table
 

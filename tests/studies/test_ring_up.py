@@ -7,10 +7,10 @@ import pytest
 
 from studies import Scene
 from studies.chain import run
-from studies.override import assigned
-from studies.resolved import resolved
-from studies.ring_up import ring_up, ring_up_left_out
+from studies.chain.ring_up import ring_up, ring_up_left_out
 from studies.scene import read_table
+from studies.scene.override import assigned
+from studies.scene.resolved import resolved
 
 
 def chip(*settings):
@@ -107,7 +107,7 @@ def test_without_a_burst_nothing_rings():
 def test_a_stator_that_rings_too_long_is_an_error_and_said(monkeypatch):
     from importlib import import_module
 
-    ring = import_module("studies.ring_up")
+    ring = import_module("studies.chain.ring_up")
 
     monkeypatch.setattr(ring, "MOST", 40)
     scene = chip("drive.burst=2 ms", "drive.voltage=60", "stator.material=PZT-8")

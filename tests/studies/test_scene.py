@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from studies import Damping, Drive, Scene, SceneError, Slider, Stator, Transducer, Wave, shipped_scenes
 from studies.scene import read_table
-from studies.toml import document
+from studies.scene.toml import document
 
 SHIPPED = sorted(shipped_scenes())
 

@@ -4,9 +4,9 @@ import matplotlib
 import numpy as np
 import pytest
 
-from studies.movie import reduced
 from studies.refusal import SceneError
-from studies.shading import QUANTITIES, colours, palette, quantity
+from studies.view.movie import reduced
+from studies.view.shading import QUANTITIES, colours, palette, quantity
 
 # Machado, Oliveira and Fernandes 2009, severity 1.0, on linear sRGB
 BLINDNESS = {

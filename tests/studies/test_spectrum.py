@@ -7,13 +7,13 @@ import pytest
 
 from fem import ConvergenceError
 from studies import Scene
-from studies.center import center_frequency
 from studies.chain import run
-from studies.override import assigned
+from studies.chain.center import center_frequency
+from studies.chain.spectrum import Response, response, spectrum
 from studies.refusal import RunError
-from studies.resolved import resolved
 from studies.scene import read_table
-from studies.spectrum import Response, response, spectrum
+from studies.scene.override import assigned
+from studies.scene.resolved import resolved
 
 
 def quiet(text):
@@ -120,7 +120,7 @@ def test_the_centre_of_a_run_is_a_number_in_its_scene():
 def test_a_lobe_beyond_the_range_is_refused(monkeypatch):
     from types import SimpleNamespace
 
-    import studies.center as center
+    import studies.chain.center as center
 
     rising = SimpleNamespace(
         waves=lambda frequencies, **rest: [

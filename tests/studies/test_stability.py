@@ -9,13 +9,16 @@ import pytest
 
 from fem.half_space import rayleigh
 from fem.materials import isotropic
-from studies import left_out, stability, stability_chain, stability_free, stability_stator
-from studies.lamb import bulk_velocities, plate_wavenumbers, rayleigh_velocity
+from studies import left_out, stability
 from studies.omission import OMISSIONS
 from studies.refusal import RunError
-from studies.stability_case import Case, Outcome
-from studies.stability_verdict import NoWitness, judged
+from studies.stability import chain as stability_chain
+from studies.stability import free as stability_free
+from studies.stability import stator as stability_stator
+from studies.stability.case import Case, Outcome
+from studies.stability.verdict import NoWitness, judged
 from studies.study import STUDIES
+from studies.view.lamb import bulk_velocities, plate_wavenumbers, rayleigh_velocity
 
 
 def case_of(room, part: str, varied: str, value: float) -> Outcome:

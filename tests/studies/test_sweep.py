@@ -13,16 +13,15 @@ from concurrent.futures.process import BrokenProcessPool
 import numpy as np
 import pytest
 
-from studies import driver
-from studies.axes import axis
 from studies.chain import run
-from studies.design import designed
-from studies.override import replaced
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
-from studies.store import FILE, Store
-from studies.sweep import sweep
-from studies.workers import Here
+from studies.scene.override import replaced
+from studies.sweep import driver, sweep
+from studies.sweep.axes import axis
+from studies.sweep.design import designed
+from studies.sweep.store import FILE, Store
+from studies.sweep.workers import Here
 
 OVER = {"slider.preload": "0.1 mN:10 mN:8:log", "wave.normal_amplitude": "0.5 nm:20 nm:6"}
 SMALL = {
@@ -224,7 +223,7 @@ def test_the_stator_is_solved_once_for_each_frequency_and_geometry(tmp_path):
 
 def test_a_stator_without_an_answer_costs_its_own_points_alone(monkeypatch):
     from fem import ConvergenceError
-    from studies import source_solver
+    from studies.sweep import source_solver
 
     solved = source_solver._solved
 
@@ -247,7 +246,9 @@ def test_a_stator_without_an_answer_costs_its_own_points_alone(monkeypatch):
 
 
 def test_a_point_near_the_threshold_gets_a_better_stator(tmp_path, monkeypatch):
-    monkeypatch.setattr("studies.source_solver.SHARE", 1.0)  # a stator that is just good enough by itself
+    monkeypatch.setattr(
+        "studies.sweep.source_solver.SHARE", 1.0
+    )  # a stator that is just good enough by itself
     voltages = [5.0, 11.2, 40.0]
     found = sweep(SMALL, {"drive.voltage": voltages}, tolerance=2.5e-4, out=tmp_path / "s")
     with sqlite3.connect(found.path) as connection:

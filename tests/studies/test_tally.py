@@ -5,9 +5,9 @@ import json
 
 import contact
 from studies.chain import run
-from studies.files import write_run
+from studies.chain.tally import EVENTS, burst_tally, steady_tally
+from studies.report.files import write_run
 from studies.scene import Scene
-from studies.tally import EVENTS, burst_tally, steady_tally
 from tests.contact.motors import orbit, slider
 
 

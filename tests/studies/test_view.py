@@ -18,18 +18,19 @@ import pytest
 import pyvista
 from PIL import Image
 
-from studies import field_data, movie, stage, view, wave_page
+from studies import view
 from studies.__main__ import main
 from studies.chain import run
-from studies.files import write_run
-from studies.frame import MM, View
-from studies.override import assigned
 from studies.refusal import RunError, SceneError
-from studies.run_field import run_field
+from studies.report.files import write_run
 from studies.scene import Scene, read_table
-from studies.shading import shade
-from studies.stage import Stage, magnification, views
-from studies.view_options import Wanted
+from studies.scene.override import assigned
+from studies.view import field_data, movie, stage, wave_page
+from studies.view.frame import MM, View
+from studies.view.options import Wanted
+from studies.view.run_field import run_field
+from studies.view.shading import shade
+from studies.view.stage import Stage, magnification, views
 
 CHROMIUM = shutil.which("chromium")
 
@@ -183,7 +184,7 @@ def test_colours_reach_from_end_to_end_of_the_field_and_say_it(found):
 
 
 def test_far_away_nodes_are_passed_over_and_none_is_averaged(found):
-    from studies.patch import patch
+    from studies.view.patch import patch
 
     far = patch(found, shade(found, "u_z"), span=(0.0, found.length), bottom=-5e-3, spacing=0.1e-3)
     field = found.field
@@ -198,7 +199,7 @@ def test_far_away_nodes_are_passed_over_and_none_is_averaged(found):
 
 def test_from_near_the_modes_give_the_lines_between(found):
     """Within one wavelength hundreds of lines, on the stator's own motion."""
-    from studies.patch import patch
+    from studies.view.patch import patch
 
     start, stop = 14e-3, 15e-3
     near = patch(found, shade(found, "u_z"), span=(start, stop), bottom=-0.4e-3, spacing=1e-6)
@@ -241,7 +242,7 @@ def test_a_screenshot_shows_section_electrodes_and_slider_where_they_are(found, 
 
 def test_a_view_has_room_for_depth_and_ball(found):
     """From far the whole depth and the whole ball, from near a part of both; one scale for lengths and heights."""
-    from studies.frame import HIGH, LOW, framed
+    from studies.view.frame import HIGH, LOW, framed
 
     for start, stop, whole in ((0.0, found.length, True), (0.0138, 0.0144, False)):
         frame = framed(found, View(name="", start=start, stop=stop, weight=1.0), width=1000.0, height=500.0)
@@ -310,7 +311,7 @@ def test_a_field_that_a_solid_does_not_have_is_refused(found, tmp_path):
 
 
 def test_the_solid_carries_field_within_the_aperture_only(found):
-    from studies import beam
+    from studies.view import beam
 
     drawn = beam.solid(found, quantity="u_z", phase=0.0, factor=1.0, size=(600, 300), off_screen=True)
     bounds = drawn.actors["surface"].mapper.dataset.bounds
@@ -379,7 +380,7 @@ def test_without_a_toolkit_the_contact_s_window_is_refused_with_what_to_install(
 
 
 def test_the_window_plays_pauses_picks_and_zooms(found):
-    from studies.window import Window
+    from studies.view.window import Window
 
     window = Window(found, quantity="u_z", phase=1.0, factor=None, span=None, off_screen=True)
     assert window.playing
@@ -534,7 +535,7 @@ def test_a_scene_without_a_stator_shows_its_contact_and_says_why(given, tmp_path
 
 
 def test_a_contact_as_page_and_table(given, tmp_path, monkeypatch):
-    from studies import contact_view
+    from studies.view import contact_view
 
     monkeypatch.setattr(contact_view, "FRAMES", 2)
     wanted = Wanted(html=str(tmp_path / "a.html"), data=str(tmp_path / "a.csv"), level=3e-9)

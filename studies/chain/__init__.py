@@ -1,0 +1,310 @@
+"""The chain from a scene to its record: stator at its frequency, times the voltage, contact, velocity.
+
+Only what the scene needs is imported and computed.  The tolerance bounds the last quantity.  The stator
+begins with a quarter of it; where the contact turns out to multiply the stator's error (near the threshold
+by 20), the stator is solved again, better.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+from studies.chain import bridge
+from studies.chain.points import SliderAnswer, slider_answer
+from studies.chain.record import Record
+from studies.chain.ring_up import ring_up, ring_up_left_out
+from studies.refusal import RunError
+from studies.scene import Scene, resolved
+
+__all__ = ["run", "slider_left_out"]
+
+SHARE = 0.25  # of the tolerance, for the stator at first and for the contact
+ROUNDS = 3  # of the stator, each with the tolerance that the one before found to be needed
+
+
+def run(scene: Scene, *, tolerance: float, progress: Callable[[str], None] | None = None) -> Record:
+    """Run the chain that a scene needs.
+
+    Parameters
+    ----------
+    scene : Scene
+    tolerance : float
+        Bound of the error of the last quantity: slider velocity over max(|v|, omega |u_x| / 10); without a
+        slider surface amplitude, relative; for the free wave its velocity, relative.
+    progress : callable, optional
+        Told in a few words what is being done.
+
+    Returns
+    -------
+    Record
+        Its ``shortfall`` says why it is no answer within the tolerance, if it is none.
+
+    Raises
+    ------
+    SceneError
+        If the scene is refused by the physics.
+    RunError
+        If there is nothing to record.
+    """
+    begun = time.perf_counter()
+    say = progress or (lambda text: None)
+    scene = resolved.resolved(scene)
+    if scene.wave is not None:
+        record = _given(scene, tolerance, say)
+    elif scene.transducer:
+        record = _driven(scene, tolerance, say)
+    else:
+        record = _free(scene, tolerance)
+    seconds = {"total": time.perf_counter() - begun} | record.seconds
+    return replace(record, seconds=seconds, left_out=record.left_out + slider_left_out(scene))
+
+
+def _given(scene: Scene, tolerance: float, say) -> Record:
+    begun = time.perf_counter()
+    orbits = bridge.given_orbits(scene.wave)
+    amplitudes = 1.0, scene.wave.tangential_ratio
+    answer = slider_answer(
+        scene, orbits, amplitudes, stator_error=0.0, tolerance=tolerance * SHARE, progress=say
+    )
+    return Record(
+        scene=scene,
+        tolerance=tolerance,
+        wave={"frequency_Hz": scene.wave.frequency, "surface_ratio": scene.wave.tangential_ratio},
+        **_slider_blocks(answer, tolerance),
+        seconds={"contact": time.perf_counter() - begun},
+        left_out=("stator, transducers and electric field: the surface motion is given",),
+    )
+
+
+def _free(scene: Scene, tolerance: float) -> Record:
+    import fem
+
+    begun = time.perf_counter()
+    try:
+        wave = fem.free_wave(resolved.stator(scene.stator), frequency=scene.frequency, tolerance=tolerance)
+    except fem.ConvergenceError as error:
+        raise RunError(str(error)) from None
+    names = ("u_x", "u_y", "u_z", "phi_V")
+    columns = {"z_m": wave.depth}
+    columns |= {f"{name}_per_m_of_u_z": wave.profile[:, k] for k, name in enumerate(names)}
+    return Record(
+        scene=scene,
+        tolerance=tolerance,
+        wave={
+            "frequency_Hz": wave.frequency,
+            "phase_velocity_m_per_s": wave.velocity,
+            "surface_ratio": wave.surface_ratio,
+            "attenuation_per_m": wave.attenuation,
+        },
+        error={"relative": wave.relative_error, "parts": {"stator": wave.relative_error}},
+        seconds={"stator": time.perf_counter() - begun},
+        left_out=wave.left_out,
+        surface=columns,
+    )
+
+
+def _driven(scene: Scene, tolerance: float, say) -> Record:
+    import fem
+
+    begun = time.perf_counter()
+    slider = scene.slider
+    place = scene.stator.length / 2 if slider is None else slider.position
+    if scene.frequency == "center":
+        from studies.chain.center import center_frequency
+
+        try:
+            drive = replace(scene.drive, frequency=center_frequency(scene, place, progress=say))
+        except fem.ConvergenceError as error:
+            raise RunError(f"looking for the centre frequency: {error}") from None
+        scene = replace(scene, drive=drive)
+    places = (place,) if slider is None else _places(place, slider)
+    block, transducers = resolved.stator(scene.stator), resolved.transducers(scene)
+
+    def solved(goal: float):
+        try:
+            return fem.driven_wave(
+                block,
+                transducers,
+                frequency=scene.frequency,
+                driven=scene.drive.transducer,
+                source_impedance=scene.drive.source_impedance,
+                tolerance=goal,
+                places=places,
+                progress=say,
+            )
+        except fem.ConvergenceError as error:
+            if error.reached is None:
+                raise RunError(str(error)) from None
+            return error.reached  # it is recorded with its error, which says whether it is good enough
+
+    wave = solved(tolerance if slider is None else tolerance * SHARE)
+    stator_seconds = time.perf_counter() - begun
+    ringing = None
+    if slider is None:
+        blocks = _amplitude_blocks(scene, wave, place, tolerance)
+    else:
+        ringing = _ring_up(scene, wave, place, say)
+        stator_seconds = time.perf_counter() - begun
+        answer = _slider(scene, wave, place, tolerance, say, ringing)
+        for _ in range(ROUNDS - 1):
+            goal = _needed(answer, wave.relative_error, tolerance, 0.0 if ringing is None else ringing.error)
+            if goal is None:
+                break
+            again, before = time.perf_counter(), wave.relative_error
+            try:
+                wave = solved(goal)
+            except RunError:
+                break  # the answer that stands is recorded, with its error
+            stator_seconds += time.perf_counter() - again
+            answer = _slider(scene, wave, place, tolerance, say, ringing)
+            if wave.relative_error >= before:
+                break
+        blocks = _slider_blocks(answer, tolerance)
+    total = time.perf_counter() - begun
+    seconds = {"stator": stator_seconds} | ({} if slider is None else {"contact": total - stator_seconds})
+    return Record(
+        scene=scene,
+        tolerance=tolerance,
+        wave=_wave_block(wave, place)
+        | ({} if ringing is None or ringing.found is None else {"settling_time_s": ringing.found.settling}),
+        electrical={
+            "admittance_S": wave.admittance,
+            "comb_voltage_per_volt": wave.comb_voltage_per_volt,
+            "power_W_per_V2": wave.power_input,
+            "power_dissipated_W_per_V2": wave.power_dissipated,
+            "power_radiated_W_per_V2": wave.power_radiated,
+            "power_residual": wave.power_residual,
+            "admittance_relative_error": wave.admittance_error,
+        },
+        seconds=seconds,
+        left_out=wave.left_out + ring_up_left_out(scene, ringing, blocks.get("trajectories", ())),
+        surface=_surface_columns(wave),
+        surface_wave=wave,
+        **blocks,
+    )
+
+
+def _places(place: float, slider) -> tuple[float, ...]:
+    return tuple(dict.fromkeys(place + offset for offset in (0.0, *slider.offsets)))
+
+
+def _ring_up(scene: Scene, wave, place: float, say):
+    """Return the ring-up of a burst under the slider, or None where there is none to follow."""
+    if scene.burst is None or wave.covered(place):
+        return None
+
+    return ring_up(scene, place, progress=say)
+
+
+def _slider(scene: Scene, wave, place: float, tolerance: float, say, ringing) -> SliderAnswer:
+    tangential, normal = abs(wave.motion(place))
+    return slider_answer(
+        scene,
+        bridge.orbits_per_volt(wave, scene.slider),
+        (float(normal), float(tangential)),
+        stator_error=wave.relative_error,
+        tolerance=tolerance * SHARE,
+        progress=say,
+        ringing=ringing,
+    )
+
+
+def _needed(answer: SliderAnswer, reached: float, tolerance: float, ringing: float) -> float | None:
+    """Return the stator's tolerance that would do, or None where it is good enough or cannot help.
+
+    ``ringing`` is what the ring-up adds to the stator's part: no finer stator makes it smaller.
+    """
+    part = max((stator for stator, contact in answer.parts if stator + contact > tolerance), default=0.0)
+    room = 0.5 * tolerance - ringing
+    if part <= ringing or room <= 0:
+        return None
+    goal = reached * room / (part - ringing)
+    return goal if goal < reached else None
+
+
+def _slider_blocks(answer: SliderAnswer, tolerance: float) -> dict:
+    """Return the record's blocks of a slider, the error that of the worst point."""
+    failed = [point for point in answer.points if point["status"] != "ok"]
+    known = [index for index, point in enumerate(answer.points) if "relative_error" in point]
+    blocks = {"points": answer.points, "summary": answer.summary, "trajectories": answer.trajectories}
+    if known:
+        worst = max(known, key=lambda index: sum(answer.parts[index]))
+        stator, contact = answer.parts[worst]
+        blocks["error"] = {"relative": stator + contact, "parts": {"stator": stator, "contact": contact}}
+        if stator + contact > tolerance:
+            reached = (
+                f"the velocity's error is {stator + contact:.1e} (stator {stator:.1e}, contact {contact:.1e})"
+            )
+            blocks["shortfall"] = (
+                f"{reached}, {tolerance:.1e} was asked for: see error.parts, or ask for less"
+            )
+    if failed:
+        blocks["shortfall"] = (
+            f"{len(failed)} of {len(answer.points)} points have no answer: {failed[0]['status']}"
+        )
+    return blocks
+
+
+def _amplitude_blocks(scene: Scene, wave, place: float, tolerance: float) -> dict:
+    """Return the record's blocks where the wave field is the result."""
+    tangential, normal = (float(size) for size in abs(wave.motion(place)))
+    points = tuple(
+        {
+            "voltage_V": voltage,
+            "normal_amplitude_m": normal * voltage,
+            "tangential_amplitude_m": tangential * voltage,
+            "relative_error": wave.relative_error if voltage else 0.0,
+            "status": "ok",
+        }
+        for voltage in scene.levels
+    )
+    error = wave.relative_error
+    short = f"the surface amplitude's error is {error:.1e}, {tolerance:.1e} was asked for: ask for less"
+    return {
+        "points": points,
+        "error": {"relative": error, "parts": {"stator": error}},
+        "shortfall": short if error > tolerance else "",
+    }
+
+
+def _wave_block(wave, place: float) -> dict:
+    tangential, normal = wave.motion(place)
+    block = {
+        "frequency_Hz": wave.frequency,
+        "normal_m_per_V": complex(normal),
+        "tangential_m_per_V": complex(tangential),
+    }
+    if not wave.covered(place):
+        block["rayleigh_normal_m_per_V"] = complex(wave.rayleigh_motion(place)[1])
+    return block | {
+        "standing_wave_ratio": wave.standing_wave_ratio(place),
+        "phase_velocity_m_per_s": wave.phase_velocity,
+        "surface_ratio": wave.surface_ratio,
+        "relative_error": wave.relative_error,
+        "resolution": wave.resolution,
+    }
+
+
+def _surface_columns(wave) -> dict:
+    x, (tangential, normal) = wave.samples()
+    return {"x_m": x, "u_x_m_per_V": tangential, "u_z_m_per_V": normal}
+
+
+def slider_left_out(scene: Scene) -> tuple[str, ...]:
+    """Return what the contact does without in this scene."""
+    if scene.slider is None:
+        return ("slider and contact: the scene has none",)
+    slider, reasons = scene.slider, []
+    if isinstance(slider.contacts, int) and slider.contacts > 1:
+        reasons.append(f"{slider.contacts - 1} of {slider.contacts} contacts: in phase they move as one")
+    if scene.burst is None:
+        reasons.append("motion from rest: no burst, the periodic state is found without waiting for it")
+    if slider.law == "elastic":
+        reasons.append("contact memory: the law is elastic, Q depends on z and x alone")
+    if not slider.reciprocal:
+        reasons.append("the tangential spring's reaction on the normal motion: reciprocal is false")
+    for key, force in (("contact", "R_n1"), ("normal", "R_n2"), ("tangential", "R_t")):
+        if getattr(slider.damping, key) == 0:
+            reasons.append(f"{force}: slider.damping.{key} is zero")
+    reasons.append("the slider's reaction on the wave, and its travel along the wave field")
+    return tuple(reasons)

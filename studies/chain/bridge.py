@@ -1,0 +1,72 @@
+"""From the wave to the contact: the surface motion per volt times the voltage is the orbit under each ball.
+
+Both sides use exp(+i omega t), peak amplitudes, x along the surface and z out of it, so nothing changes
+sign.  A wave that runs to +x has u_x = +i r u_z; a given [wave] moves its crest towards +x, u_x = -i r u_z.
+
+n contacts that feel one and the same motion behave as one with 1/n of mass, preload, load and viscous
+dampers (the Hunt-Crossley coefficient, per contact already, stays): a mere number of contacts is computed
+as one.
+"""
+
+from studies.scene.blocks import Slider, Wave
+
+__all__ = ["contact_slider", "given_orbits", "orbits_per_volt", "scaled"]
+
+
+def orbits_per_volt(surface_wave, slider: Slider) -> tuple:
+    """Return the orbits under the balls for 1 V of the source (peak).
+
+    Parameters
+    ----------
+    surface_wave : fem.SurfaceWave
+        Of the driven stator.
+    slider : Slider
+        The scene's block, its position in m.
+
+    Returns
+    -------
+    tuple of contact.Orbit
+        One per offset, or a single one for a mere number of contacts.
+    """
+    from contact import Orbit
+
+    places = [slider.position + offset for offset in dict.fromkeys(slider.offsets)]
+    tangential, normal = surface_wave.motion(places)
+    return tuple(
+        Orbit(frequency=surface_wave.frequency, normal=complex(u_z), tangential=complex(u_x))
+        for u_x, u_z in zip(tangential, normal, strict=True)
+    )
+
+
+def given_orbits(wave: Wave) -> tuple:
+    """Return the orbit of a given wave for a normal amplitude of 1 m: a shape, to be scaled."""
+    from contact import Orbit
+
+    return (Orbit(frequency=wave.frequency, normal=1.0, tangential=-1j * wave.tangential_ratio),)
+
+
+def scaled(orbits: tuple, level: float) -> tuple:
+    """Return the orbits at a voltage in V, or of a given shape at an amplitude in m."""
+    return tuple(orbit.scaled(level) for orbit in orbits)
+
+
+def contact_slider(slider: Slider):
+    """Return the ``contact.Slider`` of a block whose preload and moduli are numbers."""
+    import contact
+
+    share = len(slider.offsets) if isinstance(slider.contacts, int) else 1
+    return contact.Slider(
+        radius=slider.radius,
+        mass=slider.mass / share,
+        preload=slider.preload / share,
+        load=slider.load / share,
+        friction_coefficient=slider.friction_coefficient,
+        effective_modulus=slider.effective_modulus,
+        tangential_modulus=slider.tangential_modulus,
+        law=slider.law,
+        reciprocal=slider.reciprocal,
+        stick_band=slider.stick_band,
+        contact_damping=slider.damping.contact,
+        normal_damping=slider.damping.normal / share,
+        tangential_damping=slider.damping.tangential / share,
+    )

@@ -1,0 +1,53 @@
+"""The passband of a scene's driven transducer: which frequencies a study takes, and the estimate beside them."""
+
+from studies.scene import Scene, resolved
+
+__all__ = ["driven_scene", "expected", "frequencies", "place"]
+
+LOBES = 1.5  # bandwidths 1/N either side of the middle: the main lobe and half of its neighbours
+WIDEST = 0.45  # of the middle frequency, for transducers of few fingers
+
+
+def driven_scene(scene: str | Scene) -> Scene:
+    """Return a scene with transducers as resolved.
+
+    Raises
+    ------
+    SceneError
+        If it has no transducer.
+    """
+    loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
+    if not loaded.transducer:
+        loaded.refuse("transducer", "is missing: the study drives one")
+    return resolved.resolved(loaded)
+
+
+def place(scene: Scene) -> float:
+    """Return where the motion is wanted, m: under the slider, or mid-stator."""
+    return scene.stator.length / 2 if scene.slider is None else scene.slider.position
+
+
+def frequencies(scene: Scene, count: int):
+    """Return frequencies in Hz, evenly spaced about v / period of the driven transducer."""
+    import numpy as np
+
+    from fem.half_space import rayleigh
+
+    driven = _driven(scene)
+    middle = rayleigh(resolved.solid(scene.stator), "open").velocity / driven.period
+    half = middle * min(LOBES / driven.finger_pairs, WIDEST)
+    return np.linspace(middle - half, middle + half, count)
+
+
+def expected(scene: Scene):
+    """Return the ``fem.TransducerEstimate`` of the driven transducer: no reflections, bulk waves, bottom or ends."""
+    import fem
+
+    name = _driven(scene).name
+    transducer = next(each for each in resolved.transducers(scene) if each.name == name)
+    surface = "open" if scene.stator.above == "none" else "vacuum"
+    return fem.transducer_estimate(resolved.solid(scene.stator), transducer, surface)
+
+
+def _driven(scene: Scene):
+    return next(each for each in scene.transducer if each.name == scene.drive.transducer)

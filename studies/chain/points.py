@@ -1,0 +1,213 @@
+"""The points of a run: for each level of drive the steady velocity, its regime and its error."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from studies.chain import bridge
+from studies.chain.propagation import velocity_error
+from studies.chain.tally import burst_tally, steady_tally
+from studies.refusal import SceneError
+from studies.scene import Scene
+
+__all__ = ["SliderAnswer", "slider_answer"]
+
+SAMPLES = 2000  # instants of a trajectory: it is drawn and kept, not integrated
+STEADY_METHODS, BURST_METHODS = ("auto", "exact", "averaged"), ("auto", "exact", "stepped")
+SHAPED_METHODS = ("auto", "stepped")  # which may follow an envelope
+
+
+@dataclass(frozen=True, kw_only=True)
+class SliderAnswer:
+    """What the slider does at every level.
+
+    Attributes
+    ----------
+    points : tuple of dict
+        As in run.json.
+    parts : tuple of (float, float)
+        Errors of each point from the stator and from the contact, over the reference speed.
+    summary : dict
+        Threshold and release.
+    trajectories : tuple of (float, contact.Trajectory)
+        With a burst.
+    """
+
+    points: tuple[dict, ...]
+    parts: tuple[tuple[float, float], ...]
+    summary: dict
+    trajectories: tuple
+
+
+def slider_answer(
+    scene: Scene,
+    orbits: tuple,
+    amplitudes: tuple[float, float],
+    *,
+    stator_error: float,
+    tolerance: float,
+    progress: Callable[[str], None],
+    ringing=None,
+) -> SliderAnswer:
+    """Solve the contact at every level of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        Resolved, with a slider.
+    orbits : tuple of contact.Orbit
+        For 1 V, or for 1 m of given amplitude.
+    amplitudes : tuple of float
+        |u_z| and |u_x| at the slider's centre for the same.
+    stator_error : float
+        Relative, of the orbits.
+    tolerance : float
+        For the contact's part of the error.
+    progress : callable
+        Told what is being done.
+    ringing : studies.chain.ring_up.RingUp, optional
+        How the orbits grow during a burst.
+    """
+    from contact import kernels
+
+    slider = _refusing(lambda: bridge.contact_slider(scene.slider))
+    points, parts, trajectories = [], [], []
+    for number, level in enumerate(scene.levels, start=1):
+        waits = number == 1 and not kernels.ready()
+        progress(f"contact: point {number} of {len(scene.levels)}{', compiling once' if waits else ''}")
+        point = {} if scene.wave is not None else {"voltage_V": level}
+        for side, amplitude in zip(("normal", "tangential"), amplitudes, strict=True):
+            point[f"{side}_amplitude_m"] = amplitude * level
+        here = bridge.scaled(orbits, level)
+        found, part, trajectory = _point(scene, slider, here, stator_error, tolerance, ringing)
+        points.append(point | found)
+        parts.append(part)
+        trajectories += [] if trajectory is None else [(level, trajectory)]
+    return SliderAnswer(
+        points=tuple(points),
+        parts=tuple(parts),
+        summary=_summary(scene, slider, orbits, amplitudes[0]),
+        trajectories=tuple(trajectories),
+    )
+
+
+def _point(scene: Scene, slider, orbits: tuple, stator_error: float, tolerance: float, ringing):
+    """Return the point's values, the parts of its error and its trajectory; a failure is its status."""
+    import contact
+
+    steady_method = _method(scene, "the steady state", STEADY_METHODS)
+
+    def steady(some):
+        return contact.steady(slider, some, tolerance=tolerance, method=steady_method)
+
+    try:
+        state = _refusing(lambda: steady(orbits))
+        from_stator = velocity_error(state.velocity, orbits, stator_error, _nearby(slider, state, steady))
+        values = {"velocity_m_per_s": state.velocity, "regime": state.regime}
+        tally = steady_tally(state)
+        from_contact, status, message, trajectory = state.relative_error, state.status, state.message, None
+        if scene.burst is not None:
+            trajectory = _burst(scene, slider, orbits, state.velocity, tolerance, ringing)
+            values["velocity_at_burst_end_m_per_s"] = trajectory.velocity_at_burst_end
+            tally |= burst_tally(trajectory)
+            from_stator += 0.0 if ringing is None else ringing.error
+            if trajectory.relative_error > from_contact or status == "ok":
+                from_contact = max(from_contact, trajectory.relative_error)
+                status, message = trajectory.status, trajectory.message
+    except contact.ConvergenceError as error:
+        return {"status": " ".join(str(error).split())}, (0.0, 0.0), None
+    values["relative_error"] = from_stator + from_contact
+    values["status"] = status if status == "ok" else f"{status}: {message}"
+    return values | tally, (from_stator, from_contact), trajectory
+
+
+def _nearby(slider, state, steady):
+    """Return what gives the velocity near a state: cycle means, shifted to it, or where they fail the state's way."""
+    import contact
+
+    def mean(orbits):
+        return contact.mean_motion(slider, orbits).velocity
+
+    try:
+        shift = state.velocity - mean(state.orbits)
+    except contact.ConvergenceError:
+        return lambda some: steady(some).velocity
+
+    def velocity(some):
+        try:
+            return mean(some) + shift
+        except contact.ConvergenceError:
+            return steady(some).velocity
+
+    return velocity
+
+
+def _burst(scene: Scene, slider, orbits: tuple, velocity: float, tolerance: float, ringing):
+    """Follow the burst, and the slider until it has stopped and rung for some periods."""
+    import contact
+
+    friction = slider.friction_coefficient * slider.preload
+    stopping = abs(velocity) * slider.mass / friction if friction > 0 else 0.0
+    after_ring = 20 / slider.tangential_resonance(len(orbits)) if slider.preload > 0 else 0.0
+    method = _method(scene, "a burst", BURST_METHODS)
+
+    rings = 0.0 if ringing is None or ringing.ring_down is None else float(ringing.ring_down.time[-1])
+
+    def followed(shape, fading=None):
+        return contact.burst(
+            slider,
+            orbits,
+            duration=scene.burst,
+            after=min(1.2 * stopping + after_ring, 10 * scene.burst) + (rings if fading is not None else 0.0),
+            tolerance=tolerance,
+            samples=SAMPLES,
+            method=method,
+            envelope=shape,
+            ring_down=fading,
+        )
+
+    if ringing is None or ringing.envelope is None or method not in SHAPED_METHODS:
+        return followed(None)
+    try:
+        return followed(ringing.envelope, ringing.ring_down)
+    except contact.ConvergenceError:
+        if method != "auto":
+            raise
+        return followed(None)  # this motion needs the events, and they take no envelope
+
+
+def _summary(scene: Scene, slider, orbits: tuple, amplitude: float) -> dict:
+    """Return threshold and release; what never comes is absent."""
+    import contact
+
+    found = {}
+    for name, factor in (
+        ("threshold", contact.threshold_factor(slider, orbits)),
+        ("release", contact.release_factor(slider, orbits)),
+    ):
+        if math.isfinite(factor):
+            found[f"{name}_amplitude_m"] = factor * amplitude
+            if scene.wave is None:
+                found[f"{name}_voltage_V"] = factor
+    return found
+
+
+def _method(scene: Scene, what: str, available: tuple[str, ...]) -> str:
+    """Return the contact's method for a task: the other task's method leaves this one automatic."""
+    wanted = scene.slider.method
+    if wanted in available:
+        return wanted
+    if scene.burst is None or wanted not in STEADY_METHODS + BURST_METHODS:
+        names = " or ".join(f'"{name}"' for name in available)
+        raise SceneError("slider.method", f"must be {names} for {what}, got {wanted!r}")
+    return "auto"
+
+
+def _refusing(call: Callable):
+    """Return what a call gives; the contact's refusal of a slider is the scene's."""
+    try:
+        return call()
+    except ValueError as error:
+        if str(error).startswith("slider."):
+            raise SceneError("", str(error)) from None
+        raise

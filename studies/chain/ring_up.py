@@ -1,0 +1,111 @@
+"""The ring-up of a burst under the slider: how the surface's motion grows to its steady size, for the contact.
+
+The response over a band about the drive's frequency gives the complex envelope (fem.burst); over the steady motion it
+is the factor on the orbits that the contact takes.  One factor serves all balls and both directions.  After the burst's
+end the surface rings down under the slider as the same envelope goes on, until it is spent.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from studies.chain.spectrum import response
+from studies.scene import Scene
+
+__all__ = ["RingUp", "ring_up", "ring_up_left_out"]
+
+LOBES = 1.2  # of 1/N: the band taken on either side, the main lobe and a little
+WIDEST = 0.22  # of the frequency: one band of frequencies
+TOLERANCE = 2e-2  # of the response and of what rings on, over the steady amplitude
+MOST = 1024  # frequencies: half a minute; what rings longer is left out and counted as an error
+
+
+@dataclass(frozen=True, kw_only=True)
+class RingUp:
+    """What a burst does under the slider.
+
+    Attributes
+    ----------
+    envelope : contact.Envelope or None
+        Factor on the steady orbits; None where the stator rings for too long to be followed.
+    ring_down : contact.Envelope or None
+        The same from the end of the burst on, time from there.
+    found : fem.BurstEnvelope or None
+    error : float
+        Of a velocity at the burst's end: the envelope's error for as long as it rings up, over the burst's length;
+        without an envelope, how long it certainly rings over the burst's length.
+    """
+
+    envelope: object = field(repr=False)
+    ring_down: object = field(repr=False)
+    found: object = field(repr=False)
+    error: float
+
+    @property
+    def sentence(self) -> str:
+        """What it is, for a reader."""
+        if self.found is None:
+            return "the stator rings for too long to be followed"
+        return f"{self.found.settling * 1e6:.4g} us to within 1 % of the steady motion"
+
+
+def ring_up(scene: Scene, place: float, *, progress: Callable[[str], None]) -> RingUp:
+    """Return the ring-up at a place (m) of a scene with transducers, a burst and a frequency in Hz."""
+    import numpy as np
+
+    import fem
+    from contact import Envelope
+
+    driven = next(each for each in scene.transducer if each.name == scene.drive.transducer)
+    half = min(LOBES / driven.finger_pairs, WIDEST) * scene.frequency
+    prepared = response(
+        scene,
+        scene.frequency - half,
+        scene.frequency + half,
+        places=(place,),
+        tolerance=TOLERANCE,
+        progress=progress,
+    )
+    progress("stator: ring-up of the burst")
+    try:
+        found = fem.burst_response(
+            prepared,
+            place,
+            driven=driven.name,
+            frequency=scene.frequency,
+            duration=scene.burst,
+            tolerance=TOLERANCE,
+            source_impedance=scene.drive.source_impedance,
+            most=MOST,
+        )
+    except fem.ConvergenceError:
+        return RingUp(
+            envelope=None, ring_down=None, found=None, error=min(1.0, MOST / (2 * half) / scene.burst)
+        )
+    factor, on = found.normal / found.steady_normal, found.time < scene.burst
+
+    def shape(which, start):
+        part = factor[which]
+        return Envelope(time=found.time[which] - start, amplitude=abs(part), phase=np.unwrap(np.angle(part)))
+
+    envelope = shape(on, 0.0)
+    ring_down = shape(~on, scene.burst) if np.any(~on) else None
+    error = found.relative_error * min(1.0, found.settling / scene.burst)
+    return RingUp(envelope=envelope, ring_down=ring_down, found=found, error=float(error))
+
+
+def ring_up_left_out(scene: Scene, ringing: RingUp | None, trajectories) -> tuple[str, ...]:
+    """Return what the slider's motion in a burst does without."""
+    if scene.slider is None or scene.burst is None:
+        return ()
+    if ringing is None:
+        return ("the burst's ring-up: the slider stands over a transducer",)
+    reasons = []
+    silent = sum(motion.rang == 0.0 for _, motion in trajectories)
+    if silent:
+        which = f"in {silent} of {len(trajectories)} bursts the surface stands still once the drive ends"
+        reasons.append(f"the burst's ring-down: {which}")
+    plain = sum(motion.method != "stepped" for _, motion in trajectories)
+    if plain:
+        which = f"{plain} of {len(trajectories)} bursts, whose motion takes a steady wave"
+        reasons.append(f"the burst's ring-up ({ringing.sentence}) in {which}")
+    return tuple(reasons)

@@ -1,0 +1,181 @@
+"""A driven scene at many frequencies: prepared once as bands where its transducers allow, else one by one.
+
+`fem.frequency_band` takes a band of limited width and transducers whose gaps are all whole; a wider range is cut
+into several bands.  Where it cannot be used (fingers left out, a neighbour or an end nearer than half a gap, a
+place under a transducer) every frequency is solved by itself: slower, the same numbers.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+from studies.refusal import RunError
+from studies.scene import Scene, resolved
+
+__all__ = ["Response", "Spectrum", "response", "spectrum"]
+
+WIDEST = 1.6  # highest over lowest frequency of one band
+
+
+@dataclass(frozen=True, kw_only=True)
+class Response:
+    """A driven stator that answers at any frequency of a range; what ``fem.burst`` asks of a band.
+
+    Attributes
+    ----------
+    limits : tuple of float
+        Hz.
+    bands : tuple of fem.Band
+        From low to high; empty where every frequency is solved by itself.
+    alone : callable
+        Frequency -> fem.SurfaceWave, for that case.
+    """
+
+    limits: tuple[float, float]
+    bands: tuple = field(repr=False)
+    alone: Callable = field(repr=False)
+
+    def wave(self, frequency: float, *, driven: str, source_impedance: complex = 0.0):
+        """Return the fem.SurfaceWave at a frequency in Hz."""
+        from fem import ConvergenceError
+
+        for band in self.bands:
+            if band.limits[0] <= frequency <= band.limits[1]:
+                try:
+                    return band.wave(frequency, driven=driven, source_impedance=source_impedance)
+                except ConvergenceError:
+                    break
+        return self.alone(frequency)
+
+    def waves(self, frequencies, *, driven: str, source_impedance: complex = 0.0) -> list:
+        """Return the fem.SurfaceWave at many frequencies in Hz, in their order; those of bands side by side."""
+
+        def wave(frequency: float):
+            return self.wave(float(frequency), driven=driven, source_impedance=source_impedance)
+
+        if not self.bands:
+            return [wave(frequency) for frequency in frequencies]
+        from fem.threads import side_by_side
+
+        return side_by_side(wave, frequencies)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spectrum:
+    """Admittance and motion at a place against frequency, per volt of the source.
+
+    Attributes
+    ----------
+    frequency : ndarray
+        Hz.
+    admittance : ndarray, complex
+        S.
+    normal, tangential : ndarray, complex
+        u_z and u_x in m per V.
+    rayleigh_normal : ndarray, complex
+        The surface mode's part of u_z; NaN under a transducer.
+    relative_error, admittance_error : float
+        Of the motion and of the admittance, worst.
+    """
+
+    frequency: object = field(repr=False)
+    admittance: object = field(repr=False)
+    normal: object = field(repr=False)
+    tangential: object = field(repr=False)
+    rayleigh_normal: object = field(repr=False)
+    relative_error: float
+    admittance_error: float
+
+
+def response(
+    scene: Scene,
+    lowest: float,
+    highest: float,
+    *,
+    places: tuple[float, ...],
+    tolerance: float,
+    progress: Callable[[str], None],
+) -> Response:
+    """Prepare a resolved scene with transducers for the frequencies of a range.
+
+    Parameters
+    ----------
+    scene : Scene
+        Its periods are numbers.
+    lowest, highest : float
+        Hz.
+    places : tuple of float
+        Where the motion is wanted, m from the left end.
+    tolerance : float
+        Relative, of the motion there.
+    progress : callable
+        Told what is being done.
+    """
+    import fem
+
+    block, transducers = resolved.stator(scene.stator), resolved.transducers(scene)
+    common = {"driven": scene.drive.transducer, "tolerance": tolerance, "places": tuple(places)}
+
+    def alone(frequency: float):
+        progress(f"stator: {frequency / 1e6:.5g} MHz")
+        try:
+            return fem.driven_wave(
+                block,
+                transducers,
+                frequency=float(frequency),
+                source_impedance=scene.drive.source_impedance,
+                **common,
+            )
+        except fem.ConvergenceError as error:
+            raise RunError(f"at {frequency / 1e6:.6g} MHz {error}") from None
+
+    bands = []
+    if _takes_bands(block, transducers, places):
+        count = max(1, math.ceil(math.log(highest / lowest) / math.log(WIDEST)))
+        edges = [lowest * (highest / lowest) ** (k / count) for k in range(count)] + [highest]
+        for low, high in pairwise(edges):
+            progress(f"stator: band {low / 1e6:.4g} to {high / 1e6:.4g} MHz")
+            try:
+                bands.append(fem.frequency_band(block, transducers, lowest=low, highest=high, **common))
+            except fem.ConvergenceError:
+                bands = []
+                break
+    return Response(limits=(lowest, highest), bands=tuple(bands), alone=alone)
+
+
+def spectrum(scene: Scene, prepared: Response, frequencies, place: float) -> Spectrum:
+    """Return admittance and motion at a place (m) for many frequencies (Hz) of a prepared scene."""
+    import numpy as np
+
+    driven, impedance = scene.drive.transducer, scene.drive.source_impedance
+    rows, errors = [], [(0.0, 0.0)]
+    for wave in prepared.waves(frequencies, driven=driven, source_impedance=impedance):
+        tangential, normal = wave.motion(place)
+        surface = complex("nan") if wave.covered(place) else wave.rayleigh_motion(place)[1]
+        rows.append((wave.admittance, normal, tangential, surface))
+        errors.append((wave.relative_error, wave.admittance_error))
+    columns = np.array(rows, dtype=complex).reshape(-1, 4).T
+    return Spectrum(
+        frequency=np.array(frequencies, dtype=float),
+        admittance=columns[0],
+        normal=columns[1],
+        tangential=columns[2],
+        rayleigh_normal=columns[3],
+        relative_error=float(max(error for error, _ in errors)),
+        admittance_error=float(max(error for _, error in errors)),
+    )
+
+
+def _takes_bands(block, transducers, places) -> bool:
+    """Return whether bands serve: whole gaps everywhere, no finger left out, no place under a transducer."""
+    from fem.geometry import outer_gaps
+
+    row = tuple(sorted(transducers, key=lambda each: each.center))
+    for each, gaps in zip(row, outer_gaps(block, row), strict=True):
+        left, right = each.extent[0] - gaps[0], each.extent[1] + gaps[1]
+        if "0" in each.signs or any(gap < each.half_gap * (1 - 1e-9) for gap in gaps):
+            return False
+        if any(left <= place <= right for place in places):
+            return False
+    return True

@@ -1,0 +1,90 @@
+"""The answer of a run as text: a table of the points, then what it is worth and what was left out."""
+
+from studies.chain.record import Record
+
+__all__ = ["answer", "table"]
+
+
+def answer(record: Record) -> str:
+    """Return what a run prints on stdout."""
+    lines = [record.scene.title or "no title", ""]
+    if record.points:
+        lines += [*_points(record), ""]
+    else:
+        lines += _free_wave(record.wave)
+    lines += _wave(record)
+    lines += _limits(record)
+    if record.error:
+        parts = ", ".join(f"{name} {size:.1e}" for name, size in record.error["parts"].items())
+        asked = f"asked for {record.tolerance:.1e}"
+        lines.append(f"relative error  {record.error['relative']:.1e} ({parts}), {asked}")
+    seconds = ", ".join(f"{name} {size:.2f}" for name, size in record.seconds.items() if name != "total")
+    lines.append(f"seconds         {record.seconds['total']:.2f} ({seconds})")
+    lines.append("left out        " + "\n                ".join(record.left_out))
+    return "\n".join(lines)
+
+
+def table(rows: list[list[str]]) -> list[str]:
+    """Return rows of text as aligned lines, numbers to the right."""
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    return [
+        "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
+    ]
+
+
+def _points(record: Record) -> list[str]:
+    with_voltage, with_slider = record.scene.wave is None, record.scene.slider is not None
+    burst = record.scene.burst is not None and with_slider
+    head = ["voltage (V)"] if with_voltage else []
+    head += ["u_z (nm)", "u_x (nm)"] + (["velocity (mm/s)"] if with_slider else [])
+    head += (["at burst end (mm/s)"] if burst else []) + (["regime"] if with_slider else []) + ["rel. error"]
+    rows = [head]
+    for point in record.points:
+        row = [f"{point['voltage_V']:g}"] if with_voltage else []
+        row += [f"{point[f'{side}_amplitude_m'] * 1e9:.4g}" for side in ("normal", "tangential")]
+        if with_slider:
+            row.append(_milli(point.get("velocity_m_per_s")))
+        if burst:
+            row.append(_milli(point.get("velocity_at_burst_end_m_per_s")))
+        if with_slider:
+            row.append(point.get("regime", "-"))
+        error = point.get("relative_error")
+        row.append("-" if error is None else f"{error:.1e}")
+        rows.append(row)
+    return table(rows)
+
+
+def _milli(speed: float | None) -> str:
+    return "-" if speed is None else f"{speed * 1e3:.5g}"
+
+
+def _free_wave(wave: dict) -> list[str]:
+    return [
+        f"velocity        {wave['phase_velocity_m_per_s']:.8g} m/s",
+        f"surface ratio   {wave['surface_ratio']:.6g} (|u_x/u_z|)",
+        f"attenuation     {wave['attenuation_per_m']:.4g} 1/m",
+    ]
+
+
+def _wave(record: Record) -> list[str]:
+    if not record.electrical:
+        return []
+    wave, electrical = record.wave, record.electrical
+    admittance = electrical["admittance_S"]
+    return [
+        f"wave            {abs(wave['normal_m_per_V']) * 1e9:.4g} nm per V at the slider's place, "
+        f"{wave['phase_velocity_m_per_s']:.6g} m/s, standing-wave ratio {wave['standing_wave_ratio']:.3g}",
+        f"admittance      {admittance.real * 1e3:.4g} + {admittance.imag * 1e3:.4g}i mS",
+    ]
+
+
+def _limits(record: Record) -> list[str]:
+    lines = []
+    for name in ("threshold", "release"):
+        amplitude = record.summary.get(f"{name}_amplitude_m")
+        if amplitude is None:
+            continue
+        voltage = record.summary.get(f"{name}_voltage_V")
+        at = "" if voltage is None else f"{voltage:.4g} V, "
+        lines.append(f"{name:<15} {at}{amplitude * 1e9:.4g} nm")
+    return lines

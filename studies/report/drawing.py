@@ -1,0 +1,67 @@
+"""A process that draws the pictures of a run: it loads the plotting library while the run is being computed.
+
+``python -m studies.report.drawing`` reads from stdin what to draw and where, and answers on stdout with the exception
+that it met, or None.
+"""
+
+import pickle
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+from studies.chain.record import Record
+from studies.refusal import RunError
+
+__all__ = ["Drawing"]
+
+
+class Drawing:
+    """Context manager: starts the process; ``draw`` gives it the work; leaving ends it, drawn or not."""
+
+    def __enter__(self):
+        """Start the process, apart from the terminal's interrupt: whoever started it ends it."""
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "studies.report.drawing"],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            start_new_session=True,
+        )
+        return self
+
+    def __exit__(self, *raised):
+        """End the process."""
+        self._process.kill()
+        self._process.communicate()
+
+    def draw(self, record: Record, folder: Path) -> None:
+        """Draw the pictures that a record has, into a directory; raises what the drawing raised."""
+        needed = pickle.dumps((replace(record, surface_wave=None), folder.resolve()))
+        answer, _ = self._process.communicate(needed)
+        if self._process.returncode:
+            raise RunError(
+                f"the pictures were not drawn: their process ended with code {self._process.returncode}"
+            )
+        failure = pickle.loads(answer)
+        if failure is not None:
+            raise failure
+
+
+def _serve() -> None:
+    import matplotlib.backends.backend_agg
+    import matplotlib.figure  # noqa: F401
+
+    from studies.report.figures import draw_run
+
+    given = sys.stdin.buffer.read()
+    failure = None
+    if given:
+        try:
+            draw_run(*pickle.loads(given))
+        except Exception as error:
+            failure = error
+    sys.stdout.buffer.write(pickle.dumps(failure))
+
+
+if __name__ == "__main__":
+    _serve()

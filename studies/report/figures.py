@@ -1,0 +1,152 @@
+"""Pictures: quantity and unit on both axes, theory as lines, simulation as points, colours for every eye.
+
+Every function takes and returns an Axes; ``saved`` makes the figure and the file, off screen.
+"""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from studies.chain.record import Record
+
+__all__ = ["COLOURS", "draw_run", "errors", "profile", "saved", "surface", "trajectories", "velocity"]
+
+# Okabe and Ito's palette: told apart by the colour-blind and in grey
+COLOURS = {
+    "stick": "#999999",
+    "slip": "#0072B2",
+    "intermittent": "#D55E00",
+    "line": "#000000",
+    "second": "#009E73",
+}
+MARKS = {"stick": "s", "slip": "o", "intermittent": "^"}
+
+
+def draw_run(record: Record, folder: Path) -> None:
+    """Draw the pictures that a record has, into a directory."""
+    if record.scene.slider is not None:
+        saved(folder / "velocity.png", lambda ax: velocity(record, ax))
+    if record.trajectories:
+        saved(folder / "trajectory.png", lambda ax: trajectories(record, ax))
+    if record.surface:
+        drawn = surface if record.scene.transducer else profile
+        saved(folder / "surface.png", lambda ax: drawn(record, ax))
+
+
+def saved(path: Path, draw: Callable, *, size: tuple[float, float] = (7.0, 4.3)) -> None:
+    """Make a figure with one Axes, let it be drawn and save it; nothing is shown."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=size, layout="constrained")
+    FigureCanvasAgg(figure)
+    draw(figure.add_subplot())
+    figure.savefig(path, dpi=150)
+
+
+def velocity(record: Record, ax):
+    """Draw steady velocity against voltage or amplitude, by regime, with threshold and release."""
+    given = record.level == "normal_amplitude_m"
+    scale, unit = (1e9, "normal amplitude (nm)") if given else (1.0, "drive voltage, peak (V)")
+    for regime, mark in MARKS.items():
+        chosen = [point for point in record.points if point.get("regime") == regime]
+        if chosen:
+            at = [point[record.level] * scale for point in chosen]
+            speeds = [point["velocity_m_per_s"] * 1e3 for point in chosen]
+            ax.plot(at, speeds, mark, color=COLOURS[regime], label=regime)
+    for name, style in (("threshold", ":"), ("release", "--")):
+        limit = record.summary.get(f"{name}_amplitude_m" if given else f"{name}_voltage_V")
+        if limit is not None and limit * scale <= 1.2 * max(record.scene.levels) * scale:
+            ax.axvline(
+                limit * scale, color=COLOURS["line"], linestyle=style, linewidth=1, label=f"{name} (theory)"
+            )
+    ax.set_xlabel(unit)
+    ax.set_ylabel("slider velocity (mm/s)")
+    ax.set_title(record.scene.title, fontsize="medium", parse_math=False)
+    ax.grid(alpha=0.3)
+    if ax.get_legend_handles_labels()[0]:
+        ax.legend(frameon=False)
+    return ax
+
+
+def trajectories(record: Record, ax):
+    """Draw v(t) of a burst at each level."""
+    import matplotlib
+
+    unit, scale = ("nm", 1e9) if record.level == "normal_amplitude_m" else ("V", 1.0)
+    colours = matplotlib.colormaps["cividis"]
+    count = max(len(record.trajectories) - 1, 1)
+    for index, (level, motion) in enumerate(record.trajectories):
+        label = f"{level * scale:g} {unit}" if index in (0, count) else None
+        ax.plot(
+            motion.time * 1e3, motion.velocity * 1e3, color=colours(index / count), linewidth=1, label=label
+        )
+    ax.set_xlabel("time (ms)")
+    ax.set_ylabel("slider velocity (mm/s)")
+    ax.set_title(record.scene.title, fontsize="medium", parse_math=False)
+    ax.grid(alpha=0.3)
+    ax.legend(frameon=False)
+    return ax
+
+
+def surface(record: Record, ax):
+    """Draw |u_z| and |u_x| per volt along the surface, with transducers and slider."""
+    columns = record.surface
+    x = columns["x_m"] * 1e3
+    ax.plot(x, abs(columns["u_z_m_per_V"]) * 1e9, color=COLOURS["slip"], linewidth=0.8, label="|u_z|")
+    ax.plot(x, abs(columns["u_x_m_per_V"]) * 1e9, color=COLOURS["intermittent"], linewidth=0.8, label="|u_x|")
+    for transducer in record.scene.transducer:
+        half = transducer.finger_pairs * transducer.period / 2
+        ends = (transducer.center - half) * 1e3, (transducer.center + half) * 1e3
+        ax.axvspan(*ends, color=COLOURS["stick"], alpha=0.25, linewidth=0)
+    if record.scene.slider is not None:
+        ax.axvline(record.scene.slider.position * 1e3, color=COLOURS["line"], linestyle=":", label="slider")
+    ax.set_xlabel("x along the surface (mm)")
+    ax.set_ylabel("amplitude per volt, peak (nm/V)")
+    ax.set_title(
+        f"{record.scene.title}: {record.wave['frequency_Hz'] / 1e6:g} MHz",
+        fontsize="medium",
+        parse_math=False,
+    )
+    ax.set_ylim(bottom=0)
+    ax.legend(frameon=False)
+    return ax
+
+
+def profile(record: Record, ax):
+    """Draw the free wave's displacements against depth."""
+    columns = record.surface
+    depth = -columns["z_m"] * 1e3
+    for name, colour in (("u_z", "slip"), ("u_x", "intermittent"), ("u_y", "second")):
+        values = columns[f"{name}_per_m_of_u_z"]
+        part = values.imag if name == "u_x" else values.real
+        if abs(values).max() > 1e-9:
+            label = f"Im {name}" if name == "u_x" else f"Re {name}"
+            ax.plot(depth, part, ".-", color=COLOURS[colour], markersize=3, linewidth=0.8, label=label)
+    ax.set_xlabel("depth (mm)")
+    ax.set_ylabel("displacement over u_z at the surface")
+    ax.set_title(
+        f"{record.scene.title}: {record.wave['phase_velocity_m_per_s']:.2f} m/s",
+        fontsize="medium",
+        parse_math=False,
+    )
+    ax.grid(alpha=0.3)
+    ax.legend(frameon=False)
+    return ax
+
+
+def errors(record: Record, ax):
+    """Draw the estimated error of each point, with what was asked for."""
+    given = record.level == "normal_amplitude_m"
+    scale, unit = (1e9, "normal amplitude (nm)") if given else (1.0, "drive voltage, peak (V)")
+    known = [point for point in record.points if point.get("relative_error")]
+    at = [point[record.level] * scale for point in known]
+    ax.semilogy(
+        at, [point["relative_error"] for point in known], "o", color=COLOURS["slip"], label="estimated error"
+    )
+    ax.axhline(record.tolerance, color=COLOURS["line"], linestyle="--", linewidth=1, label="asked for")
+    ax.set_xlabel(unit)
+    ax.set_ylabel("relative error")
+    ax.set_title(record.scene.title, fontsize="medium", parse_math=False)
+    ax.grid(alpha=0.3)
+    ax.legend(frameon=False)
+    return ax

@@ -1,0 +1,204 @@
+"""The intermediate numbers of a run, from drive to contact, each with its error and where that comes from."""
+
+import math
+from dataclasses import dataclass
+
+from studies.chain import bridge
+from studies.chain.record import Record
+
+__all__ = ["Number", "intermediate_numbers", "si"]
+
+PREFIXES = {-18: "a", -15: "f", -12: "p", -9: "n", -6: "\u00b5", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+CLOSED = "closed form"
+GIVEN = "as given or resolved"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Number:
+    """One number of the chain.
+
+    Attributes
+    ----------
+    stage : str
+        Of the chain: drive, stator, contact.
+    name, value : str
+        The value with its unit.
+    error : str
+        Relative, or why there is none.
+    """
+
+    stage: str
+    name: str
+    value: str
+    error: str
+
+
+def si(value: float, unit: str, digits: int = 5) -> str:
+    """Return a number with an SI prefix.
+
+    Examples
+    --------
+    >>> si(2.394e-10, "m/V"), si(0.0, "N"), si(-1.5, "m/s"), si(3e-25, "J")
+    ('239.4 pm/V', '0 N', '-1.5 m/s', '3e-25 J')
+    """
+    if value == 0:
+        return f"0 {unit}"
+    power = 3 * math.floor(math.log10(abs(value)) / 3)
+    if power not in PREFIXES:
+        return f"{value:.{digits}g} {unit}"
+    return f"{value / 10.0**power:.{digits}g} {PREFIXES[power]}{unit}"
+
+
+def intermediate_numbers(record: Record) -> tuple[Number, ...]:
+    """Return the numbers between the scene and the answer, in the order of the chain."""
+    rows = _drive(record)
+    if record.surface_wave is not None:
+        rows += _stator(record)
+    elif record.scene.stator is not None:
+        rows += _free(record)
+    if record.scene.slider is not None:
+        rows += _contact(record)
+    return tuple(
+        Number(stage=stage, name=name, value=value, error=error) for stage, name, value, error in rows
+    )
+
+
+def _error(size: float) -> str:
+    return f"{size:.1e}"
+
+
+def _drive(record: Record) -> list[tuple]:
+    scene = record.scene
+    rows = [("drive", "frequency", si(scene.frequency, "Hz", 9), GIVEN)]
+    for each in scene.transducer:
+        rows.append(("drive", f"period of transducer {each.name}", si(each.period, "m", 8), GIVEN))
+    return rows
+
+
+def _stator(record: Record) -> list[tuple]:
+    wave, electrical, stator = record.wave, record.electrical, "stator"
+    admittance, motion = electrical["admittance_S"], record.surface_wave.relative_error
+    of_charge, residual = electrical["admittance_relative_error"], electrical["power_residual"]
+    speed, ratio = _mode_errors(record)
+    comb = electrical["comb_voltage_per_volt"]
+    powers = [
+        (stator, f"power {name}", si(electrical[key], "W/V\u00b2"), f"balance missed by {_error(residual)}")
+        for name, key in (
+            ("given by the source", "power_W_per_V2"),
+            ("lost in the solid and absorbed", "power_dissipated_W_per_V2"),
+            ("sent out through the ends", "power_radiated_W_per_V2"),
+        )
+    ]
+    fine = record.surface_wave
+    rows = [
+        (stator, "discretisation", f"{fine.resolution}, {fine.unknowns} unknowns", "that of what follows"),
+        (
+            stator,
+            "phase velocity of the surface mode",
+            si(wave["phase_velocity_m_per_s"], "m/s", 9),
+            _error(speed),
+        ),
+        (stator, "|u_x/u_z| of the surface mode", f"{wave['surface_ratio']:.6g}", _error(ratio)),
+        (stator, "admittance", _complex(admittance, "S"), _error(of_charge)),
+        (
+            stator,
+            "voltage between the combs, per volt",
+            _complex(comb, "V"),
+            _error(of_charge * abs(1 - comb)),
+        ),
+        *powers,
+        (
+            stator,
+            "u_z at the slider's place, per volt",
+            _polar(wave["normal_m_per_V"], "m/V"),
+            _error(motion),
+        ),
+        (
+            stator,
+            "u_x at the slider's place, per volt",
+            _polar(wave["tangential_m_per_V"], "m/V"),
+            _error(motion),
+        ),
+    ]
+    if "rayleigh_normal_m_per_V" in wave:
+        part = _polar(wave["rayleigh_normal_m_per_V"], "m/V")
+        rows.append((stator, "of it the surface mode's", part, _error(motion)))
+    swing = f"{wave['standing_wave_ratio']:.5g}"
+    return [
+        *rows,
+        (stator, "standing-wave ratio about there", swing, "of the order of " + _error(2 * motion)),
+    ]
+
+
+def _free(record: Record) -> list[tuple]:
+    wave, velocity = record.wave, record.error["relative"]
+    return [
+        ("stator", "velocity", si(wave["phase_velocity_m_per_s"], "m/s", 9), _error(velocity)),
+        ("stator", "|u_x/u_z|", f"{wave['surface_ratio']:.6g}", "not estimated"),
+        ("stator", "attenuation", si(wave["attenuation_per_m"], "1/m"), "not estimated"),
+    ]
+
+
+def _mode_errors(record: Record) -> tuple[float, float]:
+    """Relative changes of the surface mode's velocity and ratio from a section one order coarser: upper bounds."""
+    from dataclasses import replace
+
+    import numpy as np
+
+    from fem.guided import guided_modes
+    from fem.section import discretise
+    from fem.threads import one_blas_thread
+
+    fine = record.surface_wave
+    solution = fine.solution
+    finer = solution.resolution
+    coarse = replace(finer, order=finer.order - 1)
+    scale = min(each.finger_width / 2 for each in solution.transducers)
+    section = discretise(
+        solution.stator, coarse, wavelength=solution.section.length_unit, surface_scale=scale
+    )
+    modes = one_blas_thread(guided_modes)(section, fine.frequency)
+    speed = 2 * np.pi * fine.frequency * section.length_unit / np.mean(modes.wavenumbers[modes.rayleigh].real)
+    shape = section.surface_rows @ modes.right[:, modes.rayleigh]
+    ratio = abs(np.mean(shape[0] / shape[1]))
+    return abs(speed / fine.phase_velocity - 1), abs(ratio / fine.surface_ratio - 1)
+
+
+def _contact(record: Record) -> list[tuple]:
+    block, name = record.scene.slider, "contact"
+    slider = bridge.contact_slider(block)
+    contacts = 1 if isinstance(block.contacts, int) else len(block.contacts)
+    depth = slider.rest_approach(contacts)
+    radius = math.sqrt(slider.radius * depth)
+    share = slider.preload / contacts
+    pressure = 1.5 * share / (math.pi * radius**2) if radius > 0 else 0.0
+    bounce = slider.normal_resonance(contacts) if share > 0 else 0.0
+    ring = slider.tangential_resonance(contacts) if share > 0 else 0.0
+    rows = [
+        (name, "modulus E*", si(slider.effective_modulus, "Pa"), GIVEN),
+        (name, "modulus G*", si(slider.tangential_modulus, "Pa"), GIVEN),
+        (name, "normal force on a contact at rest", si(share, "N"), CLOSED),
+        (name, "approach at rest", si(depth, "m"), CLOSED),
+        (name, "radius of the contact at rest", si(radius, "m"), CLOSED),
+        (name, "largest pressure at rest", si(pressure, "Pa"), CLOSED),
+        (name, "slip limit of the deformation at rest", si(slider.limit_slope * depth, "m"), CLOSED),
+        (name, "bounce and ring at rest", f"{si(bounce, 'Hz')}, {si(ring, 'Hz')}", CLOSED),
+    ]  # fmt: skip
+    stator = record.surface_wave.relative_error if record.surface_wave is not None else 0.0
+    for key, what in (("threshold", "slider begins to slip"), ("release", "contact is first lost")):
+        amplitude = record.summary.get(f"{key}_amplitude_m")
+        voltage = record.summary.get(f"{key}_voltage_V")
+        if amplitude is not None:
+            value = si(amplitude, "m") + ("" if voltage is None else f" at {si(voltage, 'V')}")
+            error = CLOSED + (f", of the stator {_error(stator)}" if stator else "")
+            rows.append((name, f"amplitude from which the {what}", value, error))
+    return rows
+
+
+def _complex(value: complex, unit: str) -> str:
+    sign = "\u2212" if value.imag < 0 else "+"
+    return f"{si(value.real, unit)} {sign} i {si(abs(value.imag), unit)}"
+
+
+def _polar(value: complex, unit: str) -> str:
+    return f"{si(abs(value), unit)}, phase {math.degrees(math.atan2(value.imag, value.real)):.2f}\u00b0"

@@ -1,0 +1,114 @@
+"""Changes of a scene from the command line: ``--set slider.mass=1e-4`` and ``--voltage 5:60:12``."""
+
+import tomllib
+
+from studies.refusal import SceneError, shown
+from studies.scene.quantity import si_value
+
+__all__ = ["assigned", "axes_given", "replaced", "toml_value", "voltages"]
+
+
+def toml_value(text: str):
+    """Return what a text means as a TOML value; what is not TOML is the text itself.
+
+    Examples
+    --------
+    >>> toml_value("1e-4"), toml_value("[1, 2]"), toml_value("900 mm")
+    (0.0001, [1, 2], '900 mm')
+    """
+    try:
+        document = tomllib.loads(f"value = {text}")
+    except (tomllib.TOMLDecodeError, RecursionError, ValueError):
+        return text
+    return document["value"] if list(document) == ["value"] else text
+
+
+def assigned(table: dict, setting: str) -> dict:
+    """Return a scene's table with one key changed.
+
+    Parameters
+    ----------
+    table : dict
+        TOML document of a scene; it is left as it is.
+    setting : str
+        ``KEY=VALUE``, the key a dotted path in which lists are numbered from 0.
+
+    Raises
+    ------
+    SceneError
+        If the setting has no ``=`` or its path leads into something that holds no keys.
+    """
+    path, sign, text = setting.partition("=")
+    keys = [key.strip() for key in path.split(".")]
+    if not sign or not all(keys):
+        raise SceneError("--set", f"must be KEY=VALUE with a dotted key, got {shown(setting)}")
+    return _changed(table, keys, toml_value(text.strip()), "")
+
+
+def replaced(table: dict, key: str, value) -> dict:
+    """Return a scene's table with the value at a dotted key replaced; the table is left as it is."""
+    return _changed(table, key.split("."), value, "")
+
+
+def axes_given(settings: list[str]) -> dict[str, str]:
+    """Return the axes of ``--over KEY=VALUES``, values by key.
+
+    Examples
+    --------
+    >>> axes_given(["slider.preload=1 mN:5 mN:3"])
+    {'slider.preload': '1 mN:5 mN:3'}
+    """
+    found = {}
+    for setting in settings:
+        key, sign, text = (part.strip() for part in setting.partition("="))
+        if not sign or not key or not text:
+            raise SceneError("--over", f"must be KEY=START:STOP:N or KEY=LIST, got {shown(setting)}")
+        if key in found:
+            raise SceneError(f"--over {key}", "is given twice")
+        found[key] = text
+    return found
+
+
+def _changed(holder, keys: list[str], value, done: str):
+    if not keys:
+        return value
+    key, rest = keys[0], keys[1:]
+    here = f"{done}.{key}" if done else key
+    if isinstance(holder, dict):
+        return holder | {key: _changed(holder.get(key, {} if rest else None), rest, value, here)}
+    if isinstance(holder, list):
+        if not (key.isascii() and key.isdigit() and len(key) < 10 and int(key) < len(holder)):
+            raise SceneError(here, f"is no entry of {done}: its {len(holder)} entries are numbered from 0")
+        return [_changed(old, rest, value, here) if i == int(key) else old for i, old in enumerate(holder)]
+    raise SceneError(here, f"cannot be set: {done} is {shown(holder)} and holds no keys")
+
+
+def voltages(text: str) -> list[float]:
+    """Return the peak voltages in V of ``START:STOP:N`` or of a list with commas.
+
+    Examples
+    --------
+    >>> voltages("5:60:12")[:3], voltages("5,10,20 V")
+    ([5.0, 10.0, 15.0], [5.0, 10.0, 20.0])
+    """
+    parts = text.split(":")
+    if len(parts) == 1:
+        return [_volt(part) for part in text.split(",")]
+    if len(parts) != 3 or not (parts[2].strip().isascii() and parts[2].strip().isdigit()):
+        raise SceneError("--voltage", f"must be START:STOP:N or a list with commas, in V, got {shown(text)}")
+    start, stop, count = _volt(parts[0]), _volt(parts[1]), int(parts[2][:9])
+    if not 1 <= count <= 100_000:
+        raise SceneError("--voltage", f"must ask for 1 to 100000 values, got {count}")
+    if count == 1 and start != stop:
+        raise SceneError(
+            "--voltage", f"must ask for at least 2 values between different ends, got {shown(text)}"
+        )
+    return [start + (stop - start) * i / max(count - 1, 1) for i in range(count)]
+
+
+def _volt(text: str) -> float:
+    value = toml_value(text.strip())
+    number = si_value("--voltage", value, "V")
+    if number < 0:
+        raise SceneError("--voltage", f"must be zero or positive, got {shown(text.strip())} V")
+    return number

@@ -1,0 +1,156 @@
+"""A scene with numbers in place of words, and its stator as ``fem`` knows it.
+
+``period = "auto"``, ``preload = "weight"`` and ``ball = "steel"`` become numbers, so that the scene kept with
+a result runs again without asking anything.  What only the physics can refuse (a material, a layout) is
+refused here.
+"""
+
+from contextlib import contextmanager
+from dataclasses import replace
+
+from studies.refusal import SceneError
+from studies.scene import Scene
+from studies.scene.blocks import IsotropicSolid, PiezoelectricSolid, Slider, Stator
+from studies.scene.endless import refuse_endless_burst
+
+__all__ = ["resolved", "resolved_slider", "solid", "stator", "transducers"]
+
+
+def resolved(scene: Scene) -> Scene:
+    """Return the scene with its automatic values found.
+
+    Raises
+    ------
+    SceneError
+        If the material, the moduli or the layout are impossible.
+    """
+    if scene.transducer and scene.frequency != "center":
+        scene = replace(scene, transducer=_with_periods(scene))
+    if scene.stator is not None:
+        _check_layout(scene)
+    if scene.slider is None:
+        return scene
+    refuse_endless_burst(scene)
+    return replace(scene, slider=resolved_slider(scene.slider, scene.stator))
+
+
+def resolved_slider(slider: Slider, stator: Stator | None) -> Slider:
+    """Return a slider with its preload and its moduli as numbers, those of a named ball on this stator."""
+    slider = replace(slider, preload=slider.preload_force)
+    if slider.ball is None:
+        return slider
+    from studies.scene.modulus import pair_moduli
+
+    normal, tangential = pair_moduli(slider.ball, solid(stator))
+    return replace(slider, ball=None, effective_modulus=normal, tangential_modulus=tangential)
+
+
+def solid(block: Stator):
+    """Return the stator's ``fem.Solid``, rotated to its orientation."""
+    from fem import materials
+
+    given = block.material
+    with _refused("stator.material"):
+        if isinstance(given, PiezoelectricSolid):
+            crystal = materials.anisotropic(
+                name=given.name,
+                stiffness=given.stiffness,
+                coupling=given.coupling,
+                permittivity=given.permittivity,
+                density=given.density,
+                **_losses(given, "mechanical_quality", "dielectric_loss"),
+            )
+        elif isinstance(given, IsotropicSolid):
+            crystal = materials.isotropic(
+                name=given.name,
+                youngs_modulus=given.youngs_modulus,
+                poisson_ratio=given.poisson_ratio,
+                density=given.density,
+                **_losses(given, "mechanical_quality"),
+            )
+        else:
+            crystal = materials.material(given)
+        return materials.rotated(crystal, block.orientation)
+
+
+def stator(block: Stator):
+    """Return the ``fem.Stator`` of a stator block."""
+    from fem import geometry
+
+    rotated = solid(block)
+    with _refused("stator"):
+        return geometry.Stator(
+            solid=rotated,
+            length=block.length,
+            thickness=float("inf") if block.thickness == "half-space" else block.thickness,
+            bottom=block.bottom,
+            ends=block.ends,
+            above=block.above,
+        )
+
+
+def transducers(scene: Scene) -> tuple:
+    """Return the ``fem.Transducer`` objects of a scene whose periods are numbers."""
+    from fem import geometry
+
+    with _refused("transducer"):
+        return tuple(
+            geometry.Transducer(
+                name=block.name,
+                center=block.center,
+                finger_pairs=block.finger_pairs,
+                period=block.period,
+                metallisation=block.metallisation,
+                aperture=block.aperture,
+                termination=block.termination,
+                pattern=block.pattern,
+                split=block.split,
+            )
+            for block in scene.transducer
+        )
+
+
+def _with_periods(scene: Scene) -> tuple:
+    if all(block.period != "auto" for block in scene.transducer):
+        return scene.transducer
+    from fem import geometry
+
+    rotated = solid(scene.stator)
+    with _refused("transducer.period"):
+        return tuple(
+            replace(
+                block, period=float(geometry.automatic_period(rotated, scene.frequency, block.metallisation))
+            )
+            if block.period == "auto"
+            else block
+            for block in scene.transducer
+        )
+
+
+def _check_layout(scene: Scene) -> None:
+    from fem import geometry, materials
+
+    block = stator(scene.stator)
+    if scene.transducer and "phi" not in materials.fields(block.solid):
+        rule = f"must be absent on {block.solid.name}: it is not piezoelectric in this orientation"
+        raise SceneError("transducer", rule)
+    with _refused("transducer"):
+        if all(transducer.period != "auto" for transducer in scene.transducer):
+            geometry.check_layout(block, transducers(scene))
+
+
+def _losses(block, *names: str) -> dict[str, float]:
+    """Return the losses that were given; absent ones are lossless."""
+    return {name: getattr(block, name) for name in names if getattr(block, name) is not None}
+
+
+@contextmanager
+def _refused(path: str):
+    """Turn a refusal of fem into the scene's."""
+    try:
+        yield
+    except ValueError as error:
+        text = str(error).splitlines()[0]
+        raise SceneError(
+            "", text if text.startswith(("stator.", "transducer")) else f"{path}: {text}"
+        ) from None

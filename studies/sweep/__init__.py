@@ -1,0 +1,169 @@
+"""Many points of one scene: designed, computed wherever there are workers, kept as they come, resumed where they stop.
+
+``sweep("twente", {"slider.preload": "1 mN:100 mN:50", "drive.voltage": "5:60:12"}, out="map")``.  A point is the scene
+with some keys changed; its row is what a run of that scene would find.  What several points share is computed
+once: the stator for each frequency and geometry (``source_solver``), then the contact for batches of points.
+A row is written when its batch is done and is durable when it is counted; the same call goes on with what is
+missing, and with points that were lost with their worker.
+"""
+
+import sqlite3
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import perf_counter
+
+from studies.refusal import RunError, SceneError
+from studies.scene import Scene, read_table
+from studies.sweep.design import Design, designed
+from studies.sweep.driver import Driver
+from studies.sweep.source_solver import variation
+from studies.sweep.store import FILE, Store
+from studies.sweep.workers import workers as chosen_workers
+
+__all__ = ["Sweep", "sweep"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sweep:
+    """What a sweep left.
+
+    Attributes
+    ----------
+    path : Path or None
+        The SQLite file; None for a sweep in memory.
+    points : int
+        Of the design, each with its row.
+    counts : dict
+        How many rows of each kind: ok, refused, no answer, above tolerance, lost.
+    cost : float
+        Seconds of work, in this process or in workers, earlier drivers' included.
+    seconds : float
+        Of this driver.
+    """
+
+    path: Path | None
+    points: int
+    counts: dict[str, int]
+    cost: float
+    seconds: float
+    store: Store = field(repr=False)
+
+    @property
+    def failed(self) -> int:
+        """Rows without an answer within the tolerance."""
+        return self.points - self.counts.get("ok", 0)
+
+    def columns(self) -> dict[str, list]:
+        """Return the rows in the order of their points, as columns; what a row has not is None."""
+        connection = self.store.connection if self.path is None else sqlite3.connect(self.path)
+        try:
+            cursor = connection.execute("select * from points order by point")
+            names = [entry[0] for entry in cursor.description]
+            columns = {name: [] for name in names}
+            for row in cursor:
+                for name, value in zip(names, row, strict=True):
+                    columns[name].append(value)
+            return columns
+        finally:
+            if self.path is not None:
+                connection.close()
+
+
+def sweep(
+    scene: Scene | str | Path | dict,
+    over: dict | None = None,
+    *,
+    points=None,
+    samples: int | None = None,
+    seed: int = 0,
+    tolerance: float = 1e-3,
+    also: tuple[str, ...] = (),
+    out: str | Path | None = None,
+    workers: int = 1,
+    scheduler: str | None = None,
+    progress: Callable[[int, int, int, float], None] | None = None,
+) -> Sweep:
+    """Compute every point of a sweep that its store does not hold yet.
+
+    Parameters
+    ----------
+    scene : Scene, str, Path or dict
+        A scene, its file, the name of one that ships, or its TOML document.
+    over : dict
+        Key to values, or to a text such as ``"1 mN:100 mN:50:log"``.
+    points : path, dict or data frame, optional
+        A CSV file or table of points, one more axis.
+    samples, seed : int
+        Of a Latin hypercube, whose keys have ``START:STOP:latin``.
+    tolerance : float
+        As in a run.
+    also : tuple of str
+        Beside the velocity: "limits", "thrust", "efficiency".
+    out : path, optional
+        Directory of the store; in memory without one.
+    workers : int
+        Processes; 1 for this one.
+    scheduler : str, optional
+        Address of a Dask scheduler instead.
+    progress : callable, optional
+        Called with (points, of them kept, of those failed, seconds of work).
+
+    Raises
+    ------
+    SceneError
+        For what is wrong whatever the point, or a store of another sweep.
+    RunError
+        If the store cannot be written, another driver is at work, or the sweep was interrupted.
+    """
+    begun = perf_counter()
+    table = _table(scene)
+    design = designed(
+        table, over or {}, points=points, samples=samples, seed=seed, tolerance=tolerance, also=tuple(also)
+    )
+    _refuse_hopeless(design)
+    store = Store(None if out is None else Path(out), design)
+    try:
+        staff = chosen_workers(workers, scheduler)
+        try:
+            Driver(design, store, staff, progress or (lambda *_: None)).run()
+        except KeyboardInterrupt:
+            kept = sum(store.counts().values())
+            where = "" if out is None else " and the same command goes on from there"
+            raise RunError(f"interrupted: {kept} of {len(design)} points are kept{where}") from None
+        finally:
+            staff.stop()
+        return Sweep(
+            path=None if out is None else Path(out) / FILE, points=len(design), counts=store.counts(),
+            cost=store.cost(), seconds=perf_counter() - begun, store=store,
+        )  # fmt: skip
+    finally:
+        if out is not None:
+            store.close()
+
+
+def _table(scene) -> dict:
+    """Return the TOML document of a scene, in SI units where it is one without the sweep's keys."""
+    if isinstance(scene, Scene):
+        return scene.to_table()
+    table = scene if isinstance(scene, dict) else read_table(scene)
+    try:
+        return Scene.from_table("", table).to_table()
+    except SceneError:
+        return table  # it may lack what an axis gives
+
+
+def _refuse_hopeless(design: Design) -> None:
+    """Refuse a sweep whose first, middle and last point break one and the same rule of no axis."""
+    import numpy as np
+
+    scenes, refusals = variation(design.question), []
+    for own in design.values(np.array([0, len(design) // 2, len(design) - 1])):
+        try:
+            scenes.scene(own)
+            return
+        except SceneError as error:
+            refusals.append(error)
+    first = refusals[0]
+    if len({str(error) for error in refusals}) == 1 and first.path not in design.question.keys:
+        raise first

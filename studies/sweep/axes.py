@@ -1,0 +1,231 @@
+"""The axes of a sweep: which keys of a scene take which values.
+
+``slider.preload=1 mN:100 mN:50`` is 50 values evenly spaced, ``...:50:log`` evenly spaced in their logarithm,
+``5 mN,10 mN`` a list (``[...]`` a TOML list of values); ``1 mN:100 mN:latin`` (or ``:latin:log``) is one side
+of a Latin hypercube, which all such keys share.  A CSV file of points is one axis of several keys.  Axes are
+multiplied.
+
+Values are converted to SI here and judged at their point: one that breaks a rule of the scene costs its own
+points alone.
+"""
+
+import csv
+import math
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+from studies.refusal import SceneError, nearest, shown
+from studies.scene import Scene
+from studies.scene.block import Blocks, OneOf, Within
+from studies.scene.override import toml_value
+from studies.scene.quantity import si_value
+from studies.scene.rule import Count, Impedance, Listed, Quantity
+
+__all__ = ["Axis", "axis", "latin_axis", "level_key", "point_axis", "rule_at", "unit_of"]
+
+MOST = 10_000_000  # values of one axis
+
+
+@dataclass(frozen=True)
+class Axis:
+    """Keys that move together.
+
+    Attributes
+    ----------
+    keys : tuple of str
+        Dotted, as in a scene.
+    columns : tuple of list
+        The values of each key, equally many.
+    """
+
+    keys: tuple[str, ...]
+    columns: tuple[list, ...]
+
+    def __len__(self):
+        return len(self.columns[0])
+
+
+def axis(key: str, values) -> Axis | tuple:
+    """Return the axis of a key, or its (lowest, highest, logarithmic) as a side of a Latin hypercube.
+
+    Parameters
+    ----------
+    key : str
+        Dotted.
+    values : str or sequence or number
+        A text as in this module's docstring, or the values themselves.
+
+    Raises
+    ------
+    SceneError
+        If the scene has no such key, or the text cannot be read.
+    """
+    rule = rule_at(key)
+    if not isinstance(values, str):
+        values = values.tolist() if hasattr(values, "tolist") else values
+        values = list(values) if isinstance(values, (list, tuple, range)) else [values]
+        return _listed(key, rule, values)
+    if ":" in values and not values.lstrip().startswith(("[", '"', "'")):
+        return _ranged(key, rule, values)
+    whole = toml_value(values if values.lstrip().startswith("[") else f"[{values}]")
+    if not isinstance(whole, list):
+        whole = [toml_value(part.strip()) for part in values.split(",")]
+    return _listed(key, rule, whole)
+
+
+def point_axis(source) -> Axis:
+    """Return the axis of a table of points: a CSV file with keys in its first line, or a dict of columns."""
+    if isinstance(source, (str, Path)):
+        source = _read(Path(source))
+    elif not isinstance(source, dict):  # a data frame
+        source = {key: source[key].tolist() for key in source.columns}
+    axes = [axis(key, values if not isinstance(values, str) else [values]) for key, values in source.items()]
+    if not axes or len({len(each) for each in axes}) != 1:
+        raise SceneError("--points", "must hold a value for every key in every line")
+    return Axis(tuple(source), tuple(each.columns[0] for each in axes))
+
+
+def latin_axis(sides: dict[str, tuple], samples: int | None, seed: int) -> Axis:
+    """Return the points of a Latin hypercube as one axis (scipy.stats.qmc)."""
+    if not isinstance(samples, int) or not 1 <= samples <= MOST:
+        raise SceneError("--samples", f"must be 1 to {MOST} with a latin range, got {shown(samples)}")
+    from scipy.stats import qmc
+
+    unit = qmc.LatinHypercube(len(sides), rng=seed).random(samples).T
+    columns = []
+    for share, (low, high, logarithmic) in zip(unit.tolist(), sides.values(), strict=True):
+        columns.append([_between(low, high, part, logarithmic) for part in share])
+    return Axis(tuple(sides), tuple(columns))
+
+
+def level_key(table: dict) -> str | None:
+    """Return the key that says how hard a scene is driven; None for a free wave."""
+    if "wave" in table:
+        return "wave.normal_amplitude"
+    return "drive.voltage" if table.get("transducer") else None
+
+
+def rule_at(key: str):
+    """Return the rule of a scene's key, its lists of blocks numbered from 0.
+
+    Raises
+    ------
+    SceneError
+        If there is no such key.
+    """
+    kinds, done, parts = (Scene,), "", key.split(".")
+    while parts:
+        name = parts.pop(0)
+        here = f"{done}.{name}" if done else name
+        known = {entry.name: entry for kind in kinds for entry in fields(kind)}
+        if name not in known:
+            raise SceneError(here, f"is no key of a scene{nearest(name, known)}")
+        rule = known[name].type.__metadata__[0]
+        if isinstance(rule, Blocks):
+            if not parts or not parts[0].isdigit():
+                raise SceneError(here, f"is a list: say which one, as in {here}.0")
+            here, kinds = f"{here}.{parts.pop(0)}", (rule.kind,)
+        elif isinstance(rule, Within):
+            kinds = (rule.kind,)
+        elif isinstance(rule, OneOf) and parts:
+            kinds = rule.kinds
+        elif parts:
+            raise SceneError(key, f"is no key of a scene: {here} holds no keys")
+        else:
+            return rule
+        if not parts:
+            raise SceneError(here, f"is a block: name one of its keys{nearest('', ())}")
+        done = here
+    raise SceneError(key, "is no key of a scene")
+
+
+def _ranged(key, rule, text):
+    parts = [part.strip() for part in text.split(":")]
+    wanted = "must be START:STOP:N, with :log after it for even steps of the logarithm, or a list with commas"
+    if len(parts) not in (3, 4) or (len(parts) == 4 and parts[3] != "log"):
+        raise SceneError(f"--over {key}", f"{wanted}, got {shown(text)}")
+    unit = unit_of(rule)
+    if unit is None:
+        raise SceneError(f"--over {key}", f"takes words: give a list with commas, got {shown(text)}")
+    low, high = (si_value(f"--over {key}", toml_value(part), unit) for part in parts[:2])
+    logarithmic = len(parts) == 4
+    if logarithmic and not (low > 0 and high > 0):
+        raise SceneError(
+            f"--over {key}", f"must lie above 0 for even steps of the logarithm, got {shown(text)}"
+        )
+    if parts[2] == "latin":
+        return low, high, logarithmic
+    if not (parts[2].isascii() and parts[2].isdigit() and 1 <= int(parts[2][:9]) <= MOST):
+        raise SceneError(f"--over {key}", f"must ask for 1 to {MOST} values, or latin, got {shown(parts[2])}")
+    count = int(parts[2])
+    if count == 1 and low != high:
+        raise SceneError(
+            f"--over {key}", f"must ask for at least 2 values between different ends, got {shown(text)}"
+        )
+    steps = [_between(low, high, k / max(count - 1, 1), logarithmic) for k in range(count)]
+    if isinstance(rule, Count) or isinstance(getattr(rule, "alone", None), Count):
+        if any(abs(step - round(step)) > 1e-9 for step in steps):
+            raise SceneError(f"--over {key}", f"must fall on whole numbers, got {shown(text)}")
+        steps = [round(step) for step in steps]
+    return Axis((key,), (steps,))
+
+
+def _between(low, high, share, logarithmic):
+    if share in (0, 1):
+        return high if share else low
+    return low * (high / low) ** share if logarithmic else low + (high - low) * share
+
+
+def _listed(key, rule, values):
+    if not 1 <= len(values) <= MOST:
+        raise SceneError(f"--over {key}", f"must hold 1 to {MOST} values, got {len(values)}")
+    return Axis((key,), ([_entry(rule, value) for value in values],))
+
+
+def _entry(rule, value):
+    """Return a value in SI units where it has one; what has none is left for its point to refuse."""
+    if isinstance(value, (list, tuple)):
+        inner = rule.each if isinstance(rule, Listed) else rule
+        return tuple(_entry(inner, each) for each in value)
+    if isinstance(rule, Listed):
+        rule = rule.alone or rule.each
+    unit = unit_of(rule)
+    if isinstance(rule, Count) and isinstance(value, float) and value.is_integer():
+        return int(value)
+    if unit is None or isinstance(rule, Count):
+        return value
+    try:
+        return si_value("", value, unit)
+    except SceneError:
+        # infinities and NaN have no place in a table; as text they are refused by name
+        return value if not isinstance(value, float) or math.isfinite(value) else repr(value)
+
+
+def unit_of(rule) -> str | None:
+    """Return the SI unit of a rule's numbers, None where it takes words."""
+    if isinstance(rule, Listed):
+        return unit_of(rule.alone or rule.each)
+    if isinstance(rule, Quantity):
+        return rule.unit
+    return "ohm" if isinstance(rule, Impedance) else "" if isinstance(rule, Count) else None
+
+
+def _read(path: Path) -> dict[str, list]:
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            rows = [row for row in csv.reader(file) if row]
+    except OSError as error:
+        raise SceneError("--points", f"{str(path)!r} cannot be read: {error.strerror}") from None
+    except (UnicodeDecodeError, csv.Error):
+        raise SceneError("--points", f"{str(path)!r} is no CSV file in UTF-8") from None
+    if len(rows) < 2:
+        raise SceneError("--points", f"{str(path)!r} must hold a line of keys and at least one point")
+    keys = [key.strip() for key in rows[0]]
+    for number, row in enumerate(rows[1:], start=2):
+        if len(row) != len(keys):
+            raise SceneError(
+                "--points", f"{str(path)!r} must have {len(keys)} values in row {number}, got {len(row)}"
+            )
+    if len(set(keys)) < len(keys):
+        raise SceneError("--points", f"{str(path)!r} names a key twice")
+    return {key: [toml_value(row[k].strip()) for row in rows[1:]] for k, key in enumerate(keys)}

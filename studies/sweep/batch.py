@@ -1,0 +1,259 @@
+"""A batch of a sweep's points: a row for every one of them, the failed ones with their reason.
+
+What a row holds depends on its own point alone, to the last bit: not on the other points of the batch, the
+worker, or the number of threads.  Steady states of the elastic law are computed all at once in a compiled loop;
+whatever that does not know or reach - other laws, bursts, stiff contacts - is solved as in a run, one by one.
+"""
+
+import math
+import time
+from dataclasses import dataclass, replace
+
+from studies.chain import bridge
+from studies.chain.points import slider_answer
+from studies.refusal import RunError, SceneError
+from studies.scene import Scene
+from studies.sweep.design import Question
+from studies.sweep.outcomes import Driven, also_asked, electrical
+from studies.sweep.source import Source
+from studies.sweep.source_solver import SHARE, STEPS, keep_to, variation
+
+__all__ = ["Batch", "solved_points"]
+
+MAPPED = ("auto", "averaged")  # methods of the contact that the compiled loop may stand for
+
+
+@dataclass(frozen=True, kw_only=True)
+class Batch:
+    """What became of a batch.
+
+    Attributes
+    ----------
+    rows : list of tuple
+        Point, then the question's outcomes.
+    finer : list of int
+        Points that need a better stator.
+    seconds : float
+    """
+
+    rows: list[tuple]
+    finer: list[int]
+    seconds: float
+
+
+def solved_points(
+    question: Question,
+    points: list[int],
+    values: list[tuple],
+    sources: dict[str, Source],
+    threads: int | None,
+) -> Batch:
+    """Return the rows of a batch.
+
+    Parameters
+    ----------
+    question : Question
+    points : list of int
+        Their numbers.
+    values : list of tuple
+        Of the question's keys.
+    sources : dict of str to Source
+        The stator's best answers so far, by name, with every one that the points need.
+    threads : int, optional
+        Of the compiled loop; all processors when absent.
+    """
+    begun = time.perf_counter()
+    keep_to(threads)
+    given = variation(question)
+    found, ready, finer = {}, {}, []
+    for point, own in zip(points, values, strict=True):
+        try:
+            source = sources.get(question.source(own)) if question.kind == "driven" else None
+            made = _ready(question, given, own, source)
+            if isinstance(made, dict):
+                found[point] = made
+            else:
+                ready[point] = made
+        except (SceneError, RunError) as error:
+            found[point] = _failure(error)
+    mapped = _mapped(question, ready, threads) if question.has_slider else {}
+    for point, driven in ready.items():
+        try:
+            answer = mapped.get(point) or _one(question, driven)
+            if answer.pop("finer", False) and not driven.final:
+                finer.append(point)
+                continue
+            found[point] = electrical(driven) | also_asked(question, driven, answer)
+        except (SceneError, RunError) as error:
+            found[point] = _failure(error)
+        except MemoryError:
+            found[point] = {"status": "no answer: it needs more memory than the worker has"}
+        except Exception as error:
+            text = " ".join(str(error).split())
+            found[point] = {"status": f"no answer: a defect of sawmotor: {type(error).__name__}: {text}"}
+    names = question.outcomes
+    rows = [(point, *(_kept(answer.get(name)) for name in names)) for point, answer in found.items()]
+    return Batch(rows=rows, finer=finer, seconds=time.perf_counter() - begun)
+
+
+def _ready(question, given, own, source) -> Driven | dict:
+    """Return a point made ready for the contact, or its whole answer where no contact is asked for."""
+    if question.kind == "free":
+        return _free_wave(given.scene(own), question.tolerance)
+    if source is not None and source.reason:
+        given.scene(own)  # the point's own fault, if it has one, is the better reason
+        return {"status": source.reason}
+    scene = given.resolved(own)
+    level = scene.levels[0]
+    if question.kind == "given":
+        return Driven(
+            scene=scene, level=level, orbits=bridge.given_orbits(scene.wave),
+            amplitudes=(1.0, scene.wave.tangential_ratio), error=0.0, source=None, final=True,
+        )  # fmt: skip
+    places = [scene.stator.length / 2] if scene.slider is None else _places(scene.slider)
+    at = [source.index(place) for place in places]
+    if any(source.errors[k] is None for k in at):
+        raise RunError("the stator's surface motion at this place is not known to the tolerance")
+    amplitudes = (float(abs(source.normal[at[0]])), float(abs(source.tangential[at[0]])))
+    error = max(source.errors[k] for k in at)
+    if scene.frequency != source.frequency:
+        scene = replace(scene, drive=replace(scene.drive, frequency=source.frequency))
+    orbits = ()
+    if scene.slider is not None:
+        orbits = source.orbits(
+            tuple(scene.slider.position + each for each in dict.fromkeys(scene.slider.offsets))
+        )
+    driven = Driven(
+        scene=scene, level=level, orbits=orbits, amplitudes=amplitudes, error=error, source=source,
+        final=source.step == STEPS - 1,
+    )  # fmt: skip
+    if scene.slider is not None:
+        return driven
+    status = "ok" if error <= question.tolerance else f"above tolerance: the stator's error is {error:.1e}"
+    return electrical(driven) | {"relative_error": error if level else 0.0, "status": status}
+
+
+def _places(slider) -> tuple[float, ...]:
+    return tuple(dict.fromkeys(slider.position + offset for offset in (0.0, *slider.offsets)))
+
+
+def _mapped(question, ready: dict[int, Driven], threads) -> dict[int, dict]:
+    """Return the answers of those points that the compiled loop reaches within the tolerance."""
+    import contact
+
+    groups = {}
+    for point, driven in ready.items():
+        if driven.scene.burst is None and driven.scene.slider.method in MAPPED:
+            groups.setdefault(len(driven.orbits), []).append(point)
+    answers = {}
+    for points in groups.values():
+        index, sliders, waves, which = {}, [], {}, []
+        for point in points:
+            driven, block = ready[point], ready[point].scene.slider
+            if block not in index:
+                try:
+                    sliders.append(bridge.contact_slider(block))
+                    index[block] = len(sliders) - 1
+                except ValueError:
+                    index[block] = None  # refused by name when it is solved by itself
+            which.append((index[block], waves.setdefault((driven.orbits, driven.error), len(waves))))
+        kept = [k for k, (slider, _) in enumerate(which) if slider is not None]
+        if not kept:
+            continue
+        found = contact.steady_population(
+            sliders,
+            [orbits for orbits, _ in waves],
+            which=[which[k] for k in kept],
+            factors=[ready[points[k]].level for k in kept],
+            wave_errors=[error for _, error in waves],
+            threads=threads,
+        )
+        columns = (found.velocity, found.regime, found.error, found.error_from_wave, found.blocked_thrust)
+        for k, row in zip(kept, zip(*(column.tolist() for column in columns), strict=True), strict=True):
+            velocity, regime, of_contact, of_stator, thrust = row
+            if regime == "unknown" or of_contact > SHARE * question.tolerance:
+                continue
+            answers[points[k]] = {
+                "velocity_m_per_s": velocity,
+                "regime": regime,
+                "thrust_N": thrust,
+            } | _judged(question, of_stator, of_contact, "ok")
+    return answers
+
+
+def _one(question, driven: Driven) -> dict:
+    """Return the answer of a point solved by itself, as in a run."""
+    answer = slider_answer(
+        driven.scene,
+        driven.orbits,
+        driven.amplitudes,
+        stator_error=driven.error,
+        tolerance=question.tolerance * SHARE,
+        progress=lambda text: None,
+        ringing=_ringing(driven),
+    )
+    point, (of_stator, of_contact) = dict(answer.points[0]), answer.parts[0]
+    if "relative_error" not in point:
+        return {"status": f"no answer: {point['status']}"}
+    return point | _judged(question, of_stator, of_contact, point["status"])
+
+
+def _judged(question, of_stator, of_contact, status) -> dict:
+    error = of_stator + of_contact
+    above = error > question.tolerance
+    if above and status == "ok":
+        parts = f"stator {of_stator:.1e}, contact {of_contact:.1e}"
+        status = f"above tolerance: the velocity's error is {error:.1e} ({parts})"
+    return {
+        "relative_error": error,
+        "status": status,
+        "finer": above and of_stator > SHARE * question.tolerance,
+    }
+
+
+def _ringing(driven: Driven):
+    scene = driven.scene
+    if scene.burst is None or driven.source is None:
+        return None
+    source = driven.source
+    if source.covered[source.index(scene.slider.position)]:
+        return None
+    plain = replace(scene, slider=None, title="", drive=replace(scene.drive, voltage=(1.0,)))
+    return _ring_up(plain, scene.slider.position)
+
+
+_RING_UPS = {}  # of the scenes that this process met last: the same for every slider and voltage
+
+
+def _ring_up(scene: Scene, place: float):
+    from studies.chain.ring_up import ring_up
+
+    if (scene, place) not in _RING_UPS:
+        while len(_RING_UPS) >= 8:
+            _RING_UPS.pop(next(iter(_RING_UPS)))
+        _RING_UPS[scene, place] = ring_up(scene, place, progress=lambda text: None)
+    return _RING_UPS[scene, place]
+
+
+def _free_wave(scene: Scene, tolerance: float) -> dict:
+    """Return the answer of a scene without transducers: one run of the chain."""
+    from studies.chain import run
+
+    record = run(scene, tolerance=tolerance)
+    found = {
+        name: record.wave[name] for name in ("phase_velocity_m_per_s", "surface_ratio", "attenuation_per_m")
+    }
+    status = f"above tolerance: {record.shortfall}" if record.shortfall else "ok"
+    return found | {"relative_error": record.error["relative"], "status": status}
+
+
+def _failure(error: Exception) -> dict:
+    kind = "refused" if isinstance(error, SceneError) else "no answer"
+    return {"status": f"{kind}: {' '.join(str(error).split())}"}
+
+
+def _kept(value):
+    """Return a value as the store holds it: what is not finite is none."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

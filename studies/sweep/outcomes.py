@@ -1,0 +1,80 @@
+"""What a point of a sweep is answered with beside its velocity: amplitudes, power, limits, thrust, efficiency."""
+
+from dataclasses import dataclass, replace
+
+from studies.chain import bridge
+from studies.scene import Scene
+from studies.sweep.source import Source
+
+__all__ = ["Driven", "also_asked", "electrical"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Driven:
+    """A point made ready: its resolved scene, the motion per unit of its level, and what it comes from."""
+
+    scene: Scene
+    level: float
+    orbits: tuple
+    amplitudes: tuple[float, float]
+    error: float
+    source: Source | None
+    final: bool
+
+
+def electrical(driven: Driven) -> dict:
+    """Return a point's amplitudes and, with a stator, what its driven comb takes."""
+    normal, tangential = driven.amplitudes
+    found = {"normal_amplitude_m": normal * driven.level, "tangential_amplitude_m": tangential * driven.level}
+    if driven.source is None:
+        return found
+    source = driven.source
+    return found | {
+        "frequency_Hz": source.frequency,
+        "conductance_S": source.admittance.real,
+        "susceptance_S": source.admittance.imag,
+        "power_W": 0.5 * source.admittance.real * abs(source.comb_voltage * driven.level) ** 2,
+    }
+
+
+def also_asked(question, driven: Driven, answer: dict) -> dict:
+    """Return the answer with what was asked for beside the velocity, totals of the slider."""
+    if not question.also or "velocity_m_per_s" not in answer:
+        return answer
+    import contact
+
+    slider, orbits = bridge.contact_slider(driven.scene.slider), bridge.scaled(driven.orbits, driven.level)
+    if "limits" in question.also:
+        for name, factor in (("threshold", contact.threshold_factor), ("release", contact.release_factor)):
+            answer[f"{name}_factor"] = factor(slider, orbits)
+    if question.also == ("limits",):
+        return answer
+    share = driven.scene.slider.mass / slider.mass
+    thrust = answer.pop("thrust_N", None)
+    if thrust is None:
+        try:
+            thrust = max(contact.blocked_thrust(slider, orbits)[0], 0.0)
+        except contact.ConvergenceError:
+            return answer
+    answer["thrust_N"] = thrust * share
+    if "efficiency" in question.also:
+        answer |= _efficiency(driven, slider, orbits, thrust, question.tolerance)
+    return answer
+
+
+def _efficiency(driven, slider, orbits, thrust, tolerance) -> dict:
+    """Return the efficiencies at half the blocked thrust: of the contact, and of the power into the driven comb."""
+    import contact
+
+    out, put_in = 0.0, 1.0
+    if thrust > 0.0:
+        try:
+            state = contact.steady(replace(slider, load=0.5 * thrust), orbits, tolerance=tolerance)
+        except contact.ConvergenceError:
+            return {}
+        out, put_in = 0.5 * thrust * abs(state.velocity), state.ledger.wave * orbits[0].frequency
+    found = {"contact_efficiency": out / put_in if put_in > 0.0 else 0.0}
+    power = electrical(driven).get("power_W", 0.0)
+    if power > 0.0:
+        found["motor_efficiency"] = out * driven.scene.slider.mass / slider.mass / power
+    return found

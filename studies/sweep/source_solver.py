@@ -1,0 +1,230 @@
+"""Solving the stator for a sweep: once for each frequency and geometry.
+
+What does not depend on the slider or the voltage is computed here, once, and kept in the sweep's store.  Many
+frequencies of one geometry are solved as a band.  Where a point near the threshold turns out to need a better
+stator, the next answer is ten times better: which of the ``STEPS`` a point uses depends on that point alone.
+"""
+
+import json
+import os
+import time
+from dataclasses import asdict, replace
+from functools import lru_cache
+
+from studies.refusal import RunError, SceneError
+from studies.scene import Scene
+from studies.sweep.design import Question, contact_places
+from studies.sweep.source import Source
+from studies.sweep.variation import Variation
+
+__all__ = ["SHARE", "STEPS", "keep_to", "serves_band", "solved_sources", "variation"]
+
+SHARE, GAIN = 0.25, 0.1  # of the tolerance at first, and of the step before
+BAND_SHARE = 0.1  # a band a level finer costs half as much again, two bands twice as much
+STEPS = 3
+
+
+@lru_cache(4)
+def _variation(text: str) -> Variation:
+    return Variation(Question(**{key: _tuples(key, value) for key, value in json.loads(text).items()}))
+
+
+def _tuples(key, value):
+    return tuple(value) if isinstance(value, list) and key != "table" else value
+
+
+def variation(question: Question) -> Variation:
+    """Return the scenes of a question, the same for all tasks that a process is given."""
+    return _variation(json.dumps(asdict(question)))
+
+
+def solved_sources(
+    question: Question, names: tuple[str, ...], step: int, threads: int | None
+) -> tuple[list[Source], float]:
+    """Return the stator's answers of these names, and the seconds that they took."""
+    from fem.threads import one_blas_thread
+
+    keep_to(threads)
+    begun = time.perf_counter()
+    if serves_band(question):
+        one_blas_thread(_in_bands)(question, names, step)
+    answers = [one_blas_thread(_answer)(question, name, step) for name in names]
+    return answers, time.perf_counter() - begun
+
+
+def keep_to(threads: int | None) -> None:
+    """Keep this process, a worker, to so many threads; None leaves it as it is."""
+    if threads is not None:
+        os.environ["SAWMOTOR_THREADS"] = str(threads)
+
+
+def _in_bands(question: Question, names, step: int) -> None:
+    """Solve the frequencies of these answers side by side, for `_answer` to read."""
+    import fem
+
+    _WAVES.clear()
+    groups = {}
+    for name in names:
+        try:
+            scene = variation(question).source(_values(name))
+            groups.setdefault((_Fixed(scene), _places(question, scene, _values(name))), []).append(
+                scene.frequency
+            )
+        except SceneError:
+            continue  # said when it is its turn
+    for (fixed, places), frequencies in groups.items():
+        drive = fixed.scene.drive
+        try:
+            band = _band(fixed, question.frequencies, places, goal(question, step))
+            waves = band.waves(frequencies, driven=drive.transducer, source_impedance=drive.source_impedance)
+        except (RunError, ValueError, ArithmeticError, fem.ConvergenceError):
+            continue  # one of them: each is tried by itself, and says why
+        _WAVES.update({(fixed, frequency, places, step): wave
+                       for frequency, wave in zip(frequencies, waves, strict=True)})  # fmt: skip
+
+
+_WAVES = {}  # the frequencies of the task in hand
+
+
+def goal(question: Question, step: int) -> float:
+    """Return the relative error allowed at a step."""
+    if not question.has_slider:
+        return question.tolerance
+    return question.tolerance * (BAND_SHARE if serves_band(question) else SHARE) * GAIN**step
+
+
+def serves_band(question: Question) -> bool:
+    """Return whether the transducers stay what they are while the frequency moves, over enough frequencies."""
+    kept = all(each.get("period", "auto") != "auto" for each in question.table["transducer"])
+    return bool(question.frequencies) and kept and not any(key.endswith(".period") for key in question.keys)
+
+
+def _answer(question: Question, name: str, step: int) -> Source:
+    import fem
+
+    values = _values(name)
+    try:
+        scene = variation(question).source(values)
+        places = _places(question, scene, values)
+        if scene.frequency == "center":
+            from studies.chain.center import center_frequency
+
+            frequency = center_frequency(scene, places[0], progress=_silent)
+            scene = replace(scene, drive=replace(scene.drive, frequency=frequency))
+        return _solved(question, name, step, scene, places)
+    except SceneError as error:
+        reason = f"refused: {error}"
+    except (RunError, fem.ConvergenceError) as error:
+        reason = f"no answer: {error}"
+    except MemoryError:
+        reason = "no answer: the stator needs more memory than the worker has"
+    except Exception as error:
+        reason = f"no answer: a defect of sawmotor: {type(error).__name__}: {error}"
+    return Source(name=name, step=step, reason=" ".join(reason.split()))
+
+
+def _values(name: str) -> dict:
+    values = json.loads(name)
+    return {key: tuple(value) if isinstance(value, list) else value for key, value in values.items()}
+
+
+def _places(question, scene, values) -> tuple[float, ...]:
+    if not question.has_slider:
+        return (scene.stator.length / 2,)
+    places = question.places
+    if not places:
+        slider = question.table.get("slider", {})
+        own = {key.split(".")[1]: value for key, value in values.items() if key.startswith("slider.")}
+        places = contact_places(slider | own)
+    places = tuple(place for place in places if 0 <= place <= scene.stator.length)
+    if not places:
+        raise SceneError(
+            "slider.position", f"must keep the contacts on the stator, 0 to {scene.stator.length:g} m"
+        )
+    return places
+
+
+def _solved(question, name, step, scene, places) -> Source:
+    try:
+        answers = [(_wave(question, scene, places, step), places)]
+    except RunError:
+        if len(places) == 1:
+            raise
+        answers = []
+        for place in places:  # one that cannot be had, in a node of the wave, must not cost the others
+            try:
+                answers.append((_wave(question, scene, (place,), step), (place,)))
+            except RunError:
+                answers.append((None, (place,)))
+        if all(wave is None for wave, _ in answers):
+            raise
+    known = next(wave for wave, _ in answers if wave is not None)
+    tangential, normal, errors, covered = [], [], [], []
+    for wave, some in answers:
+        for place in some:
+            motion = (0j, 0j) if wave is None else wave.motion(place)
+            tangential.append(complex(motion[0]))
+            normal.append(complex(motion[1]))
+            errors.append(None if wave is None else float(wave.relative_error))
+            covered.append(bool(known.covered(place)))
+    return Source(
+        name=name, step=step, frequency=float(known.frequency), places=places, tangential=tuple(tangential),
+        normal=tuple(normal), errors=tuple(errors), covered=tuple(covered), admittance=complex(known.admittance),
+        comb_voltage=complex(known.comb_voltage_per_volt),
+    )  # fmt: skip
+
+
+def _wave(question: Question, scene: Scene, places, step: int):
+    """Return the fem.SurfaceWave, from a band where the sweep has one for this geometry."""
+    if not serves_band(question):
+        return _alone(scene, places, goal(question, step))
+    fixed, drive = _Fixed(scene), scene.drive
+    known = _WAVES.pop((fixed, scene.frequency, places, step), None)
+    if known is not None:
+        return known
+    band = _band(fixed, question.frequencies, places, goal(question, step))
+    return band.wave(scene.frequency, driven=drive.transducer, source_impedance=drive.source_impedance)
+
+
+def _alone(scene: Scene, places, allowed):
+    import fem
+    from studies.scene import resolved
+
+    try:
+        return fem.driven_wave(
+            resolved.stator(scene.stator),
+            resolved.transducers(scene),
+            frequency=scene.frequency,
+            driven=scene.drive.transducer,
+            source_impedance=scene.drive.source_impedance,
+            tolerance=allowed,
+            places=places,
+        )
+    except fem.ConvergenceError as error:
+        raise RunError(str(error)) from None
+
+
+class _Fixed:
+    """A scene but for its frequency: what a band is prepared for."""
+
+    def __init__(self, scene: Scene):
+        self.scene = scene
+        drive = scene.drive
+        self._own = (scene.stator, scene.transducer, drive.transducer, drive.source_impedance)
+
+    def __eq__(self, other):
+        return self._own == other._own
+
+    def __hash__(self):
+        return hash(self._own)
+
+
+@lru_cache(4)
+def _band(fixed: _Fixed, limits, places, allowed):
+    from studies.chain.spectrum import response
+
+    return response(fixed.scene, *limits, places=places, tolerance=allowed, progress=_silent)
+
+
+def _silent(text: str) -> None:
+    """Say nothing: a worker's stator is one of many."""

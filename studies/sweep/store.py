@@ -1,0 +1,210 @@
+"""Where a sweep's points are kept: one SQLite file, in which what was reported survives whatever happens.
+
+SQLite, rather than Parquet or Zarr, because each commit is durable by itself (a write-ahead log, flushed to the disk
+before the commit returns), a reader may look on while the sweep runs, a row may hold a text where another holds
+numbers, and Python, R, Julia and every shell read it, such as ``pandas.read_sql("select * from points", connection)``.
+Only the driver writes; workers never see the file, so that it may lie on any local disk.
+
+Tables: ``points`` (a row each: values of the keys, outcomes), ``sources`` (the stator's answers as JSON), ``sweep``
+(what was asked, with which versions), ``batches`` (what the work cost).  A second driver is refused by a lock that the
+operating system takes back when a process dies, however it dies.
+"""
+
+import json
+import os
+import socket
+import sqlite3
+from contextlib import contextmanager
+from pathlib import Path
+
+from studies.chain.record import provenance
+from studies.refusal import RunError, SceneError
+from studies.sweep.design import Design
+from studies.sweep.source import Source
+
+__all__ = ["FILE", "LOST", "Store"]
+
+FILE, LOCK = "points.sqlite", "driver.lock"
+LOST = "lost: "  # how the reason of a point begins that is tried again by the next driver
+TABLES = """
+create table if not exists sweep (name text primary key, value text not null);
+create table if not exists sources (name text, step integer, answer text not null, primary key (name, step));
+create table if not exists batches (finished text default current_timestamp, points integer, seconds real);
+"""
+
+
+class Store:
+    """The points of one sweep; a context manager, which holds the lock.
+
+    Parameters
+    ----------
+    folder : Path or None
+        None: in memory, for as long as the object lives.
+    design : Design
+
+    Raises
+    ------
+    SceneError
+        If the folder holds another sweep, or something else.
+    RunError
+        If it cannot be written, or another driver is at work.
+    """
+
+    def __init__(self, folder: Path | None, design: Design):
+        self.folder, self._names = folder, (*design.question.keys, *design.question.outcomes)
+        self._lock = None if folder is None else _locked(folder)
+        with self._explained():
+            self.connection = sqlite3.connect(":memory:" if folder is None else folder / FILE)
+            self.connection.execute("pragma journal_mode = wal")
+            self.connection.execute("pragma synchronous = full")
+            self.connection.executescript(TABLES)
+        try:
+            self._begin(design)
+        except (SceneError, RunError):
+            self.close()
+            raise
+        marks = ", ".join("?" * (len(self._names) + 1))
+        self._insert = f"insert or replace into points values ({marks})"
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.folder is not None:
+            self.close()
+
+    def close(self) -> None:
+        """Close the file and give the lock back."""
+        self.connection.close()
+        if self._lock is not None:
+            self._lock.close()
+
+    def done(self, count: int):
+        """Return which of the points have a row that stands, an array of bool."""
+        import numpy as np
+
+        found = np.zeros(count, bool)
+        rows = self.connection.execute("select point from points where status not like ?", (f"{LOST}%",))
+        while some := rows.fetchmany(100_000):
+            found[np.array(some)[:, 0]] = True
+        return found
+
+    def sources(self, names) -> dict[tuple[str, int], Source]:
+        """Return the stator's answers that are known of these names, by name and step."""
+        found = {}
+        for name in names:
+            for (text,) in self.connection.execute("select answer from sources where name = ?", (name,)):
+                source = Source.read(text)
+                found[name, source.step] = source
+        return found
+
+    def keep(self, rows: list[tuple], sources: list[Source], batches: list[tuple[int, float]]) -> None:
+        """Write rows (point, values, outcomes), answers of the stator, and what they cost; durable on return."""
+        with self._explained(), self.connection:
+            self.connection.executemany(self._insert, ([_stored(each) for each in row] for row in rows))
+            self.connection.executemany(
+                "insert or replace into sources values (?, ?, ?)",
+                ((source.name, source.step, source.text()) for source in sources),
+            )
+            self.connection.executemany("insert into batches (points, seconds) values (?, ?)", batches)
+
+    def counts(self) -> dict[str, int]:
+        """Return how many points there are of each kind: ok, refused, no answer, above tolerance, lost."""
+        rows = self.connection.execute(
+            "select case when instr(status, ':') then substr(status, 1, instr(status, ':') - 1) else status end,"
+            " count(*) from points group by 1 order by 2 desc"
+        )
+        return dict(rows.fetchall())
+
+    def cost(self) -> float:
+        """Return the seconds that workers have spent, those of earlier drivers included."""
+        return self.connection.execute("select coalesce(sum(seconds), 0.0) from batches").fetchone()[0]
+
+    def _begin(self, design: Design) -> None:
+        """Compare the sweep with the one that the file holds, or write it down."""
+        versions = provenance()
+        asked = {"identity": design.identity, "versions": versions}
+        held = dict(self.connection.execute("select name, value from sweep"))
+        if held:
+            different = _differences(json.loads(held["identity"]), asked["identity"])
+            if different:
+                raise SceneError(
+                    "--out", f"{str(self.folder)!r} holds another sweep: {different}; name another directory"
+                )
+            former = json.loads(held["versions"])
+            different = ", ".join(f"{key} {former.get(key)} then, {versions[key]} now"
+                                  for key in versions if versions[key] != former.get(key))  # fmt: skip
+            if different:
+                raise SceneError(
+                    "--out",
+                    f"{str(self.folder)!r} was begun with other versions, whose points may differ in their last digits "
+                    f"({different}); name another directory",
+                )
+        question = design.question
+        asked |= {"scene": question.table, "keys": question.keys, "tolerance": question.tolerance}
+        asked |= {"points": len(design), "driver": f"process {os.getpid()} on {socket.gethostname()}"}
+        with self._explained(), self.connection:
+            columns = ", ".join(f'"{name}"' for name in self._names)
+            self.connection.execute(
+                f"create table if not exists points (point integer primary key, {columns})"
+            )
+            self.connection.executemany(
+                "insert or replace into sweep values (?, ?)",
+                ((name, json.dumps(value)) for name, value in asked.items()),
+            )
+
+    @contextmanager
+    def _explained(self):
+        """Turn a failure of the disk into a sentence."""
+        try:
+            yield
+        except (sqlite3.OperationalError, sqlite3.DatabaseError, OSError) as error:
+            raise RunError(
+                f"the store {str(self.folder)!r} cannot be written ({error}): is the disk full? Every point that was "
+                "reported is kept; the same command goes on from there"
+            ) from None
+
+
+def _locked(folder: Path) -> sqlite3.Connection:
+    """Return a connection that holds the folder's lock until it is closed or its process ends."""
+    try:
+        if folder.exists() and not folder.is_dir():
+            raise SceneError("--out", f"{str(folder)!r} is a file; name another directory")
+        if folder.exists() and any(folder.iterdir()) and not (folder / LOCK).exists():
+            raise SceneError(
+                "--out", f"{str(folder)!r} holds something that is no sweep; name another directory"
+            )
+        folder.mkdir(parents=True, exist_ok=True)
+        lock = sqlite3.connect(folder / LOCK, timeout=0, isolation_level=None)
+    except OSError as error:
+        raise RunError(f"the directory {str(folder)!r} cannot be written: {error.strerror}") from None
+    except sqlite3.Error as error:
+        raise RunError(f"the directory {str(folder)!r} cannot be written: {error}") from None
+    try:
+        lock.execute("begin exclusive")
+    except sqlite3.OperationalError as error:
+        lock.close()
+        if "locked" not in str(error):
+            raise RunError(f"the directory {str(folder)!r} cannot be written: {error}") from None
+        raise RunError(
+            f"another sweep{_owner(folder)} is writing into {str(folder)!r}: wait for it, or name another --out"
+        ) from None
+    return lock
+
+
+def _owner(folder: Path) -> str:
+    try:
+        with sqlite3.connect(f"file:{folder / FILE}?mode=ro", uri=True, timeout=0) as reader:
+            found = reader.execute("select value from sweep where name = 'driver'").fetchone()
+    except sqlite3.Error:
+        return ""
+    return "" if found is None else f", {json.loads(found[0])},"
+
+
+def _differences(held: dict, asked: dict) -> str:
+    names = [name for name in held | asked if held.get(name) != asked.get(name)]
+    return ("its " + ", ".join(names) + (" differs" if len(names) == 1 else " differ")) if names else ""
+
+
+def _stored(value):
+    return json.dumps(value) if isinstance(value, (list, tuple, dict)) else value

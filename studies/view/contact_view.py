@@ -1,0 +1,163 @@
+"""The contact of a run: two cycles of the wave in slow motion, in the steady state; a picture, movie, page or table."""
+
+import base64
+import tempfile
+from collections.abc import Callable
+from html import escape
+from pathlib import Path
+
+from studies.chain import bridge
+from studies.refusal import RunError, SceneError
+from studies.report.files import write_columns
+from studies.scene import Scene
+from studies.view import movie
+from studies.view.contact_pictures import SlowMotion, moments, strip
+from studies.view.run_field import left_run, solved_again
+
+__all__ = ["contact_moments", "show"]
+
+CYCLES, INSTANTS = 2, 240  # per cycle
+FRAMES, RATE = 48, 12.0  # of a movie
+DPI = 110
+
+
+def show(folder, wanted, *, progress: Callable[[str], None]) -> None:
+    """Draw the contact of a run into the files that are wanted, or in a window.
+
+    Parameters
+    ----------
+    folder : str or Path
+        What ``sawmotor run`` left.
+    wanted : studies.view.Wanted
+    progress : callable
+        Told what is being done.
+
+    Raises
+    ------
+    SceneError
+        If the scene has no slider, or the files are none that a contact can be written to.
+    RunError
+        If the contact has no steady state, or a file cannot be written.
+    """
+    record, scene = left_run(folder)
+    if wanted.data is not None and not wanted.data.lower().endswith(".csv"):
+        raise SceneError("--data", f"must end in .csv for a contact, got {wanted.data!r}")
+    if not wanted.files:
+        from studies.view.frame import refuse_without_display
+
+        refuse_without_display()
+    found, title = contact_moments(scene, record, level=wanted.level, progress=progress)
+    progress("drawing the contact")
+    for file, write in (
+        (wanted.screenshot, lambda: strip(found, title=title).savefig(wanted.screenshot, dpi=DPI)),
+        (wanted.data, lambda: write_columns(Path(wanted.data), found.columns())),
+        (wanted.html, lambda: Path(wanted.html).write_text(_page(found, title), encoding="utf-8")),
+    ):
+        if file is not None:
+            try:
+                write()
+            except OSError as error:
+                raise RunError(f"the file {file!r} cannot be written: {error.strerror or error}") from None
+    if wanted.movie is not None:
+        movie.save(frames(found, title, wanted.frames or FRAMES), wanted.movie, rate=RATE)
+    if not wanted.files:
+        _window(found, title)
+
+
+def contact_moments(scene: Scene, record: dict, *, level: float | None, progress: Callable[[str], None]):
+    """Return the first contact over two cycles of the steady state, and its title.
+
+    Parameters
+    ----------
+    scene : Scene
+        As resolved.
+    record : dict
+        What run.json holds.
+    level : float or None
+        V, or the amplitude of a given wave in m; the largest of the scene if None.
+    progress : callable
+        Told what is being done.
+
+    Returns
+    -------
+    moments : studies.view.contact_pictures.Moments
+    title : str
+
+    Raises
+    ------
+    SceneError
+        If the scene has no slider or nothing moves.
+    RunError
+        If the contact has no steady state.
+    """
+    import contact
+
+    if scene.slider is None:
+        raise SceneError("", "there is no contact to show: the scene of this run has no slider")
+    level = max(scene.levels) if level is None else level
+    if level == 0:
+        raise SceneError("--voltage", "must be above 0: at 0 nothing moves")
+    if scene.wave is not None:
+        orbits, named = bridge.given_orbits(scene.wave), f"{level * 1e9:.4g} nm"
+    else:
+        progress("solving the stator")
+        wave = solved_again(scene, record, progress=progress)
+        orbits, named = bridge.orbits_per_volt(wave, scene.slider), f"{level:.4g} V"
+    progress("following the contact")
+    try:
+        history = contact.contact_history(
+            bridge.contact_slider(scene.slider), bridge.scaled(orbits, level),
+            stage="steady", skip=0, cycles=CYCLES, points_per_cycle=INSTANTS,
+        )  # fmt: skip
+    except contact.ConvergenceError as error:
+        raise RunError(" ".join(str(error).split())) from None
+    speed = history.slider_velocity.mean() * 1e3
+    return moments(history), f"{scene.title}: {named}, slider {speed:.4g} mm/s"
+
+
+def frames(found, title: str, count: int, *, dpi: float = 100.0):
+    """Give the pictures of the contact's first cycle, which repeats."""
+    motion = SlowMotion(found, title=title)
+    motion.figure.set_dpi(dpi)
+    for number in range(count):
+        motion.show(round(number * INSTANTS / count))
+        yield motion.image()
+
+
+def _page(found, title: str) -> str:
+    """Return a page with the moving and the still picture in it."""
+    import io
+
+    still = io.BytesIO()
+    strip(found, title=title).savefig(still, format="png", dpi=DPI)
+    with tempfile.TemporaryDirectory() as folder:
+        moving = Path(folder) / "contact.gif"
+        movie.save(frames(found, title, FRAMES), moving, rate=RATE)
+        pictures = (("gif", moving.read_bytes()), ("png", still.getvalue()))
+    images = "\n".join(
+        f'<p><img alt="{escape(title)}" src="data:image/{kind};base64,{base64.b64encode(data).decode()}"></p>'
+        for kind, data in pictures
+    )
+    head = f'<meta charset="utf-8"><link rel="icon" href="data:,"><title>{escape(title)}</title>'
+    return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n<body>\n{images}\n</body></html>\n'
+
+
+def _window(found, title: str) -> None:
+    """Show the slow motion until its window is closed."""
+    from matplotlib import pyplot
+    from matplotlib.animation import FuncAnimation
+
+    if pyplot.get_backend().lower() == "agg":
+        raise RunError(
+            "a window of the contact needs a toolkit that matplotlib can use: pip install PySide6; --screenshot FILE, "
+            "--movie FILE and --html FILE need none"
+        )
+    figure = pyplot.figure(figsize=(9.0, 4.6), layout="constrained")
+    motion = SlowMotion(found, title=title, figure=figure)
+    figure.animation = FuncAnimation(
+        figure,
+        lambda number: motion.show(round(number * INSTANTS / FRAMES)),
+        frames=FRAMES,
+        interval=1000 / RATE,
+    )
+    pyplot.show()

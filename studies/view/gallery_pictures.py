@@ -1,0 +1,168 @@
+"""The pictures of the gallery, from the results of its study."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+__all__ = ["draw_all"]
+
+ORBITS = 12
+MOVIE, SOLID, STILL = (720, 300), (1000, 470), (1200, 720)
+FRAMES = 16
+COLOURS = 128  # of a diagram
+DPI = 80
+DEPTH = 3.0  # wavelengths
+
+
+def draw_all(gallery, folder: Path, *, voltage: float, progress: Callable[[str], None]) -> None:
+    """Draw the pictures of a gallery into a directory.
+
+    Parameters
+    ----------
+    gallery : studies.gallery.Gallery
+    folder : Path
+    voltage : float
+        Of the contact's ledger, V.
+    progress : callable
+        Told what is being done.
+    """
+    from studies.report.figures import saved, velocity
+    from studies.view import movie
+    from studies.view.contact_pictures import start_and_stop, strip
+    from studies.view.contact_view import frames
+    from studies.view.power_pictures import ledger_bars, power_bars
+
+    found, record = gallery.found, gallery.record
+    title = record.scene.title
+    for name, figure in (
+        ("orbits", _orbits(found)),
+        ("amplitude", _amplitude(found)),
+        ("depth", _depth(found)),
+        ("contact", strip(gallery.contact[0], title=gallery.contact[1])),
+        ("start_stop", start_and_stop(gallery.bursts, acceleration=gallery.acceleration, title=title)),
+        ("power", power_bars(record.electrical, title=title)),
+        ("power_flow", _power_flow(found)),
+        ("ledger", ledger_bars(gallery.ledger, title=f"{voltage:g} V")),
+    ):
+        progress(f"drawing {name}")
+        figure.savefig(folder / f"{name}.png", dpi=DPI)
+    saved(folder / "velocity.png", lambda ax: velocity(record, ax))
+    for module, panel in gallery.others:
+        saved(folder / f"{panel.name}.png", lambda ax, module=module, panel=panel: module.figure(panel, ax))
+    for diagram in folder.glob("*.png"):
+        _reduce(diagram)
+    _draw_field(found, folder, progress)
+    progress("contact in slow motion")
+    movie.save(frames(*gallery.contact, 2 * FRAMES, dpi=DPI), folder / "contact.gif", rate=10.0)
+
+
+def _draw_field(found, folder: Path, progress) -> None:
+    import numpy as np
+
+    from studies.view import movie
+    from studies.view.beam import solid
+    from studies.view.shading import palette
+    from studies.view.stage import Stage, chosen_views, magnification, views
+
+    progress("drawing the field")
+    given = {"quantity": "u_z", "phase": 0.0, "factor": None, "off_screen": True}
+    still = Stage(found, views(found), size=STILL, smooth=True, **given)
+    for name, quantity in (("wave", "u_z"), ("wave_power_flow", "power_flow")):
+        still.set_quantity(quantity)
+        _write(still.image(), folder / f"{name}.png")
+    still.close()
+    moving = Stage(found, chosen_views(found, None), size=MOVIE, smooth=False, **given)
+
+    def pictures():
+        for number in range(FRAMES):
+            moving.set_phase(2 * np.pi * number / FRAMES)
+            yield moving.image()
+
+    movie.save(pictures(), folder / "wave.gif", rate=12.0, palette=palette("diverging"))
+    moving.close()
+    progress("drawing the solid")
+    block = solid(found, quantity="u_z", phase=0.0, factor=magnification(found), size=SOLID, off_screen=True)
+    _write(block.screenshot(return_img=True), folder / "solid.png")
+    block.close()
+
+
+def _orbits(found):
+    import numpy as np
+
+    from studies.view.surface_pictures import orbits
+
+    places = (np.arange(ORBITS) + 0.5) / ORBITS * found.length
+    tangential, normal = np.array([found.surface(place) for place in places]).T
+    return orbits(places, tangential, normal, per="nm per V", title=found.scene.title)
+
+
+def _amplitude(found):
+    from studies.view.surface_pictures import amplitude
+
+    top, x = found.field.displacement[:, -1], found.field.x
+    return amplitude(
+        x, top[:, 0], top[:, 2], wavelength=found.wavelength, covered=found.spans, focus=found.focus,
+        per="nm per V", title=found.scene.title,
+    )  # fmt: skip
+
+
+def _depth(found):
+    """Profiles of the section's free wave and of the driven stator under the slider, on the half-space's."""
+    import numpy as np
+
+    import fem
+    from studies.scene import resolved
+    from studies.view.surface_pictures import depth_profile
+
+    stator, scene = resolved.stator(found.scene.stator), found.scene
+    half_space, free = (
+        fem.rayleigh(stator.solid, "open"),
+        fem.free_wave(stator, frequency=scene.frequency, tolerance=1e-6),
+    )
+    field, (_, place) = found.field, found.focus
+    line = field.displacement[np.searchsorted(field.x, place - 1e-9)]
+
+    def parts(u):
+        return {"Re u_z": u[:, 2].real, "Im u_x": u[:, 0].imag}
+
+    def near(z, u):
+        chosen = z > -DEPTH * found.wavelength
+        return -z[chosen] / found.wavelength, parts(u[chosen] / u[-1, 2])
+
+    at = np.linspace(0, DEPTH, 200)
+    return depth_profile(
+        at,
+        parts(half_space.profile(at)[0]),
+        {
+            "free wave of the section": near(free.depth, free.profile),
+            f"driven stator under the {found.focus[0]}, all modes": near(field.z, line),
+        },
+        title=f"{scene.title}\nprofile through the depth",
+    )
+
+
+def _power_flow(found):
+    from studies.view.power_pictures import depth_weights, power_along
+
+    field = found.whole(energies=True)
+    passing = field.densities.power_flow[..., 0] @ depth_weights(field.z, field.order) * found.aperture
+    return power_along(
+        field.x, passing, covered=found.spans, given=found.record["electrical"]["power_W_per_V2"],
+        title=found.scene.title,
+    )  # fmt: skip
+
+
+def _write(picture, file: Path) -> None:
+    """Write a picture of a field with a palette: a third of the size."""
+    from studies.view.movie import reduced
+    from studies.view.shading import palette
+
+    reduced(picture, palette("diverging")).save(file, optimize=True)
+
+
+def _reduce(picture: Path) -> None:
+    """Write a diagram again with a palette of its own."""
+    from PIL import Image
+
+    with Image.open(picture) as image:
+        reduced = image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+    reduced.save(picture, optimize=True)

@@ -1,0 +1,255 @@
+"""The wave field of a run that was left, computed anew from its scene at the run's own resolution."""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+from pathlib import Path
+
+import numpy as np
+
+from studies.refusal import RunError, SceneError, shown
+from studies.scene import Scene, resolved
+
+__all__ = ["NO_STATOR", "RunField", "left_run", "of_record", "run_field", "solved_again"]
+
+LINES = 16  # per wavelength in the stretches of a driven stator
+FREE_WAVELENGTHS = 10  # of a free wave are shown
+NO_STATOR = "there is no wave field: the scene of this run gives the surface motion itself and has no stator"
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunField:
+    """A field and what stands on it.
+
+    Attributes
+    ----------
+    compute : callable
+        Gives the field in m per V, or over u_z at the surface of a free wave; keywords ``span`` (m), ``per_wavelength``
+        and ``energies`` as in `fem.wave_field`.
+    length : float
+        Of what is shown at most, m.
+    scene : Scene
+        As resolved.
+    record : dict
+        What run.json holds.
+    wavelength : float
+        Of the surface wave, m.
+    fingers : dict
+        Edges of the electrodes in m by sign: "+" and "-" the combs, "o" open strips.
+    spans : tuple of (float, float)
+        From end to end of each transducer, m.
+    """
+
+    compute: Callable = field(repr=False)
+    length: float
+    scene: Scene = field(repr=False)
+    record: dict = field(repr=False)
+    wavelength: float
+    fingers: dict = field(repr=False)
+    spans: tuple[tuple[float, float], ...]
+
+    @cached_property
+    def field(self):
+        """The whole field, without strain energy and power flow."""
+        return self.compute(span=(0.0, self.length), energies=False)
+
+    @cached_property
+    def _with_energies(self):
+        return self.compute(span=(0.0, self.length), energies=True)
+
+    def whole(self, *, energies: bool):
+        """Return the whole field, computed when first asked for."""
+        return self._with_energies if energies else self.field
+
+    @property
+    def free(self) -> bool:
+        """Whether it is a free wave, known but for its size."""
+        return not self.scene.transducer
+
+    @property
+    def balls(self) -> tuple[float, ...]:
+        """Places of the contacts, m."""
+        slider = self.scene.slider
+        if slider is None:
+            return ()
+        return tuple(slider.position + offset for offset in dict.fromkeys(slider.offsets))
+
+    @property
+    def radius(self) -> float:
+        """Of the balls, m."""
+        return 0.0 if self.scene.slider is None else self.scene.slider.radius
+
+    @property
+    def focus(self) -> tuple[str, float]:
+        """What to look at from near: its name and place in m."""
+        if self.scene.slider is not None:
+            return "slider", self.scene.slider.position
+        return "middle", self.length / 2
+
+    @property
+    def drive(self) -> str:
+        """What drives the field, and what its numbers refer to."""
+        return "free wave" if self.free else f"{self.scene.drive.transducer!r} driven, per volt"
+
+    def enlarged(self, factor: float) -> str:
+        """How a displacement that is enlarged by a factor is drawn, for a reader."""
+        return f"u_z drawn as {factor * 1e6:g} um" if self.free else f"displacement x {factor:g}"
+
+    @property
+    def aperture(self) -> float:
+        """Width of the beam in m: the narrowest transducer's, or of a free wave the stator's."""
+        apertures = [transducer.aperture for transducer in self.scene.transducer]
+        return min([*apertures, self.scene.stator.width])
+
+    def surface(self, x: float) -> tuple[complex, complex]:
+        """Return u_x and u_z of the surface at a place (m), linear between the lines."""
+        top, at = self.field.displacement[:, -1], self.field.x
+        return tuple(complex(np.interp(x, at, top[:, axis])) for axis in (0, 2))
+
+    def crest(self, x: float) -> float:
+        """Return |u_z| of the surface at a place (m)."""
+        return abs(self.surface(x)[1])
+
+    def near_transducer(self, x: np.ndarray) -> np.ndarray:
+        """Whether places lie under a transducer or within a quarter wavelength of one."""
+        margin = 0.25 * self.wavelength
+        inside = [(x >= start - margin) & (x <= stop + margin) for start, stop in self.spans]
+        return np.any(inside, axis=0) if inside else np.zeros(len(x), dtype=bool)
+
+
+def left_run(folder: str | Path) -> tuple[dict, Scene]:
+    """Return what run.json holds and the scene of a run.
+
+    Raises
+    ------
+    SceneError
+        If the directory holds no run.
+    """
+    folder = Path(folder)
+    try:
+        record = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+        float(record["tolerance"])
+    except (OSError, ValueError, KeyError, TypeError):
+        raise SceneError("", f"{shown(str(folder))} is no directory that sawmotor run left") from None
+    return record, Scene.load(folder / "scene.toml")
+
+
+def run_field(folder: str | Path, *, progress: Callable[[str], None]) -> RunField:
+    """Return the field of a run.
+
+    Parameters
+    ----------
+    folder : str or Path
+        What ``sawmotor run`` left.
+    progress : callable
+        Told what is being done.
+
+    Raises
+    ------
+    SceneError
+        If the directory holds no run, or the run has no stator.
+    """
+    record, scene = left_run(folder)
+    if scene.stator is None:
+        raise SceneError("", f"{shown(str(folder))}: {NO_STATOR}")
+    return of_record(scene, record, progress=progress)
+
+
+def of_record(scene: Scene, record: dict, *, progress: Callable[[str], None]) -> RunField:
+    """Return the field of a run that is at hand.
+
+    Parameters
+    ----------
+    scene : Scene
+        As resolved, with a stator.
+    record : dict
+        What run.json holds.
+    progress : callable
+        Told what is being done.
+    """
+    progress("computing the field")
+    if scene.transducer:
+        return _driven(scene, record, progress)
+    return _free(scene, record)
+
+
+def _driven(scene: Scene, record: dict, progress) -> RunField:
+    import fem
+
+    wave = solved_again(scene, record, progress=progress)
+    rows = resolved.transducers(scene)
+    slider = scene.slider
+    places = (scene.stator.length / 2,)
+    if slider is not None:
+        places = tuple(slider.position + offset for offset in (0.0, *slider.offsets))
+
+    def compute(*, per_wavelength: float = LINES, **wanted):
+        return fem.wave_field(wave, places=places, per_wavelength=per_wavelength, **wanted)
+
+    return RunField(
+        compute=compute,
+        length=scene.stator.length,
+        scene=scene,
+        record=record,
+        wavelength=record["wave"]["phase_velocity_m_per_s"] / scene.frequency,
+        fingers={sign: [tuple(edges) for row in rows for edges in row.strips(sign)] for sign in "+-o"},
+        spans=tuple(tuple(row.extent) for row in rows),
+    )
+
+
+def solved_again(scene: Scene, record: dict, *, progress):
+    """Return the stator's surface wave, solved at the resolution that the run ended with.
+
+    A run that does not tell its resolution is run again.
+
+    Parameters
+    ----------
+    scene : Scene
+        As resolved, with transducers.
+    record : dict
+        What run.json holds.
+    progress : callable
+        Told what is being done.
+    """
+    from fem.harmonic import LEVELS
+    from fem.readout import surface_wave
+    from fem.solution import solved
+    from fem.threads import one_blas_thread
+
+    named = record["wave"].get("resolution")
+    level = [each for each in LEVELS if named == f"order {each.order}, {each.edge_layers} edge layers"]
+    if not level:
+        from studies.chain import run
+
+        bare = replace(scene, slider=None)
+        return run(bare, tolerance=record["tolerance"], progress=progress).surface_wave
+    found = one_blas_thread(solved)(
+        resolved.stator(scene.stator),
+        resolved.transducers(scene),
+        frequency=scene.frequency,
+        driven=scene.drive.transducer,
+        source_impedance=scene.drive.source_impedance,
+        resolution=level[0],
+    )
+    return surface_wave(found)
+
+
+def _free(scene: Scene, record: dict) -> RunField:
+    import fem
+
+    stator = resolved.stator(scene.stator)
+    try:
+        wave = fem.free_wave(stator, frequency=scene.frequency, tolerance=record["tolerance"])
+    except fem.ConvergenceError as error:
+        raise RunError(str(error)) from None
+    wavelength = wave.velocity / wave.frequency
+    return RunField(
+        compute=partial(fem.free_field, wave),
+        length=min(scene.stator.length, FREE_WAVELENGTHS * wavelength),
+        scene=scene,
+        record=record,
+        wavelength=wavelength,
+        fingers={},
+        spans=(),
+    )

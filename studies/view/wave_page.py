@@ -1,0 +1,187 @@
+"""The wave field of a run as one HTML page: it moves, colours, zooms, and needs no network and nothing installed.
+
+The page carries the field's nodes (16-bit parts of the largest value, compressed) and draws them by WebGL 2: deformed
+and coloured at any phase, as `studies.view.patch` does.
+"""
+
+import base64
+import gzip
+import json
+from importlib.resources import files
+
+import numpy as np
+
+from studies.report.crystal import SEEN
+from studies.view.frame import COMB_COLOURS
+from studies.view.patch import thinned
+from studies.view.run_field import RunField
+from studies.view.shading import Shade, colours, present, shade
+from studies.view.stage import magnification
+
+__all__ = ["page", "widget"]
+
+SPACING = 1 / 30  # wavelengths
+SHORT = 32767
+CYCLE = 2.5  # s that one period of the wave takes
+
+
+def page(
+    found: RunField, *, quantity: str, phase: float, factor: float | None, span: tuple[float, float] | None
+) -> str:
+    """Return the page.
+
+    Parameters
+    ----------
+    found : RunField
+    quantity : str
+        What colours the field at first.
+    phase : float
+        rad, at first.
+    factor : float or None
+        Of the displacement.
+    span : tuple of float or None
+        m, what is shown at first; what lies about the slider if None.
+
+    Returns
+    -------
+    str
+        HTML.
+    """
+    field = found.whole(energies=True)
+    spacing = SPACING * found.wavelength
+    lines = thinned(field.x, spacing, 0.0, found.length)
+    rows = thinned(field.z, spacing, field.z[0], 0.0)
+    chosen = np.ix_(lines, rows)
+    moved = field.displacement[chosen][..., [0, 2]]
+    parts = {"x": field.x[lines].astype("<f4"), "z": field.z[rows].astype("<f4")}
+    largest = float(abs(moved).max()) or 1.0
+    parts["moved"] = _short(np.stack([moved[..., k].real if part == 0 else moved[..., k].imag
+                                      for k in (0, 1) for part in (0, 1)], axis=-1), largest)  # fmt: skip
+    known = []
+    for name in present(found):
+        shading = shade(found, name)
+        mean, amplitude = (each[chosen] for each in shading.parts(field))
+        values = np.stack([mean, amplitude.real, amplitude.imag, np.zeros_like(mean)], axis=-1)
+        scale = float(abs(values).max()) or 1.0
+        parts[name] = _short(values, scale)
+        known.append(_described(name, shading, scale))
+    packed, listed = _packed(parts)
+    places = _places(found, span)
+    meta = {
+        "title": found.scene.title or "sawmotor",
+        "drive": f"{field.frequency / 1e6:g} MHz, {found.drive}",
+        "free": found.free,
+        "nx": len(lines),
+        "nz": len(rows),
+        "arrays": listed,
+        "moved_scale": largest,
+        "factor": magnification(found) if factor is None else factor,
+        "phase": phase % (2 * np.pi),
+        "cycle": CYCLE,
+        "quantities": known,
+        "quantity": quantity,
+        "places": places,
+        "place": len(places) - (2 if span is None else 1),
+        "balls": list(found.balls),
+        "crests": [found.crest(place) for place in found.balls],
+        "radius": found.radius,
+        "fingers": _fingers(found),
+        "axes": _axes(found),
+    }
+    text = json.dumps(meta, allow_nan=False).replace("</", "<\\/")
+    template = (files("studies.view") / "wave_page.html").read_text(encoding="utf-8")
+    return template.replace("@META@", text).replace("@DATA@", packed)
+
+
+class Widget:
+    """The page of a run inside a notebook: displays itself, moves, and needs no server."""
+
+    def __init__(self, text: str, height: int):
+        self.text, self.height = text, height
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        frame = f'style="width: 100%; height: {self.height}px; border: 0"'
+        return f'<iframe srcdoc="{escape(self.text, quote=True)}" {frame}></iframe>'
+
+
+def widget(folder, *, quantity: str = "u_z", height: int = 640) -> Widget:
+    """Return the wave field of a run as something that a notebook displays.
+
+    Parameters
+    ----------
+    folder : str or Path
+        What ``sawmotor run`` left.
+    quantity : str
+        What colours the field at first.
+    height : int
+        Pixels.
+    """
+    from studies.view.run_field import run_field
+
+    found = run_field(folder, progress=lambda text: None)
+    return Widget(page(found, quantity=quantity, phase=0.0, factor=None, span=None), height)
+
+
+def _short(values: np.ndarray, largest: float) -> np.ndarray:
+    return np.round(values / largest * SHORT).astype("<i2")
+
+
+def _described(name: str, shading: Shade, scale: float) -> dict:
+    table = np.round(255 * colours(shading.colours, 128)).astype(int)
+    return {
+        "name": name,
+        "title": shading.quantity.title,
+        "label": shading.label,
+        "reach": shading.reach,
+        "scale": scale,
+        "signed": shading.quantity.signed,
+        "turns": shading.quantity.turns,
+        "table": [[*row, 255] for row in table.tolist()],
+    }
+
+
+def _packed(parts: dict) -> tuple[str, list]:
+    """Return arrays end to end, compressed, as base64, and what they are."""
+    listed, raw = [], b""
+    for name, values in parts.items():
+        listed.append([name, values.dtype.str[1:], int(values.size)])
+        raw += values.tobytes()
+        raw += b"\0" * (-len(raw) % 4)
+    return base64.b64encode(gzip.compress(raw, 6, mtime=0)).decode(), listed
+
+
+def _places(found: RunField, span) -> list[dict]:
+    def about(name, place, wavelengths):
+        half = 0.5 * wavelengths * found.wavelength
+        return {"name": name, "from": max(place - half, 0.0), "to": min(place + half, found.length)}
+
+    name, focus = found.focus
+    listed = [{"name": "whole", "from": 0.0, "to": found.length}]
+    listed += [about(f"transducer {each.name}", each.center, 14) for each in found.scene.transducer]
+    listed += [about(name, focus, 14), about("one wavelength", focus, 1)]
+    return listed + ([{"name": "chosen", "from": span[0], "to": span[1]}] if span is not None else [])
+
+
+def _fingers(found: RunField) -> list[dict]:
+    listed = []
+    for sign, strips in found.fingers.items():
+        for left, right in strips:
+            points = [
+                [x, *(part for value in found.surface(x) for part in (value.real, value.imag))]
+                for x in (left, 0.5 * (left + right), right)
+            ]
+            listed.append({"colour": COMB_COLOURS[sign], "points": points})
+    return listed
+
+
+def _axes(found: RunField) -> list:
+    from fem.materials.rotation import rotation_matrix
+
+    columns = rotation_matrix(found.scene.stator.orientation).T
+    return [
+        [name, float(x), float(z)]
+        for name, (x, _, z) in zip("XYZ", columns, strict=True)
+        if np.hypot(x, z) > SEEN
+    ]
