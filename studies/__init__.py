@@ -8,9 +8,9 @@ Conventions: exp(+i omega t), peak amplitudes, SI units, x along the surface, z 
 positive along +x.  Importing this package imports no numerical library; ``studies.chain.run`` imports what
 its scene needs.
 
-The rooms, bottom to top: scene (the file and what it may say) - chain (voltage to velocity) - report (what a run leaves,
-and its plan) - view (pictures and films of fields and contacts), sweep (many runs of one scene) - peers (what others
-would do), stability (extreme cases and their witnesses).  A study is a file named by its question.
+The rooms, bottom to top: scene (the file and what it may say) - chain (voltage to velocity) - report (what a run
+leaves, and its plan) - view (pictures and films of fields and contacts), sweep (many runs of one scene) - peers (what
+others would do), stability (extreme cases and their witnesses).  A study is a file named by its question.
 """
 
 from studies.refusal import SceneError
