@@ -61,6 +61,7 @@ def test_two_strips_on_a_thick_slab_have_the_capacitance_of_conformal_mapping():
     assert charges[0] == pytest.approx(-charges[1], rel=1e-10)
 
 
+@pytest.mark.slow
 def test_terms_and_paths_change_nothing(monkeypatch):
     """The matrix is symmetric; more terms, another K, slope, panel and Gaussian leave the answer alone (Cauchy)."""
     posed = small_problem()
