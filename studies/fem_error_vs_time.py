@@ -7,7 +7,7 @@ discretisation with any of them: for absorbing ends charges on the fingers of an
 (strip_charges.py, known to 1e-12); for free ends NGSolve at its finest, stored here, known to 2e-7.  Expected: even
 meshes err by tens of per cent; without edge layers the admittance stays near 1 %; the band reaches 1e-3 at least 50
 (free ends) and 20 times (absorbing) sooner than NGSolve, 1e-5 at least 30 and 15 times.  What is not installed
-(pypardiso, ngsolve) is left out and said so.  Run time: about 12 min, and up to 5 GB for the finest meshes.
+(pypardiso, ngsolve) is left out and said so.  Run time: about 12 min, and up to 12 GB for the finest meshes.
 """
 
 import math
