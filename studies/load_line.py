@@ -13,7 +13,6 @@ from collections.abc import Callable
 
 from studies.chain import bridge
 from studies.scene import Scene
-from studies.scene.resolved import resolved
 from studies.study import Finding, Panel, StudyRecord
 
 __all__ = ["figure", "run"]
@@ -41,10 +40,7 @@ def run(
 
     begun = time.perf_counter()
     say = progress or (lambda text: None)
-    chosen = resolved(scene if isinstance(scene, Scene) else Scene.load(scene))
-    if chosen.wave is None or chosen.slider is None:
-        chosen.refuse("wave", "is missing: this study takes a given [wave] and a [slider]")
-    slider, shape = bridge.contact_slider(chosen.slider), bridge.given_orbits(chosen.wave)
+    chosen, slider, shape = bridge.on_given_wave(scene)
     moving = [a for a in chosen.levels if a > 1.05 * contact.threshold_amplitude(slider, shape)]
     if not moving:
         chosen.refuse("wave.normal_amplitude", "must hold a value above the threshold amplitude")

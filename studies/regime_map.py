@@ -14,7 +14,6 @@ from dataclasses import replace
 
 from studies.chain import bridge
 from studies.scene import Scene
-from studies.scene.resolved import resolved
 from studies.study import Finding, Panel, StudyRecord
 
 __all__ = ["figure", "run"]
@@ -43,10 +42,7 @@ def run(
 
     begun = time.perf_counter()
     say = progress or (lambda text: None)
-    chosen = resolved(scene if isinstance(scene, Scene) else Scene.load(scene))
-    if chosen.wave is None or chosen.slider is None:
-        chosen.refuse("wave", "is missing: this study takes a given [wave] and a [slider]")
-    slider, shape = bridge.contact_slider(chosen.slider), bridge.given_orbits(chosen.wave)
+    chosen, slider, shape = bridge.on_given_wave(scene)
     own = slider.preload
     if own == 0.0 or slider.friction_coefficient == 0.0:
         chosen.refuse("slider.preload", "must be positive, with friction, for a map of regimes")
