@@ -128,16 +128,8 @@ def contact_history(
 
 
 def _steady_motion(slider, orbits):
-    """Return the periodic motion at the trough of the first contact; a held slider at rest in the mean."""
+    """Return the periodic motion at the trough of the first contact; a held slider's has the mean velocity zero."""
     from contact.balance import balanced
-    from contact.collocation import collocation
-    from contact.motion import Motion
     from contact.periodic import periodic
 
-    balance = balanced(slider, orbits)
-    motion = Motion(balance.problem, table=collocation(16), truncation=1e-12)
-    if balance.held:
-        motion.place(-balance.height, 0.0, 0.0, balance.motion.state[3:])
-        return motion
-    found = periodic(balance, nodes=16, truncation=1e-12)
-    return found.motion
+    return periodic(balanced(slider, orbits), nodes=16, truncation=1e-12).motion

@@ -12,8 +12,8 @@ from contact.drive import reference_speed, towards_plus
 from contact.motion import Motion
 from contact.onset import release_amplitude
 from contact.ways import rest_problem
-from studies.stability.case import VERDICTS, Case
-from studies.stability.contact import RANGES, SWEPT, contact_cases, judge, motor
+from studies.evidence.stability.case import VERDICTS, Case
+from studies.evidence.stability.contact import RANGES, SWEPT, contact_cases, judge, motor
 from tests.contact.motors import orbit, slider
 
 
