@@ -13,7 +13,7 @@ from studies.refusal import Refusals, SceneError, nearest, shown
 from studies.scene.rule import Rule
 from studies.scene.synonyms import meant
 
-__all__ = ["Block", "Blocks", "Key", "OneOf", "Within", "keys"]
+__all__ = ["Block", "Blocks", "Key", "OneOf", "Within", "keys_of"]
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Key:
 
 
 @cache
-def keys(kind: "type[Block]") -> dict[str, Key]:
+def keys_of(kind: "type[Block]") -> dict[str, Key]:
     """Return the keys of a block's class by name."""
     return {
         entry.name: Key(
@@ -61,18 +61,19 @@ class Block:
     block: ClassVar[str]
 
     def __post_init__(self):
-        refusals, unread = Refusals(), set()
-        for name, key in keys(type(self)).items():
+        problems, unread = [], ()
+        for name, key in keys_of(type(self)).items():
             value = getattr(self, name)
             if value is None and not key.required and key.default is None:
                 continue
-            before = len(refusals.problems)
-            with refusals:
+            try:
                 object.__setattr__(self, name, key.rule.read(self._path(name), value))
-            if len(refusals.problems) > before:
-                unread.add(name)
-        refusals.problems += self.contradictions(frozenset(unread))
-        refusals.raise_all()
+            except SceneError as error:
+                problems += error.problems
+                unread += (name,)
+        problems += self.contradictions(frozenset(unread))
+        if problems:
+            raise SceneError.together(problems)
 
     def contradictions(self, unread: frozenset[str]) -> Iterator[SceneError]:
         """Yield what the single keys allow but together contradict; ``unread`` are the keys that were refused."""
@@ -100,7 +101,7 @@ class Block:
         """
         if not isinstance(table, dict):
             raise SceneError(path, f"must be a block of keys, got {shown(table)}")
-        known, refusals, at = keys(cls), Refusals(), f"{path}." if path else ""
+        known, refusals, at = keys_of(cls), Refusals(), f"{path}." if path else ""
         for key in table:
             if key not in known:
                 refusals.problems.append(SceneError(f"{at}{key}", f"is no key of a scene{_hint(key, cls)}"))
@@ -128,7 +129,7 @@ class Block:
     def to_table(self) -> dict:
         """Return the TOML table of this block, in SI units; what is absent stays absent."""
         table = {}
-        for name, key in keys(type(self)).items():
+        for name, key in keys_of(type(self)).items():
             value = getattr(self, name)
             if value is not None and value != ():
                 table[name] = key.rule.written(value)
@@ -146,13 +147,13 @@ def _read_each(at: str, known: dict[str, Key], given: dict) -> None:
 
 def _hint(word: str, kind: type[Block]) -> str:
     """Return what was probably meant by an unknown key: a key of this block, or of another one."""
-    synonym = meant(word, keys(kind))
+    synonym = meant(word, keys_of(kind))
     if synonym is not None:
         return f"; did you mean {synonym}?"
-    homes = [each.block for each in Block.__subclasses__() if word in keys(each) and each.block]
+    homes = [each.block for each in Block.__subclasses__() if word in keys_of(each) and each.block]
     if homes:
         return f"; {word} belongs in [{'] or ['.join(homes)}]"
-    return nearest(word, keys(kind))
+    return nearest(word, keys_of(kind))
 
 
 @dataclass(frozen=True)
@@ -210,7 +211,7 @@ class OneOf(Rule):
             return value
         if not isinstance(value, dict):
             return self.text.read(path, value)
-        matches = [len(value.keys() & set(keys(kind))) for kind in self.kinds]
+        matches = [len(value.keys() & set(keys_of(kind))) for kind in self.kinds]
         return self.kinds[matches.index(max(matches))].from_table(path, value)
 
     def written(self, value):
@@ -221,6 +222,6 @@ class OneOf(Rule):
     def expected(self):
         """The text, or the table by its keys."""
         tables = " or ".join(
-            ", ".join(name for name, key in keys(kind).items() if key.required) for kind in self.kinds
+            ", ".join(name for name, key in keys_of(kind).items() if key.required) for kind in self.kinds
         )
         return f"{self.text.expected}, or a table of {tables}"

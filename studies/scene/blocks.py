@@ -142,6 +142,12 @@ class Stator(Block):
         float | None, Quantity(zero=True), "Loss tangent in place of the material's own; 0: lossless."
     ] = None
 
+    def contradictions(self, unread):
+        """Refuse a dielectric loss where there is no field."""
+        if isinstance(self.material, IsotropicSolid) and self.dielectric_loss is not None:
+            rule = "must be absent with an isotropic solid: no electric field is solved for"
+            yield self.refusal("dielectric_loss", rule)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Transducer(Block):

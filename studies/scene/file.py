@@ -100,8 +100,8 @@ def scene_path(source: str | Path) -> Path:
     if str(source) in shipped:
         return shipped[str(source)]
     if path.is_dir():
-        inside = [each for each in (path / "scene.toml", *sorted(path.glob("*.toml"))) if each.is_file()]
-        hint = f"; did you mean {str(inside[0])!r}?" if inside else ""
+        inside = path / "scene.toml"  # a run leaves its scene there
+        hint = f"; did you mean {str(inside)!r}?" if inside.is_file() else ""
         raise SceneError("", f"{shown(str(source))} is a directory, not a scene file{hint}")
     raise SceneError(
         "", f"no scene file or shipped scene is named {shown(str(source))}{nearest(source, shipped)}"

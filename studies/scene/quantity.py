@@ -113,7 +113,7 @@ def _wanted(unit: str) -> str:
 def _from_text(path: str, text: str, unit: str) -> float:
     wanted = _wanted(unit)
     match = NUMBER.fullmatch(text)
-    if match is None and re.fullmatch(r"\s*[+-]?\d+,\d+\s*\S.*", text):
+    if re.fullmatch(r"\s*[+-]?\d+,\d+\s*\S.*", text):
         raise SceneError(
             path, f"{wanted}, got {shown(text)}: write a decimal point, {text.replace(',', '.')!r}"
         )
