@@ -17,7 +17,7 @@ _SENTENCES = {
     integrate.NOT_FINITE: ("not finite", "the motion overflowed; check mass, dampers and amplitude"),
     integrate.TOO_MANY: (
         "too many events",
-        "events follow each other without end; try stick_band > 0 or another tolerance",
+        "events follow each other without end; {advice}, or try another tolerance",
     ),
     integrate.FULL: (
         "memory full",
@@ -104,7 +104,14 @@ class Motion:
             *pattern.blank(contacts, n), shared, own, np.empty(n),
         )  # fmt: skip
         if why != integrate.DONE:
-            raise ConvergenceError(*_SENTENCES[why])
+            self.fail(why)
+
+    def fail(self, why):
+        """Raise the error that belongs to the reason for which a run ended."""
+        status, sentence = _SENTENCES[why]
+        # the hysteretic law knows no stick band
+        advice = "set stick_band > 0" if self.memory is None else "raise normal_damping or contact_damping"
+        raise ConvergenceError(status, sentence.format(advice=advice))
 
     def events(self) -> dict[str, int]:
         """Return the number of events by kind, and of stretches, halvings and sweeps."""
