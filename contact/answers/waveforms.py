@@ -128,16 +128,8 @@ def contact_history(
 
 
 def _steady_motion(slider, orbits):
-    """Return the periodic motion at the trough of the first contact; a held slider at rest in the mean."""
-    from contact.solve.collocation import collocation
+    """Return the periodic motion at the trough of the first contact; a held slider's has the mean velocity zero."""
     from contact.solve.equilibrium import balanced
-    from contact.solve.motion import Motion
     from contact.solve.shooting import periodic
 
-    balance = balanced(slider, orbits)
-    motion = Motion(balance.problem, table=collocation(16), truncation=1e-12)
-    if balance.held:
-        motion.place(-balance.height, 0.0, 0.0, balance.motion.state[3:])
-        return motion
-    found = periodic(balance, nodes=16, truncation=1e-12)
-    return found.motion
+    return periodic(balanced(slider, orbits), nodes=16, truncation=1e-12).motion

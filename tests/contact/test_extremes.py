@@ -13,8 +13,8 @@ from contact.solve import limits
 from contact.solve.collocation import collocation
 from contact.solve.equilibrium import opposed
 from contact.solve.motion import Motion
-from studies.stability.case import VERDICTS, Case
-from studies.stability.contact import RANGES, SWEPT, contact_cases, judge, motor
+from studies.evidence.stability.case import VERDICTS, Case
+from studies.evidence.stability.contact import RANGES, SWEPT, contact_cases, judge, motor
 from tests.contact.motors import orbit, slider
 
 

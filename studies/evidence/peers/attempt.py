@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.peers.contenders import CURVES, Problem
+from studies.evidence.peers.contenders import CURVES, Problem
 from studies.refusal import RunError
 
 __all__ = ["Attempt", "alone", "attempted", "peak_memory"]

@@ -2,7 +2,7 @@
 
 import math
 
-from studies.seed import Seed
+from studies.papers.seed import Seed
 from studies.study import Finding, Panel
 
 __all__ = ["figure_6a", "figure_6b", "figure_7"]

@@ -9,8 +9,8 @@ the sense of the contract, over max(|v|, omega |u_x| / 10).
 import math
 from collections.abc import Callable
 
-from studies.stability.case import Case, Outcome
-from studies.stability.verdict import NoWitness, judged
+from studies.evidence.stability.case import Case, Outcome
+from studies.evidence.stability.verdict import NoWitness, judged
 
 __all__ = ["chain_cases", "judge"]
 

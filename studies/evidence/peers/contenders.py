@@ -37,7 +37,7 @@ class Problem:
 
 
 def _uniform(problem: Problem, *, per_wavelength: int, triangles: bool):
-    from studies.peers.uniform_mesh import uniform_solution
+    from studies.evidence.peers.uniform_mesh import uniform_solution
 
     def once():
         return uniform_solution(
@@ -124,7 +124,7 @@ def _band(problem: Problem, *, tolerance: float):
 
 
 def _peer(problem: Problem, **mesh):
-    from studies.peers.ngsolve_stator import Peer, PeerMesh
+    from studies.evidence.peers.ngsolve_stator import Peer, PeerMesh
 
     peer = Peer(problem.stator, problem.transducers, wavelength=problem.wavelength, mesh=PeerMesh(**mesh))
 

@@ -75,7 +75,7 @@ def _explain(scene: Scene, wanted: float, *, as_json: bool) -> int:
 
 def wave(arguments: argparse.Namespace) -> int:
     """Print the half-space Rayleigh wave of a material and its cut; draw the crystal axes if asked."""
-    from studies.free_surface import half_space_answer, half_space_wave
+    from studies.report.free_surface import half_space_answer, half_space_wave
 
     orientation = arguments.orientation
     if "," in orientation:

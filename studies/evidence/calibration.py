@@ -62,7 +62,7 @@ class Checked:
 def calibrated(seed: int, index: int) -> Checked:
     """Return what a scene of a seed shows."""
     from studies.chain import run as run_chain
-    from studies.random_scene import drawn
+    from studies.evidence.random_scene import drawn
 
     begun = time.perf_counter()
     kind, tolerance = "none", math.nan

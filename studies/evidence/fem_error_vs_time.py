@@ -16,8 +16,8 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-from studies.peers.attempt import Attempt, attempted
-from studies.peers.contenders import CURVES, Problem, missing
+from studies.evidence.peers.attempt import Attempt, attempted
+from studies.evidence.peers.contenders import CURVES, Problem, missing
 from studies.refusal import RunError
 from studies.study import Finding, Panel, StudyRecord
 
@@ -106,8 +106,8 @@ def reference(posed: Problem) -> tuple[complex, tuple[complex, complex]]:
         return FREE_ENDS
     import numpy as np
 
-    from studies.peers.plate_response import PlateResponse
-    from studies.peers.strip_charges import StripCharges
+    from studies.evidence.peers.plate_response import PlateResponse
+    from studies.evidence.peers.strip_charges import StripCharges
 
     solid = posed.stator.solid
     plate = PlateResponse(

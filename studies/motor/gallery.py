@@ -66,8 +66,9 @@ def run(scene: str | Scene = "twente", *, progress: Callable[[str], None] | None
         Told what is being done.
     """
     import contact
-    from studies import admittance, regime_map
     from studies.chain import run as run_chain
+    from studies.motor import regime_map
+    from studies.stator import admittance
     from studies.view.contact_view import contact_moments
     from studies.view.run_field import of_record
 

@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-from studies.peers.attempt import alone, peak_memory
+from studies.evidence.peers.attempt import alone, peak_memory
 from studies.refusal import RunError
 from studies.study import Finding, Panel, StudyRecord
 
@@ -164,7 +164,7 @@ def _contact(way: str, motion) -> dict:
 
 
 def _mesh(per_wavelength: int) -> dict:
-    from studies.peers.uniform_mesh import uniform_solution
+    from studies.evidence.peers.uniform_mesh import uniform_solution
     from studies.scene import resolved
 
     scene = _scene()
@@ -189,7 +189,7 @@ def _solver(method: str, rtol: float, motion) -> dict:
     """Return v after a number of cycles from rest by an event solver of scipy, against our event-exact way."""
     from contact.answers.methods import rest, rest_problem
     from studies.chain import bridge
-    from studies.peers import contact as contact_peers
+    from studies.evidence.peers import contact as contact_peers
 
     scene = _scene()
     slider, orbit = bridge.contact_slider(scene.slider), _orbit(scene, motion).scaled(PEER_VOLTAGE)

@@ -18,7 +18,7 @@ from collections import Counter
 from collections.abc import Callable
 from importlib import import_module
 
-from studies.stability.case import VERDICTS
+from studies.evidence.stability.case import VERDICTS
 from studies.study import Finding, Panel, StudyRecord
 
 __all__ = ["draw", "figure", "run", "tables"]
@@ -56,7 +56,7 @@ def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
     """
     begun = time.perf_counter()
     say = progress or (lambda text: None)
-    rooms = {part: import_module(f"studies.stability_{room}") for part, room in PARTS.items()}
+    rooms = {part: import_module(f"studies.evidence.stability.{room}") for part, room in PARTS.items()}
     cases = [
         (rooms[part].judge, case)
         for part, room in PARTS.items()

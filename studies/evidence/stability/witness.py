@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from fem.convergence import ConvergenceError
-from studies.stability.verdict import NoWitness
+from studies.evidence.stability.verdict import NoWitness
 
 __all__ = ["compared"]
 
@@ -21,7 +21,7 @@ def compared(motor, witness: str, tolerance: float, balance: float) -> tuple[flo
 
     Parameters
     ----------
-    motor : studies.stability.stator.Motor
+    motor : studies.evidence.stability.stator.Motor
     witness : str
         "strips", "direct", "size", "circuit" or "finer".
     tolerance : float
@@ -60,8 +60,8 @@ def _difference(motion: np.ndarray, known: np.ndarray) -> float:
 
 def _strips(motor, _) -> tuple[complex, np.ndarray]:
     """Charges on the fingers of an infinite plate, by exact partial waves."""
-    from studies.peers.plate_response import PlateResponse
-    from studies.peers.strip_charges import StripCharges
+    from studies.evidence.peers.plate_response import PlateResponse
+    from studies.evidence.peers.strip_charges import StripCharges
 
     solid = motor.stator.solid
     plate = PlateResponse(

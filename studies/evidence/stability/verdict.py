@@ -10,8 +10,8 @@ import time
 import warnings
 from collections.abc import Callable
 
+from studies.evidence.stability.case import Outcome
 from studies.refusal import RunError, SceneError
-from studies.stability.case import Outcome
 
 __all__ = ["PROMISED", "NoWitness", "judged"]
 

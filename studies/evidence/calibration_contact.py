@@ -43,7 +43,7 @@ def drawn(number: int):
     import numpy as np
 
     from contact import Orbit, Slider
-    from studies.stability.contact import SLIDER
+    from studies.evidence.stability.contact import SLIDER
 
     draw = np.random.default_rng([SEED, number])
 

@@ -10,7 +10,7 @@ import math
 import time
 import warnings
 
-from studies.stability.case import Case, Outcome
+from studies.evidence.stability.case import Case, Outcome
 
 __all__ = ["contact_cases", "judge"]
 

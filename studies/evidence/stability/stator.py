@@ -11,8 +11,8 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from studies.stability.case import Case, Outcome
-from studies.stability.verdict import judged
+from studies.evidence.stability.case import Case, Outcome
+from studies.evidence.stability.verdict import judged
 
 __all__ = ["Motor", "judge", "other_motor", "small_motor", "stator_cases"]
 
@@ -168,7 +168,7 @@ def _one(key: str) -> Callable[[float], Motor]:
 
 def _cut_off(distance: float) -> Motor:
     """A lossless plate at a relative distance from a mode's cut-off, in the discretisation that will be asked."""
-    from studies.stability.resonance import cut_off
+    from studies.evidence.stability.resonance import cut_off
 
     motor = _lossless(small_motor())
     return replace(motor, frequency=cut_off(motor) * (1 + distance))
@@ -176,7 +176,7 @@ def _cut_off(distance: float) -> Motor:
 
 def _resonant(distance: float) -> Motor:
     """A lossless plate near the resonance of a clamped piece, in the discretisation that will be asked."""
-    from studies.stability.resonance import piece_resonance
+    from studies.evidence.stability.resonance import piece_resonance
 
     motor = _lossless(small_motor())
     return replace(motor, frequency=piece_resonance(motor) * (1 + distance))
@@ -261,7 +261,7 @@ def judge(case: Case) -> Outcome:
     _, _, motor, witness = VARIED[case.varied]
 
     def posed():
-        from studies.stability.witness import compared
+        from studies.evidence.stability.witness import compared
 
         return compared(motor(case.value), witness, TOLERANCE, BALANCE)
 

@@ -15,8 +15,16 @@ import sys
 import time
 from collections.abc import Callable
 
-from studies.published import KUROSAWA, LEFT_ASIDE, SEED, TJEUNG, corners
-from studies.published_kurosawa import ball, contact_radius, needed_amplitude, per_volt, ratio, speed, thrust
+from studies.papers.published import KUROSAWA, LEFT_ASIDE, SEED, TJEUNG, corners
+from studies.papers.published_kurosawa import (
+    ball,
+    contact_radius,
+    needed_amplitude,
+    per_volt,
+    ratio,
+    speed,
+    thrust,
+)
 from studies.study import Finding, Panel, StudyRecord
 
 __all__ = ["figure", "run", "tables"]
@@ -169,7 +177,7 @@ def _seed() -> list[dict]:
     from dataclasses import replace
 
     import contact
-    from studies.seed import Seed
+    from studies.papers.seed import Seed
 
     seed, published = Seed(lambda text: None), SEED["published"]
 

@@ -30,7 +30,7 @@ CENSUS = """
 import contextlib, io, json, sys, time
 from studies.scene import override
 from studies import scene
-from studies.peers.attempt import peak_memory
+from studies.evidence.peers.attempt import peak_memory
 from studies.chain import run
 table = scene.read_table(sys.argv[1])
 words = sys.argv[2:]
@@ -72,7 +72,7 @@ def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
     progress : callable, optional
         Told what is being measured.
     """
-    from studies.omission import OMISSIONS
+    from studies.evidence.omission import OMISSIONS
 
     begun = time.perf_counter()
     say = progress or (lambda text: None)

@@ -53,7 +53,7 @@ class Omission:
 
 def _motor(**solid):
     """The small motor of the stability study, on a solid with other constants."""
-    from studies.stability.stator import small_motor
+    from studies.evidence.stability.stator import small_motor
 
     motor = small_motor()
     return motor.solid(**solid) if solid else motor
@@ -121,7 +121,7 @@ def _driven_velocity() -> Answered:
 
 
 def _pair(width: float):
-    from studies.stability.stator import other_motor
+    from studies.evidence.stability.stator import other_motor
 
     return other_motor(_motor(), metallisation=0.5 * (1 + width))
 

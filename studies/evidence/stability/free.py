@@ -8,8 +8,8 @@ one loss factor on all moduli the wavenumber is the lossless one over sqrt(1 + i
 import math
 from dataclasses import replace
 
-from studies.stability.case import Case, Outcome
-from studies.stability.verdict import judged
+from studies.evidence.stability.case import Case, Outcome
+from studies.evidence.stability.verdict import judged
 
 __all__ = ["free_cases", "judge"]
 

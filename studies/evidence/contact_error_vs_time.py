@@ -14,7 +14,7 @@ import sys
 import time
 from collections.abc import Callable
 
-from studies.seed import Seed
+from studies.papers.seed import Seed
 from studies.study import Finding, Panel, StudyRecord
 
 __all__ = ["figure", "run"]
@@ -64,7 +64,7 @@ def _rows(seed: Seed, amplitude: float) -> list[dict]:
     import contact
     from contact.answers.methods import rest, rest_problem
     from contact.solve.time_stepping import steps
-    from studies.peers import contact as peers
+    from studies.evidence.peers import contact as peers
 
     slider, orbits = seed.slider, seed.orbits(amplitude)
     problem = rest_problem(slider, orbits)

@@ -1,6 +1,6 @@
 """Slider behaviour in the seed paper: its Figs 2, 5(a) and 5(b), with its sentences and our numbers."""
 
-from studies.seed import Seed
+from studies.papers.seed import Seed
 from studies.study import Finding, Panel
 
 __all__ = ["figure_2", "figure_5a", "figure_5b"]

@@ -5,7 +5,7 @@ Every function takes a case: the values of what the paper states loosely or not 
 
 import math
 
-from studies.published import KUROSAWA, NORMAL_DAMPING, TANGENTIAL_OVER_NORMAL
+from studies.papers.published import KUROSAWA, NORMAL_DAMPING, TANGENTIAL_OVER_NORMAL
 
 __all__ = ["ball", "contact_radius", "needed_amplitude", "per_volt", "ratio", "speed", "thrust"]
 

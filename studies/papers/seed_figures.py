@@ -12,9 +12,9 @@ import sys
 import time
 from collections.abc import Callable
 
-from studies.seed import Seed
-from studies.seed_contact import figure_6a, figure_6b, figure_7
-from studies.seed_slider import figure_2, figure_5a, figure_5b
+from studies.papers.seed import Seed
+from studies.papers.seed_contact import figure_6a, figure_6b, figure_7
+from studies.papers.seed_slider import figure_2, figure_5a, figure_5b
 from studies.study import Panel, StudyRecord
 
 __all__ = ["figure", "run"]
