@@ -8,9 +8,9 @@ Conventions: exp(+i omega t), peak amplitudes, SI units, x along the surface, z 
 positive along +x.  Importing this package imports no numerical library; ``studies.chain.run`` imports what
 its scene needs.
 
-The rooms, bottom to top: scene (the file and what it may say) - chain (voltage to velocity) - report (what a run
-leaves, and its plan) - view (pictures and films of fields and contacts), sweep (many runs of one scene) - peers (what
-others would do), stability (extreme cases and their witnesses).  A study is a file named by its question.
+Packages, bottom to top: scene (the file and its rules) - chain (voltage to velocity) - report (the files of a run) -
+view (looking at fields and contacts), sweep (many runs of one scene) - command (the command line) - stator, papers,
+motor (questions, one file each) - evidence (what shows that the rest can be trusted).
 """
 
 from studies.refusal import SceneError

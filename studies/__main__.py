@@ -47,7 +47,7 @@ def main(words: list[str] | None = None) -> int:
 
 
 def _dispatch(words: list[str]) -> int:
-    from studies.parser import parser
+    from studies.command.parser import parser
 
     top = parser()
     try:
@@ -57,9 +57,9 @@ def _dispatch(words: list[str]) -> int:
     if arguments.call is None:
         top.print_help()
         return 0
-    from studies import commands
+    from studies.command import calls
 
-    return getattr(commands, arguments.call)(arguments)
+    return getattr(calls, arguments.call)(arguments)
 
 
 def _said(message, status: int) -> int:

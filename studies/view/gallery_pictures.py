@@ -18,7 +18,7 @@ def draw_all(gallery, folder: Path, *, voltage: float, progress: Callable[[str],
 
     Parameters
     ----------
-    gallery : studies.gallery.Gallery
+    gallery : studies.motor.gallery.Gallery
     folder : Path
     voltage : float
         Of the contact's ledger, V.

@@ -13,9 +13,9 @@ import platform
 
 import numpy as np
 
-from studies.fem_error_vs_time import DIRECT, ENDS, problem, reference, seconds_at
-from studies.peers.attempt import attempted
-from studies.peers.contenders import CURVES, missing
+from studies.evidence.fem_error_vs_time import DIRECT, ENDS, problem, reference, seconds_at
+from studies.evidence.peers.attempt import attempted
+from studies.evidence.peers.contenders import CURVES, missing
 
 FINEST = (
     {"order": 10, "edge_layers": 5, "element_size": 0.7, "condense": True},

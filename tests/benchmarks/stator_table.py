@@ -34,9 +34,9 @@ from fem.readout import surface_wave
 from fem.section import Resolution
 from fem.solution import Solution, solved
 from fem.wavelength import slowest_wavelength
-from studies.fem_error_vs_time import LIMITS, problem, reference, seconds_at
-from studies.peers.attempt import attempted
-from studies.peers.contenders import CURVES, missing
+from studies.evidence.fem_error_vs_time import LIMITS, problem, reference, seconds_at
+from studies.evidence.peers.attempt import attempted
+from studies.evidence.peers.contenders import CURVES, missing
 
 # Largest element (wavelengths) and layers of the direct mesh's stretches: at 0.05 they still err by 1.4e-10; more
 # layers at an absorbing end are more than scikit-fem can place points in.
@@ -44,14 +44,14 @@ STRETCHES = {"free": (0.03, 3), "absorbing": (0.025, 1)}
 SWEEP = """
 import numpy as np
 from fem import frequency_band
-from studies.fem_error_vs_time import problem
+from studies.evidence.fem_error_vs_time import problem
 posed = problem("free")
 band = frequency_band(posed.stator, posed.transducers, lowest=2.1e6, highest=2.3e6, driven="left", tolerance=1e-3,
                       places=(posed.place,))
 band.waves(np.linspace(2.1e6, 2.3e6, 100), driven="left")
 """
 PEAK = """
-from studies.peers.attempt import peak_memory
+from studies.evidence.peers.attempt import peak_memory
 print(peak_memory())
 """
 RUN = """

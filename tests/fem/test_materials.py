@@ -93,45 +93,6 @@ def test_losses_dissipate():
     assert not np.any(quartz.stiffness_lossy.imag)
 
 
-@pytest.mark.parametrize(
-    ("name", "c", "e", "eps", "density"),
-    [
-        ("PZT-4", {(0, 2): 74.3, (2, 2): 115, (5, 5): 30.6}, {(1, 3): 12.7, (2, 1): -5.2}, 635, 7500),
-        ("PZT-8", {(0, 2): 81.1, (2, 2): 131.7, (5, 5): 32.9}, {(0, 4): 10.34, (2, 2): 13.91}, 562, 7600),
-        ("PZT-8 (Near)", {(0, 1): 69.7, (3, 3): 31.3}, {(2, 0): -4.0, (1, 3): 10.3}, 582, 7600),
-        ("PZT-5A", {(0, 0): 121, (4, 4): 21.1}, {(2, 2): 15.8}, 830, 7750),
-        ("PZT-5H", {(0, 0): 126, (4, 4): 23.0}, {(2, 2): 23.3}, 1470, 7500),
-        ("PIC181", {(0, 0): 152.3, (4, 4): 28.3}, {(2, 2): 14.7}, 634, 7850),
-        (
-            "LiNbO3 (Warner)",
-            {(0, 3): 9, (1, 3): -9, (4, 5): 9, (5, 5): 75},
-            {(0, 5): -2.5, (1, 0): -2.5, (1, 1): 2.5, (1, 3): 3.7, (2, 2): 1.3},
-            29,
-            4700,
-        ),
-        ("LiNbO3 (Ogi)", {(2, 2): 235.2, (1, 3): -8.70}, {(1, 1): 2.39}, 26.2, 4640),
-        ("LiNbO3 (Kovacs)", {(2, 2): 227.9, (1, 3): -7.88}, {(1, 1): 2.42}, 26.3, 4628),
-        (
-            "quartz (Bechmann)",
-            {(0, 3): -17.91, (1, 3): 17.91, (4, 5): -17.91, (5, 5): 39.875},
-            {(0, 0): 0.171, (0, 1): -0.171, (0, 3): -0.0406, (1, 4): 0.0406, (1, 5): -0.171},
-            4.103e-11 / VACUUM_PERMITTIVITY,
-            2649,
-        ),
-    ],
-)
-def test_catalogue_shows_the_published_entries(name, c, e, eps, density):
-    solid = material(name)
-    for place, value in c.items():
-        assert solid.stiffness[place] == pytest.approx(value * 1e9, rel=1e-12)
-    for place, value in e.items():
-        assert solid.coupling[place] == pytest.approx(value, rel=1e-12)
-    assert solid.permittivity[2, 2] / VACUUM_PERMITTIVITY == pytest.approx(eps, rel=1e-12)
-    assert solid.density == density
-    assert solid.name == name
-    assert solid.source
-
-
 def test_isotropic_solid_returns_its_constants():
     steel = material("steel")
     compliance = np.linalg.inv(steel.stiffness)

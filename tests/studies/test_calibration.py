@@ -4,9 +4,9 @@ from types import SimpleNamespace
 
 import pytest
 
-from studies import calibration, random_scene
-from studies.calibration import Checked
 from studies.chain import run
+from studies.evidence import calibration, random_scene
+from studies.evidence.calibration import Checked
 from studies.refusal import RunError
 
 

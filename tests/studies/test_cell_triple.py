@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from studies import cell_triple
 from studies.report.figures import saved
+from studies.stator import cell_triple
 
 
 @pytest.fixture(scope="module")

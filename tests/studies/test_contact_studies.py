@@ -2,7 +2,7 @@
 
 from matplotlib.figure import Figure
 
-from studies import load_line, regime_map, step_planner
+from studies.motor import load_line, regime_map, step_planner
 
 
 def test_regime_map_lies_on_its_lines(monkeypatch):
@@ -42,7 +42,7 @@ def test_steps_are_planned_and_grow_as_the_square_of_the_cycles(monkeypatch):
 
 
 def test_error_against_time_names_who_failed_in_silence(monkeypatch):
-    from studies import contact_error_vs_time as study
+    from studies.evidence import contact_error_vs_time as study
 
     monkeypatch.setattr(study, "CYCLES", 12)
     monkeypatch.setattr(study, "AMPLITUDES", (10e-9,))

@@ -7,9 +7,9 @@ import pytest
 from PIL import Image
 
 from studies.__main__ import main
-from studies.free_surface import half_space_answer, half_space_wave
 from studies.refusal import RunError, SceneError
 from studies.report.crystal import axes, axes_figure, save_axes, tables_text
+from studies.report.free_surface import half_space_answer, half_space_wave
 
 
 def crystal(material, orientation):

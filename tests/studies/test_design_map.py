@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from contact import steady, threshold_factor
-from studies import design_map
 from studies.chain import bridge
+from studies.motor import design_map
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.resolved import resolved

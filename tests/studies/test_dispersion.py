@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from studies import Scene, SceneError, dispersion
+from studies import Scene, SceneError
 from studies.report.figures import saved
+from studies.stator import dispersion
 
 LONGITUDINAL, SHEAR, THICKNESS = 5900.0, 3100.0, 0.7e-3
 STRETCHING = 2 * SHEAR * np.sqrt(1 - (SHEAR / LONGITUDINAL) ** 2)

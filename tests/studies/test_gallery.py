@@ -40,7 +40,7 @@ def test_the_gallery_is_made_in_less_than_two_minutes(tmp_path):
 
 
 def test_a_scene_without_a_whole_motor_is_refused():
-    from studies import gallery
+    from studies.motor import gallery
     from studies.refusal import SceneError
 
     with pytest.raises(SceneError, match="transducer and slider are needed: the gallery shows a whole motor"):

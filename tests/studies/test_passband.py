@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studies import Scene, SceneError, admittance, frequency_response
+from studies import Scene, SceneError
 from studies.chain import passband, run
 from studies.report.figures import saved
 from studies.scene import read_table
 from studies.scene.override import assigned
+from studies.stator import admittance, frequency_response
 
 
 @pytest.fixture(scope="module")

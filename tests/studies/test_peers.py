@@ -8,12 +8,12 @@ import sys
 import numpy as np
 import pytest
 
-from studies import fem_error_vs_time
-from studies.fem_error_vs_time import seconds_at
-from studies.peers import attempt, contenders
-from studies.peers import ngsolve_stator as peer
-from studies.peers.attempt import Attempt, attempted
-from studies.peers.contenders import CURVES
+from studies.evidence import fem_error_vs_time
+from studies.evidence.fem_error_vs_time import seconds_at
+from studies.evidence.peers import attempt, contenders
+from studies.evidence.peers import ngsolve_stator as peer
+from studies.evidence.peers.attempt import Attempt, attempted
+from studies.evidence.peers.contenders import CURVES
 from studies.refusal import RunError
 from tests.studies.motors import small_problem, truth
 
@@ -95,9 +95,8 @@ def test_without_the_peer_a_sentence_says_what_to_install(monkeypatch):
 
 
 def test_nothing_imports_the_peer_unasked():
-    program = (
-        "import sys, studies.fem_error_vs_time, studies.peers.ngsolve_stator; print('ngsolve' in sys.modules)"
-    )
+    modules = "studies.evidence.fem_error_vs_time, studies.evidence.peers.ngsolve_stator"
+    program = f"import sys, {modules}; print('ngsolve' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["False"]
 

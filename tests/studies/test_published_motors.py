@@ -7,9 +7,9 @@ import math
 
 import pytest
 
-from studies import published_kurosawa as model
-from studies import published_motors as study
-from studies.published import KUROSAWA, Unknown, corners
+from studies.papers import published_kurosawa as model
+from studies.papers import published_motors as study
+from studies.papers.published import KUROSAWA, Unknown, corners
 
 NAMES = ("friction", "preload", "amplitude", "frequency", "modulus", "law", "air")
 TAKEN = {name: KUROSAWA[name].taken for name in NAMES} | {"ratio": 0.9}

@@ -9,14 +9,14 @@ import pytest
 
 from fem.half_space import rayleigh
 from fem.materials import isotropic
-from studies import left_out, stability
-from studies.omission import OMISSIONS
+from studies.evidence import left_out, stability
+from studies.evidence.omission import OMISSIONS
+from studies.evidence.stability import chain as stability_chain
+from studies.evidence.stability import free as stability_free
+from studies.evidence.stability import stator as stability_stator
+from studies.evidence.stability.case import Case, Outcome
+from studies.evidence.stability.verdict import NoWitness, judged
 from studies.refusal import RunError
-from studies.stability import chain as stability_chain
-from studies.stability import free as stability_free
-from studies.stability import stator as stability_stator
-from studies.stability.case import Case, Outcome
-from studies.stability.verdict import NoWitness, judged
 from studies.study import STUDIES
 from studies.view.lamb import bulk_velocities, plate_wavenumbers, rayleigh_velocity
 

@@ -7,10 +7,10 @@ import pytest
 from scipy.special import ellipk
 
 from fem import material, rayleigh
-from studies.peers import strip_charges
-from studies.peers.contenders import CURVES
-from studies.peers.plate_response import PlateResponse
-from studies.peers.strip_charges import StripCharges
+from studies.evidence.peers import strip_charges
+from studies.evidence.peers.contenders import CURVES
+from studies.evidence.peers.plate_response import PlateResponse
+from studies.evidence.peers.strip_charges import StripCharges
 from tests.studies.motors import small_problem, truth
 
 

@@ -32,7 +32,7 @@ def test_the_list_names_every_study(monkeypatch, capsys):
 
 @pytest.fixture(scope="module")
 def seed(tmp_path_factory):
-    from studies import seed_slider
+    from studies.papers import seed_slider
 
     folder = tmp_path_factory.mktemp("seed")
     with pytest.MonkeyPatch.context() as patch:
@@ -67,7 +67,7 @@ def test_the_numbers_of_the_seed_figures_are_those_of_the_closed_forms(seed):
 
 @pytest.fixture(scope="module")
 def rayleigh():
-    from studies import rayleigh
+    from studies.stator import rayleigh
 
     meshes = {2: (2, 4), 4: (1, 2), 8: (1, 2)}
     with pytest.MonkeyPatch.context() as patch:

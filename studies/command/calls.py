@@ -1,0 +1,213 @@
+"""What each call of the command does, given its parsed arguments; each returns the exit code."""
+
+import argparse
+import json
+import sys
+from contextlib import ExitStack
+from pathlib import Path
+
+from studies.refusal import SceneError, shown
+from studies.report.files import write_run
+from studies.results import result_directory
+from studies.scene import Scene, read_table, scene_path, shipped_scenes
+from studies.scene.override import assigned, toml_value, voltages
+
+__all__ = ["check", "run", "scenes", "study", "sweep", "view", "wave"]
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the chain of a scene; print its answer and leave its files."""
+    from studies.chain import run as run_chain
+    from studies.progress import Progress
+    from studies.report.answer import answer
+    from studies.report.drawing import Drawing
+
+    wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
+    if arguments.explain:
+        return _explain(scene, wanted, as_json=arguments.json)
+    out = arguments.out
+    if out is None and not arguments.json:
+        out = Path("results") / scene_path(arguments.scene).stem
+    for option in ("report", "field"):
+        if getattr(arguments, option) and out is None:
+            raise SceneError(f"--{option}", "needs a directory to go to: give --out, or leave --json out")
+    if arguments.field and not scene.transducer:
+        raise SceneError(
+            "--field", "keeps the field of a driven stator, and this scene has no [[transducer]]"
+        )
+    with ExitStack() as stack:
+        folder = None if out is None else stack.enter_context(result_directory(out))
+        plotted = folder is not None and not (arguments.json or arguments.no_plot)
+        drawing = stack.enter_context(Drawing()) if plotted else None
+        with Progress() as progress:
+            record = run_chain(scene, tolerance=wanted, progress=progress)
+            whole = record.to_dict()
+            if folder is not None:
+                progress("writing the results")
+                write_run(record, folder, field=arguments.field)
+                if arguments.report:
+                    from studies.report import write_report
+
+                    write_report(record, folder)
+                if drawing is not None:
+                    drawing.draw(record, folder)
+    if arguments.json:
+        print(json.dumps(whole, indent=1, ensure_ascii=False, allow_nan=False))
+    else:
+        print(answer(record))
+        print(f"results         {out}")
+    if record.shortfall:
+        print(f"sawmotor: {record.shortfall}", file=sys.stderr)
+    return 1 if record.shortfall else 0
+
+
+def _explain(scene: Scene, wanted: float, *, as_json: bool) -> int:
+    from studies.report.explanation import explanation
+    from studies.report.plan import plan
+
+    planned = plan(scene, tolerance=wanted)
+    if as_json:
+        print(json.dumps(planned.to_dict(), indent=1, ensure_ascii=False, allow_nan=False))
+    else:
+        print(explanation(planned))
+    return 0
+
+
+def wave(arguments: argparse.Namespace) -> int:
+    """Print the half-space Rayleigh wave of a material and its cut; draw the crystal axes if asked."""
+    from studies.report.free_surface import half_space_answer, half_space_wave
+
+    orientation = arguments.orientation
+    if "," in orientation:
+        orientation = toml_value(f"[{orientation.strip('[]')}]")
+    answer = half_space_wave(arguments.material, orientation=orientation, surface=arguments.surface)
+    if arguments.json:
+        print(json.dumps(answer, indent=1, ensure_ascii=False, allow_nan=False))
+    else:
+        print(half_space_answer(answer))
+    if arguments.plot is not None:
+        from studies.report.crystal import save_axes
+
+        save_axes(answer, arguments.plot)
+    return 0
+
+
+def study(arguments: argparse.Namespace) -> int:
+    """Run a study, or list them with their questions."""
+    from studies.progress import Progress
+    from studies.scene.override import axes_given
+    from studies.study import STUDIES, module, question, run_study
+
+    if arguments.name is None:
+        width = max(map(len, STUDIES))
+        print("\n".join(f"{name:<{width}}  {question(name)}" for name in STUDIES))
+        return 0
+    module(arguments.name)
+    out = arguments.out or Path("results") / arguments.name
+    with result_directory(out) as folder, Progress() as progress:
+        answer = run_study(
+            arguments.name, arguments.scene, folder, progress=progress, over=axes_given(arguments.over)
+        )
+    print(f"{answer}\nresults  {out}")
+    return 0
+
+
+def view(arguments: argparse.Namespace) -> int:
+    """Show a run in a window, or draw it into files and name them."""
+    from studies.progress import Progress
+    from studies.view import view as show
+    from studies.view.options import Wanted
+
+    wanted = Wanted.read(arguments)
+    with Progress() as progress:
+        remark = show(arguments.run, wanted, progress=progress)
+    if remark is not None:
+        print(f"sawmotor: {remark}", file=sys.stderr)
+    print("\n".join(wanted.files), end="\n" if wanted.files else "")
+    return 0
+
+
+def scenes(arguments: argparse.Namespace) -> int:
+    """Print the scenes that ship, a line each."""
+    width = max(map(len, shipped_scenes()))
+    for name in shipped_scenes():
+        print(f"{name:<{width}}  {Scene.load(name).title}")
+    return 0
+
+
+def check(arguments: argparse.Namespace) -> int:
+    """Check a scene without running it and print what a run would do."""
+    from studies.scene.resolved import resolved
+
+    scene = resolved(changed_scene(arguments))
+    print(f"{arguments.scene}: {scene.title or 'no title'}")
+    print("\n".join(f"  {line}" for line in _contents(scene)))
+    return 0
+
+
+def sweep(arguments: argparse.Namespace) -> int:
+    """Compute what is missing of a sweep's points, and say what they came to."""
+    from studies.scene.override import axes_given
+    from studies.sweep.answer import run_sweep
+
+    table = changed_table(arguments)
+    out = arguments.out or Path("results") / f"{scene_path(arguments.scene).stem}-sweep"
+    return run_sweep(arguments, table, axes_given(arguments.over), tolerance(arguments.tolerance), out)
+
+
+def changed_scene(arguments: argparse.Namespace) -> Scene:
+    """Return the scene of a call with its ``--set`` and ``--voltage`` applied."""
+    return Scene.from_table("", changed_table(arguments))
+
+
+def changed_table(arguments: argparse.Namespace) -> dict:
+    """Return the TOML document of a call's scene, with its ``--set`` and ``--voltage`` applied."""
+    table = read_table(arguments.scene)
+    for setting in arguments.set:
+        table = assigned(table, setting)
+    if arguments.voltage is not None:
+        if "drive" not in table:
+            raise SceneError("--voltage", "needs a scene with a [drive]; this one has none")
+        values = voltages(arguments.voltage)
+        table = table | {"drive": table["drive"] | {"voltage": values}}
+    return table
+
+
+def tolerance(text: str | None) -> float:
+    """Return the tolerance of a call, 1e-3 when absent."""
+    value = 1e-3 if text is None else toml_value(text)
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < 1:
+        raise SceneError("--tolerance", f"must be a number above 0 and below 1, got {shown(text)}")
+    return float(value)
+
+
+def _contents(scene: Scene) -> list[str]:
+    lines = []
+    if scene.stator is not None:
+        block = scene.stator
+        material = block.material if isinstance(block.material, str) else block.material.name
+        thickness = block.thickness if isinstance(block.thickness, str) else f"{block.thickness * 1e3:g} mm"
+        lines.append(f"stator      {material}, {block.orientation}, {block.length * 1e3:g} mm x {thickness}")
+    for transducer in scene.transducer:
+        period = "auto" if transducer.period == "auto" else f"{transducer.period * 1e3:.6g} mm"
+        driven = (
+            "driven"
+            if transducer.name == scene.drive.transducer
+            else f"not driven ({transducer.termination})"
+        )
+        kind = transducer.pattern or ("split fingers" if transducer.split else "plain")
+        pairs = f"{transducer.finger_pairs} pairs, {kind}, period {period}"
+        lines.append(f"transducer  {transducer.name}: {pairs}, {driven}")
+    frequency = scene.frequency
+    lines.append(f"frequency   {frequency if isinstance(frequency, str) else f'{frequency / 1e6:g} MHz'}")
+    if scene.levels:
+        factor, unit, what = (1e9, "nm", "amplitude ") if scene.wave is not None else (1, "V", "voltage   ")
+        low, high = (f"{level * factor:g}" for level in (min(scene.levels), max(scene.levels)))
+        several = f"{len(scene.levels)} values, {low} to {high}"
+        lines.append(f"{what}  {several if len(scene.levels) > 1 else high} {unit}")
+    if scene.slider is not None:
+        slider = scene.slider
+        moduli = f"E* {slider.effective_modulus / 1e9:.4g} GPa, G* {slider.tangential_modulus / 1e9:.4g} GPa"
+        weight = f"{slider.mass * 1e3:g} g, preload {slider.preload * 1e3:g} mN"
+        lines.append(f"slider      {weight}, contacts {len(slider.offsets)}, {moduli}")
+    return lines

@@ -1,0 +1,264 @@
+"""What each part that a scene does without would cost, and that the answer is the same with it put back in.
+
+Method: for every entry of ``left_out`` that the Python API can put back one question asked twice (see omission.py):
+processor time once everything is compiled, peak memory of what is allocated, unknowns, and the relative difference of
+the answers.  Whole commands in processes of their own show what absent blocks save in imports, time and memory.
+Expected: differences of rounding (1e-12) or of the part's own size; the wave under the slider the same whether the
+scene has one or not.  Run time: about a minute of one processor.
+"""
+
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+
+from studies.study import Finding, Panel, StudyRecord
+
+__all__ = ["figure", "run", "tables"]
+
+ONE = ("--set", "drive.voltage=10")
+COMMANDS = {
+    "whole chain": ("twente-left", *ONE),
+    "no slider": ("twente-left", *ONE, "--tolerance", "2.5e-4", "-slider"),
+    "no transducer": ("rayleigh",),
+    "no stator": ("twente-contact", "--set", "wave.normal_amplitude=3e-9"),
+}
+WATCHED = ("numpy", "scipy", "skfem", "meshio", "numba", "pint", "matplotlib", "pyvista", "rich")
+OURS = ("fem", "contact", "studies")
+CENSUS = """
+import contextlib, io, json, sys, time
+from studies.scene import override
+from studies import scene
+from studies.evidence.peers.attempt import peak_memory
+from studies.chain import run
+table = scene.read_table(sys.argv[1])
+words = sys.argv[2:]
+tolerance = 1e-3
+while words:
+    word = words.pop(0)
+    if word == "--set":
+        table = override.assigned(table, words.pop(0))
+    elif word == "--tolerance":
+        tolerance = float(words.pop(0))
+    else:
+        del table[word[1:]]
+record = run(scene.Scene.from_table("", table), tolerance=tolerance)
+wave = record.to_dict()["wave"].get("normal_m_per_V", [])
+modules = sorted(name for name in sys.modules)
+print(json.dumps([time.process_time(), peak_memory(), wave, modules]))
+"""
+SAME = 1e-11  # relative: rounding, and what puts a part back
+COLUMNS = (
+    "part",
+    "question",
+    "seconds_without",
+    "seconds_with",
+    "bytes_without",
+    "bytes_with",
+    "unknowns_without",
+    "unknowns_with",
+    "relative_difference",
+    "allowed",
+    "why",
+)
+
+
+def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
+    """Return what each omission saves and by how much the answer differs with the part in.
+
+    Parameters
+    ----------
+    progress : callable, optional
+        Told what is being measured.
+    """
+    from studies.evidence.omission import OMISSIONS
+
+    begun = time.perf_counter()
+    say = progress or (lambda text: None)
+    rows = []
+    for omission in OMISSIONS:
+        say(f"left out: {omission.part}")
+        rows.append(_measured(omission))
+    commands = []
+    for name, words in COMMANDS.items():
+        say(f"left out: {name}")
+        commands.append(_command(name, words))
+    return StudyRecord(
+        name="left_out",
+        panels=(
+            Panel(
+                name="parts",
+                title="What the parts that are left out would cost",
+                data={column: [row[column] for row in rows] for column in COLUMNS},
+            ),
+            Panel(
+                name="blocks",
+                title="What absent blocks save",
+                data={key: [each[key] for each in commands] for key in commands[0]},
+            ),
+        ),
+        findings=_findings(rows, commands),
+        seconds=time.perf_counter() - begun,
+    )
+
+
+def tables(record: StudyRecord) -> dict[str, str]:
+    """Return the table of the parts and that of the blocks, in markdown."""
+    parts, blocks = (panel.data for panel in record.panels)
+    lines = [
+        "| left out | question | ms without | with | MB without | with | unknowns without | with | difference "
+        "| allowed |",
+        "|" + "---|" * 10,
+    ]
+    for row in zip(*(parts[column] for column in COLUMNS), strict=True):
+        one = dict(zip(COLUMNS, row, strict=True))
+        cells = [
+            one["part"],
+            one["question"],
+            f"{1e3 * one['seconds_without']:.3g}",
+            f"{1e3 * one['seconds_with']:.3g}",
+            f"{one['bytes_without'] / 1e6:.3g}",
+            f"{one['bytes_with'] / 1e6:.3g}",
+            str(one["unknowns_without"]),
+            str(one["unknowns_with"]),
+            f"{one['relative_difference']:.1e}",
+            f"{one['allowed']:.0e}, {one['why']}",
+        ]
+        lines.append(f"| {' | '.join(cells)} |")
+    lines += ["", "| scene | CPU s | peak MB | modules | of them loaded |", "|---|---|---|---|---|"]
+    for name, seconds, peak, modules, watched in zip(
+        blocks["scene"], blocks["seconds"], blocks["bytes"], blocks["modules"], blocks["watched"], strict=True
+    ):
+        lines.append(f"| {name} | {seconds:.2f} | {peak / 1e6:.0f} | {modules} | {watched} |")
+    return {"left_out.md": "\n".join(lines) + "\n"}
+
+
+def figure(record: Panel, ax):
+    """Draw the cost of the parts over that of the answer without them, or the whole commands' time and memory."""
+    data = record.data
+    if record.name == "blocks":
+        places = range(len(data["scene"]))
+        ax.barh(
+            [place - 0.2 for place in places], data["seconds"], 0.38, color="#0072B2", label="CPU time (s)"
+        )
+        memory = [size / 1e8 for size in data["bytes"]]
+        ax.barh(
+            [place + 0.2 for place in places], memory, 0.38, color="#E69F00", label="peak memory (100 MB)"
+        )
+        ax.set_yticks(places, data["scene"])
+        ax.set_xlabel("CPU time (s), peak memory (100 MB)")
+        ax.set_ylabel("scene")
+    else:
+        places = range(len(data["part"]))
+        for key, colour, mark, what in (
+            ("seconds", "#0072B2", "o", "time"),
+            ("bytes", "#E69F00", "s", "memory"),
+            ("unknowns", "#009E73", "^", "unknowns"),
+        ):
+            ratios = [
+                more / less for more, less in zip(data[f"{key}_with"], data[f"{key}_without"], strict=True)
+            ]
+            ax.semilogx(ratios, places, mark, color=colour, label=what)
+        ax.axvline(1.0, color="black", linewidth=0.8)
+        ax.set_yticks(places, data["part"], fontsize="x-small")
+        ax.set_xlabel("with the part over without it (1)")
+        ax.set_ylabel("left out")
+    ax.invert_yaxis()
+    ax.set_title(record.title, fontsize="medium")
+    ax.legend(frameon=False, fontsize="small")
+    ax.grid(alpha=0.3, axis="x")
+    return ax
+
+
+def _measured(omission) -> dict:
+    first, second = omission.without(), omission.put_back()  # compiles what is to be compiled
+    difference = abs(first.values - second.values).max() / abs(second.values).max()
+    return {
+        "part": omission.part,
+        "question": omission.question,
+        "seconds_without": _seconds(omission.without),
+        "seconds_with": _seconds(omission.put_back),
+        "bytes_without": _peak(omission.without),
+        "bytes_with": _peak(omission.put_back),
+        "unknowns_without": int(first.unknowns),
+        "unknowns_with": int(second.unknowns),
+        "relative_difference": float(difference),
+        "allowed": omission.allowed,
+        "why": omission.why,
+    }
+
+
+def _seconds(way: Callable) -> float:
+    """Processor time of one more answer."""
+    begun = time.process_time()
+    way()
+    return time.process_time() - begun
+
+
+def _peak(way: Callable) -> int:
+    """Peak of what Python and numpy allocate for an answer, in bytes."""
+    import tracemalloc
+
+    tracemalloc.start()
+    try:
+        way()
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+def _command(name: str, words: tuple[str, ...]) -> dict:
+    """Run a scene in a process of its own: time, memory, the wave under the slider, what was imported."""
+    done = subprocess.run(
+        [sys.executable, "-c", CENSUS, *words], capture_output=True, text=True, check=True
+    ).stdout
+    seconds, peak, wave, modules = json.loads(done.splitlines()[-1])
+    tops = {module.split(".")[0] for module in modules}
+    own = [f"{package} ({sum(each.startswith(package + '.') for each in modules)})" for package in OURS]
+    return {
+        "scene": name,
+        "seconds": seconds,
+        "bytes": peak,
+        "wave_m_per_V": wave,
+        "modules": len(modules),
+        "watched": ", ".join([each for each in WATCHED if each in tops] + own),
+    }
+
+
+def _statement(row: dict) -> str:
+    if row["allowed"] <= SAME:
+        return f"The answer is the same with this put back in: {row['part']}."
+    return f"Put back in, this changes the answer by no more than its own size: {row['part']}."
+
+
+def _findings(rows: list[dict], commands: list[dict]) -> tuple[Finding, ...]:
+    found = [
+        Finding(
+            statement=_statement(row),
+            quantity=f"relative difference of {row['question']}",
+            expected=f"at most {row['allowed']:g} ({row['why']})",
+            found=row["relative_difference"],
+            confirmed=row["relative_difference"] <= row["allowed"],
+            remark=f"{1e3 * row['seconds_without']:.3g} ms without, {1e3 * row['seconds_with']:.3g} ms with it",
+        )
+        for row in rows
+    ]
+    waves = {each["scene"]: complex(*each["wave_m_per_V"]) for each in commands if each["wave_m_per_V"]}
+    whole, bare = waves["whole chain"], waves["no slider"]
+    found.append(
+        Finding(
+            statement="The wave under the slider is the same without the contact's solver.",
+            quantity="relative difference of the motion per volt",
+            expected="at most 1e-12",
+            found=abs(whole / bare - 1),
+            confirmed=abs(whole / bare - 1) <= 1e-12,
+        )
+    )
+    return tuple(found)
+
+
+if __name__ == "__main__":
+    from studies.__main__ import main
+
+    sys.exit(main(["study", "left_out", *sys.argv[1:]]))

@@ -1,0 +1,145 @@
+"""One contender on the driven stator, run alone in a process of its own: answer, CPU time, peak memory.
+
+One thread each: libraries that thread are told so before they are loaded, and none shares a process with another (two
+thread pools in one process slow each other).  The time is that of the CPU: on a machine that others use too, wall time
+measures them.  ``seconds`` is what one more frequency costs after ``setup_seconds``.
+"""
+
+import resource
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from studies.evidence.peers.contenders import CURVES, Problem
+from studies.refusal import RunError
+
+__all__ = ["Attempt", "alone", "attempted", "peak_memory"]
+
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Attempt:
+    """What a contender found.
+
+    Attributes
+    ----------
+    curve : str
+    setting : str
+    unknowns : int
+    setup_seconds, seconds : float
+        CPU time before the first frequency, and of one more.
+    peak_bytes : int
+        Of the process.
+    admittance : complex
+        S.
+    motion : ndarray, shape (2,)
+        u_x and u_z per volt, m.
+    """
+
+    curve: str
+    setting: str
+    unknowns: int
+    setup_seconds: float
+    seconds: float
+    peak_bytes: int
+    admittance: complex
+    motion: np.ndarray = field(repr=False)
+
+    def errors(self, reference: tuple[complex, np.ndarray]) -> tuple[float, float]:
+        """Relative errors of the admittance and of u_z, both complex."""
+        admittance, motion = reference
+        return abs(self.admittance / admittance - 1), abs(self.motion[1] / motion[1] - 1)
+
+
+def attempted(curve: str, problem: Problem, setting: dict, *, repeats: int = 1) -> Attempt:
+    """Run one contender in a fresh process.
+
+    Parameters
+    ----------
+    curve : str
+        Of `CURVES`.
+    problem : Problem
+    setting : dict
+        Its resolution.
+    repeats : int
+        Frequencies after the first; their median time counts.  None: the first counts (nothing is reused).
+
+    Returns
+    -------
+    Attempt
+
+    Raises
+    ------
+    RunError
+        If its process was ended, as happens where memory is short.
+    """
+    return alone(f"{curve}, {_words(setting)}", _measured, curve, problem, setting, repeats)
+
+
+def alone(what: str, work: Callable, *arguments):
+    """Return what some work gives in a fresh process with one thread; the function must be importable.
+
+    Raises
+    ------
+    RunError
+        If the process was ended; ``what`` names it.
+    """
+    import os
+    from concurrent.futures import ProcessPoolExecutor
+    from concurrent.futures.process import BrokenProcessPool
+    from multiprocessing import get_context
+
+    before = {name: os.environ.get(name) for name in THREADS}
+    os.environ.update(dict.fromkeys(THREADS, "1"))
+    try:
+        with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+            return pool.submit(work, *arguments).result()
+    except BrokenProcessPool:
+        raise RunError(f"{what}: its process was ended; it may want more memory") from None
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+def peak_memory() -> int:
+    """Peak memory of this process in bytes; on Linux not what the process that it was forked from had."""
+    status = Path("/proc/self/status")
+    if status.exists():
+        (line,) = (line for line in status.read_text().splitlines() if line.startswith("VmHWM"))
+        return 1024 * int(line.split()[1])
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak if sys.platform == "darwin" else 1024 * peak
+
+
+def _words(setting: dict) -> str:
+    return ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in setting.items())
+
+
+def _measured(curve: str, problem: Problem, setting: dict, repeats: int) -> Attempt:
+    begun = time.process_time()
+    once = CURVES[curve][0](problem, **setting)
+    admittance, motion, unknowns = once() if repeats else (None, None, 0)
+    ready = time.process_time()
+    times = []
+    for _ in range(max(repeats, 1)):
+        start = time.process_time()
+        admittance, motion, unknowns = once()
+        times.append(time.process_time() - start)
+    return Attempt(
+        curve=curve,
+        setting=_words(setting),
+        unknowns=unknowns,
+        setup_seconds=ready - begun,
+        seconds=float(np.median(times)),
+        peak_bytes=peak_memory(),
+        admittance=admittance,
+        motion=np.asarray(motion),
+    )

@@ -1,0 +1,265 @@
+"""Where the program stands at the extremes: what is right within its stated error, flagged, refused or WRONG.
+
+Method: every quantity of the free wave, the driven stator, the contact and the whole chain taken to both ends of its
+range, and random corners of the contact's ranges together; each answer held against another way to it
+(stability_free.py, stability_stator.py, stability_contact.py, stability_chain.py say which).  An answer is WRONG if it
+is off by more than twice its stated error, if it is not a number or ends in a defect or a warning of the arithmetic.
+The contact's witness is a run in time, often coarser than the answer: there the error found is a bound, and only what
+exceeds the errors of both is WRONG.
+Expected: at least 150 cases, none WRONG.  Run time: about 6 min of one processor.
+"""
+
+import csv
+import io
+import math
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable
+from importlib import import_module
+
+from studies.evidence.stability.case import VERDICTS
+from studies.study import Finding, Panel, StudyRecord
+
+__all__ = ["draw", "figure", "run", "tables"]
+
+PARTS = {"free wave": "free", "stator": "stator", "contact": "contact", "chain": "chain"}
+LEAST = 150
+COARSE = ("contact",)  # parts whose witness is known to less than the answer
+STYLES = {
+    "right": ("#0072B2", "o", 30),
+    "flagged": ("#E69F00", "^", 38),
+    "refused": ("#999999", "s", 26),
+    "WRONG": ("#D55E00", "X", 90),
+}
+COLOURS = {"free wave": "#009E73", "stator": "#0072B2", "contact": "#CC79A7", "chain": "#E69F00"}
+COLUMNS = (
+    "part",
+    "varied",
+    "value",
+    "unit",
+    "verdict",
+    "relative_error",
+    "relative_estimate",
+    "seconds",
+    "guard",
+)
+
+
+def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
+    """Return the verdict on every case, a panel for each part.
+
+    Parameters
+    ----------
+    progress : callable, optional
+        Told which case is being judged.
+    """
+    begun = time.perf_counter()
+    say = progress or (lambda text: None)
+    rooms = {part: import_module(f"studies.evidence.stability.{room}") for part, room in PARTS.items()}
+    cases = [
+        (rooms[part].judge, case)
+        for part, room in PARTS.items()
+        for case in getattr(rooms[part], f"{room}_cases")()
+    ]
+    rows = []
+    for number, (judge, case) in enumerate(cases, start=1):
+        say(
+            f"stability: {number} of {len(cases)}, {case.part}, {case.varied} {case.value:g} {case.unit}".rstrip()
+        )
+        rows.append(_row(case, judge(case)))
+    panels = tuple(_panel(part, [row for row in rows if row["part"] == part]) for part in PARTS)
+    return StudyRecord(
+        name="stability",
+        panels=panels,
+        findings=_findings(rows),
+        seconds=time.perf_counter() - begun,
+    )
+
+
+def tables(record: StudyRecord) -> dict[str, str]:
+    """Return the files beside the pictures: every case, and a summary for each quantity."""
+    rows = [row for panel in record.panels for row in _rows(panel)]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for row in rows:
+        writer.writerow(["" if row[name] is None else row[name] for name in COLUMNS])
+    return {"cases.csv": text.getvalue(), "summary.md": summary(rows)}
+
+
+def summary(rows: list[dict]) -> str:
+    """Return a table in markdown with a line for each quantity varied."""
+    head = ["part", "varied", "from", "to", "cases", *VERDICTS, "worst error / estimate", "seconds", "guard"]
+    lines = [f"| {' | '.join(head)} |", "|" + "---|" * len(head)]
+    for part, varied in dict.fromkeys((row["part"], row["varied"]) for row in rows):
+        own = [row for row in rows if (row["part"], row["varied"]) == (part, varied)]
+        verdicts = Counter(row["verdict"] for row in own)
+        guards = Counter(row["guard"] for row in own if row["guard"])
+        ratios = [ratio for ratio in map(_ratio, own) if ratio is not None]
+        unit = f" {own[0]['unit']}".rstrip()
+        cells = [
+            part,
+            varied,
+            f"{own[0]['value']}{unit}",
+            f"{own[-1]['value']}{unit}",
+            str(len(own)),
+            *(str(verdicts[verdict] or "") for verdict in VERDICTS),
+            f"{max(ratios):.2g}" if ratios else "",
+            f"{sum(row['seconds'] for row in own):.1f}",
+            guards.most_common(1)[0][0][:110].replace("|", "/") if guards else "",
+        ]
+        lines.append(f"| {' | '.join(cells)} |")
+    total = Counter(row["verdict"] for row in rows)
+    lines += ["", f"{len(rows)} cases: " + ", ".join(f"{total[verdict]} {verdict}" for verdict in VERDICTS)]
+    return "\n".join(lines) + "\n"
+
+
+def figure(record: Panel, ax):
+    """Draw a part's map: a line for each quantity, its values in order, marked by verdict."""
+    rows = _rows(record)
+    names = list(dict.fromkeys((row["varied"], row["unit"]) for row in rows))
+    for line, (varied, unit) in enumerate(names):
+        own = [row for row in rows if row["varied"] == varied]
+        for place, row in enumerate(own):
+            colour, mark, size = STYLES[row["verdict"]]
+            at = place / max(len(own) - 1, 1)
+            ax.scatter(at, line, color=colour, marker=mark, s=size if len(own) < 40 else size / 3, zorder=3)
+        ax.plot([0, 1], [line, line], color="#dddddd", linewidth=0.8, zorder=1)
+        ax.text(
+            -0.02, line, f"{own[0]['value']} {unit}".rstrip(), ha="right", va="center", fontsize="x-small"
+        )
+        if len(own) > 1:
+            ax.text(
+                1.02, line, f"{own[-1]['value']} {unit}".rstrip(), ha="left", va="center", fontsize="x-small"
+            )
+    for verdict, (colour, mark, size) in STYLES.items():
+        count = sum(row["verdict"] == verdict for row in rows)
+        ax.scatter([], [], color=colour, marker=mark, s=size, label=f"{verdict} ({count})")
+    ax.set_yticks(range(len(names)), [varied for varied, _ in names], fontsize="small")
+    ax.set_ylim(len(names) - 0.4, -0.6)
+    ax.set_xlim(-0.22, 1.22)
+    ax.set_xticks([0, 1], ["first value", "last value"])
+    ax.set_xlabel("values in the order of the cases (unit beside them)")
+    ax.set_ylabel("quantity taken to its ends")
+    ax.set_title(record.title, fontsize="medium")
+    ax.spines[["top", "right", "left"]].set_visible(False)
+    ax.legend(
+        frameon=False,
+        fontsize="small",
+        ncols=4,
+        loc="lower center",
+        bbox_to_anchor=(0.5, -0.02 - 3 / (len(names) + 6)),
+    )
+    return ax
+
+
+def against_estimate(panels: tuple[Panel, ...], ax):
+    """Draw the true error of every answer against the one that it states."""
+    for panel in panels:
+        pairs = [
+            (row["relative_estimate"], row["relative_error"])
+            for row in _rows(panel)
+            if row["relative_error"] is not None and row["relative_estimate"] is not None
+        ]
+        drawn = [(max(estimate, 1e-16), max(error, 1e-16)) for estimate, error in pairs]
+        ax.loglog(
+            *zip(*drawn, strict=True),
+            "o",
+            color=COLOURS[panel.name],
+            markerfacecolor="white" if panel.name in COARSE else COLOURS[panel.name],
+            markersize=4,
+            alpha=0.7,
+            label=f"{panel.name} ({len(drawn)}{', witness coarser' if panel.name in COARSE else ''})",
+        )
+    ends = [1e-16, 1.0]
+    ax.loglog(ends, [2 * end for end in ends], "-", color="black", linewidth=1, label="twice the estimate")
+    ax.set_xlabel("stated relative error (1)")
+    ax.set_ylabel("error against the witness (1)")
+    ax.set_title("What is stated, and what is so", fontsize="medium")
+    ax.legend(frameon=False, fontsize="small")
+    ax.grid(alpha=0.3)
+    return ax
+
+
+def draw(record: StudyRecord, folder, *, progress: Callable[[str], None]) -> None:
+    """Draw a map for each part, as high as it has quantities, and the errors against the estimates."""
+    from studies.report.figures import saved
+
+    for panel in record.panels:
+        progress(f"drawing {panel.name}")
+        height = 0.3 * len(dict.fromkeys(panel.data["varied"])) + 1.6
+        name = panel.name.replace(" ", "_")
+        saved(folder / f"{name}.png", lambda ax, panel=panel: figure(panel, ax), size=(9.0, height))
+    saved(
+        folder / "error_against_estimate.png", lambda ax: against_estimate(record.panels, ax), size=(6.5, 5.5)
+    )
+
+
+def _row(case, outcome) -> dict:
+    """A case and its outcome in terms of JSON: no answer, no number."""
+    numbers = {name: getattr(outcome, name) for name in ("relative_error", "relative_estimate")}
+    return {
+        "part": case.part,
+        "varied": case.varied,
+        "value": f"{case.value:g}",
+        "unit": case.unit,
+        "verdict": outcome.verdict,
+        **{name: float(value) if math.isfinite(value) else None for name, value in numbers.items()},
+        "seconds": float(outcome.seconds),
+        "guard": outcome.guard,
+    }
+
+
+def _panel(part: str, rows: list[dict]) -> Panel:
+    data = {name: [row[name] for row in rows] for name in COLUMNS}
+    return Panel(name=part, title=f"{part}: {len(rows)} extreme cases", data=data)
+
+
+def _rows(panel: Panel) -> list[dict]:
+    return [
+        dict(zip(COLUMNS, values, strict=True))
+        for values in zip(*(panel.data[name] for name in COLUMNS), strict=True)
+    ]
+
+
+def _ratio(row: dict) -> float | None:
+    """Error over estimate, where there are both."""
+    error, estimate = row["relative_error"], row["relative_estimate"]
+    if row["part"] in COARSE or error is None or estimate is None or not estimate > 1e-12:
+        return None
+    return error / estimate
+
+
+def _findings(rows: list[dict]) -> tuple[Finding, ...]:
+    total = Counter(row["verdict"] for row in rows)
+    wrong = [row for row in rows if row["verdict"] == "WRONG"]
+    worst = "; ".join(
+        f"{row['part']}, {row['varied']} {row['value']}: {row['guard'][:80]}" for row in wrong[:5]
+    )
+    held = [row for row in rows if row["relative_error"] is not None]
+    counts = ", ".join(f"{total[verdict]} {verdict}" for verdict in VERDICTS)
+    return (
+        Finding(
+            statement="The atlas is wide.",
+            quantity="cases",
+            expected=f"at least {LEAST}",
+            found=len(rows),
+            confirmed=len(rows) >= LEAST,
+            remark=f"{counts}; {len(held)} answers held against another way",
+        ),
+        Finding(
+            statement="No answer is wrong.",
+            quantity="cases that are WRONG",
+            expected="0",
+            found=len(wrong),
+            confirmed=not wrong,
+            remark=worst,
+        ),
+    )
+
+
+if __name__ == "__main__":
+    from studies.__main__ import main
+
+    sys.exit(main(["study", "stability", *sys.argv[1:]]))

@@ -1,0 +1,156 @@
+"""The contact at its extremes: every quantity to both ends of its range, and random corners of all ranges together.
+
+Method: the seed's slider on a wave of 5 nm; one quantity at a time, and then all at random between their ends, laws and
+numbers of balls too.  The steady velocity is asked for at 1e-3 and held against runs in time that start at it
+(`contact.second_opinion`).  Expected: an answer within its stated error, an answer that says that it is not within the
+tolerance, or a refusal with the reason; never NaN, never a traceback.  Run time: about a minute of one processor.
+"""
+
+import math
+import time
+import warnings
+
+from studies.evidence.stability.case import Case, Outcome
+
+__all__ = ["contact_cases", "judge"]
+
+TOLERANCE = 1e-3
+CORNERS = 120
+AMPLITUDE, FREQUENCY, RATIO = 5e-9, 2.2e6, 0.7
+SLIDER = {
+    "radius": 1e-3, "mass": 0.089e-3, "preload": 0.089e-3 * 9.81, "load": 0.0, "friction_coefficient": 0.08,
+    "effective_modulus": 64e9, "tangential_modulus": 12e9, "law": "elastic", "reciprocal": False, "stick_band": 0.0,
+    "contact_damping": 0.0, "normal_damping": 0.5, "tangential_damping": 1e-4,
+}  # fmt: skip
+# values, one at a time
+SWEPT = {
+    "moduli over the seed's": ("", (1e-3, 1e-2, 0.1, 10.0, 100.0, 1e3)),
+    "preload": ("N", (0.0, 1e-9, 1e-6, 1e-5, 1e-4, 1e-2, 0.1, 1.0, 10.0, 100.0, 1e3)),
+    "amplitude": ("m", (0.0, 1e-12, 1e-10, 0.7e-9, 0.75e-9, 1e-9, 3e-9, 2e-8, 1e-7, 3e-7, 1e-6, 3e-6, 1e-5)),
+    "friction_coefficient": ("", (0.0, 1e-6, 1e-3, 0.01, 0.3, 0.5, 1.0, 2.0, 5.0)),
+    "mass": ("kg", (1e-12, 1e-11, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-3, 1e-2, 0.1, 1.0)),
+    "radius": ("m", (1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-2, 0.1, 1.0)),
+    "frequency": ("Hz", (1.0, 10.0, 100.0, 1e3, 3e3, 6e3, 9e3, 1.2e4, 2e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10)),
+    "stick_band": ("m/s", (1e-6, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0)),
+    "contact_damping": ("s/m", (0.0, 1e-3, 1.0, 1e2, 1e3, 1e4, 1e5, 1e6)),
+    "normal_damping": ("N s/m", (0.0, 1e-6, 1e-3, 1.0, 1e2, 1e4, 1e6)),
+    "tangential_damping": ("N s/m", (0.0, 1e-6, 1e-3, 1e-1, 1e2, 1e4, 1e6)),
+    "load": ("N", (1e-7, 1e-5, 5e-5, 1e-4, 1e-2, 1.0, 1e3)),
+    "tangential_ratio": ("", (0.0, 1e-3, 1.0, 10.0, 1e3)),
+}
+# ends of the ranges, for the corners; what may be zero is zero in one draw of four
+RANGES = {
+    "moduli over the seed's": (1e-3, 1e3), "preload": (1e-9, 1e3), "amplitude": (1e-12, 1e-5),
+    "friction_coefficient": (1e-3, 5.0), "mass": (1e-12, 1.0), "radius": (1e-9, 1.0), "frequency": (1.0, 1e10),
+    "stick_band": (1e-6, 10.0), "contact_damping": (1e-6, 1e6), "normal_damping": (1e-6, 1e6),
+    "tangential_damping": (1e-6, 1e6), "load": (1e-9, 1.0), "tangential_ratio": (1e-2, 10.0),
+}  # fmt: skip
+MAY_BE_ZERO = (
+    "stick_band", "contact_damping", "normal_damping", "tangential_damping", "load", "preload", "friction_coefficient",
+)  # fmt: skip
+
+
+def contact_cases() -> list[Case]:
+    """Return the cases: one quantity at a time, then the corners."""
+    cases = [
+        Case(part="contact", varied=varied, value=value, unit=unit)
+        for varied, (unit, values) in SWEPT.items()
+        for value in values
+    ]
+    return cases + [
+        Case(part="contact", varied="corner", value=float(number), unit="") for number in range(CORNERS)
+    ]
+
+
+def motor(case: Case):
+    """Return (slider, orbits) of a case."""
+    values = corner(int(case.value)) if case.varied == "corner" else {case.varied: case.value}
+    return built(values)
+
+
+def built(values: dict):
+    """Return (slider, orbits) from values by name, those of the seed where there are none."""
+    import numpy as np
+
+    from contact import Orbit, Slider
+
+    chosen = dict(values)
+    factor = chosen.pop("moduli over the seed's", 1.0)
+    amplitude = chosen.pop("amplitude", AMPLITUDE)
+    ratio = chosen.pop("tangential_ratio", RATIO)
+    frequency = chosen.pop("frequency", FREQUENCY)
+    angle, contacts = chosen.pop("angle", -0.5 * math.pi), chosen.pop("contacts", 1)
+    moduli = {name: factor * SLIDER[name] for name in ("effective_modulus", "tangential_modulus")}
+    slider = Slider(**(SLIDER | moduli | chosen))
+    one = Orbit(
+        frequency=frequency, normal=amplitude, tangential=ratio * amplitude * complex(np.exp(1j * angle))
+    )
+    return slider, tuple(one.scaled(complex(np.exp(-2j * np.pi * k / 7.0))) for k in range(contacts))
+
+
+def corner(number: int) -> dict:
+    """Return the values of a random corner: about half of the quantities leave the seed's."""
+    import numpy as np
+
+    draw = np.random.default_rng([20260, number])
+    values = {}
+    for name, (low, high) in RANGES.items():
+        if draw.random() < 0.5:
+            continue
+        zero = name in MAY_BE_ZERO and draw.random() < 0.25
+        values[name] = 0.0 if zero else float(low * (high / low) ** draw.random())
+    values["angle"] = float(draw.uniform(-np.pi, np.pi)) if draw.random() < 0.3 else -0.5 * math.pi
+    values["contacts"] = int(draw.choice([1, 1, 3]))
+    values["law"] = str(draw.choice(["elastic", "elastic", "hysteretic"]))
+    values["reciprocal"] = bool(draw.random() < 0.25)
+    if values["law"] == "hysteretic":
+        values["stick_band"] = 0.0
+    return values
+
+
+def judge(case: Case) -> Outcome:
+    """Return what becomes of a case."""
+    begun = time.process_time()
+    verdict, guard, error, estimate = _judged(case)
+    return Outcome(
+        verdict=verdict,
+        guard=guard,
+        relative_error=error,
+        relative_estimate=estimate,
+        seconds=time.process_time() - begun,
+    )
+
+
+def _judged(case):
+    import contact
+    from contact.drive import relative_to_reference
+
+    none = math.nan
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            slider, orbits = motor(case)
+            found = contact.steady(slider, orbits, tolerance=TOLERANCE)
+        except (contact.ConvergenceError, ValueError) as refused:
+            return "refused", str(refused), none, none
+        except Exception as broken:  # whatever it is, it is what this study looks for
+            return "WRONG", f"{type(broken).__name__}: {broken}", none, none
+        if not (math.isfinite(found.velocity) and math.isfinite(found.relative_error)):
+            return "WRONG", "not finite", none, none
+        try:
+            other = contact.second_opinion(found)
+        except contact.ConvergenceError as refused:
+            other, guard = None, f"no second way: {refused}"
+        except Exception as broken:
+            return "WRONG", f"second way: {type(broken).__name__}: {broken}", none, found.relative_error
+    verdict = "right" if found.status == "ok" else "flagged"
+    said = "" if found.status == "ok" else found.message
+    if other is None:
+        return verdict, said or guard, none, found.relative_error
+    error = relative_to_reference(other.velocity - found.velocity, found.velocity, orbits)
+    own = relative_to_reference(other.error, found.velocity, orbits)
+    if error > 2.0 * (found.relative_error + own) + 1e-9:
+        return "WRONG", f"{other.way} way finds {other.velocity:.6g} m/s, not {found.velocity:.6g}", error, (
+            found.relative_error
+        )  # fmt: skip
+    return verdict, said, error, found.relative_error

@@ -1,0 +1,268 @@
+"""Extreme cases of the driven stator: one quantity of a small motor taken to its ends, against witnesses.
+
+A plate of hard PZT of 9 x 0.7 mm with one transducer of two finger pairs at 2.2 MHz, lossy, absorbing ends, unless a
+case says otherwise.  Witnesses, by what a case allows: charges on strips of an infinite plate by exact partial waves
+(strip_charges.py: no mesh, nothing shared); one sparse matrix of the whole section (fem.direct); the same problem in
+another unit of length (nothing may change); circuit laws; and, where no other way exists, the finest level that the
+discretisation has.  The power balance of every answer is part of its verdict.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from studies.evidence.stability.case import Case, Outcome
+from studies.evidence.stability.verdict import judged
+
+__all__ = ["Motor", "judge", "other_motor", "small_motor", "stator_cases"]
+
+PART = "stator"
+TOLERANCE = 1e-3
+BALANCE = 1e-7  # of the apparent power; clamped corners and thick sections reach 1e-9
+ENDS = ("absorbing", "free", "clamped")
+BOTTOMS = ("free", "grounded", "clamped", "absorbing")
+SIDES = tuple((ends, bottom) for ends in ENDS for bottom in BOTTOMS)
+CUTS = (
+    ("PZT-8", "X"),
+    ("LiNbO3 (Warner)", "YZ"),
+    ("LiNbO3 (Warner)", "128YX"),
+    ("quartz (Bechmann)", "ST-X"),
+    ("PZT-8", (10.0, 20.0, 30.0)),
+    ("LiNbO3 (Warner)", (10.0, 20.0, 30.0)),
+)
+TERMINATIONS = ("open", "short", 0.0, 1e-9, 1e9, 50j, -50j)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motor:
+    """A driven stator and where its motion is asked for.
+
+    Attributes
+    ----------
+    stator : fem.Stator
+    transducers : tuple of fem.Transducer
+        The first is driven.
+    frequency : float
+        Hz.
+    place : float
+        m.
+    source_impedance : complex
+        Ohm.
+    """
+
+    stator: object
+    transducers: tuple
+    frequency: float = 2.2e6
+    place: float = 6e-3
+    source_impedance: complex = 0.0
+
+    def solid(self, **changes) -> "Motor":
+        """Return the motor with other constants of its solid."""
+        return replace(self, stator=replace(self.stator, solid=replace(self.stator.solid, **changes)))
+
+    def section(self, **changes) -> "Motor":
+        """Return the motor with another block."""
+        return replace(self, stator=replace(self.stator, **changes))
+
+    def comb(self, **changes) -> "Motor":
+        """Return the motor with another driven transducer."""
+        return replace(self, transducers=(replace(self.transducers[0], **changes), *self.transducers[1:]))
+
+    def wave(self, tolerance: float):
+        """Return its ``fem.SurfaceWave``."""
+        import fem
+
+        return fem.driven_wave(
+            self.stator,
+            self.transducers,
+            frequency=self.frequency,
+            driven=self.transducers[0].name,
+            source_impedance=self.source_impedance,
+            tolerance=tolerance,
+            places=(self.place,),
+        )
+
+
+def small_motor(material: str = "PZT-8", orientation="Z", *, stretch: float = 1.0) -> Motor:
+    """Return the motor of the cases; on another solid as large in wavelengths, or stretched."""
+    import fem
+
+    solid = fem.rotated(fem.material(material), orientation)
+    frequency = 2.2e6 / stretch
+    period = fem.automatic_period(fem.rotated(fem.material("PZT-8"), "Z"), frequency, 0.5)
+    if material != "PZT-8" or orientation != "Z":
+        period = fem.automatic_period(solid, frequency, 0.5)
+    transducer = fem.Transducer(
+        name="left", center=3 * period, finger_pairs=2, period=period, metallisation=0.5, aperture=20 * period
+    )
+    stator = fem.Stator(solid=solid, length=9 * period, thickness=0.7 * period, ends="absorbing")
+    return Motor(stator=stator, transducers=(transducer,), frequency=frequency, place=6.1 * period)
+
+
+def other_motor(motor: Motor, **changes) -> Motor:
+    """Return the motor with a second transducer."""
+    first = motor.transducers[0]
+    second = replace(first, name="right", center=motor.stator.length - first.center, **changes)
+    return replace(motor, transducers=(first, second), place=motor.stator.length / 2)
+
+
+def _at(frequency: float) -> Motor:
+    """Return the motor at a frequency over that of its centre."""
+    motor = small_motor()
+    return replace(motor, frequency=motor.frequency * frequency)
+
+
+def _pairs(count: float) -> Motor:
+    motor = small_motor()
+    period = motor.transducers[0].period
+    extent = (count + 1) * period
+    motor = motor.comb(finger_pairs=int(count), center=extent / 2 + period).section(
+        length=extent + 6 * period
+    )
+    return replace(motor, place=extent + 3 * period)
+
+
+def _long(wavelengths: float) -> Motor:
+    motor = small_motor()
+    period = motor.transducers[0].period
+    motor = motor.comb(center=1.5 * period).section(length=(3 + wavelengths) * period)
+    return replace(motor, place=(2.9 + wavelengths) * period)
+
+
+def _thick(wavelengths: float) -> Motor:
+    motor = small_motor()
+    return motor.section(thickness=wavelengths * motor.transducers[0].period)
+
+
+def _lossless(motor: Motor) -> Motor:
+    return motor.solid(mechanical_quality=math.inf, dielectric_loss=0.0)
+
+
+def _sides(number: float) -> Motor:
+    ends, bottom = SIDES[int(number)]
+    return small_motor().section(ends=ends, bottom=bottom)
+
+
+def _terminated(number: float) -> Motor:
+    return other_motor(small_motor(), termination=TERMINATIONS[int(number)])
+
+
+def _stiff(factor: float) -> Motor:
+    """Stiffer by a factor, at as many wavelengths."""
+    motor = small_motor()
+    motor = motor.solid(stiffness=motor.stator.solid.stiffness * factor)
+    return replace(motor, frequency=motor.frequency * math.sqrt(factor))
+
+
+def _times(key: str) -> Callable[[float], Motor]:
+    def motor(factor: float) -> Motor:
+        base = small_motor()
+        return base.solid(**{key: getattr(base.stator.solid, key) * factor})
+
+    return motor
+
+
+def _one(key: str) -> Callable[[float], Motor]:
+    return lambda value: small_motor().solid(**{key: value})
+
+
+def _cut_off(distance: float) -> Motor:
+    """A lossless plate at a relative distance from a mode's cut-off, in the discretisation that will be asked."""
+    from studies.evidence.stability.resonance import cut_off
+
+    motor = _lossless(small_motor())
+    return replace(motor, frequency=cut_off(motor) * (1 + distance))
+
+
+def _resonant(distance: float) -> Motor:
+    """A lossless plate near the resonance of a clamped piece, in the discretisation that will be asked."""
+    from studies.evidence.stability.resonance import piece_resonance
+
+    motor = _lossless(small_motor())
+    return replace(motor, frequency=piece_resonance(motor) * (1 + distance))
+
+
+# quantity: unit, values, motor, witness
+VARIED: dict[str, tuple[str, tuple, Callable[[float], Motor], str]] = {
+    "mechanical quality": ("", (5.0, 20.0, 1e4, 1e6), _one("mechanical_quality"), "strips"),
+    "mechanical quality, lossless": ("", (math.inf,), lambda _: _lossless(small_motor()), "finer"),
+    "dielectric loss": ("", (0.0, 0.1, 1.0), _one("dielectric_loss"), "strips"),
+    "metallisation": (
+        "",
+        (0.02, 0.1, 0.9),
+        lambda value: small_motor().comb(metallisation=value),
+        "strips",
+    ),
+    "metallisation, narrow gaps": (
+        "",
+        (0.98,),
+        lambda value: small_motor().comb(metallisation=value),
+        "finer",
+    ),
+    "thickness, thin": ("wavelengths", (0.05, 0.1, 0.2), _thick, "direct"),
+    "thickness": ("wavelengths", (0.35, 1.0, 2.0, 10.0, 20.0, 100.0), _thick, "strips"),
+    "length": ("wavelengths", (0.5, 1.0, 10.0, 100.0, 1000.0), _long, "strips"),
+    "finger pairs": ("", (1.0, 10.0, 50.0), _pairs, "strips"),
+    "finger pairs, many": ("", (200.0, 2000.0), _pairs, "finer"),
+    "permittivity": ("times", (1e-3, 1e-2, 1e2, 1e3), _times("permittivity"), "strips"),
+    "coupling": ("times", (1e-6, 1e-3, 2.0, 5.0), _times("coupling"), "strips"),
+    "stiffness": ("times", (1e-3, 1e-1, 1e1, 1e3), _stiff, "finer"),
+    "frequency over centre": (
+        "",
+        (4.5e-4, 0.05, 0.5, 2.0, 5.0, 12.0),
+        _at,
+        "finer",
+    ),
+    "size": ("times", (1e-6, 1e-3, 1e3, 1e6), lambda value: small_motor(stretch=value), "size"),
+    "ends and bottom": ("", tuple(range(len(SIDES))), _sides, "finer"),
+    "whole section as one matrix": ("", (0, 1, 2, 4, 5), _sides, "direct"),
+    "cut": ("", tuple(range(len(CUTS))), lambda value: small_motor(*CUTS[int(value)]), "finer"),
+    "cut, half-space": (
+        "",
+        (0, 1, 3),
+        lambda value: small_motor(*CUTS[int(value)]).section(thickness=math.inf),
+        "finer",
+    ),
+    "cut, no loss": (
+        "",
+        tuple(range(len(CUTS))),
+        lambda value: _lossless(small_motor(*CUTS[int(value)])),
+        "finer",
+    ),
+    "distance from a cut-off": ("", (0.0, 1e-12, 1e-9, 1e-6, 1e-3), _cut_off, "finer"),
+    "distance from a piece's resonance": ("", (0.0, 1e-14, 1e-12, 1e-9, 1e-6), _resonant, "finer"),
+    "source impedance": (
+        "ohm",
+        (1e-9, 1.0, 1e3, 1e6, 1e9),
+        lambda value: replace(small_motor(), source_impedance=value),
+        "circuit",
+    ),
+    "termination": ("", tuple(range(len(TERMINATIONS))), _terminated, "finer"),
+    "vacuum above, permittivity": (
+        "times",
+        (1e-2, 1.0, 1e2),
+        lambda value: _times("permittivity")(value).section(above="vacuum"),
+        "finer",
+    ),
+}
+
+
+def stator_cases() -> tuple[Case, ...]:
+    """Return the cases of the driven stator."""
+    return tuple(
+        Case(part=PART, varied=name, value=float(value), unit=unit)
+        for name, (unit, values, _, _) in VARIED.items()
+        for value in values
+    )
+
+
+def judge(case: Case) -> Outcome:
+    """Return what became of a case."""
+    _, _, motor, witness = VARIED[case.varied]
+
+    def posed():
+        from studies.evidence.stability.witness import compared
+
+        return compared(motor(case.value), witness, TOLERANCE, BALANCE)
+
+    return judged(posed, TOLERANCE)

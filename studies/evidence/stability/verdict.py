@@ -1,0 +1,73 @@
+"""The verdict on a case of the stability study: an answer against its witness, or what refused it.
+
+An answer is WRONG if it is off by more than twice its estimate (the contract's promise) and by more than a hundredth
+of the tolerance: below that nothing was asked of the estimate.  What is left of an answer to a user's eyes counts too:
+a warning of the arithmetic (overflow, invalid value) is a failure of the case, whatever number came out.
+"""
+
+import math
+import time
+import warnings
+from collections.abc import Callable
+
+from studies.evidence.stability.case import Outcome
+from studies.refusal import RunError, SceneError
+
+__all__ = ["PROMISED", "NoWitness", "judged"]
+
+PROMISED = 2.0  # true error over estimate
+UNASKED = 1e-2  # of the tolerance, below which the estimate is not judged
+
+
+class NoWitness(RuntimeError):
+    """There is an answer, but nothing to hold it against."""
+
+
+def judged(posed: Callable[[], tuple[float, float, bool | str]], tolerance: float) -> Outcome:
+    """Return the outcome of a case.
+
+    Parameters
+    ----------
+    posed : callable
+        Answers and asks the witness: error, its estimate, and True or the status of an answer that keeps no
+        tolerance.
+    tolerance : float
+        Relative, that was asked for.
+    """
+    from contact import ConvergenceError as ContactError
+    from fem import ConvergenceError as FieldError
+
+    begun = time.process_time()
+
+    def outcome(
+        verdict: str, guard: str = "", error: float = math.nan, estimate: float = math.nan
+    ) -> Outcome:
+        return Outcome(
+            verdict=verdict,
+            guard=" ".join(guard.split()),
+            relative_error=error,
+            relative_estimate=estimate,
+            seconds=time.process_time() - begun,
+        )
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            error, estimate, kept = posed()
+    except NoWitness as lacking:
+        return outcome("flagged", f"answered, but no witness: {lacking}")
+    except (SceneError, RunError, FieldError, ContactError) as refusal:
+        return outcome("refused", str(refusal))
+    except ValueError as refusal:
+        # fem refuses a geometry or a solid with a sentence that names it
+        named = str(refusal).startswith(("stator", "transducer", "drive", "tolerance", "a transducer"))
+        return outcome("refused" if named else "WRONG", f"{type(refusal).__name__}: {refusal}")
+    except Exception as defect:
+        return outcome("WRONG", f"{type(defect).__name__}: {defect}")
+    sound = math.isfinite(error) and math.isfinite(estimate)
+    if not sound or error > max(PROMISED * estimate, UNASKED * tolerance):
+        return outcome("WRONG", "" if kept is True else str(kept), error, estimate)
+    if kept is not True or estimate > tolerance:
+        said = f"it states an error of {estimate:.1e}" if kept is True else str(kept)
+        return outcome("flagged", said, error, estimate)
+    return outcome("right", "", error, estimate)

@@ -1,0 +1,166 @@
+"""Witnesses of the driven stator's extreme cases: another way to the same admittance and motion.
+
+Each gives an admittance (S) and u_x, u_z at the place (m per volt), or None for what it does not know.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from fem.convergence import ConvergenceError
+from studies.evidence.stability.verdict import NoWitness
+
+__all__ = ["compared"]
+
+TERMS = 10  # Chebyshev polynomials on a strip
+
+
+def compared(motor, witness: str, tolerance: float, balance: float) -> tuple[float, float, bool | str]:
+    """Solve a motor and ask a witness.
+
+    Parameters
+    ----------
+    motor : studies.evidence.stability.stator.Motor
+    witness : str
+        "strips", "direct", "size", "circuit" or "finer".
+    tolerance : float
+        Relative, of the motion.
+    balance : float
+        Bound of the power balance's residual over the apparent power.
+
+    Returns
+    -------
+    error, estimate, kept
+        Of motion or admittance, whichever is further from its estimate; see stability_verdict.judged.
+    """
+    wave = motor.wave(tolerance)
+    try:
+        admittance, motion = WITNESSES[witness](motor, wave)
+    except ConvergenceError as lacking:
+        raise NoWitness(str(lacking)) from None
+    if not wave.power_residual < balance:
+        return wave.power_residual, 0.0, "the power balance does not close"
+    pairs = [(_difference(wave.motion(motor.place), motion), wave.relative_error)]
+    if admittance is not None:
+        pairs.append((abs(wave.admittance / admittance - 1), wave.admittance_error))
+    found = [(float(error), float(estimate)) for error, estimate in pairs]
+    if not all(math.isfinite(error) for error, _ in found):
+        return math.nan, wave.relative_error, True
+    error, estimate = max(found, key=lambda pair: pair[0] / max(pair[1], tolerance / 100))
+    return error, estimate, True
+
+
+def _difference(motion: np.ndarray, known: np.ndarray) -> float:
+    """Of two orbits, a common phase aside (it moves nothing), over the larger component."""
+    known = np.asarray(known)
+    turn = np.exp(1j * np.angle(np.sum(np.conj(known) * motion)))
+    return float(abs(motion - turn * known).max() / abs(known).max())
+
+
+def _strips(motor, _) -> tuple[complex, np.ndarray]:
+    """Charges on the fingers of an infinite plate, by exact partial waves."""
+    from studies.evidence.peers.plate_response import PlateResponse
+    from studies.evidence.peers.strip_charges import StripCharges
+
+    solid = motor.stator.solid
+    plate = PlateResponse(
+        stiffness=solid.stiffness_lossy,
+        coupling=solid.coupling,
+        permittivity=solid.permittivity_lossy,
+        density=solid.density,
+        thickness=motor.stator.thickness,
+        frequency=motor.frequency,
+    )
+    (transducer,) = motor.transducers
+    strips = StripCharges(
+        plate=plate,
+        centers=transducer.fingers.mean(axis=1),
+        half_width=transducer.finger_width / 2,
+        terms=TERMS,
+    )
+    owner = np.array([int(sign == "-") for sign in transducer.signs])
+    charges, coefficients = strips.charges(owner, {0: 0.5, 1: -0.5})
+    admittance = 2j * np.pi * motor.frequency * transducer.aperture * charges[0]
+    return complex(admittance), strips.motion(coefficients, motor.place)
+
+
+def _direct(motor, _) -> tuple[complex, np.ndarray]:
+    """The whole section as one sparse matrix, one level finer than the answer."""
+    from fem.direct import direct_solution
+    from fem.electrodes import circuit, port_admittances, ports_of
+    from fem.section import Resolution
+    from fem.wavelength import slowest_wavelength
+
+    solution = direct_solution(
+        motor.stator,
+        motor.transducers,
+        frequency=motor.frequency,
+        resolution=Resolution(order=6, edge_layers=2),
+        wavelength=slowest_wavelength(motor.stator.solid, motor.frequency),
+        stretch_size=0.25,
+        stretch_layers=3,
+    )
+    floats = motor.stator.bottom != "grounded"
+    wiring = [ports_of(each, floats) for each in motor.transducers]
+    admittances = port_admittances(solution.charges, motor.transducers, wiring, motor.frequency)
+    wired = circuit(
+        admittances,
+        motor.transducers,
+        wiring,
+        driven=motor.transducers[0].name,
+        source_impedance=motor.source_impedance,
+    )
+    return wired.admittance, solution.surface(np.array([motor.place]))[:, 0] @ wired.voltages
+
+
+def _finer(motor, answer) -> tuple[complex, np.ndarray]:
+    """The next level of the discretisation; beyond the last, one of higher order."""
+    from fem.harmonic import LEVELS
+    from fem.readout import surface_wave
+    from fem.solution import solved
+
+    level = LEVELS.index(answer.solution.resolution)
+    finest = replace(LEVELS[-1], order=12)
+    solution = solved(
+        motor.stator,
+        motor.transducers,
+        frequency=motor.frequency,
+        driven=motor.transducers[0].name,
+        source_impedance=motor.source_impedance,
+        resolution=LEVELS[level + 1] if level + 1 < len(LEVELS) else finest,
+    )
+    wave = surface_wave(solution)
+    return wave.admittance, wave.motion(motor.place)
+
+
+def _size(motor, _) -> tuple[complex, np.ndarray]:
+    """The same motor at 2.2 MHz by strips: lengths over frequency, charge per aperture and strain stay the same."""
+    factor = 2.2e6 / motor.frequency
+    (transducer,) = motor.transducers
+    ordinary = replace(
+        motor,
+        stator=replace(
+            motor.stator, length=motor.stator.length / factor, thickness=motor.stator.thickness / factor
+        ),
+        transducers=(
+            replace(
+                transducer,
+                center=transducer.center / factor,
+                period=transducer.period / factor,
+                aperture=transducer.aperture / factor,
+            ),
+        ),
+        frequency=2.2e6,
+        place=motor.place / factor,
+    )
+    return _strips(ordinary, _)
+
+
+def _circuit(motor, _) -> tuple[complex, np.ndarray]:
+    """The same motor without source impedance, by strips, and a voltage divider."""
+    admittance, motion = _strips(motor, _)
+    return admittance, motion / (1 + motor.source_impedance * admittance)
+
+
+WITNESSES = {"strips": _strips, "direct": _direct, "finer": _finer, "size": _size, "circuit": _circuit}

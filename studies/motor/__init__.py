@@ -1,0 +1,1 @@
+"""Questions about the motor: velocity, regimes, load, steps, design maps and the pictures of a whole motor."""

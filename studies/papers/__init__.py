@@ -1,0 +1,1 @@
+"""Published motors and figures, recomputed from what the papers state."""

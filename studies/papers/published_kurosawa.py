@@ -1,0 +1,104 @@
+"""Kurosawa, Takahashi and Higuchi's motor in the model: a steel ball on the Rayleigh wave of 128YX lithium niobate.
+
+Every function takes a case: the values of what the paper states loosely or not at all, by the names of `published`.
+"""
+
+import math
+
+from studies.papers.published import KUROSAWA, NORMAL_DAMPING, TANGENTIAL_OVER_NORMAL
+
+__all__ = ["ball", "contact_radius", "needed_amplitude", "per_volt", "ratio", "speed", "thrust"]
+
+TOLERANCE = 1e-3
+STATOR_TOLERANCE = 3e-2
+
+
+def ratio(material: str) -> float:
+    """|u_x/u_z| of the half-space's wave on 128YX."""
+    import fem
+
+    return fem.rayleigh(fem.rotated(fem.material(material), "128YX"), "open").surface_ratio
+
+
+def ball(case: dict):
+    """Return Kurosawa's ball and the orbit under it."""
+    import contact
+
+    published = KUROSAWA["published"]
+    slider = contact.Slider(
+        radius=published["radius_m"],
+        mass=published["mass_kg"],
+        preload=case["preload"],
+        load=0.0,
+        friction_coefficient=case["friction"],
+        effective_modulus=case["modulus"],
+        tangential_modulus=TANGENTIAL_OVER_NORMAL * case["modulus"],
+        law=case["law"],
+        reciprocal=False,
+        stick_band=0.0,
+        contact_damping=0.0,
+        normal_damping=NORMAL_DAMPING,
+        tangential_damping=case["air"],
+    )
+    amplitude = case["amplitude"]
+    orbit = contact.Orbit(
+        frequency=case["frequency"], normal=amplitude, tangential=-1j * case["ratio"] * amplitude
+    )
+    return slider, orbit
+
+
+def speed(case: dict) -> float:
+    """Steady speed, m/s."""
+    import contact
+
+    return abs(contact.steady(*ball(case), tolerance=TOLERANCE).velocity)
+
+
+def thrust(case: dict) -> float:
+    """Load at which the motor stalls, N."""
+    import contact
+
+    return contact.blocked_thrust(*ball(case))[0]
+
+
+def needed_amplitude(case: dict) -> float:
+    """Normal amplitude at which the steady speed is the published one, m."""
+    from scipy.optimize import brentq
+
+    wanted = KUROSAWA["published"]["velocity_m_per_s"]
+    return brentq(lambda size: speed(case | {"amplitude": size}) - wanted, 3e-9, 1e-7, xtol=1e-11)
+
+
+def contact_radius(case: dict) -> float:
+    """Return a = pi p0 R / 2 E*, Hertz (Johnson 1985, eq. 4.22 to 4.24)."""
+    published = KUROSAWA["published"]
+    return math.pi * published["pressure_Pa"] * published["radius_m"] / (2 * case["modulus"])
+
+
+def per_volt(*, pairs: int, material: str) -> float:
+    """Return |u_z| per volt of a transducer of so many pairs on a half-space of 128YX."""
+    import fem
+
+    solid = fem.rotated(fem.material(material), "128YX")
+    frequency = KUROSAWA["published"]["frequency_Hz"]
+    period = float(fem.automatic_period(solid, frequency, 0.5))
+    length = (pairs + 20) * period
+    stator = fem.Stator(solid=solid, length=length, thickness=math.inf, ends="absorbing")
+    transducer = fem.Transducer(
+        name="driven",
+        center=(pairs / 2 + 2) * period,
+        finger_pairs=pairs,
+        period=period,
+        metallisation=0.5,
+        aperture=9e-3,
+    )
+    place = length - 5 * period
+    wave = fem.driven_wave(
+        stator,
+        (transducer,),
+        frequency=frequency,
+        driven="driven",
+        tolerance=STATOR_TOLERANCE,
+        places=(place,),
+    )
+    return float(abs(wave.normal_at(place)))

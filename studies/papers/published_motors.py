@@ -1,0 +1,307 @@
+"""Whether the motors that are published run as their papers say.
+
+Method: Kurosawa, Takahashi and Higuchi's ball on 128YX lithium niobate (1998), the contact alone at the amplitude that
+they give, and the whole chain from 180 V; the seed's motor; what Tjeung and others (2011) and Shilton and others (2012)
+tell.  What a paper does not state, or states as "about", is swept, every combination, and makes the band beside the
+measurement; the value inside the band is ours, and an agreement only says that nothing contradicts.  Expected: the
+speed at the published amplitude within its band; from the voltage a band as wide as the unknown fingers make it.
+Run time: about 40 s.
+"""
+
+import csv
+import io
+import math
+import sys
+import time
+from collections.abc import Callable
+
+from studies.papers.published import KUROSAWA, LEFT_ASIDE, SEED, TJEUNG, corners
+from studies.papers.published_kurosawa import (
+    ball,
+    contact_radius,
+    needed_amplitude,
+    per_volt,
+    ratio,
+    speed,
+    thrust,
+)
+from studies.study import Finding, Panel, StudyRecord
+
+__all__ = ["figure", "run", "tables"]
+
+TOLERANCE = 1e-3
+WIDE = 5.0  # highest over lowest of a band from which on an agreement says little
+ON_CONTACT = ("friction", "preload", "amplitude", "frequency", "modulus", "law", "air")
+RUN_UP = 15e-3  # s
+EXPONENTIAL = 0.05  # largest departure from an exponential that still is one, over the final speed
+
+
+def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
+    """Return predictions with their bands beside what is published.
+
+    Parameters
+    ----------
+    progress : callable, optional
+        Told what is being done.
+    """
+    begun = time.perf_counter()
+    say = progress or (lambda text: None)
+    rows = [*_kurosawa(say), *_seed(), *_tjeung()]
+    rows.append(_run_up(say))
+    columns = {key: [row[key] for row in rows] for key in rows[0]}
+    panel = Panel(
+        name="published_motors", title="Published motors (bands: what the papers do not state)", data=columns
+    )
+    return StudyRecord(
+        name="published_motors",
+        panels=(panel,),
+        findings=tuple(_finding(row) for row in rows),
+        seconds=time.perf_counter() - begun,
+    )
+
+
+def figure(panel: Panel, ax):
+    """Draw each prediction over the published value: a point as taken, a band over what is swept; grey: published."""
+    from studies.report.figures import COLOURS
+
+    data = panel.data
+    count = len(data["quantity"])
+    for index in range(count):
+        place, published = count - 1 - index, data["published"][index]
+        ends = [data[key][index] / published for key in ("published_low", "published_high")]
+        ax.plot(ends, [place, place], color=COLOURS["stick"], linewidth=11, alpha=0.5, solid_capstyle="butt")
+        ends = [data[key][index] / published for key in ("low", "high")]
+        ax.plot(ends, [place, place], color=COLOURS["slip"], linewidth=5, alpha=0.45, solid_capstyle="butt")
+        ax.plot(data["predicted"][index] / published, place, "o", color=COLOURS["slip"])
+    ax.axvline(1.0, color=COLOURS["line"], linewidth=1)
+    ax.set_xscale("log")
+    ticks = (0.1, 0.2, 0.5, 1, 2)
+    ax.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    ax.minorticks_off()
+    names = [f"{m}:\n{q}" for m, q in zip(data["motor"], data["quantity"], strict=True)]
+    ax.set_yticks(range(count)[::-1], names, fontsize="x-small")
+    ax.set_xlabel("predicted over published")
+    ax.set_title(panel.title, fontsize="medium")
+    ax.grid(axis="x", alpha=0.3)
+    return ax
+
+
+def tables(record: StudyRecord) -> dict[str, str]:
+    """Return the table as Markdown and as CSV, by file name."""
+    data = record.panels[0].data
+    rows = [dict(zip(data, values, strict=True)) for values in zip(*data.values(), strict=True)]
+    lines = [
+        "| motor | quantity | published | predicted | band | swept | moves it most | verdict |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for row in rows:
+        unit, scale = row["unit"], row["scale"]
+        values = [f"{row[key] * scale:.3g}" for key in ("published", "predicted", "low", "high")]
+        stated = f"{row['published_low'] * scale:.3g} to {row['published_high'] * scale:.3g}"
+        stated = values[0] if row["published_low"] == row["published_high"] else stated
+        texts = [stated, values[1], f"{values[2]} to {values[3]}"]
+        cells = [row["motor"], row["quantity"], *(f"{text} {unit}".rstrip() for text in texts)]
+        lines.append(f"| {' | '.join([*cells, row['swept'], row['most'], row['verdict']])} |")
+    lines += ["", "Left aside:", "", *(f"- {what}: {why}." for what, why in LEFT_ASIDE)]
+    file = io.StringIO()
+    writer = csv.DictWriter(file, list(data), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return {"published_motors.md": "\n".join(lines) + "\n", "published_motors.csv": file.getvalue()}
+
+
+def _kurosawa(say) -> list[dict]:
+    """Return the contact at the published amplitude, then the chain from the voltage."""
+    published, motor = KUROSAWA["published"], "Kurosawa 1998"
+    unknowns = {name: KUROSAWA[name] for name in ON_CONTACT}
+    known = {
+        "ratio": ratio(KUROSAWA["material"].taken),
+        **{name: each.taken for name, each in unknowns.items()},
+    }
+    say("Kurosawa: the contact at the published amplitude")
+
+    def pull(case):
+        return thrust(case) / published["mass_kg"]
+
+    rows = []
+    for quantity, what, key, needs, unit, scale in (
+        ("speed at its amplitude", speed, "velocity_m_per_s", ON_CONTACT, "m/s", 1.0),
+        ("thrust", thrust, "thrust_N", ON_CONTACT[:-2], "mN", 1e3),
+        ("acceleration", pull, "acceleration_m_per_s2", ON_CONTACT[:-2], "m/s\u00b2", 1.0),
+        ("contact radius at its pressure", contact_radius, "contact_radius_m", ("modulus",), "\u00b5m", 1e6),
+    ):
+        swept = {name: unknowns[name] for name in needs}
+        rows.append(_row(motor, quantity, published[key], what, known, swept, unit, scale))
+    swept = {name: unknowns[name] for name in ("friction", "preload", "frequency", "law")}
+    rows.append(
+        _row(
+            motor,
+            "amplitude its speed needs",
+            published["amplitude_m"],
+            needed_amplitude,
+            known,
+            swept,
+            "nm",
+            1e9,
+        )
+    )
+    amplitudes = {}
+    for case in corners({name: KUROSAWA[name] for name in ("pairs", "material")}):
+        say(f"Kurosawa: {case['pairs']} finger pairs on {case['material']}")
+        amplitudes[case["pairs"], case["material"]] = published["voltage_V"] * per_volt(**case)
+    stator = {name: KUROSAWA[name] for name in ("pairs", "material")}
+    taken = {name: each.taken for name, each in stator.items()}
+
+    def from_voltage(case):
+        return amplitudes[case["pairs"], case["material"]]
+
+    rows.append(
+        _row(motor, "amplitude from 180 V", published["amplitude_m"], from_voltage, taken, stator, "nm", 1e9)
+    )
+    say("Kurosawa: from the voltage to the speed")
+
+    def chain(case):
+        return speed(case | {"amplitude": from_voltage(case)})
+
+    swept = stator | {name: unknowns[name] for name in ("friction", "preload", "law")}
+    rows.append(
+        _row(
+            motor, "speed from 180 V", published["velocity_m_per_s"], chain, known | taken, swept, "m/s", 1.0
+        )
+    )
+    return rows
+
+
+def _seed() -> list[dict]:
+    """Return the release amplitude beside the two amplitudes between which the paper places it."""
+    from dataclasses import replace
+
+    import contact
+    from studies.papers.seed import Seed
+
+    seed, published = Seed(lambda text: None), SEED["published"]
+
+    def release(case):
+        return contact.release_amplitude(replace(seed.slider, effective_modulus=case["modulus"]), seed.shape)
+
+    middle = math.sqrt(published["constant_contact_m"] * published["intermittent_m"])
+    row = _row(
+        "Feenstra and Breedveld", "release amplitude", middle, release, {"modulus": SEED["modulus"].taken},
+        {"modulus": SEED["modulus"]}, "nm", 1e9,
+    )  # fmt: skip
+    inside = published["constant_contact_m"] < row["low"] and row["high"] < published["intermittent_m"]
+    row["verdict"] = "agrees" if inside else "contradicts"
+    row["published_low"], row["published_high"] = published["constant_contact_m"], published["intermittent_m"]
+    row["expected"] = "between 3 nm (constant contact) and 10 nm (intermittent)"
+    return [row]
+
+
+def _tjeung() -> list[dict]:
+    """Return the torque that friction allows at most beside the measured one."""
+    published = TJEUNG["published"]
+
+    def torque(case):
+        return case["friction"] * published["preload_N"] * published["radius_m"]
+
+    friction = TJEUNG["friction"]
+    row = _row(
+        "Tjeung 2011", "torque, at most", published["torque_Nm"], torque, {"friction": friction.taken},
+        {"friction": friction}, "\u00b5N mm", 1e9,
+    )  # fmt: skip
+    needed = published["torque_Nm"] / torque({"friction": 1.0})
+    row["verdict"] += f"; needs a friction coefficient of {needed:.2f} at least"
+    return [row]
+
+
+def _run_up(say) -> dict:
+    """Return how far a run-up from rest departs from the exponential that Shilton and others saw."""
+    import numpy as np
+    from scipy.optimize import least_squares
+
+    import contact
+
+    say("run-up from rest")
+    known = {name: KUROSAWA[name].taken for name in ON_CONTACT}
+    known["ratio"] = ratio(KUROSAWA["material"].taken)
+    slider, orbit = ball(known)
+    motion = contact.burst(slider, orbit, duration=RUN_UP, after=0.0, tolerance=TOLERANCE, samples=400)
+    time_, reached = motion.time, abs(motion.velocity) / abs(motion.velocity_at_burst_end)
+    fit = least_squares(
+        lambda p: p[0] * (1 - np.exp(-time_ / p[1])) - reached, (1.0, 1e-3), x_scale=(1.0, 1e-3)
+    )
+    departure = float(np.sqrt(np.mean(fit.fun**2)))
+    verdict = "agrees" if departure < EXPONENTIAL else "contradicts"
+    return {
+        "motor": "Shilton 2012",
+        "quantity": "run-up over an exponential, r.m.s.",
+        "published": 1.0,
+        "published_low": 1.0,
+        "published_high": 1.0,
+        "predicted": 1.0 + departure,
+        "low": 1.0 + departure,
+        "high": 1.0 + departure,
+        "unit": "",
+        "scale": 1.0,
+        "swept": "nothing: Kurosawa's ball stands for theirs",
+        "most": f"time constant {fit.x[1] * 1e3:.3g} ms",
+        "verdict": verdict,
+        "expected": f"less than {EXPONENTIAL:.0%} from an exponential",
+    }
+
+
+def _row(motor, quantity, published, what, known, swept, unit, scale) -> dict:
+    """Return a quantity as taken, over all corners of what is unknown, and the unknown that moves it most."""
+    taken = what(known)
+    values = [what(known | case) for case in corners(swept)]
+    reach = {}
+    for name, unknown in swept.items():
+        alone = [what(known | {name: value}) for value in unknown.swept]
+        reach[unknown.name] = max(alone) / min(alone) if min(alone) > 0 else math.inf
+    most = max(reach, key=reach.get)
+    low, high = min(*values, taken), max(*values, taken)
+    if low <= published <= high:
+        verdict = f"within the band; as taken {_apart(taken / published)}"
+        if high > WIDE * low:
+            verdict += f"; a band {high / low:.0f}x wide says little"
+    else:
+        verdict = (
+            f"outside the band, whose nearer end is {_apart((low if published < low else high) / published)}"
+        )
+    return {
+        "motor": motor,
+        "quantity": quantity,
+        "published": published,
+        "published_low": published,
+        "published_high": published,
+        "predicted": taken,
+        "low": low,
+        "high": high,
+        "unit": unit,
+        "scale": scale,
+        "swept": ", ".join(map(str, swept.values())),
+        "most": f"{most} ({reach[most]:.2g}x)",
+        "verdict": verdict,
+        "expected": "",
+    }
+
+
+def _apart(ratio: float) -> str:
+    return f"{100 * (ratio - 1):+.0f} %"
+
+
+def _finding(row: dict) -> Finding:
+    band = f"{row['low'] * row['scale']:.3g} to {row['high'] * row['scale']:.3g} {row['unit']}".strip()
+    return Finding(
+        statement=f"{row['motor']}: {row['quantity']}, published {row['published'] * row['scale']:.3g} {row['unit']}",
+        quantity=f"predicted ({row['unit']})" if row["unit"] else "predicted",
+        expected=row["expected"] or f"the published value within {band}",
+        found=row["predicted"] * row["scale"],
+        confirmed=row["verdict"].startswith(("within", "agrees")),
+        remark=f"{row['verdict']}; swept: {row['swept']}; moved most by {row['most']}",
+    )
+
+
+if __name__ == "__main__":
+    from studies.__main__ import main
+
+    sys.exit(main(["study", "published_motors", *sys.argv[1:]]))

@@ -1,0 +1,148 @@
+"""Slider behaviour in the seed paper: its Figs 2, 5(a) and 5(b), with its sentences and our numbers."""
+
+from studies.papers.seed import Seed
+from studies.study import Finding, Panel
+
+__all__ = ["figure_2", "figure_5a", "figure_5b"]
+
+BURST = 0.3  # s
+STEPS = (1e-9, 3e-9, 5e-9, 10e-9, 20e-9)  # m
+CHOSEN = 10e-9  # m, whose slopes are judged
+
+
+def figure_2(seed: Seed):
+    """Fig. 2: tangential force against deformation."""
+    import numpy as np
+
+    from contact.law import mindlin
+
+    x, curves, ends = {}, {}, []
+    for share in (0.5, 1.0, 2.0):
+        force = share * seed.slider.preload
+        z = (force / seed.slider.hertz_stiffness) ** (2 / 3)
+        limit = mindlin.slip_limit(z, seed.slider.limit_slope)
+        deformation = np.linspace(0, limit, 101)
+        name = f"P = {force * 1e3:.3g} mN"
+        x[name] = deformation * 1e9
+        curves[name] = (
+            mindlin.tangential_force(deformation, limit, seed.slider.friction_coefficient * force) * 1e3
+        )
+        ends.append(curves[name][-1] / (seed.slider.friction_coefficient * force * 1e3))
+        ends.append(limit / share ** (2 / 3))
+    data = {"x": x, "left": curves, "x_axis": "tangential deformation x (nm)", "left_axis": "Q (mN)"}
+    found = Finding(
+        statement='Fig. 2: "The displacement x_max(P) can be found by substituting Q = mu P in equation 2."',
+        quantity="Q(x_max) / (mu P) at three P",
+        expected="1",
+        found=float(ends[2]),
+        confirmed=all(abs(end - 1) < 1e-12 for end in ends[::2])
+        and max(ends[1::2]) - min(ends[1::2]) < 1e-12 * max(ends[1::2]),
+        remark="x_max grows as P^(2/3): it is (mu E/4 G) z",
+    )
+    return [Panel(name="fig_2", title="Fig. 2: tangential stiffness", data=data)], [found]
+
+
+def figure_5a(seed: Seed):
+    """Fig. 5(a): step response to a burst."""
+    import numpy as np
+
+    import contact
+
+    x, curves = {}, {}
+    for amplitude in STEPS:
+        seed.say(f"seed figures: Fig. 5(a), {amplitude * 1e9:g} nm")
+        steady = seed.steady(amplitude).velocity
+        stopping = steady * seed.slider.mass / (seed.slider.friction_coefficient * seed.slider.preload)
+        motion = contact.burst(
+            seed.slider,
+            seed.orbits(amplitude),
+            duration=BURST,
+            after=1.1 * stopping + 2e-3,
+            tolerance=1e-2,
+            samples=1500,
+        )
+        name = f"{amplitude * 1e9:g} nm"
+        x[name], curves[name] = motion.time * 1e3, motion.velocity * 1e3
+        if amplitude == CHOSEN:
+            chosen, final = motion, steady
+    rising = chosen.time <= chosen.duration
+    v, end = chosen.velocity, chosen.velocity_at_burst_end
+    up = rising & (v < 0.8 * end)
+    down = ~rising & (v < 0.8 * end) & (v > 0.1 * end)
+
+    def bend(part):
+        slope = np.polynomial.Polynomial.fit(chosen.time[part], v[part], 1)
+        return float(np.max(abs(slope(chosen.time[part]) - v[part])) / end)
+
+    findings = [
+        Finding(
+            statement='Fig. 5(a): "After a certain time the slider converges to a steady state velocity."',
+            quantity=f"v after {BURST} s over the steady velocity, 10 nm",
+            expected="1 within 0.1",
+            found=end / final,
+            confirmed=abs(end / final - 1) < 0.1,
+        ),
+        Finding(
+            statement='Section V: "The rising slope has a curved shape."',
+            quantity="largest distance from a straight line over v, to 80 % of v, 10 nm",
+            expected="more than 0.01",
+            found=bend(up),
+            confirmed=bend(up) > 0.01,
+        ),
+        Finding(
+            statement='Section V: "By contrast, the falling slope is linear with time due to dry friction."',
+            quantity="the same of the falling slope",
+            expected="less than 0.01, a tenth of the rising one's",
+            found=bend(down),
+            confirmed=bend(down) < min(0.01, 0.1 * bend(up)),
+            remark="what is left is R_t v",
+        ),
+    ]
+    data = {"x": x, "left": curves, "x_axis": "time (ms)", "left_axis": "slider velocity (mm/s)"}
+    return [Panel(name="fig_5a", title=f"Fig. 5(a): burst of {BURST} s", data=data)], findings
+
+
+def figure_5b(seed: Seed):
+    """Fig. 5(b): steady velocity against amplitude."""
+    import numpy as np
+
+    import contact
+
+    threshold = contact.threshold_amplitude(seed.slider, seed.shape)
+    release = contact.release_amplitude(seed.slider, seed.shape)
+    speeds = np.array([seed.steady(amplitude).velocity for amplitude in seed.levels])
+    below, above = (seed.steady(factor * threshold).velocity for factor in (0.99, 1.01))
+    regimes = [seed.steady(factor * release).regime for factor in (0.99, 1.01)]
+    findings = [
+        Finding(
+            statement='Fig. 5(b): "There is no effective slider motion when the wave amplitude is smaller then '
+            'the threshold amplitude."',
+            quantity=f"velocity 1 % below the threshold of {threshold * 1e9:.4g} nm (m/s)",
+            expected="0",
+            found=below,
+            confirmed=below == 0,
+        ),
+        Finding(
+            statement='Fig. 5(b): "The slider starts to move when the wave amplitude exceeds the threshold amplitude."',
+            quantity="velocity 1 % above it (m/s)",
+            expected="more than 0",
+            found=above,
+            confirmed=above > 0,
+        ),
+        Finding(
+            statement='Fig. 5(b): "There is always contact between wave and slider when the wave amplitude is below '
+            'the release amplitude."',
+            quantity="release amplitude (nm); 1 % below slip, 1 % above intermittent",
+            expected="4.17258, closed form",
+            found=release * 1e9,
+            confirmed=regimes == ["slip", "intermittent"] and abs(release / 4.17258e-9 - 1) < 1e-4,
+        ),
+    ]
+    data = {
+        "x": np.array(seed.levels) * 1e9,
+        "left": {"steady velocity": speeds * 1e3},
+        "x_axis": "normal amplitude (nm)",
+        "left_axis": "slider velocity (mm/s)",
+        "verticals": {"threshold (theory)": threshold * 1e9, "release (theory)": release * 1e9},
+    }
+    return [Panel(name="fig_5b", title="Fig. 5(b): steady velocity", data=data)], findings
