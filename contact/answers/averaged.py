@@ -11,14 +11,12 @@ contact sticks through whole cycles, for its traction then remembers how it got 
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
-from contact import scaling
 from contact.convergence import ConvergenceError
-from contact.drive import reference_speed, towards_plus
-from contact.orbit import Orbit, as_orbits
+from contact.drive import reference_speed
+from contact.orbit import Orbit
 from contact.slider import Slider
 
 # largest ratio of bounce to wave frequency, for v(t) and for the corrected steady state
@@ -26,34 +24,6 @@ STIFFEST, STIFFEST_STEADY = 0.1, 0.3
 HARMONICS = 8
 # shares of the bound on the first-order error that first order has been seen to make of v(t), and second to leave
 FIRST_ORDER, LEFT_BY_SECOND_ORDER = 0.17, 0.05
-
-
-@dataclass(frozen=True, kw_only=True)
-class MeanMotion:
-    """Steady state of the averaged equations.
-
-    Attributes
-    ----------
-    velocity : float
-        Mean, m/s; exactly 0 when held.
-    height : float
-        Mean approach h, m.
-    regime : str
-        "stick", "slip" or "intermittent".
-    held : bool
-        Whether friction keeps the slider at rest.
-    error : float
-        Estimated error of `velocity`, m/s.
-    first_order : float
-        The velocity without the second-order correction, m/s.
-    """
-
-    velocity: float
-    height: float
-    regime: str
-    held: bool
-    error: float
-    first_order: float
 
 
 def why_not(slider: Slider, orbits: tuple[Orbit, ...], stiffest: float = STIFFEST) -> str:
@@ -73,63 +43,6 @@ def why_not(slider: Slider, orbits: tuple[Orbit, ...], stiffest: float = STIFFES
     if rate > stiffest**2:
         return f"the dampers act within {1.0 / rate:.3g} radians of the wave"
     return ""
-
-
-def mean_motion(
-    slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, harmonics: int = HARMONICS
-) -> MeanMotion:
-    """Return the steady state by averaging with the second-order correction.
-
-    Parameters
-    ----------
-    slider : Slider
-        The slider.
-    orbits : Orbit or tuple of Orbit
-        Motion of the surface under each contact.
-    harmonics : int
-        Of the slider's fast motion; 0 for first order alone.
-
-    Returns
-    -------
-    MeanMotion
-
-    Raises
-    ------
-    ConvergenceError
-        Status "not applicable", "runaway" or "not converged".
-    """
-    from contact.solve import averaged
-    from contact.solve.cycle_mean import quadrature
-
-    listed = as_orbits(orbits)
-    refuse_unless_applicable(slider, listed, STIFFEST_STEADY)
-    side, driven = towards_plus(listed)
-    problem = scaling.scaled(slider, driven, direction=1.0, start=0.0)
-    first, second, rule = np.zeros(7), np.zeros(7), quadrature(20)
-    why = averaged.balance(problem.parameters, problem.waves, rule, 0, first)
-    if first[0] < 0.0 and slider.load > 0.0 and averaged.drives_back(problem.parameters, problem.waves, rule):
-        problem = scaling.scaled(slider, driven, direction=-1.0, start=0.0)
-        why = averaged.balance(problem.parameters, problem.waves, rule, 0, first)
-    second[:] = first
-    if harmonics > 0 and why == averaged.DONE and not first[3]:
-        why = averaged.balance(problem.parameters, problem.waves, rule, harmonics, second)
-    if why == averaged.UNSETTLED and first[0] == 0.0:
-        raise ConvergenceError(
-            "runaway",
-            "friction cannot balance the load at any speed and no tangential damping bounds it; "
-            "lower slider.load or give slider.damping.tangential",
-        )
-    if why != averaged.DONE:
-        raise ConvergenceError("not converged", "the averaged motion was not reached; use method exact")
-    moved = abs(second[0] - first[0])
-    error = max(second[6], second[2], 1e-4 * moved, 1e-11 * second[0]) if harmonics > 0 else moved
-    if harmonics == 0:
-        error = 12.0 * (slider.normal_resonance(len(listed)) / listed[0].frequency) ** 2 * abs(second[0])
-    regime = "intermittent" if second[4] else "slip" if second[5] else "stick"
-    return MeanMotion(
-        velocity=float(side * second[0] * problem.speed), height=float(second[1] * problem.length), regime=regime,
-        held=bool(first[3]), error=float(error * problem.speed), first_order=float(side * first[0] * problem.speed),
-    )  # fmt: skip
 
 
 def refuse_unless_applicable(slider: Slider, orbits: tuple[Orbit, ...], stiffest: float = STIFFEST) -> None:
@@ -162,13 +75,13 @@ def averaged_run(
     rows[ends <= 1] = begin.state[2], begin.state[0]
     at = np.minimum(at, stop)
     unit = reference_speed(0.0, orbits) / problem.speed
-    first, second, fine = np.zeros(7), np.zeros(7), quadrature(12)
-    averaged.balance(problem.parameters, problem.waves, fine, 0, first)
-    averaged.balance(problem.parameters, problem.waves, fine, HARMONICS, second)
-    by_average = abs(second[0] - first[0])
+    fine = quadrature(12)
+    _, first = averaged.balance(problem.parameters, problem.waves, 0)
+    _, second = averaged.balance(problem.parameters, problem.waves, HARMONICS)
+    by_average = abs(second[averaged.V] - first[averaged.V])
     for share in (0.2, 0.5, 0.9):  # of the velocity that is left to gain
         gap = averaged.first_order_gap(
-            problem.parameters, problem.waves, share * second[0], stop, fine, HARMONICS
+            problem.parameters, problem.waves, share * second[averaged.V], stop, fine, HARMONICS
         )
         by_average = max(by_average, gap)
     # the bounce passes through heights at which first order errs otherwise: 2.5 (f_n/f)^2 seen, hopping at 20 nm

@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact import bounds, scaling
-from contact.answers.averaged import STIFFEST_STEADY, mean_motion, refuse_unless_applicable
+from contact.answers.averaged import STIFFEST_STEADY, refuse_unless_applicable
 from contact.answers.steady import steady
+from contact.answers.sweep import mean_motion
 from contact.convergence import ConvergenceError
 from contact.drive import towards_plus
 from contact.orbit import Orbit, as_orbits
