@@ -171,7 +171,7 @@ def free_parts(scene: Scene, tolerance: float, speed: float) -> tuple[list[Part]
 
 def contact_part(scene: Scene) -> Part:
     """Return the part of a slider."""
-    from contact import kernels
+    from contact.jit import kernels
 
     slider = scene.slider
     contacts = 1 if isinstance(slider.contacts, int) else len(slider.contacts)
@@ -208,11 +208,7 @@ def _with_frequency(scene: Scene) -> Scene:
     """Return the scene with a number for "center": the half-space's wave over the driven period."""
     if scene.frequency != "center":
         return scene
-    from fem.half_space import rayleigh
-
-    driven = next(each for each in scene.transducer if each.name == scene.drive.transducer)
-    speed = rayleigh(resolved.solid(scene.stator), "open").velocity
-    return replace(scene, drive=replace(scene.drive, frequency=speed / driven.period))
+    return replace(scene, drive=replace(scene.drive, frequency=resolved.nominal_frequency(scene)))
 
 
 def _covered(scene: Scene) -> bool:

@@ -104,15 +104,16 @@ def contact_moments(scene: Scene, record: dict, *, level: float | None, progress
         wave = solved_again(scene, record, progress=progress)
         orbits, named = bridge.orbits_per_volt(wave, scene.slider), f"{level:.4g} V"
     progress("following the contact")
+    slider, orbits = bridge.contact_slider(scene.slider), bridge.scaled(orbits, level)
     try:
+        speed = contact.steady(slider, orbits, tolerance=record["tolerance"]).velocity * 1e3
         history = contact.contact_history(
-            bridge.contact_slider(scene.slider), bridge.scaled(orbits, level),
-            stage="steady", skip=0, cycles=CYCLES, points_per_cycle=INSTANTS,
-        )  # fmt: skip
+            slider, orbits, stage="steady", skip=0, cycles=CYCLES, points_per_cycle=INSTANTS
+        )
     except contact.ConvergenceError as error:
         raise RunError(" ".join(str(error).split())) from None
-    speed = history.slider_velocity.mean() * 1e3
-    return moments(history), f"{scene.title}: {named}, slider {speed:.4g} mm/s"
+    said = f"slider at {speed:.4g} mm/s" if speed else "slider held at rest"
+    return moments(history), f"{scene.title}: {named}, {said}"
 
 
 def frames(found, title: str, count: int, *, dpi: float = 100.0):

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from contact import contact_history, hertz, mindlin, steady
+from contact import contact_history, steady
+from contact.law import hertz, mindlin
 from tests.contact.motors import orbit, slider
 
 
@@ -58,6 +59,18 @@ def test_in_the_steady_state_cycles_repeat_and_the_mean_is_the_velocity():
         assert series[100:] == pytest.approx(series[:100], rel=1e-7, abs=1e-9 * np.max(np.abs(series)))
     expected = steady(slider(), orbit(10e-9), tolerance=1e-8).velocity
     assert np.mean(h.slider_velocity[:100]) == pytest.approx(expected, rel=1e-8)
+
+
+@pytest.mark.parametrize("load", [0.0, 2e-5])
+def test_a_held_slider_trembles_about_rest(load):
+    """Property: steady states that velocity is 0; the wave shakes the slider, but its cycle mean is 0."""
+    held = slider(load=load)
+    assert steady(held, orbit(0.3e-9), tolerance=1e-6).velocity == 0.0
+    h = history(0.3e-9, cycles=2, load=load)
+    assert set(h.regime.ravel()) == {"stick"}
+    trembling = abs(h.slider_velocity).max()
+    assert trembling > 1e-9
+    assert abs(np.mean(h.slider_velocity)) < 1e-6 * trembling
 
 
 def test_after_the_wave_only_slip_remains_and_friction_is_constant_in_sign():

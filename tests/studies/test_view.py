@@ -556,6 +556,22 @@ def test_a_run_with_a_stator_shows_its_contact_too(folder, tmp_path):
     assert table["u_z_m"].max() == pytest.approx(30.0 * np.hypot(*told), rel=1e-3)  # 240 instants a cycle
 
 
+def test_a_stuck_slider_is_drawn_at_rest(given):
+    """Below the threshold the run says 0; so does the picture, and its slider only trembles about rest."""
+    from studies.view.contact_view import contact_moments
+    from studies.view.run_field import left_run
+
+    record, scene = left_run(given)
+    drawn, title = contact_moments(scene, record, level=0.3e-9, progress=quiet)
+    assert title.endswith(": 0.3 nm, slider held at rest")
+    assert abs(drawn.slider_velocity.mean()) < 1e-6 * abs(drawn.slider_velocity).max()
+    _, moving = contact_moments(scene, record, level=10e-9, progress=quiet)
+    speed = next(
+        point["velocity_m_per_s"] for point in record["points"] if point["normal_amplitude_m"] == 10e-9
+    )
+    assert moving.endswith(f": 10 nm, slider at {speed * 1e3:.4g} mm/s")
+
+
 @pytest.mark.parametrize("content", [None, "{}", "[]", "no json"])
 def test_what_is_no_run_is_refused(tmp_path, content):
     if content is not None:
