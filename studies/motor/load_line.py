@@ -13,7 +13,7 @@ from collections.abc import Callable
 
 from studies.chain import bridge
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run"]
 
@@ -86,6 +86,7 @@ def run(
     )
 
 
+@of_record
 def figure(record: Panel, ax):
     """Draw a quantity against load."""
     import numpy as np

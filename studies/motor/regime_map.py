@@ -14,7 +14,7 @@ from dataclasses import replace
 
 from studies.chain import bridge
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run"]
 
@@ -127,6 +127,7 @@ def _worst(slider, shape, amplitudes, preloads, found) -> float:
     return float(max(differences, default=0.0))
 
 
+@of_record
 def figure(record: Panel, ax):
     """Draw simulated regimes as points, closed forms as lines, the operating points as stars."""
     import numpy as np

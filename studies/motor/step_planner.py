@@ -13,7 +13,7 @@ from collections.abc import Callable
 
 from studies.chain import bridge
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run"]
 
@@ -131,6 +131,7 @@ def _travelled(slider, orbits, frequency, step) -> float:
     return float(np.trapezoid(found.velocity, found.time) / step.displacement)
 
 
+@of_record
 def figure(record: Panel, ax):
     """Draw distance against cycles; what was planned as crosses."""
     import numpy as np

@@ -15,6 +15,7 @@ from studies.scene import Scene
 __all__ = ["figure", "run"]
 
 TAKES_SCENE = True
+QUICK = {"tolerance": 1e-2}
 
 
 def run(

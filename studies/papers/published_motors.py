@@ -25,7 +25,7 @@ from studies.papers.published_kurosawa import (
     speed,
     thrust,
 )
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run", "tables"]
 
@@ -60,6 +60,7 @@ def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
     )
 
 
+@of_record
 def figure(panel: Panel, ax):
     """Draw each prediction over the published value: a point as taken, a band over what is swept; grey: published."""
     from studies.report.figures import COLOURS

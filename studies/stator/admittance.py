@@ -13,11 +13,12 @@ from collections.abc import Callable
 from studies.chain import passband
 from studies.chain.spectrum import response, spectrum
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run"]
 
 TAKES_SCENE = True
+QUICK = {"count": 9}
 COUNT = 81
 
 
@@ -97,6 +98,7 @@ def run(
     return StudyRecord(name="admittance", panels=(panel,), findings=findings, seconds=seconds)
 
 
+@of_record
 def figure(record: Panel, ax):
     """Draw conductance and susceptance, computed points and estimated lines."""
     from studies.report.figures import COLOURS

@@ -13,11 +13,12 @@ from collections.abc import Callable
 
 from studies.chain import passband
 from studies.scene import Scene, resolved
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run"]
 
 TAKES_SCENE = True
+QUICK = {"count": 9}
 COUNT = 61
 REACH = 2.0  # widths of the stop bands shown on either side
 
@@ -137,6 +138,7 @@ def run(
     return StudyRecord(name="cell_triple", panels=(panel,), findings=tuple(findings), seconds=seconds)
 
 
+@of_record
 def figure(record: Panel, ax):
     """Draw the Bloch waves' phase and decay per finger, with the stop bands."""
     from studies.report.figures import COLOURS

@@ -15,11 +15,12 @@ from collections.abc import Callable
 from studies.chain import passband
 from studies.chain.spectrum import response, spectrum
 from studies.scene import Scene, resolved
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run"]
 
 TAKES_SCENE = True
+QUICK = {"count": 9}
 COUNT = 161
 
 
@@ -112,6 +113,7 @@ def run(
     return StudyRecord(name="frequency_response", panels=panels, findings=findings, seconds=seconds)
 
 
+@of_record
 def figure(record: Panel, ax):
     """Draw the amplitude with its estimate, or the group delay with the way's."""
     from studies.report.figures import COLOURS
