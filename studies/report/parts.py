@@ -63,7 +63,7 @@ class Part:
 def driven_parts(scene: Scene, tolerance: float, speed: float) -> tuple[list[Part], list[str]]:
     """Return the parts of a driven stator on a machine of a speed, and what they leave out."""
     from fem import harmonic, readout
-    from fem.size import stator_size
+    from fem.condense.size import stator_size
 
     about = _with_frequency(scene)
     block, row = resolved.stator(about.stator), resolved.transducers(about)
@@ -127,8 +127,8 @@ def free_parts(scene: Scene, tolerance: float, speed: float) -> tuple[list[Part]
     import numpy as np
 
     from fem import free
-    from fem.section import Resolution, discretise
-    from fem.wavelength import slowest_wavelength
+    from fem.discretize.section import Resolution, discretise
+    from fem.materials.christoffel import slowest_wavelength
 
     block = resolved.stator(scene.stator)
     unit = slowest_wavelength(block.solid, scene.frequency)
@@ -208,7 +208,7 @@ def _with_frequency(scene: Scene) -> Scene:
     """Return the scene with a number for "center": the half-space's wave over the driven period."""
     if scene.frequency != "center":
         return scene
-    from fem.half_space import rayleigh
+    from fem.analytic.half_space import rayleigh
 
     driven = next(each for each in scene.transducer if each.name == scene.drive.transducer)
     speed = rayleigh(resolved.solid(scene.stator), "open").velocity
