@@ -1,8 +1,16 @@
 """Charges and currents of the combs, and the circuit they are part of.
 
-Each transducer is one or two ports: the voltage between its combs (potentials +V/2 and -V/2) and, where the section
-is grounded, the mean of the two.  The reactions q of the field problem are minus the charges per metre of aperture;
-I = i omega Q.  Two transducers of different aperture share the narrower beam.
+Every transducer, driven or not, is one port in the sense of network theory (Pozar, *Microwave Engineering*, 2012,
+section 4.2): its two electrodes are a terminal pair, and the current into one is the current out of the other, so
+that a transducer as a whole carries no net charge.  The field problem is solved for the voltage between the electrodes
+(potentials +V/2 and -V/2) and, where the section is grounded, also for their common mean potential; the mean is then
+the one at which the net charge vanishes.  Source and terminations see the same N ports, so that their admittance
+matrix is symmetric.  A mean held at zero for the driven transducer alone would be another constraint than that of
+the passive ones (Y12 differs from Y21 by 10 % on a grounded plate), and over a half-space it would make the answer
+depend on the depth at which the potential is fixed.
+
+The reactions q of the field problem are minus the charges per metre of aperture; I = i omega Q.  Two transducers of
+different aperture share the narrower beam.
 """
 
 from dataclasses import dataclass, field
@@ -14,7 +22,7 @@ from fem.geometry import Transducer
 
 @dataclass(frozen=True, kw_only=True)
 class Ports:
-    """Ways in which a transducer's combs can be driven.
+    """Basis of the potentials of a transducer's electrodes.
 
     Attributes
     ----------
@@ -29,7 +37,7 @@ class Ports:
 
 
 def ports_of(transducer: Transducer, floats: bool) -> Ports:
-    """Ports of a transducer; ``floats``: nothing fixes the mean potential, which is then a matter of gauge."""
+    """Independent potentials of a transducer's electrodes; the mean has no effect where the section ``floats``."""
     combs = [sign in transducer.signs for sign in "+-"]
     found = []
     if all(combs):
@@ -113,7 +121,7 @@ def circuit(
     ports : list of Ports
         One each.
     driven : str
-        Name of the driven transducer: a source of 1 V behind ``source_impedance`` (ohm), combs at +V/2 and -V/2.
+        Name of the driven transducer: a source of 1 V behind ``source_impedance`` (ohm) between its two electrodes.
 
     Returns
     -------
@@ -135,8 +143,8 @@ def circuit(
     for transducer, own in zip(transducers, ports, strict=True):
         lit = transducer.name == driven
         for kind in own.kinds:
-            if kind == "mean":
-                system[row] = unit[row] if lit else admittances[row] / scale[row]
+            if kind == "mean":  # no net charge on the transducer
+                system[row] = admittances[row] / scale[row]
             elif lit:
                 port = row
                 system[row] = unit[row] + source_impedance * admittances[row]

@@ -5,11 +5,11 @@ from functools import partial
 import numpy as np
 
 from fem.condense.join import lines, widths
-from fem.geometry import Stator
 from fem.condense.recovery import ColumnField
 from fem.discretize.section import Section
-from fem.solution import Solution
+from fem.geometry import Stator
 from fem.results.surface import Covered, Stretch, SurfaceWave
+from fem.solution import Solution
 
 
 def surface_wave(solution: Solution) -> SurfaceWave:

@@ -9,12 +9,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fem.results.densities import Densities, densities, shared, upward_slope
-from fem.results.free_wave import FreeWave
-from fem.results.evaluation import column_fields
-from fem.solution import Solution
 from fem.discretize.spectral import gll_nodes, lagrange
+from fem.results.densities import Densities, densities, shared, upward_slope
+from fem.results.evaluation import column_fields
+from fem.results.free_wave import FreeWave
 from fem.results.surface import Covered, SurfaceWave
+from fem.solution import Solution
 
 HAIR = 1e-6  # of the lines' distance: places nearer than this are one
 

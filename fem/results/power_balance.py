@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.waveguide.modes import power
 from fem.results.evaluation import column_fields
 from fem.solution import Solution
+from fem.waveguide.modes import power
 
 
 @dataclass(frozen=True, kw_only=True)

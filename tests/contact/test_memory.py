@@ -5,12 +5,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from contact import burst, contact_history, memory, regimes, scaling, steady
-from contact.collocation import collocation
+from contact import burst, contact_history, scaling, steady
+from contact.answers.ledger import ledger
 from contact.convergence import ConvergenceError
-from contact.energy import chain_energy
-from contact.ledger import ledger
-from contact.motion import Motion
+from contact.law import elastic, hysteretic
+from contact.solve.collocation import collocation
+from contact.solve.energy import chain_energy
+from contact.solve.motion import Motion
 from tests.contact.motors import orbit, slider
 
 C = 0.107
@@ -23,17 +24,17 @@ class Contact:
     """One contact led along straight lines in (z, x), pressed on to z = 1 first; lengths and mu K are 1."""
 
     def __init__(self):
-        self.memory = memory.blank(1, 12)
-        self.regime, self.sign, self.z, self.x = regimes.SEPARATED, 1.0, -1.0, 0.0
+        self.memory = hysteretic.blank(1, 12)
+        self.regime, self.sign, self.z, self.x = elastic.SEPARATED, 1.0, -1.0, 0.0
         self.go(1.0, 0.0)
 
     def go(self, z, x):
         """Return Q after a line to (z, x)."""
-        self.regime, self.sign, self.x = memory.jump(
+        self.regime, self.sign, self.x = hysteretic.jump(
             self.memory, 0, self.regime, self.sign, self.z, self.x, z, x, C, *TABLES, TABLE.rates
         )
         self.z = z
-        return memory.moment(self.memory, 0, self.regime, self.sign, z, self.x, C, *TABLES)[0]
+        return hysteretic.moment(self.memory, 0, self.regime, self.sign, z, self.x, C, *TABLES)[0]
 
     def energy(self):
         return chain_energy(self.memory, 0, self.regime, self.sign, self.z, self.x, C, *TABLES, TABLE.rates)
@@ -212,6 +213,6 @@ def test_the_ring_after_the_burst_is_damped_by_the_law_itself():
 
 def test_a_full_memory_is_said():
     motion = motion_of(slider(law="hysteretic"), 3e-9)
-    motion.memory.count[0] = memory.PIECES
+    motion.memory.count[0] = hysteretic.PIECES
     with pytest.raises(ConvergenceError, match="memory full"):
         motion.turn(1)
