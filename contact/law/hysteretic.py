@@ -146,7 +146,8 @@ def write_curve(memory, i, z, x, level, c, rates):
             curve[3, j] += rates[j, m] * curve[0, m]
             curve[4, j] += rates[j, m] * curve[1, m]
     corner = memory.corner[i, k]
-    corner[ETA], corner[U], corner[W], corner[MOMENT] = z[0], curve[0, 0], curve[1, 0], level[0]
+    # a contact that has just closed may have an approach of minus a rounding error
+    corner[ETA], corner[U], corner[W], corner[MOMENT] = max(z[0], 0.0), curve[0, 0], curve[1, 0], level[0]
     memory.kind[i, k] = 0
     memory.count[i] = k + 1
     memory.level[i] = level[n - 1]

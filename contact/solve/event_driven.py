@@ -16,7 +16,6 @@ from contact.law.elastic import (
     ANNULUS,
     GROW,
     SEPARATED,
-    SLIP,
     STICK,
 )
 from contact.law.hysteretic import write_curve
@@ -30,13 +29,11 @@ from contact.solve.segment import (
     PULL,
     PUSH,
     SPEED,
-    TRAVEL,
-    U_X,
-    U_Z,
     P,
     Q,
     X,
     Z,
+    end_kinematics,
     forces,
     guess,
     integrate,
@@ -58,9 +55,11 @@ def _lay_out(parameters, waves, tau, columns, sigma, bary, state, regime, sign, 
              mobile, memory):  # fmt: skip
     surface(phase, length, tau, waves, own)
     guess(state, length, tau, shared[PUSH, 0], shared[PULL, 0], shared)
-    return sweep(
+    converged = sweep(
         parameters, state, length, tau, columns, regime, sign, shared, own, mobile, sigma, bary, memory, 25,
     )  # fmt: skip
+    end_kinematics(regime, sign, state[3:], parameters[7], shared, own)
+    return converged
 
 
 @compiled
@@ -86,7 +85,7 @@ def _met(parameters, waves, tau, columns, sigma, bary, rates, state, regime, sig
 
     Newton's iteration for the length and Picard's for the motion in one.
     """
-    c, band, n = parameters[7], parameters[8], tau.size
+    c, band = parameters[7], parameters[8]
     surface(phase, length, tau, waves, own)
     integrate(state, length, tau, columns, shared)
     last = np.inf
@@ -100,13 +99,8 @@ def _met(parameters, waves, tau, columns, sigma, bary, rates, state, regime, sig
             return 0.0
         arrived = still(change, last)
         last = change
+        end_kinematics(regime, sign, state[3:], c, shared, own)
         if who >= 0:
-            z = own[U_Z, who, n - 1] - shared[HEIGHT, n - 1]
-            own[Z, who, n - 1] = z
-            if regime[who] == SLIP:
-                own[X, who, n - 1] = sign[who] * c * z
-            elif regime[who] != SEPARATED:
-                own[X, who, n - 1] = state[3 + who] + own[U_X, who, n - 1] - shared[TRAVEL, n - 1]
             value, rate = end_guard(
                 who, which, regime, sign, shared, own, waves, phase + length, c, band, memory
             )

@@ -19,7 +19,7 @@ _SENTENCES = {
     event_driven.NOT_FINITE: ("not finite", "the motion overflowed; check mass, dampers and amplitude"),
     event_driven.TOO_MANY: (
         "too many events",
-        "events follow each other without end; try stick_band > 0 or another tolerance",
+        "events follow each other without end; {advice}, or try another tolerance",
     ),
     event_driven.FULL: (
         "memory full",
@@ -106,7 +106,14 @@ class Motion:
             *warm_start.blank(contacts, n), shared, own, np.empty(n),
         )  # fmt: skip
         if why != event_driven.DONE:
-            raise ConvergenceError(*_SENTENCES[why])
+            self.fail(why)
+
+    def fail(self, why):
+        """Raise the error that belongs to the reason for which a run ended."""
+        status, sentence = _SENTENCES[why]
+        # the hysteretic law knows no stick band
+        advice = "set stick_band > 0" if self.memory is None else "raise normal_damping or contact_damping"
+        raise ConvergenceError(status, sentence.format(advice=advice))
 
     def events(self) -> dict[str, int]:
         """Return the number of events by kind, and of stretches, halvings and sweeps."""

@@ -222,6 +222,23 @@ def guess(state, length, tau, push, pull, shared):
 
 
 @compiled
+def end_kinematics(regime, sign, start_x, c, shared, own):
+    """Set approach and deformation of every contact at the end of the segment from the slider's motion there.
+
+    Picard's iteration leaves them as they were before its last sweep, up to 1e-12 away: enough for a contact that has
+    just closed to begin the next segment with a negative approach.
+    """
+    n = shared.shape[1] - 1
+    for i in range(regime.size):
+        z = own[U_Z, i, n] - shared[HEIGHT, n]
+        own[Z, i, n] = z
+        if regime[i] == SLIP:
+            own[X, i, n] = sign[i] * c * z
+        elif regime[i] != SEPARATED:
+            own[X, i, n] = start_x[i] + own[U_X, i, n] - shared[TRAVEL, n]
+
+
+@compiled
 def guards(i, which, regime, sign, shared, own, c, band, memory, out):
     """Fill `out` with guard `which` of contact i at all nodes."""
     if which == 0:
