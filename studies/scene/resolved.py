@@ -75,8 +75,6 @@ def solid(block: Stator):
 
 def stator(block: Stator):
     """Return the ``fem.Stator`` of a stator block."""
-    from fem import geometry
-
     rotated = solid(block)
     with _refused("stator"):
         return geometry.Stator(
@@ -113,14 +111,12 @@ def transducers(scene: Scene) -> tuple:
 def _with_periods(scene: Scene) -> tuple:
     if all(block.period != "auto" for block in scene.transducer):
         return scene.transducer
-    from fem import geometry
+    from fem import automatic_period
 
     rotated = solid(scene.stator)
     with _refused("transducer.period"):
         return tuple(
-            replace(
-                block, period=float(geometry.automatic_period(rotated, scene.frequency, block.metallisation))
-            )
+            replace(block, period=float(automatic_period(rotated, scene.frequency, block.metallisation)))
             if block.period == "auto"
             else block
             for block in scene.transducer
