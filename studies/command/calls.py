@@ -9,8 +9,8 @@ from pathlib import Path
 from studies.refusal import SceneError, shown
 from studies.report.files import write_run
 from studies.results import result_directory
-from studies.scene import Scene, read_table, scene_path, shipped_scenes
-from studies.scene.override import assigned, toml_value, voltages
+from studies.scene import Scene, SceneFile, scene_path, shipped_scenes
+from studies.scene.override import toml_value, voltages
 
 __all__ = ["check", "run", "scenes", "study", "sweep", "view", "wave"]
 
@@ -139,7 +139,9 @@ def check(arguments: argparse.Namespace) -> int:
     """Check a scene without running it and print what a run would do."""
     from studies.scene.resolved import resolved
 
-    scene = resolved(changed_scene(arguments))
+    file = changed_file(arguments)
+    with file.located():
+        scene = resolved(Scene.from_file(file))
     print(f"{arguments.scene}: {scene.title or 'no title'}")
     print("\n".join(f"  {line}" for line in _contents(scene)))
     return 0
@@ -150,27 +152,26 @@ def sweep(arguments: argparse.Namespace) -> int:
     from studies.scene.override import axes_given
     from studies.sweep.answer import run_sweep
 
-    table = changed_table(arguments)
+    table = changed_file(arguments).table
     out = arguments.out or Path("results") / f"{scene_path(arguments.scene).stem}-sweep"
     return run_sweep(arguments, table, axes_given(arguments.over), tolerance(arguments.tolerance), out)
 
 
 def changed_scene(arguments: argparse.Namespace) -> Scene:
     """Return the scene of a call with its ``--set`` and ``--voltage`` applied."""
-    return Scene.from_table("", changed_table(arguments))
+    return Scene.from_file(changed_file(arguments))
 
 
-def changed_table(arguments: argparse.Namespace) -> dict:
-    """Return the TOML document of a call's scene, with its ``--set`` and ``--voltage`` applied."""
-    table = read_table(arguments.scene)
+def changed_file(arguments: argparse.Namespace) -> SceneFile:
+    """Return the document of a call's scene, with its ``--set`` and ``--voltage`` applied."""
+    file = SceneFile.read(arguments.scene)
     for setting in arguments.set:
-        table = assigned(table, setting)
+        file = file.assigned(setting)
     if arguments.voltage is not None:
-        if "drive" not in table:
+        if not isinstance(file.table.get("drive"), dict):
             raise SceneError("--voltage", "needs a scene with a [drive]; this one has none")
-        values = voltages(arguments.voltage)
-        table = table | {"drive": table["drive"] | {"voltage": values}}
-    return table
+        file = file.replaced("drive", "voltage", voltages(arguments.voltage))
+    return file
 
 
 def tolerance(text: str | None) -> float:

@@ -209,11 +209,7 @@ def _with_frequency(scene: Scene) -> Scene:
     """Return the scene with a number for "center": the half-space's wave over the driven period."""
     if scene.frequency != "center":
         return scene
-    from fem.analytic.half_space import rayleigh
-
-    driven = next(each for each in scene.transducer if each.name == scene.drive.transducer)
-    speed = rayleigh(resolved.solid(scene.stator), "open").velocity
-    return replace(scene, drive=replace(scene.drive, frequency=speed / driven.period))
+    return replace(scene, drive=replace(scene.drive, frequency=resolved.nominal_frequency(scene)))
 
 
 def _covered(scene: Scene) -> bool:
