@@ -175,10 +175,12 @@ def view(arguments: argparse.Namespace) -> int:
     from studies.view.options import Wanted
 
     wanted = Wanted.read(arguments)
+
+    def note(text: str) -> None:
+        print(f"sawmotor: {text}", file=sys.stderr, flush=True)
+
     with Progress() as progress:
-        remark = show(arguments.run, wanted, progress=progress)
-    if remark is not None:
-        print(f"sawmotor: {remark}", file=sys.stderr)
+        show(arguments.run, wanted, progress=progress, note=note)
     print("\n".join(wanted.files), end="\n" if wanted.files else "")
     return 0
 
