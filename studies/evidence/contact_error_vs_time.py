@@ -10,7 +10,6 @@ reach 1e-5 at least 10 times sooner than any peer.  What is not installed is lef
 """
 
 import math
-import sys
 import time
 from collections.abc import Callable
 
@@ -234,9 +233,3 @@ def figure(record: Panel, ax):
     ax.grid(alpha=0.3)
     ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.02), frameon=False, fontsize=6.5)
     return ax
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "contact_error_vs_time", *sys.argv[1:]]))

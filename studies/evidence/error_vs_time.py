@@ -9,7 +9,6 @@ half as much again from 1e-2 to 1e-5; every true error is at most twice the stat
 """
 
 import math
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -29,7 +28,7 @@ CYCLES, HELD, PATIENCE = 2200, 0.2, 60.0  # of a peer: cycles from rest, largest
 PEER_VOLTAGE = 30.0
 TAKES_SCENE = True
 PER_DECADE, PROMISED = 1.5, 2.0
-QUICK = {"tolerances": (1e-1, 1e-2, 1e-3), "meshes": (), "solvers": ()}
+QUICK = {"tolerances": (1e-1, 1e-2), "meshes": (), "solvers": (), "apart": False}
 STYLES = {
     "chain": ("o-", "#0072B2"),
     "stator alone": ("s-", "#009E73"),
@@ -45,6 +44,7 @@ def run(
     tolerances: tuple[float, ...] = TOLERANCES,
     meshes: tuple[int, ...] = MESHES,
     solvers: tuple[tuple[str, float], ...] = SOLVERS,
+    apart: bool = True,
     progress: Callable[[str], None] | None = None,
 ) -> StudyRecord:
     """Return errors, times, unknowns and memory of the chain, of its parts and of the alternatives.
@@ -59,19 +59,22 @@ def run(
         Quadratic elements per wavelength of the even meshes.
     solvers : tuple of (str, float)
         Event solvers of scipy with their relative tolerances.
+    apart : bool
+        Whether each measurement has a process of its own, as figures of time and memory need.
     progress : callable, optional
         Told what is being done.
     """
     begun = time.perf_counter()
     say = progress or (lambda text: None)
     say("error against time: converged answer")
-    truth = alone("the converged answer", _chain, str(scene), tolerances[-1])
+    measured = alone if apart else lambda what, work, *arguments: work(*arguments)
+    truth = measured("the converged answer", _chain, str(scene), tolerances[-1])
     rows: list[dict] = []
 
     def add(curve: str, setting: str, work: Callable, *arguments) -> None:
         say(f"error against time: {curve}, {setting}")
         try:
-            found = alone(f"{curve}, {setting}", work, str(scene), *arguments)
+            found = measured(f"{curve}, {setting}", work, str(scene), *arguments)
         except RunError as error:
             say(f"left out: {error}")
             return
@@ -348,9 +351,3 @@ def figure(record: Panel, ax):
     ax.grid(alpha=0.3)
     ax.legend(frameon=False, fontsize="small")
     return ax
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "error_vs_time", *sys.argv[1:]]))

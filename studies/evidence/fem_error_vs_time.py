@@ -11,7 +11,6 @@ meshes err by tens of per cent; without edge layers the admittance stays near 1 
 """
 
 import math
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -35,7 +34,7 @@ FREE_ENDS = (
     1.082183318e-02 + 2.495454775e-02j,
     (1.610602348e-10 + 3.827739847e-10j, 1.894090783e-10 - 8.220044438e-11j),
 )
-QUICK = {"all_ends": ("free",), "curves": ("structured", "band"), "settings": 1}
+QUICK = {"all_ends": ("free",), "curves": ("structured",), "settings": 1}
 KNOWN = {"free": 2e-7, "absorbing": 1e-11}
 DIRECT = ("P2 triangles", "Q2 quadrilaterals", "high order, no edge layers", "high order, edge layers")
 STYLES = {
@@ -244,9 +243,3 @@ def _findings(ends: str, attempts: list[Attempt], truth) -> list[Finding]:
                 )
             )
     return findings
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "fem_error_vs_time", *sys.argv[1:]]))

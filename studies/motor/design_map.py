@@ -9,7 +9,6 @@ about 5 s.
 """
 
 import math
-import sys
 import time
 from collections.abc import Callable
 from itertools import pairwise
@@ -258,9 +257,3 @@ def _even_in_logarithm(values) -> bool:
         return False
     steps = np.diff(np.log(values))
     return bool(np.allclose(steps, steps[0], rtol=1e-6, atol=0.0)) and values[-1] > 3.0 * values[0]
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "design_map", *sys.argv[1:]]))

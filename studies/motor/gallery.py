@@ -9,7 +9,6 @@ Run time: about a minute.
 """
 
 import math
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -225,9 +224,3 @@ def _beside(found, driven):
     ends = sorted((driven.center, found.scene.slider.position))
     x = found.field.x
     return (x > ends[0]) & (x < ends[1]) & ~found.near_transducer(x)
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "gallery", *sys.argv[1:]]))

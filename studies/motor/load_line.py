@@ -7,7 +7,6 @@ falls to zero at the blocked thrust, which stays within friction's mu times prel
 inside the line; the ledger closes to 1e-7.  Run time: about 2 s, and the stator's.
 """
 
-import sys
 import time
 from collections.abc import Callable
 
@@ -107,9 +106,3 @@ def figure(record: Panel, ax):
     ax.grid(alpha=0.3)
     ax.legend(frameon=False)
     return ax
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "load_line", *sys.argv[1:]]))

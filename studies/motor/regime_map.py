@@ -8,7 +8,6 @@ Expected: every simulated point on the side of the lines that its regime says; a
 event-driven method to 1e-6.  Run time: about 1 s, and the stator's.
 """
 
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -179,9 +178,3 @@ def figure(record: Panel, ax):
     ax.set_title(record.title, fontsize="medium")
     ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize="small")
     return ax
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "regime_map", *sys.argv[1:]]))

@@ -9,7 +9,6 @@ how it builds up is not in the steps.  Run time: about 5 s, and the stator's.
 """
 
 import math
-import sys
 import time
 from collections.abc import Callable
 
@@ -183,9 +182,3 @@ def figure(record: Panel, ax):
     ax.grid(alpha=0.3)
     ax.legend(frameon=False)
     return ax
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "step_planner", *sys.argv[1:]]))

@@ -11,7 +11,6 @@ Run time: about 40 s.
 import csv
 import io
 import math
-import sys
 import time
 from collections.abc import Callable
 
@@ -300,9 +299,3 @@ def _finding(row: dict) -> Finding:
         confirmed=row["verdict"].startswith(("within", "agrees")),
         remark=f"{row['verdict']}; swept: {row['swept']}; moved most by {row['most']}",
     )
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "published_motors", *sys.argv[1:]]))

@@ -8,7 +8,6 @@ elastic law nothing but R_t damps the ring, and an R_t that did so visibly would
 of a hysteretic law are of the right size. Run time: about 15 s.
 """
 
-import sys
 import time
 from collections.abc import Callable
 
@@ -71,9 +70,3 @@ def figure(record: Panel, ax):
     ax.grid(alpha=0.3)
     ax.legend(lines, [line.get_label() for line in lines], frameon=False, fontsize="small")
     return ax
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "seed_figures", *sys.argv[1:]]))

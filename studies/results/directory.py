@@ -178,7 +178,9 @@ def _refuse_others(target: Path, origin: Origin, *, chosen: bool) -> None:
     held, then = {each.name for each in target.iterdir()}, origin_of(read_manifest(target))
     kinds = [kind for mark, kind in MARKS.items() if mark in held]
     if held - HIDDEN and not kinds and not then:
-        raise RunError(f"the result directory {str(target)!r} holds something that is no former result; name another")
+        raise RunError(
+            f"the result directory {str(target)!r} holds something that is no former result; name another"
+        )
     if chosen:
         return
     if then and then != origin.described(target):

@@ -6,7 +6,6 @@ conductance that is never negative, its largest value within a factor of 2 of th
 capacitance's within a quarter at the band's edges, where hardly a wave is sent.  Run time: about 10 s.
 """
 
-import sys
 import time
 from collections.abc import Callable
 
@@ -123,9 +122,3 @@ def figure(record: Panel, ax):
     ax.grid(alpha=0.3)
     ax.legend(frameon=False, fontsize="small")
     return ax
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "admittance", *sys.argv[1:]]))

@@ -8,7 +8,6 @@ wavelengths thick or more (a thin plate: no such thing); every root of Rayleigh-
 about 10 s.
 """
 
-import sys
 import time
 from collections.abc import Callable
 
@@ -239,9 +238,3 @@ def _against_lamb(plate) -> list[Finding]:
             confirmed=worst < 1e-9,
         ),
     ]
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "dispersion", *sys.argv[1:]]))

@@ -8,7 +8,6 @@ influence), and a delay in that band, its median, of the way from the fingers' m
 Run time: about 8 s.
 """
 
-import sys
 import time
 from collections.abc import Callable
 
@@ -169,9 +168,3 @@ def _half_power(at, size) -> tuple[float, float]:
         share = np.interp(level, [size[place], size[inner]], [0.0, 1.0]) if size[place] < level else 0.0
         edges.append(float(at[place] + share * (at[inner] - at[place])))
     return edges[0], edges[1]
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "frequency_response", *sys.argv[1:]]))

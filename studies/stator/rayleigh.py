@@ -7,7 +7,6 @@ eigenproblem has it; 1e-9 within 3000 unknowns; high orders win by far.  Run tim
 """
 
 import math
-import sys
 import time
 from collections.abc import Callable
 
@@ -191,9 +190,3 @@ def _best(table: dict, surface: str) -> Finding:
         found=min(errors),
         confirmed=min(errors) <= 1e-9,
     )
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "rayleigh", *sys.argv[1:]]))
