@@ -25,7 +25,7 @@ __all__ = ["figure", "run"]
 
 TAKES_SCENE = TAKES_AXES = True
 COUNTS = 28, 22  # of levels and of preloads, where no axes are given
-QUICK = {"counts": (6, 4)}
+QUICK = {"counts": (4, 3)}
 PREFIXES = {-12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 PANELS = {
     "velocity": ("velocity_m_per_s", "slider velocity (mm/s)", 1e3),

@@ -17,6 +17,7 @@ from studies.study import Finding, Panel, StudyRecord, of_record
 __all__ = ["figure", "run"]
 
 TAKES_SCENE = True
+QUICK = {"points": 3}
 LINES = 4
 APART = 1.0 / 7.0  # wavelengths between balls
 

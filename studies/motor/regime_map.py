@@ -20,6 +20,7 @@ from studies.study import Finding, Panel, StudyRecord, of_record
 __all__ = ["figure", "run"]
 
 TAKES_SCENE = True
+QUICK = {"amplitudes": 8, "preloads": 5, "checked": 2}
 KINDS = ("stick", "slip", "intermittent", "hopping")
 
 

@@ -27,22 +27,31 @@ from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run", "tables"]
 
+MOTORS = ("Kurosawa 1998", "Feenstra and Breedveld", "Tjeung 2011")
+QUICK = {"motors": MOTORS[1:]}
 TOLERANCE = 1e-3
 WIDE = 5.0  # highest over lowest of a band from which on an agreement says little
 ON_CONTACT = ("friction", "preload", "amplitude", "frequency", "modulus", "law", "air")
 
 
-def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
+def run(*, motors: tuple[str, ...] = MOTORS, progress: Callable[[str], None] | None = None) -> StudyRecord:
     """Return predictions with their bands beside what is published.
 
     Parameters
     ----------
+    motors : tuple of str
+        Of `MOTORS`.
     progress : callable, optional
         Told what is being done.
     """
     begun = time.perf_counter()
     say = progress or (lambda text: None)
-    rows = [*_kurosawa(say), _seed(), *_tjeung()]
+    parts = {
+        MOTORS[0]: lambda: [*_kurosawa(say), *_from_voltage(say)],
+        MOTORS[1]: lambda: [_seed()],
+        MOTORS[2]: _tjeung,
+    }
+    rows = [row for motor in motors for row in parts[motor]()]
     columns = {key: [row[key] for row in rows] for key in rows[0]}
     panel = Panel(
         name="published_motors", title="Published motors (bands: what the papers do not state)", data=columns
@@ -113,10 +122,7 @@ def _kurosawa(say) -> list[dict]:
     """Return the contact at the published amplitude, then the chain from the voltage."""
     published, motor = KUROSAWA["published"], "Kurosawa 1998"
     unknowns = {name: KUROSAWA[name] for name in ON_CONTACT}
-    known = {
-        "ratio": ratio(KUROSAWA["material"].taken),
-        **{name: each.taken for name, each in unknowns.items()},
-    }
+    known = _known(unknowns)
     say("Kurosawa: the contact at the published amplitude")
 
     def pull(case):
@@ -144,7 +150,21 @@ def _kurosawa(say) -> list[dict]:
             1e9,
         )
     )
-    amplitudes = {}
+    return rows
+
+
+def _known(unknowns: dict) -> dict:
+    """Return the values taken for the contact."""
+    values = {name: each.taken for name, each in unknowns.items()}
+    return {"ratio": ratio(KUROSAWA["material"].taken), **values}
+
+
+def _from_voltage(say) -> list[dict]:
+    """Return the amplitude and the speed from the voltage."""
+    published, motor = KUROSAWA["published"], "Kurosawa 1998"
+    unknowns = {name: KUROSAWA[name] for name in ON_CONTACT}
+    known = _known(unknowns)
+    rows, amplitudes = [], {}
     for case in corners({name: KUROSAWA[name] for name in ("pairs", "material")}):
         say(f"Kurosawa: {case['pairs']} finger pairs on {case['material']}")
         amplitudes[case["pairs"], case["material"]] = published["voltage_V"] * per_volt(**case)
