@@ -7,7 +7,6 @@ from matplotlib.figure import Figure
 
 from studies.study import STUDIES, Panel, StudyRecord, module, question
 
-
 SLOW = {"gallery"}  # half a minute of pictures; test_gallery.py runs it too
 NAMES = [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in STUDIES]
 
