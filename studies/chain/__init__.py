@@ -13,6 +13,7 @@ from studies.chain import bridge
 from studies.chain.points import SliderAnswer, slider_answer
 from studies.chain.record import Record
 from studies.chain.ring_up import ring_up, ring_up_left_out
+from studies.chain.warnings import warnings
 from studies.refusal import RunError
 from studies.scene import Scene, resolved
 
@@ -55,8 +56,8 @@ def run(scene: Scene, *, tolerance: float, progress: Callable[[str], None] | Non
         record = _driven(scene, tolerance, say)
     else:
         record = _free(scene, tolerance)
-    seconds = {"total": time.perf_counter() - begun} | record.seconds
-    return replace(record, seconds=seconds, left_out=record.left_out + slider_left_out(scene))
+    record = replace(record, left_out=record.left_out + slider_left_out(scene), warnings=warnings(record))
+    return replace(record, seconds={"total": time.perf_counter() - begun} | record.seconds)
 
 
 def _given(scene: Scene, tolerance: float, say) -> Record:
@@ -306,5 +307,11 @@ def slider_left_out(scene: Scene) -> tuple[str, ...]:
     for key, force in (("contact", "R_n1"), ("normal", "R_n2"), ("tangential", "R_t")):
         if getattr(slider.damping, key) == 0:
             reasons.append(f"{force}: slider.damping.{key} is zero")
+    if scene.stator is not None:
+        from studies.scene.modulus import direction_dependence
+
+        sizes = direction_dependence(resolved.solid(scene.stator))
+        if sizes:
+            reasons.append(f"the contact's dependence on direction: {sizes}")
     reasons.append("the slider's reaction on the wave, and its travel along the wave field")
     return tuple(reasons)

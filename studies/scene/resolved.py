@@ -79,7 +79,7 @@ def nominal_frequency(scene: Scene) -> float:
     """Return the drive's frequency in Hz; for "center" that of the half-space's wave with the driven period."""
     if scene.frequency != "center":
         return scene.frequency
-    from fem.half_space import rayleigh
+    from fem.analytic.half_space import rayleigh
 
     driven = next(each for each in scene.transducer if each.name == scene.drive.transducer)
     return rayleigh(solid(scene.stator), "open").velocity / driven.period
@@ -125,14 +125,12 @@ def transducers(scene: Scene) -> tuple:
 def _with_periods(scene: Scene) -> tuple:
     if all(block.period != "auto" for block in scene.transducer):
         return scene.transducer
-    from fem import geometry
+    from fem import automatic_period
 
     rotated = solid(scene.stator)
     with _refused("transducer.period"):
         return tuple(
-            replace(
-                block, period=float(geometry.automatic_period(rotated, scene.frequency, block.metallisation))
-            )
+            replace(block, period=float(automatic_period(rotated, scene.frequency, block.metallisation)))
             if block.period == "auto"
             else block
             for block in scene.transducer

@@ -13,15 +13,13 @@ DPI = 80
 DEPTH = 3.0  # wavelengths
 
 
-def draw_all(gallery, folder: Path, *, voltage: float, progress: Callable[[str], None]) -> None:
+def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
     """Draw the pictures of a gallery into a directory.
 
     Parameters
     ----------
     gallery : studies.motor.gallery.Gallery
     folder : Path
-    voltage : float
-        Of the contact's ledger, V.
     progress : callable
         Told what is being done.
     """
@@ -41,7 +39,7 @@ def draw_all(gallery, folder: Path, *, voltage: float, progress: Callable[[str],
         ("start_stop", start_and_stop(gallery.bursts, acceleration=gallery.acceleration, title=title)),
         ("power", power_bars(record.electrical, title=title)),
         ("power_flow", _power_flow(found)),
-        ("ledger", ledger_bars(gallery.ledger, title=f"{voltage:g} V")),
+        ("ledger", ledger_bars(gallery.ledger, title=f"{title}: {gallery.voltage:g} V")),
     ):
         progress(f"drawing {name}")
         figure.savefig(folder / f"{name}.png", dpi=DPI)
@@ -50,12 +48,14 @@ def draw_all(gallery, folder: Path, *, voltage: float, progress: Callable[[str],
         saved(folder / f"{panel.name}.png", lambda ax, module=module, panel=panel: module.figure(panel, ax))
     for diagram in folder.glob("*.png"):
         _reduce(diagram)
-    _draw_field(found, folder, progress)
+    _draw_field(found, folder, progress, films=gallery.films)
+    if not gallery.films:
+        return
     progress("contact in slow motion")
     movie.save(frames(*gallery.contact, 2 * FRAMES, dpi=DPI), folder / "contact.gif", rate=10.0)
 
 
-def _draw_field(found, folder: Path, progress) -> None:
+def _draw_field(found, folder: Path, progress, *, films: bool) -> None:
     import numpy as np
 
     from studies.view import movie
@@ -70,6 +70,8 @@ def _draw_field(found, folder: Path, progress) -> None:
         still.set_quantity(quantity)
         _write(still.image(), folder / f"{name}.png")
     still.close()
+    if not films:
+        return
     moving = Stage(found, chosen_views(found, None), size=MOVIE, smooth=False, **given)
 
     def pictures():
