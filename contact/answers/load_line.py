@@ -66,14 +66,13 @@ def blocked_thrust(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[f
         Status "not applicable" where the averaged way does not apply.
     """
     from contact.solve import averaged
-    from contact.solve.cycle_mean import quadrature
 
     listed = as_orbits(orbits)
     free = replace(slider, load=0.0)
     refuse_unless_applicable(free, listed, STIFFEST_STEADY)
     _, driven = towards_plus(listed)
     problem = scaling.scaled(free, driven, direction=1.0, start=0.0)
-    low, high = averaged.rest_tractions(problem.parameters, problem.waves, quadrature(20))
+    low, high = averaged.rest_tractions(problem.parameters, problem.waves)
     unit = slider.mass * problem.omega**2 * problem.length
     # driven forwards: stalls at the lower traction, holds up to the upper; driven against its crests: mirrored
     return (

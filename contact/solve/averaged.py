@@ -260,31 +260,25 @@ def balance(parameters, waves, harmonics):
     return _balance(parameters.copy(), waves, *rules(), out, *room(harmonics)), out
 
 
-@native("f1 f2 f f f2 f2 f1 f2 f1 i1 f1")
-def _gap(parameters, waves, v, span, rule, still, sums, fast, all_sums, counts, answer):
-    """Fill the answers of `first_order_gap` and `rest_tractions`; return 0."""
+@native("f1 f2 f2 f2 f1 i1 f1")
+def _rest_forces(parameters, waves, rule, still, sums, counts, answer):
+    """Fill the answer of `rest_tractions`; return 0."""
     h = riding(parameters[0], waves, parameters[3], rule)
-    answer[1] = _excess(parameters, waves, h, 0.0, still, rule, sums, counts) + parameters[5]
-    answer[2] = _excess(parameters, waves, h, -1e-300, still, rule, sums, counts) + parameters[5]
-    if fast.shape[1] > 0:
-        plain = _excess(parameters, waves, h, v, still, rule, sums, counts)
-        step = 1e-3 * max(abs(v), 1e-3)
-        slope = (_excess(parameters, waves, h, v + step, still, rule, sums, counts) - plain) / step
-        settled(parameters, waves, h, v, fast, rule, all_sums, counts, 6)
-        gap = abs(all_sums[1] - parameters[4] * v - parameters[5] - plain)
-        answer[0] = gap * min(span, 1.0 / max(-slope, 1e-300))
+    answer[0] = _excess(parameters, waves, h, 0.0, still, rule, sums, counts) + parameters[5]
+    answer[1] = _excess(parameters, waves, h, -1e-300, still, rule, sums, counts) + parameters[5]
     return 0
 
 
-def first_order_gap(parameters, waves, v, span, rule, harmonics):
-    """Return the error in V that first order collects by mean velocity v in a span of phase, or settles to."""
-    answer = np.zeros(3)
-    _gap(parameters, waves, v, span, rule, *room(harmonics), answer)
-    return float(answer[0])
-
-
-def rest_tractions(parameters, waves, rule):
-    """Return the least and the largest mean traction of a cycle at rest; they differ where a contact sticks."""
-    answer = np.zeros(3)
-    _gap(parameters, waves, 0.0, 0.0, rule, *room(0), answer)
-    return float(answer[1]), float(answer[2])
+def rest_tractions(parameters, waves):
+    """Return the least and the largest mean tangential force of a cycle at rest; they differ where a contact sticks."""
+    answer = np.zeros(2)
+    _rest_forces(
+        parameters,
+        waves,
+        quadrature(FINE_NODES),
+        np.zeros((8, 1)),
+        np.zeros(2),
+        np.zeros(4, np.int64),
+        answer,
+    )
+    return float(answer[0]), float(answer[1])
