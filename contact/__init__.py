@@ -5,21 +5,26 @@ velocity positive along +x, SI units. The model is that of Feenstra and Breedvel
 Motor*, with stick and slip as a stop operator. The compiled parts are loaded when first used.
 """
 
-from contact.averaged import MeanMotion, mean_motion
-from contact.batch import SteadyMap, steady_map
+from contact.answers.averaged import MeanMotion, mean_motion
+from contact.answers.cross_check import SecondOpinion, second_opinion
+from contact.answers.load_line import LoadLine, blocked_thrust, load_line
+from contact.answers.population import Population, steady_population
+from contact.answers.steady import SteadyState, steady
+from contact.answers.steady_map import SteadyMap, steady_map
+from contact.answers.steps import Step, cycles_for, step
+from contact.answers.thresholds import (
+    release_amplitude,
+    release_factor,
+    threshold_amplitude,
+    threshold_factor,
+)
+from contact.answers.transient import Trajectory, burst
+from contact.answers.waveforms import History, contact_history
 from contact.convergence import ConvergenceError
 from contact.envelope import Envelope
-from contact.history import History, contact_history
-from contact.limits import riding_height
-from contact.onset import release_amplitude, release_factor, threshold_amplitude, threshold_factor
 from contact.orbit import Orbit
-from contact.planner import Step, cycles_for, step
-from contact.population import Population, steady_population
-from contact.second_opinion import SecondOpinion, second_opinion
 from contact.slider import Slider
-from contact.steady import SteadyState, steady
-from contact.thrust import LoadLine, blocked_thrust, load_line
-from contact.trajectory import Trajectory, burst
+from contact.solve.limits import riding_height
 
 __all__ = [
     "ConvergenceError",

@@ -7,7 +7,8 @@ Normal: m z'' = sum P_i (1 + chi z_i') - R_n2 z' - preload. Tangential: m v' = s
 import math
 from dataclasses import dataclass
 
-from contact import bounds, hertz, mindlin
+from contact import bounds
+from contact.law import hertz, mindlin
 
 LAWS = ("elastic", "hysteretic")
 

@@ -1,57 +1,59 @@
 """How the stator's surface moves: piezoelectric fields of a SAW motor's stator, from voltage to surface motion.
 
 Conventions: exp(+i omega t), complex peak amplitudes, SI; x along the propagation, z out of the surface, body at
-z < 0; Voigt order 11 22 33 23 13 12 with engineering shear.  The rooms, bottom to top: materials - spectral, forms -
-stroh, half_space - geometry - quasistatic - section - guided, modes - cell - chain - network, electrodes - solution -
-surface, readout, densities - audit, field, field_file - gratings - harmonic, free - triple, reduced - band -
-preparation; burst reads waves; direct stands beside them as the check.
+z < 0; Voigt order 11 22 33 23 13 12 with engineering shear.  The folders are the steps of the method: materials -
+geometry - analytic (answers without a mesh) - discretize (elements through the depth) - condense (superelements) -
+waveguide (guided modes, ends, network) - circuit - results - solve (error estimate, bands, bursts).  Two checks stand
+beside them: direct (the whole stator as one sparse matrix) and cell_wave (a meshed cell of one wavelength).
 """
 
 from importlib import import_module
 
 _HOME = {
-    "Band": "band",
-    "BurstEnvelope": "burst",
-    "CellTriple": "triple",
+    "Band": "solve.band",
+    "BurstEnvelope": "solve.burst",
+    "CellTriple": "waveguide.cell_parameters",
     "ConvergenceError": "convergence",
-    "Densities": "densities",
-    "FreeWave": "free",
-    "HalfSpaceWave": "half_space",
-    "PeriodicWave": "modes",
+    "Densities": "results.densities",
+    "FreeWave": "results.free_wave",
+    "HalfSpaceWave": "analytic.half_space",
+    "PeriodicWave": "cell_wave",
+    "PointLoad": "analytic.point_load",
     "Solid": "materials",
     "Stator": "geometry",
-    "SurfaceWave": "surface",
+    "SurfaceWave": "results.surface",
     "Transducer": "geometry",
-    "TransducerEstimate": "quasistatic",
-    "WaveField": "field",
+    "TransducerEstimate": "analytic.quasistatic",
+    "WaveField": "results.field",
     "anisotropic": "materials",
-    "automatic_period": "geometry",
-    "frequency_band": "preparation",
-    "burst_response": "burst",
+    "automatic_period": "analytic.half_space",
+    "frequency_band": "solve.band_setup",
+    "burst_response": "solve.burst",
     "catalogue": "materials",
-    "cell_triple": "triple",
-    "coupling": "half_space",
+    "cell_triple": "waveguide.cell_parameters",
+    "coupling": "analytic.half_space",
     "direct_solution": "direct",
-    "driven_wave": "harmonic",
+    "driven_wave": "solve.harmonic",
     "fields": "materials",
-    "free_field": "field",
-    "free_wave": "free",
+    "free_field": "results.field",
+    "free_wave": "solve.free",
     "isotropic": "materials",
     "material": "materials",
-    "periodic_wave": "modes",
-    "rayleigh": "half_space",
-    "read_vtu": "field_file",
+    "periodic_wave": "cell_wave",
+    "point_load": "analytic.point_load",
+    "rayleigh": "analytic.half_space",
+    "read_vtu": "results.files",
     "rotated": "materials",
-    "transducer_estimate": "quasistatic",
-    "wave_field": "field",
-    "write_instant": "field_file",
-    "write_vtu": "field_file",
+    "transducer_estimate": "analytic.quasistatic",
+    "wave_field": "results.field",
+    "write_instant": "results.files",
+    "write_vtu": "results.files",
 }
 __all__ = sorted(_HOME)
 
 
 def __getattr__(name: str):
-    """Import a public name from its room when it is first asked for: importing the package stays cheap."""
+    """Import a public name from its module when it is first asked for: importing the package stays cheap."""
     if name not in _HOME:
         raise AttributeError(f"module 'fem' has no attribute {name!r}")
     return getattr(import_module(f"fem.{_HOME[name]}"), name)

@@ -10,12 +10,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fem.electrodes import ports_of
-from fem.forms import Medium, medium, scikit_fem_derivatives, units
+from fem.circuit import ports_of
+from fem.discretize.forms import scikit_fem_derivatives
+from fem.discretize.section import FIELD_COLUMN, Resolution, Section, discretise, edge_layers, graded
 from fem.geometry import Stator, Transducer, check_layout, outer_gaps
-from fem.guided import guided_modes
 from fem.materials import fields
-from fem.section import FIELD_COLUMN, Resolution, Section, discretise, edge_layers, graded
+from fem.materials.medium import Medium, medium, units
+from fem.waveguide.modes import guided_modes
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,7 +13,6 @@ from typing import Literal
 
 import numpy as np
 
-from fem.half_space import rayleigh
 from fem.materials import Solid
 
 Bottom = Literal["free", "grounded", "clamped", "absorbing"]
@@ -220,24 +219,3 @@ def outer_gaps(stator: Stator, transducers: tuple[Transducer, ...]) -> list[tupl
         after = (stator.length if last else transducers[index + 1].extent[0]) - right
         gaps.append((min(half, CLEARANCE * before), min(half, CLEARANCE * after)))
     return gaps
-
-
-def automatic_period(solid: Solid, frequency: float, metallisation: float) -> float:
-    """Period that a transducer needs at a frequency: the wavelength of the lossless half-space, part metallised.
-
-    Parameters
-    ----------
-    solid : Solid
-        In the stator's frame.
-    frequency : float
-        Hz.
-    metallisation : float
-        Finger width over finger width plus gap.
-
-    Returns
-    -------
-    float
-        (metallisation v_metal + (1 - metallisation) v_vacuum) / frequency, in m.
-    """
-    metal, vacuum = rayleigh(solid, "metallised").velocity, rayleigh(solid, "vacuum").velocity
-    return (metallisation * metal + (1 - metallisation) * vacuum) / frequency

@@ -13,8 +13,8 @@ from functools import partial
 
 import numpy as np
 
-from fem.forms import Medium
 from fem.materials import VACUUM_PERMITTIVITY
+from fem.materials.medium import Medium
 
 
 class PeriodicCell:

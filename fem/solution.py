@@ -8,15 +8,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fem.cell import Block
-from fem.chain import FingerShape, bare_cell, finger_cell, fingers_in_row
+from fem.circuit import Circuit, Ports, circuit, port_admittances, ports_of
+from fem.condense.superelement import Block
+from fem.condense.transducer import transducer_block
 from fem.convergence import ConvergenceError
-from fem.electrodes import Circuit, Ports, circuit, port_admittances, ports_of
+from fem.discretize.section import Resolution, Section, discretise
 from fem.geometry import Stator, Transducer, outer_gaps
-from fem.guided import GuidedModes, guided_modes
-from fem.network import Network, PortSolution, Scatterer, Walls
-from fem.section import Resolution, Section, discretise
-from fem.wavelength import slowest_wavelength
+from fem.materials.christoffel import slowest_wavelength
+from fem.waveguide.ends import Walls
+from fem.waveguide.modes import GuidedModes, guided_modes
+from fem.waveguide.network import Network, PortSolution, Scatterer
 
 CUT_OFF = 1e-3  # rad per slowest wavelength: a mode's wavenumber below which its square, all that is known, is rounding
 MOST_COLUMNS = 150_000  # of a quarter of a finger's
@@ -90,7 +91,7 @@ def solved(
     for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
         key = (transducer.signs, transducer.pitch, transducer.metallisation, gaps)
         if key not in made:
-            made[key] = _transducer_block(section, frequency, transducer, gaps, resolution)
+            made[key] = transducer_block(section, frequency, transducer, gaps, resolution)
         blocks.append(made[key])
     modes = guided_modes(section, frequency)
     if modes.nearest_cut_off < CUT_OFF:
@@ -177,30 +178,4 @@ def assembled(
         resolution=resolution,
         combs=combs,
         weights=weights,
-    )
-
-
-def _transducer_block(section, frequency, transducer, gaps, resolution) -> Block:
-    unit = section.length_unit
-    half_gap = transducer.half_gap / unit
-    made: dict[tuple, Block] = {}
-
-    def cell(left: float, right: float) -> Block:
-        if (left, right) not in made:
-            shape = FingerShape(half_finger=transducer.finger_width / 2 / unit, half_gaps=(left, right))
-            made[left, right] = finger_cell(section, frequency, shape, resolution)
-        return made[left, right]
-
-    def bare(width: float) -> Block:
-        if width not in made:
-            made[width] = bare_cell(section, frequency, width, resolution)
-        return made[width]
-
-    outer = [half_gap if abs(gap / unit - half_gap) < 1e-9 * half_gap else gap / unit for gap in gaps]
-    last = len(transducer.signs) - 1
-    return fingers_in_row(
-        transducer.signs,
-        lambda place: (outer[0] if place == 0 else half_gap, outer[1] if place == last else half_gap),
-        cell,
-        lambda left, right: bare(left + transducer.finger_width / unit + right),
     )

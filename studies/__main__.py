@@ -24,7 +24,7 @@ def main(words: list[str] | None = None) -> int:
             sys.stdout.flush()
         return status
     except SceneError as error:
-        return _said(error, 2)
+        return max(_said(problem, 2) for problem in error.problems)
     except RunError as error:
         return _said(error, 1)
     except BrokenPipeError:

@@ -1,8 +1,11 @@
-"""What is said to a user who gets no answer: one sentence, naming key, rule, value and unit."""
+"""What is said to a user who gets no answer: one sentence for each fault, naming key, rule, value and unit."""
 
+from collections.abc import Iterable
 from difflib import get_close_matches
 
-__all__ = ["RunError", "SceneError", "nearest", "shown"]
+__all__ = ["Refusals", "RunError", "SceneError", "nearest", "shown", "suggestion"]
+
+MAX_PROBLEMS = 20  # printed for one scene; a table of numbers with a wrong unit would give 36
 
 
 class SceneError(ValueError):
@@ -14,19 +17,83 @@ class SceneError(ValueError):
         Key in the scene file, such as ``slider.mass``; empty when the whole scene is meant.
     rule : str
         The rest of the sentence: what is allowed and what was given.
+    place : str
+        Where the key stands, such as ``motor.toml, line 12``; empty when it is not known.
+
+    Attributes
+    ----------
+    problems : tuple of SceneError
+        Every fault that was found, this one first.
     """
 
-    def __init__(self, path: str, rule: str):
-        super().__init__(_on_one_line(f"{path} {rule}" if path else rule))
-        self.path, self.rule = path, rule
+    def __init__(self, path: str, rule: str, place: str = ""):
+        sentence = _on_one_line(f"{path} {rule}" if path else rule)
+        super().__init__(f"{place}: {sentence}" if place else sentence)
+        self.path, self.rule, self.place = path, rule, place
+        self.problems: tuple[SceneError, ...] = (self,)
+
+    @classmethod
+    def together(cls, problems: Iterable["SceneError"]) -> "SceneError":
+        """Return one error that carries several; its text is theirs, separated by semicolons.
+
+        Examples
+        --------
+        >>> str(SceneError.together([SceneError("a", "is missing"), SceneError("b", "is negative")]))
+        'a is missing; b is negative'
+        """
+        problems = [each for problem in problems for each in problem.problems]
+        if len(problems) == 1:
+            return problems[0]
+        shown_problems = problems[:MAX_PROBLEMS]
+        if len(problems) > MAX_PROBLEMS:
+            shown_problems.append(cls("", f"and {len(problems) - MAX_PROBLEMS} more"))
+        whole = cls("", "; ".join(map(str, shown_problems)))
+        whole.path, whole.rule = problems[0].path, problems[0].rule
+        whole.problems = tuple(shown_problems)
+        return whole
 
     def moved(self, old: str, new: str) -> "SceneError":
         """Return the same refusal with the start of its path replaced."""
-        return SceneError(new + self.path.removeprefix(old), self.rule)
+        if len(self.problems) > 1:
+            return SceneError.together(problem.moved(old, new) for problem in self.problems)
+        if not self.path.startswith(old):
+            return self
+        return SceneError(new + self.path.removeprefix(old), self.rule, self.place)
 
 
 class RunError(RuntimeError):
     """A run of a sound scene that could not give an answer; the text says why and what to try."""
+
+
+class Refusals:
+    """Collects the faults of a scene, so that all of them are said at once.
+
+    Examples
+    --------
+    >>> refusals = Refusals()
+    >>> with refusals:
+    ...     raise SceneError("slider.mass", "is required and missing")
+    >>> refusals.raise_all()
+    Traceback (most recent call last):
+    studies.refusal.SceneError: slider.mass is required and missing
+    """
+
+    def __init__(self):
+        self.problems: list[SceneError] = []
+
+    def __enter__(self) -> "Refusals":
+        return self
+
+    def __exit__(self, kind, error, trace) -> bool:
+        if isinstance(error, SceneError):
+            self.problems += error.problems
+            return True
+        return False
+
+    def raise_all(self) -> None:
+        """Raise what was collected, if anything."""
+        if self.problems:
+            raise SceneError.together(self.problems)
 
 
 def _on_one_line(text: str) -> str:
@@ -34,13 +101,31 @@ def _on_one_line(text: str) -> str:
     return "".join(sign if sign.isprintable() else ascii(sign)[1:-1] for sign in text)
 
 
+def suggestion(word: str, known) -> str | None:
+    """Return the known word that was probably meant: the same start, one of its parts, or nearly the same letters.
+
+    Examples
+    --------
+    >>> suggestion("friction", ["position", "friction_coefficient"]), suggestion("centre", ["center", "period"])
+    ('friction_coefficient', 'center')
+    """
+    word = str(word).lower()
+    lowered = {str(name).lower(): str(name) for name in reversed(list(known))}
+    if len(word) >= 3:
+        for starts in (lambda name: name.startswith(word), lambda name: word.rstrip("s") in name.split("_")):
+            matches = [name for name in lowered if starts(name)]
+            if len(matches) == 1:
+                return lowered[matches[0]]
+    close = get_close_matches(word, lowered, n=1, cutoff=0.5)
+    return lowered[close[0]] if close else None
+
+
 def nearest(word: str, known) -> str:
     """Return ``; did you mean ...?`` when a known word resembles this one, else a list of those known."""
     known = [str(name) for name in known]
-    lowered = {name.lower(): name for name in reversed(known)}
-    found = get_close_matches(str(word).lower(), lowered, n=1, cutoff=0.5)
-    if found:
-        return f"; did you mean {lowered[found[0]]}?"
+    meant = suggestion(word, known)
+    if meant is not None:
+        return f"; did you mean {meant}?"
     return f"; known: {', '.join(known)}" if known else ""
 
 

@@ -13,7 +13,17 @@ from pathlib import Path
 from studies.chain.record import Record, plain, provenance
 from studies.refusal import SceneError, nearest
 
-__all__ = ["STUDIES", "Finding", "Panel", "StudyRecord", "question", "run_study"]
+__all__ = [
+    "STUDIES",
+    "Finding",
+    "Panel",
+    "StudyRecord",
+    "contradiction",
+    "draw_study",
+    "question",
+    "run_study",
+    "study_answer",
+]
 
 # name of a study: the package that holds it
 STUDIES = {
@@ -139,8 +149,8 @@ def question(name: str) -> str:
 
 def run_study(
     name: str, scene: str | None, folder: Path, *, progress: Callable[[str], None], over: dict | None = None
-) -> str:
-    """Run a study, over these axes if it takes any, leave its files in a directory and return its answer as text."""
+) -> StudyRecord | Record:
+    """Run a study, over these axes if it takes any, write its numbers into a directory and return its record."""
     chosen = module(name)
     if over and not getattr(chosen, "TAKES_AXES", False):
         raise SceneError("--over", f"is not taken by the study {name}")
@@ -150,23 +160,48 @@ def run_study(
     scenes = () if scene is None else (scene,)
     record = chosen.run(*scenes, progress=progress, **axes)
     if isinstance(record, Record):
-        from studies.report.answer import answer
         from studies.report.files import write_run
 
         write_run(record, folder, field=False)
-        text, panels = answer(record), {name: record}
-    else:
-        text, panels = str(record), {panel.name: panel for panel in record.panels}
-        whole = json.dumps(record.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
-        (folder / "study.json").write_text(whole + "\n", encoding="utf-8")
-        for file, content in getattr(chosen, "tables", lambda record: {})(record).items():
-            (folder / file).write_text(content, encoding="utf-8")
+        return record
+    whole = json.dumps(record.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
+    (folder / "study.json").write_text(whole + "\n", encoding="utf-8")
+    for file, content in getattr(chosen, "tables", lambda record: {})(record).items():
+        (folder / file).write_text(content, encoding="utf-8")
+    return record
+
+
+def draw_study(
+    name: str, record: StudyRecord | Record, folder: Path, *, progress: Callable[[str], None]
+) -> None:
+    """Draw the pictures of a study into a directory."""
     progress("drawing")
+    chosen = module(name)
     if hasattr(chosen, "draw"):
         chosen.draw(record, folder, progress=progress)
-        return text
+        return
     from studies.report.figures import saved
 
+    panels = {name: record} if isinstance(record, Record) else {each.name: each for each in record.panels}
     for file, panel in panels.items():
         saved(folder / f"{file}.png", lambda ax, panel=panel: chosen.figure(panel, ax))
-    return text
+
+
+def study_answer(record: StudyRecord | Record) -> str:
+    """Return what a study answers, as text."""
+    if isinstance(record, Record):
+        from studies.report.answer import answer
+
+        return answer(record)
+    return str(record)
+
+
+def contradiction(record: StudyRecord | Record) -> str:
+    """Return why a study's answer is not what was expected; empty where it is."""
+    if isinstance(record, Record):
+        return record.shortfall
+    against = [finding for finding in record.findings if not finding.confirmed]
+    if not against:
+        return ""
+    first = f"{against[0].quantity} is {against[0].found:.6g}, expected {against[0].expected}"
+    return f"{len(against)} of {len(record.findings)} findings are contradicted: {first}"

@@ -8,11 +8,9 @@ dampers (the Hunt-Crossley coefficient, per contact already, stays): a mere numb
 as one.
 """
 
-from studies.scene import Scene
 from studies.scene.blocks import Slider, Wave
-from studies.scene.resolved import resolved
 
-__all__ = ["contact_slider", "given_orbits", "on_given_wave", "orbits_per_volt", "scaled"]
+__all__ = ["contact_slider", "given_orbits", "orbits_per_volt", "scaled"]
 
 
 def orbits_per_volt(surface_wave, slider: Slider) -> tuple:
@@ -72,17 +70,3 @@ def contact_slider(slider: Slider):
         normal_damping=slider.damping.normal / share,
         tangential_damping=slider.damping.tangential / share,
     )
-
-
-def on_given_wave(scene: str | Scene) -> tuple:
-    """Return the resolved scene, its contact.Slider and its orbits; refuses one without a [wave] or a [slider].
-
-    Parameters
-    ----------
-    scene : str or Scene
-        A path, a shipped name or a scene.
-    """
-    chosen = resolved(scene if isinstance(scene, Scene) else Scene.load(scene))
-    if chosen.wave is None or chosen.slider is None:
-        chosen.refuse("wave", "is missing: this study takes a given [wave] and a [slider]")
-    return chosen, contact_slider(chosen.slider), given_orbits(chosen.wave)

@@ -3,14 +3,15 @@
 import argparse
 import json
 import sys
-from contextlib import ExitStack
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
-from studies.refusal import SceneError, shown
+from studies.refusal import RunError, SceneError, shown
 from studies.report.files import write_run
-from studies.results import result_directory
-from studies.scene import Scene, read_table, scene_path, shipped_scenes
-from studies.scene.override import assigned, toml_value, voltages
+from studies.results import Origin, ResultDirectory, result_directory
+from studies.scene import Scene, SceneFile, scene_path, shipped_scenes
+from studies.scene.override import toml_value, voltages
 
 __all__ = ["check", "run", "scenes", "study", "sweep", "view", "wave"]
 
@@ -25,9 +26,10 @@ def run(arguments: argparse.Namespace) -> int:
     wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
     if arguments.explain:
         return _explain(scene, wanted, as_json=arguments.json)
+    origin = _origin("run", arguments.scene)
     out = arguments.out
     if out is None and not arguments.json:
-        out = Path("results") / scene_path(arguments.scene).stem
+        out = Path("results") / origin.name
     for option in ("report", "field"):
         if getattr(arguments, option) and out is None:
             raise SceneError(f"--{option}", "needs a directory to go to: give --out, or leave --json out")
@@ -36,29 +38,60 @@ def run(arguments: argparse.Namespace) -> int:
             "--field", "keeps the field of a driven stator, and this scene has no [[transducer]]"
         )
     with ExitStack() as stack:
-        folder = None if out is None else stack.enter_context(result_directory(out))
-        plotted = folder is not None and not (arguments.json or arguments.no_plot)
+        result = None
+        if out is not None:
+            result = stack.enter_context(result_directory(out, origin, chosen=arguments.out is not None))
+        plotted = result is not None and not (arguments.json or arguments.no_plot)
         drawing = stack.enter_context(Drawing()) if plotted else None
         with Progress() as progress:
             record = run_chain(scene, tolerance=wanted, progress=progress)
             whole = record.to_dict()
-            if folder is not None:
+            if result is not None:
                 progress("writing the results")
-                write_run(record, folder, field=arguments.field)
-                if arguments.report:
-                    from studies.report import write_report
+                write_run(record, result.folder, field=arguments.field)
+                result.commit()
+                with _pictures(result):
+                    if arguments.report:
+                        from studies.report import write_report
 
-                    write_report(record, folder)
-                if drawing is not None:
-                    drawing.draw(record, folder)
+                        write_report(record, result.folder)
+                    if drawing is not None:
+                        drawing.draw(record, result.folder)
     if arguments.json:
         print(json.dumps(whole, indent=1, ensure_ascii=False, allow_nan=False))
     else:
         print(answer(record))
         print(f"results         {out}")
+    _tell(result)
     if record.shortfall:
         print(f"sawmotor: {record.shortfall}", file=sys.stderr)
     return 1 if record.shortfall else 0
+
+
+def _origin(kind: str, scene: str) -> Origin:
+    """Return what a result of a scene belongs to."""
+    path = scene_path(scene)
+    ships = path == shipped_scenes().get(path.stem)
+    return Origin(kind=kind, name=path.stem, source=None if ships else path)
+
+
+@contextmanager
+def _pictures(result: ResultDirectory) -> Iterator[None]:
+    """Commit what is drawn; what cannot be drawn is a warning, for the numbers are in place already."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise RunError(f"interrupted while drawing: the numbers are in {result.target}") from None
+    except Exception as error:
+        reason = " ".join(str(error).split()) or type(error).__name__
+        result.notes.append(f"pictures are missing in {result.target}: {reason}")
+    result.commit()
+
+
+def _tell(result: ResultDirectory | None) -> None:
+    """Say on stderr what became of the files that were there."""
+    for note in [] if result is None else result.notes:
+        print(f"sawmotor: {note}", file=sys.stderr)
 
 
 def _explain(scene: Scene, wanted: float, *, as_json: bool) -> int:
@@ -96,20 +129,43 @@ def study(arguments: argparse.Namespace) -> int:
     """Run a study, or list them with their questions."""
     from studies.progress import Progress
     from studies.scene.override import axes_given
-    from studies.study import STUDIES, module, question, run_study
+    from studies.study import (
+        STUDIES,
+        contradiction,
+        draw_study,
+        module,
+        question,
+        run_study,
+        study_answer,
+    )
 
     if arguments.name is None:
         width = max(map(len, STUDIES))
         print("\n".join(f"{name:<{width}}  {question(name)}" for name in STUDIES))
         return 0
     module(arguments.name)
-    out = arguments.out or Path("results") / arguments.name
-    with result_directory(out) as folder, Progress() as progress:
-        answer = run_study(
-            arguments.name, arguments.scene, folder, progress=progress, over=axes_given(arguments.over)
+    origin = Origin(kind="study", name=arguments.name)
+    out = arguments.out or Path("results") / f"{arguments.name}-study"
+    if arguments.scene is not None:
+        scene = _origin("study", arguments.scene)
+        origin = Origin(kind="study", name=f"{arguments.name} of {scene.name}", source=scene.source)
+        out = arguments.out or Path("results") / f"{arguments.name}-study-{scene.name}"
+    with (
+        result_directory(out, origin, chosen=arguments.out is not None) as result,
+        Progress() as progress,
+    ):
+        done = run_study(
+            arguments.name, arguments.scene, result.folder, progress=progress, over=axes_given(arguments.over)
         )
-    print(f"{answer}\nresults  {out}")
-    return 0
+        result.commit()
+        with _pictures(result):
+            draw_study(arguments.name, done, result.folder, progress=progress)
+    print(f"{study_answer(done)}\nresults  {out}")
+    _tell(result)
+    reason = contradiction(done)
+    if reason:
+        print(f"sawmotor: {reason}", file=sys.stderr)
+    return 1 if reason else 0
 
 
 def view(arguments: argparse.Namespace) -> int:
@@ -119,10 +175,12 @@ def view(arguments: argparse.Namespace) -> int:
     from studies.view.options import Wanted
 
     wanted = Wanted.read(arguments)
+
+    def note(text: str) -> None:
+        print(f"sawmotor: {text}", file=sys.stderr, flush=True)
+
     with Progress() as progress:
-        remark = show(arguments.run, wanted, progress=progress)
-    if remark is not None:
-        print(f"sawmotor: {remark}", file=sys.stderr)
+        show(arguments.run, wanted, progress=progress, note=note)
     print("\n".join(wanted.files), end="\n" if wanted.files else "")
     return 0
 
@@ -139,7 +197,9 @@ def check(arguments: argparse.Namespace) -> int:
     """Check a scene without running it and print what a run would do."""
     from studies.scene.resolved import resolved
 
-    scene = resolved(changed_scene(arguments))
+    file = changed_file(arguments)
+    with file.located():
+        scene = resolved(Scene.from_file(file))
     print(f"{arguments.scene}: {scene.title or 'no title'}")
     print("\n".join(f"  {line}" for line in _contents(scene)))
     return 0
@@ -150,27 +210,26 @@ def sweep(arguments: argparse.Namespace) -> int:
     from studies.scene.override import axes_given
     from studies.sweep.answer import run_sweep
 
-    table = changed_table(arguments)
+    table = changed_file(arguments).table
     out = arguments.out or Path("results") / f"{scene_path(arguments.scene).stem}-sweep"
     return run_sweep(arguments, table, axes_given(arguments.over), tolerance(arguments.tolerance), out)
 
 
 def changed_scene(arguments: argparse.Namespace) -> Scene:
     """Return the scene of a call with its ``--set`` and ``--voltage`` applied."""
-    return Scene.from_table("", changed_table(arguments))
+    return Scene.from_file(changed_file(arguments))
 
 
-def changed_table(arguments: argparse.Namespace) -> dict:
-    """Return the TOML document of a call's scene, with its ``--set`` and ``--voltage`` applied."""
-    table = read_table(arguments.scene)
+def changed_file(arguments: argparse.Namespace) -> SceneFile:
+    """Return the document of a call's scene, with its ``--set`` and ``--voltage`` applied."""
+    file = SceneFile.read(arguments.scene)
     for setting in arguments.set:
-        table = assigned(table, setting)
+        file = file.assigned(setting)
     if arguments.voltage is not None:
-        if "drive" not in table:
+        if not isinstance(file.table.get("drive"), dict):
             raise SceneError("--voltage", "needs a scene with a [drive]; this one has none")
-        values = voltages(arguments.voltage)
-        table = table | {"drive": table["drive"] | {"voltage": values}}
-    return table
+        file = file.replaced("drive", "voltage", voltages(arguments.voltage))
+    return file
 
 
 def tolerance(text: str | None) -> float:
@@ -182,6 +241,9 @@ def tolerance(text: str | None) -> float:
 
 
 def _contents(scene: Scene) -> list[str]:
+    from studies.scene.modulus import direction_dependence
+    from studies.scene.resolved import solid
+
     lines = []
     if scene.stator is not None:
         block = scene.stator
@@ -210,4 +272,6 @@ def _contents(scene: Scene) -> list[str]:
         moduli = f"E* {slider.effective_modulus / 1e9:.4g} GPa, G* {slider.tangential_modulus / 1e9:.4g} GPa"
         weight = f"{slider.mass * 1e3:g} g, preload {slider.preload * 1e3:g} mN"
         lines.append(f"slider      {weight}, contacts {len(slider.offsets)}, {moduli}")
+        if scene.stator is not None and (spread := direction_dependence(solid(scene.stator))):
+            lines.append(f"            E* and G* are means over the directions in the surface: {spread}")
     return lines

@@ -95,7 +95,7 @@ def parser() -> argparse.ArgumentParser:
         "scene", metavar="SCENE", nargs="?", help="a path or a shipped name, for studies of a scene"
     )
     _axes(study)
-    study.add_argument("--out", metavar="DIR", help="where the results go (results/NAME)")
+    study.add_argument("--out", metavar="DIR", help="where the results go (results/NAME-study[-SCENE])")
 
     _view(_call(calls, "view", "the wave field of a run, in a window, as a picture, a movie, a page or data"))
     return top
@@ -111,6 +111,7 @@ def _view(call: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help=".vtu (complex field), .pvd (instants of a period) or .csv of the field",
     )
+    call.add_argument("--surface", action="store_true", help="--data FILE.csv of the surface alone")
     call.add_argument("--show", metavar="WHAT", help="field, solid (the whole width) or contact (field)")
     call.add_argument(
         "--quantity",

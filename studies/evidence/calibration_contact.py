@@ -138,8 +138,8 @@ def _by_way(found):
 
 def _burst_truth(slider, orbits, cycles):
     """Return v at the burst's end by the finest event-exact motion, m/s."""
+    from contact.answers.methods import rest, rest_problem
     from contact.drive import towards_plus
-    from contact.ways import rest, rest_problem
 
     side, driven = towards_plus(orbits)
     problem = rest_problem(slider, driven)
@@ -151,9 +151,9 @@ def _burst_truth(slider, orbits, cycles):
 def _steady_truth(slider, orbits):
     """Return the mean velocity of the finest periodic motion, m/s, or None where there is none to trust."""
     import contact
-    from contact.balance import balanced
     from contact.drive import towards_plus
-    from contact.periodic import periodic
+    from contact.solve.equilibrium import balanced
+    from contact.solve.shooting import periodic
 
     side, driven = towards_plus(orbits)
     balance = balanced(slider, driven)

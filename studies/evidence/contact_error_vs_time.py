@@ -62,8 +62,8 @@ def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
 def _rows(seed: Seed, amplitude: float) -> list[dict]:
     """Return one row per run: curve, setting, seconds, error over v, complaint."""
     import contact
-    from contact.stepped import steps
-    from contact.ways import rest, rest_problem
+    from contact.answers.methods import rest, rest_problem
+    from contact.solve.time_stepping import steps
     from studies.evidence.peers import contact as peers
 
     slider, orbits = seed.slider, seed.orbits(amplitude)

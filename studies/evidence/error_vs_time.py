@@ -187,7 +187,7 @@ def _mesh(per_wavelength: int) -> dict:
 
 def _solver(method: str, rtol: float, motion) -> dict:
     """Return v after a number of cycles from rest by an event solver of scipy, against our event-exact way."""
-    from contact.ways import rest, rest_problem
+    from contact.answers.methods import rest, rest_problem
     from studies.chain import bridge
     from studies.evidence.peers import contact as contact_peers
 

@@ -61,8 +61,8 @@ def _motor(**solid):
 
 def _solved(motor, level: int = 2) -> Answered:
     """Admittance and motion of one discretisation."""
-    from fem.harmonic import LEVELS
-    from fem.readout import surface_wave
+    from fem.discretize.refinement import LEVELS
+    from fem.results.evaluation import surface_wave
     from fem.solution import solved
 
     wave = surface_wave(

@@ -8,10 +8,11 @@ computed wavelength, the run's amplitude under the slider, power and ledger that
 Run time: about a minute.
 """
 
+import math
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from studies.chain import bridge
@@ -22,8 +23,9 @@ from studies.study import Finding, Panel, StudyRecord
 __all__ = ["draw", "run"]
 
 TAKES_SCENE = True
-VOLTAGE, BURSTS = 30.0, (12.0, 24.0, 48.0)  # V: of the contact, and of start and stop
-BURST = 0.12  # s
+CONTACT, BURSTS = 0.5, (0.2, 0.4, 0.8)  # of the largest voltage: the scene's nearest ones are drawn
+LONG = 2.0  # burst over the time in which friction alone would reach the steady velocity
+MAX_STANDING = 2.0  # standing-wave ratio up to which the phase along x gives the wavelength
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,6 +37,8 @@ class Gallery(StudyRecord):
     record : Record
         Of the run.
     found : studies.view.run_field.RunField
+    voltage : float
+        Of the contact and its ledger, V.
     contact : tuple
         `contact_pictures.Moments` and title.
     bursts : tuple of (str, contact.Trajectory)
@@ -48,6 +52,7 @@ class Gallery(StudyRecord):
 
     record: Record = field(repr=False)
     found: object = field(repr=False)
+    voltage: float
     contact: tuple = field(repr=False)
     bursts: tuple = field(repr=False)
     acceleration: float
@@ -78,24 +83,17 @@ def run(scene: str | Scene = "twente", *, progress: Callable[[str], None] | None
     if not chosen.transducer or chosen.slider is None:
         chosen.refuse("transducer", "and slider are needed: the gallery shows a whole motor")
     say("running the scene")
-    record = run_chain(chosen, tolerance=1e-3, progress=say)
+    record = run_chain(replace(chosen, drive=replace(chosen.drive, burst=None)), tolerance=1e-3, progress=say)
     found = of_record(record.scene, record.to_dict(), progress=say)
-    say("following the contact")
-    slow = contact_moments(record.scene, record.to_dict(), level=VOLTAGE, progress=say)
     slider = bridge.contact_slider(record.scene.slider)
     orbits = bridge.orbits_per_volt(record.surface_wave, record.scene.slider)
+    voltage, *voltages = _voltages(record)
+    say("following the contact")
+    slow = contact_moments(record.scene, record.to_dict(), level=voltage, progress=say)
     say("bursts")
-    bursts = tuple(
-        (
-            f"{level:g} V",
-            contact.burst(
-                slider, bridge.scaled(orbits, level), duration=BURST, after=0.1, tolerance=1e-3, samples=1500
-            ),
-        )
-        for level in BURSTS
-    )
-    state = contact.steady(slider, bridge.scaled(orbits, VOLTAGE), tolerance=1e-6)
-    others = tuple((each, each.run(progress=say).panels[0]) for each in (regime_map, admittance))
+    bursts, acceleration = _bursts(slider, orbits, voltages)
+    state = contact.steady(slider, bridge.scaled(orbits, voltage), tolerance=1e-6)
+    others = tuple((each, each.run(chosen, progress=say).panels[0]) for each in (regime_map, admittance))
     panel = Panel(name="wave", title=chosen.title, data={"wavelength_m": found.wavelength})
     return Gallery(
         name="gallery",
@@ -104,74 +102,122 @@ def run(scene: str | Scene = "twente", *, progress: Callable[[str], None] | None
         seconds=time.perf_counter() - begun,
         record=record,
         found=found,
+        voltage=voltage,
         contact=slow,
         bursts=bursts,
-        acceleration=slider.friction_coefficient * slider.preload / slider.mass,
+        acceleration=acceleration,
         ledger=vars(state.ledger),
         others=others,
     )
 
 
+def _voltages(record: Record) -> list[float]:
+    """Return the scene's voltage whose contact is drawn, then those of start and stop; the slider moves at all."""
+    threshold = record.summary.get("threshold_voltage_V", math.inf)
+    moving = [level for level in record.scene.levels if level > threshold]
+    if not moving:
+        record.scene.refuse(
+            "drive.voltage",
+            f"must hold a value above the threshold, {threshold:.4g} V: the gallery shows a motion",
+        )
+    largest = max(moving)
+    nearest = [min(moving, key=lambda level: abs(level - share * largest)) for share in (CONTACT, *BURSTS)]
+    return [nearest[0], *dict.fromkeys(nearest[1:])]
+
+
+def _bursts(slider, orbits: tuple, voltages: list[float]) -> tuple:
+    """Return start and stop at some voltages, and friction's largest acceleration, m/s^2."""
+    import contact
+
+    acceleration = slider.friction_coefficient * slider.preload / slider.mass
+    largest = abs(contact.steady(slider, bridge.scaled(orbits, max(voltages)), tolerance=1e-3).velocity)
+    duration = float(f"{LONG * largest / acceleration:.2g}")
+    followed = [
+        contact.burst(
+            slider,
+            bridge.scaled(orbits, level),
+            duration=duration,
+            after=duration,
+            tolerance=1e-3,
+            samples=1500,
+        )
+        for level in voltages
+    ]
+    return tuple((f"{level:g} V", each) for level, each in zip(voltages, followed, strict=True)), acceleration
+
+
 def _findings(record: Record, found, state, slow) -> tuple[Finding, ...]:
-    import numpy as np
-
-    from studies.view.surface_pictures import anticlockwise
-
-    top = found.field.displacement[:, -1]
-    normal, tangential = top[:, 2], top[:, 0]
-    driven = next(each for each in record.scene.transducer if each.name == record.scene.drive.transducer)
-    places = _beside(found, driven)
-    turning = anticlockwise(tangential[places], normal[places])
-    away = np.sign(found.field.x[places] - driven.center)
-    phase = np.unwrap(np.angle(normal[places]))
-    at = found.field.x[places]
-    measured = 2 * np.pi / abs(np.polyfit(at, phase, 1)[0])
     told = record.wave["normal_m_per_V"]
-    amplitude = abs(found.surface(record.scene.slider.position)[1] / told - 1)
+    amplitude = float(abs(found.surface(record.scene.slider.position)[1] / told - 1))
+    residual = float(state.ledger.relative_residual)
+    speed = float(abs(slow.slider_velocity.mean() / state.velocity - 1))
     return (
-        Finding(
-            statement="A Rayleigh wave turns the surface against its own direction at the crest.",
-            quantity="share of places on the way from the transducer to the slider with a retrograde orbit",
-            expected="1",
-            found=float(np.mean(turning == (away > 0))),
-            confirmed=bool(np.all(turning == (away > 0))),
-        ),
-        Finding(
-            statement="The drawn field has the wavelength of the surface wave.",
-            quantity="wavelength by the phase of the drawn u_z over that of the run, less 1",
-            expected="below 1e-3",
-            found=float(abs(measured / found.wavelength - 1)),
-            confirmed=bool(abs(measured / found.wavelength - 1) < 1e-3),
-        ),
+        *_wave_findings(record, found),
         Finding(
             statement="The drawn field moves the surface under the slider as the run says.",
             quantity="relative difference of u_z",
             expected="below 1e-10",
-            found=float(amplitude),
-            confirmed=bool(amplitude < 1e-10),
+            found=amplitude,
+            confirmed=amplitude < 1e-10,
         ),
         Finding(
             statement="What the wave gives the contact is accounted for.",
             quantity="residual of the ledger, relative",
             expected="below 1e-6",
-            found=float(state.ledger.relative_residual),
-            confirmed=bool(state.ledger.relative_residual < 1e-6),
+            found=residual,
+            confirmed=residual < 1e-6,
         ),
         Finding(
             statement="The slider in slow motion runs at the steady velocity.",
             quantity="difference of the mean velocities, relative",
             expected="below 1e-6",
-            found=float(abs(slow.slider_velocity.mean() / state.velocity - 1)),
-            confirmed=bool(abs(slow.slider_velocity.mean() / state.velocity - 1) < 1e-6),
+            found=speed,
+            confirmed=speed < 1e-6,
         ),
     )
+
+
+def _wave_findings(record: Record, found) -> list[Finding]:
+    """Return what the surface between transducer and slider shows; nothing where the slider lies under it."""
+    import numpy as np
+
+    from studies.view.surface_pictures import anticlockwise
+
+    driven = next(each for each in record.scene.transducer if each.name == record.scene.drive.transducer)
+    places, top = _beside(found, driven), found.field.displacement[:, -1]
+    at, normal, tangential = found.field.x[places], top[places, 2], top[places, 0]
+    if len(at) < 2:
+        return []
+    retrograde = anticlockwise(tangential, normal) == (at > driven.center)
+    findings = [
+        Finding(
+            statement="A Rayleigh wave turns the surface against its own direction at the crest.",
+            quantity="share of places on the way from the transducer to the slider with a retrograde orbit",
+            expected="1",
+            found=float(np.mean(retrograde)),
+            confirmed=bool(np.all(retrograde)),
+        )
+    ]
+    if record.wave["standing_wave_ratio"] < MAX_STANDING and np.ptp(at) > found.wavelength:
+        measured = 2 * np.pi / abs(np.polyfit(at, np.unwrap(np.angle(normal)), 1)[0])
+        difference, bound = float(abs(measured / found.wavelength - 1)), 0.1 * found.wavelength / np.ptp(at)
+        findings.append(
+            Finding(
+                statement="The drawn field has the wavelength of the surface wave.",
+                quantity="wavelength by the phase of the drawn u_z over that of the run, less 1",
+                expected=f"below {bound:.1g}: a tenth of a wavelength on the way from the transducer to the slider",
+                found=difference,
+                confirmed=bool(difference < bound),
+            )
+        )
+    return findings
 
 
 def draw(gallery: Gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
     """Draw the gallery's pictures into a directory."""
     from studies.view.gallery_pictures import draw_all
 
-    draw_all(gallery, folder, voltage=VOLTAGE, progress=progress)
+    draw_all(gallery, folder, progress=progress)
 
 
 def _beside(found, driven):

@@ -1,36 +1,41 @@
 """What thrust the motor gives at what speed, where it stalls and how efficient it is.
 
-Method: the slider of ``twente-contact``, or of a scene with a given wave, at four of its amplitudes above threshold:
-steady velocity against a constant load up to the blocked thrust, efficiency from the energy ledger of the periodic
-motion; one ball, and three balls a seventh of a wavelength apart that share the load.  Expected: velocity falls to zero
-at the blocked thrust, which stays within friction's mu times preload; efficiency between 0 and 1, largest inside the
-line; the ledger closes to 1e-7.  Run time: about 2 s.
+Method: the slider of a scene (``twente-contact`` when none is named) at up to four of its amplitudes or voltages above
+threshold: steady velocity against a constant load up to the blocked thrust, efficiency from the energy ledger of the
+periodic motion; for one ball also three balls a seventh of a wavelength apart that share the load.  Expected: velocity
+falls to zero at the blocked thrust, which stays within friction's mu times preload; efficiency between 0 and 1, largest
+inside the line; the ledger closes to 1e-7.  Run time: about 2 s, and the stator's.
 """
 
 import sys
 import time
 from collections.abc import Callable
 
-from studies.chain import bridge
+from studies.chain.driven_contact import driven_contact
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord
 
 __all__ = ["figure", "run"]
 
 TAKES_SCENE = True
-POINTS = 17
+LINES = 4
 APART = 1.0 / 7.0  # wavelengths between balls
 
 
 def run(
-    scene: str | Scene = "twente-contact", *, progress: Callable[[str], None] | None = None
+    scene: str | Scene = "twente-contact",
+    *,
+    points: int = 17,
+    progress: Callable[[str], None] | None = None,
 ) -> StudyRecord:
     """Return load lines and efficiencies.
 
     Parameters
     ----------
     scene : str or Scene
-        A path, a shipped name or a scene with a given wave and a slider.
+        A path, a shipped name or a scene with a slider and either a [wave] or a driven stator.
+    points : int
+        Loads of each line.
     progress : callable, optional
         Told what is being done.
     """
@@ -40,25 +45,22 @@ def run(
 
     begun = time.perf_counter()
     say = progress or (lambda text: None)
-    chosen, slider, shape = bridge.on_given_wave(scene)
-    moving = [a for a in chosen.levels if a > 1.05 * contact.threshold_amplitude(slider, shape)]
-    if not moving:
-        chosen.refuse("wave.normal_amplitude", "must hold a value above the threshold amplitude")
-    picked = sorted({moving[round(k * (len(moving) - 1) / 4)] for k in range(1, 5)})
+    driven = driven_contact(scene, progress=say)
+    chosen, slider, moving = driven.scene, driven.slider, driven.above(1.05)
+    picked = sorted({moving[round(k * (len(moving) - 1) / LINES)] for k in range(1, LINES + 1)})
+    drawn = {driven.named(level): driven.at(level) for level in picked}
+    if len(driven.orbits) == 1:
+        trio = tuple(driven.at(picked[-1])[0].scaled(np.exp(-2j * np.pi * APART * k)) for k in range(3))
+        drawn[f"{driven.named(picked[-1])}, three balls"] = trio
     lines = {}
-    for amplitude in picked:
-        say(f"load line: {amplitude * 1e9:g} nm")
-        lines[f"{amplitude * 1e9:g} nm"] = contact.load_line(
-            slider, bridge.scaled(shape, amplitude), points=POINTS, tolerance=1e-4
-        )
-    one = bridge.scaled(shape, picked[-1])[0]
-    trio = tuple(one.scaled(np.exp(-2j * np.pi * APART * k)) for k in range(3))
-    name = f"{picked[-1] * 1e9:g} nm, three balls"
-    say(f"load line: {name}")
-    lines[name] = contact.load_line(slider, trio, points=POINTS, tolerance=1e-4)
+    for name, orbits in drawn.items():
+        say(f"load line: {name}")
+        lines[name] = contact.load_line(slider, orbits, points=points, tolerance=1e-4)
+    # of the balls that are computed as one, the whole thrust
+    balls = chosen.slider.preload / slider.preload
     friction = slider.friction_coefficient * slider.preload
     best = max(float(np.max(line.efficiency)) for line in lines.values())
-    inside = all(0 < int(np.argmax(line.efficiency)) < POINTS - 1 for line in lines.values())
+    inside = all(0 < int(np.argmax(line.efficiency)) < points - 1 for line in lines.values())
     falling = all(bool(np.all(np.diff(line.velocity) < 0.0)) for line in lines.values())
     largest = max(line.blocked_thrust for line in lines.values())
     findings = [
@@ -72,9 +74,9 @@ def run(
     ]  # fmt: skip
     panels = [
         Panel(name=file, title=f"{chosen.title}: {title}", data={
-            "load_N": {key: line.load for key, line in lines.items()},
+            "load_N": {key: balls * line.load for key, line in lines.items()},
             "value": {key: getattr(line, value) for key, line in lines.items()}, "axis": axis, "factor": factor,
-            "blocked_thrust_N": {key: line.blocked_thrust for key, line in lines.items()},
+            "blocked_thrust_N": {key: balls * line.blocked_thrust for key, line in lines.items()},
         })
         for file, title, value, axis, factor in (
             ("load_line", "load line", "velocity", "slider velocity (mm/s)", 1e3),

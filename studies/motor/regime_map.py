@@ -1,10 +1,11 @@
 """Where the slider sticks, slips, is thrown off and hops, against amplitude and preload.
 
-Method: the slider of ``twente-contact``, or of a scene with a given wave, on a grid of amplitudes and preloads: steady
-states by averaging with its second-order correction.  Beside them the closed forms: the threshold A sqrt(r^2 + c^2) =
-c |h|, the release A = h, and hopping, where the slider rides above the surface at rest (h < 0, contact for less than
-half of each cycle).  The scene's own levels are marked.  Expected: every simulated point on the side of the lines that
-its regime says; a dozen of them the same by the event-exact way to 1e-6.  Run time: about 1 s.
+Method: the slider of a scene (``twente-contact`` when none is named) on the orbits of its given wave, or of its
+stator's wave, on a grid of amplitudes and preloads: steady states by averaging with its second-order correction.
+Beside them the closed forms: the threshold A sqrt(r^2 + c^2) = c |h|, the release A = h, and hopping, where the slider
+rides above the surface at rest (h < 0, contact for less than half of each cycle).  The scene's own levels are marked.
+Expected: every simulated point on the side of the lines that its regime says; a dozen of them the same by the
+event-driven method to 1e-6.  Run time: about 1 s, and the stator's.
 """
 
 import sys
@@ -13,26 +14,34 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from studies.chain import bridge
+from studies.chain.driven_contact import DrivenContact, driven_contact
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord
 
 __all__ = ["figure", "run"]
 
 TAKES_SCENE = True
-AMPLITUDES, PRELOADS = 36, 28
 KINDS = ("stick", "slip", "intermittent", "hopping")
-CHECKED = 12
 
 
 def run(
-    scene: str | Scene = "twente-contact", *, progress: Callable[[str], None] | None = None
+    scene: str | Scene = "twente-contact",
+    *,
+    amplitudes: int = 36,
+    preloads: int = 28,
+    checked: int = 12,
+    progress: Callable[[str], None] | None = None,
 ) -> StudyRecord:
     """Return the map, its lines and the operating points.
 
     Parameters
     ----------
     scene : str or Scene
-        A path, a shipped name or a scene with a given wave and a slider.
+        A path, a shipped name or a scene with a slider and either a [wave] or a driven stator.
+    amplitudes, preloads : int
+        Points of the grid along each axis.
+    checked : int
+        Points that are solved again by the event-driven method.
     progress : callable, optional
         Told what is being done.
     """
@@ -42,27 +51,23 @@ def run(
 
     begun = time.perf_counter()
     say = progress or (lambda text: None)
-    chosen, slider, shape = bridge.on_given_wave(scene)
+    driven = driven_contact(scene, progress=say)
+    chosen, slider, per_metre = driven.scene, driven.slider, driven.at(1.0 / driven.amplitude)
     own = slider.preload
     if own == 0.0 or slider.friction_coefficient == 0.0:
         chosen.refuse("slider.preload", "must be positive, with friction, for a map of regimes")
-    threshold = contact.threshold_amplitude(slider, shape)
-    release = contact.release_amplitude(slider, shape)
-    reach = [level for level in chosen.levels if level > 0.0]
-    amplitudes = np.geomspace(
-        min([0.4 * threshold, *reach]), max([6.0 * release, *(1.2 * a for a in reach)]), AMPLITUDES
-    )
-    preloads = own * np.geomspace(0.08, 12.0, PRELOADS)
-    say(f"regime map: {amplitudes.size * preloads.size} steady states")
-    found = contact.steady_map(slider, shape, factors=amplitudes, preloads=preloads)
+    at, loads, reach = _grid(driven, per_metre, amplitudes, preloads)
+    say(f"regime map: {at.size * loads.size} steady states")
+    found = contact.steady_map(slider, per_metre, factors=at, preloads=loads)
     kind = np.where((found.regime == "intermittent") & (found.height < 0.0), "hopping", found.regime)
-    loaded = [replace(slider, preload=float(preload)) for preload in preloads]
+    loaded = [replace(slider, preload=float(preload)) for preload in loads]
+    shares = sum(abs(orbit.normal) ** 1.5 for orbit in per_metre)
     lines = {
-        "threshold": np.array([contact.threshold_amplitude(s, shape) for s in loaded]),
-        "release": np.array([contact.release_amplitude(s, shape) for s in loaded]),
-        "hopping": np.array([s.rest_approach(1) for s in loaded]) / _half_wave() ** (2.0 / 3.0),
+        "threshold": np.array([contact.threshold_factor(s, per_metre) for s in loaded]),
+        "release": np.array([contact.release_factor(s, per_metre) for s in loaded]),
+        "hopping": np.array([s.rest_approach(1) for s in loaded]) / (shares * _half_wave()) ** (2.0 / 3.0),
     }
-    A = amplitudes[None, :]
+    A = at[None, :]
     expected = np.select(
         [A < lines["threshold"][:, None], A < lines["release"][:, None], A < lines["hopping"][:, None]],
         KINDS[:3],
@@ -70,8 +75,8 @@ def run(
     )
     # a load can only move the threshold, not the lines of the normal motion
     agree = float(np.mean(expected[kind != "unknown"] == kind[kind != "unknown"]))
-    say("regime map: checks by the event-exact way")
-    worst = _worst(slider, shape, amplitudes, preloads, found)
+    say("regime map: checks by the event-driven method")
+    worst = _worst(slider, per_metre, found, checked)
     findings = [
         Finding(
             statement="Threshold, release and hopping lines in closed form part the simulated regimes.",
@@ -79,23 +84,23 @@ def run(
             expected="1",
             found=agree,
             confirmed=agree == 1.0,
-            remark=f"{int(np.sum(kind == 'unknown'))} points where the averaged way does not apply",
+            remark=f"{int(np.sum(kind == 'unknown'))} points where the averaged method does not apply",
         ),
         Finding(
             statement="The averaged steady states are those of the full motion.",
-            quantity=f"largest difference over max(|v|, omega |u_x|/10) at {CHECKED} points",
+            quantity=f"largest difference over max(|v|, omega |u_x|/10) at {checked} points",
             expected="below 1e-6",
             found=worst,
             confirmed=worst < 1e-6,
         ),
     ]
     data = {
-        "amplitude_m": amplitudes,
-        "preload_N": preloads,
+        "amplitude_m": at,
+        "preload_N": loads,
         "kind": kind.tolist(),
         "velocity_m_per_s": found.velocity,
         "lines_m": lines,
-        "operating_amplitude_m": np.array(reach),
+        "operating_amplitude_m": reach,
         "operating_preload_N": own,
     }
     panel = Panel(name="regime_map", title=f"{chosen.title}: regimes", data=data)
@@ -111,17 +116,35 @@ def _half_wave() -> float:
     return gamma(1.25) / (2.0 * sqrt(pi) * gamma(1.75))
 
 
-def _worst(slider, shape, amplitudes, preloads, found) -> float:
-    """Return the largest difference to the event-exact way over a scatter of moving points."""
+def _grid(driven: DrivenContact, per_metre: tuple, amplitudes: int, preloads: int) -> tuple:
+    """Return amplitudes and preloads that show every regime, and the scene's own amplitudes."""
+    import numpy as np
+
+    import contact
+
+    reach = driven.amplitude * np.array(driven.levels)
+    threshold = contact.threshold_factor(driven.slider, per_metre)
+    release = contact.release_factor(driven.slider, per_metre)
+    if not (np.isfinite(threshold) and np.isfinite(release) and threshold > 0.0):
+        driven.scene.refuse(
+            driven.level_key,
+            "must move the surface in both directions, so that the slider can start and part",
+        )
+    at = np.geomspace(min(0.4 * threshold, 0.8 * reach[0]), max(6.0 * release, 1.2 * reach[-1]), amplitudes)
+    return at, driven.slider.preload * np.geomspace(0.08, 12.0, preloads), reach
+
+
+def _worst(slider, per_metre, found, checked: int) -> float:
+    """Return the largest difference to the event-driven method over a scatter of moving points."""
     import numpy as np
 
     import contact
 
     at = np.argwhere(np.abs(np.nan_to_num(found.velocity)) > 0.0)
     differences = []
-    for i, j in at[:: max(1, len(at) // CHECKED)][:CHECKED]:
-        orbits = bridge.scaled(shape, float(amplitudes[j]))
-        full = contact.steady(replace(slider, preload=float(preloads[i])), orbits, tolerance=1e-6)
+    for i, j in at[:: max(1, len(at) // checked)][:checked]:
+        orbits = bridge.scaled(per_metre, float(found.factors[j]))
+        full = contact.steady(replace(slider, preload=float(found.preloads[i])), orbits, tolerance=1e-6)
         scale = max(abs(full.velocity), orbits[0].omega * abs(orbits[0].tangential) / 10.0)
         differences.append(abs(full.velocity - found.velocity[i, j]) / scale)
     return float(max(differences, default=0.0))

@@ -14,7 +14,7 @@ def figure_2(seed: Seed):
     """Fig. 2: tangential force against deformation."""
     import numpy as np
 
-    from contact import mindlin
+    from contact.law import mindlin
 
     x, curves, ends = {}, {}, []
     for share in (0.5, 1.0, 2.0):

@@ -67,7 +67,7 @@ def machine_speed() -> float:
 
 
 def solution_operations(size, *, mirror: bool) -> float:
-    """Return the real operations of a driven stator on one discretisation, a `fem.size.StatorSize`."""
+    """Return the real operations of a driven stator on one discretisation, a `fem.condense.size.StatorSize`."""
     n, order = size.line, size.resolution.order
     fields = len(size.section.solid.fields)
     inside, rim = (order - 1) ** 2 * fields, 4 * order * fields

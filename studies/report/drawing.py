@@ -1,7 +1,7 @@
 """A process that draws the pictures of a run: it loads the plotting library while the run is being computed.
 
-``python -m studies.report.drawing`` reads from stdin what to draw and where, and answers on stdout with the exception
-that it met, or None.
+The process imports from the same places as this one and never from the working directory (``python -P``).  It reads
+from stdin what to draw and where, and answers on stdout with the exception that it met, or None.
 """
 
 import pickle
@@ -13,7 +13,9 @@ from pathlib import Path
 from studies.chain.record import Record
 from studies.refusal import RunError
 
-__all__ = ["Drawing"]
+__all__ = ["Drawing", "serve"]
+
+PROGRAM = "import sys; sys.path[:] = {path!r}; from studies.report.drawing import serve; serve()"
 
 
 class Drawing:
@@ -22,7 +24,7 @@ class Drawing:
     def __enter__(self):
         """Start the process, apart from the terminal's interrupt: whoever started it ends it."""
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "studies.report.drawing"],
+            [sys.executable, "-P", "-c", PROGRAM.format(path=sys.path)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             start_new_session=True,
@@ -47,7 +49,8 @@ class Drawing:
             raise failure
 
 
-def _serve() -> None:
+def serve() -> None:
+    """Draw what stdin asks for; the work of the process."""
     import matplotlib.backends.backend_agg
     import matplotlib.figure  # noqa: F401
 
@@ -61,7 +64,3 @@ def _serve() -> None:
         except Exception as error:
             failure = error
     sys.stdout.buffer.write(pickle.dumps(failure))
-
-
-if __name__ == "__main__":
-    _serve()

@@ -145,9 +145,9 @@ def _mode_errors(record: Record) -> tuple[float, float]:
 
     import numpy as np
 
-    from fem.guided import guided_modes
-    from fem.section import discretise
+    from fem.discretize.section import discretise
     from fem.threads import one_blas_thread
+    from fem.waveguide.modes import guided_modes
 
     fine = record.surface_wave
     solution = fine.solution

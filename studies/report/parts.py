@@ -62,15 +62,16 @@ class Part:
 
 def driven_parts(scene: Scene, tolerance: float, speed: float) -> tuple[list[Part], list[str]]:
     """Return the parts of a driven stator on a machine of a speed, and what they leave out."""
-    from fem import harmonic, readout
-    from fem.size import stator_size
+    from fem.condense.size import stator_size
+    from fem.discretize import refinement
+    from fem.results import evaluation
 
     about = _with_frequency(scene)
     block, row = resolved.stator(about.stator), resolved.transducers(about)
     goal = tolerance if scene.slider is None else tolerance * SHARE
-    planned = harmonic.planned_levels(block, goal)
+    planned = refinement.planned_levels(block, goal)
     sizes = {
-        level: stator_size(block, row, frequency=about.frequency, resolution=harmonic.LEVELS[level])
+        level: stator_size(block, row, frequency=about.frequency, resolution=refinement.LEVELS[level])
         for level in {*planned, 1}
     }
     levels = [
@@ -105,7 +106,7 @@ def driven_parts(scene: Scene, tolerance: float, speed: float) -> tuple[list[Par
     if scene.frequency == "center":
         how = ("many frequencies of a band, then Brent's search for the largest amplitude",)
         parts.insert(0, replace(band, name="centre frequency", facts=how))
-    left_out = [*readout.left_out(block, section, about.frequency)]
+    left_out = [*evaluation.left_out(block, section, about.frequency)]
     if scene.slider is not None and scene.burst is not None:
         left_out += _ring_up(scene, parts, band)
     return parts, left_out
@@ -126,9 +127,9 @@ def free_parts(scene: Scene, tolerance: float, speed: float) -> tuple[list[Part]
     """Return the part of a free wave, and what it leaves out."""
     import numpy as np
 
-    from fem import free
-    from fem.section import Resolution, discretise
-    from fem.wavelength import slowest_wavelength
+    from fem.discretize.section import Resolution, discretise
+    from fem.materials.christoffel import slowest_wavelength
+    from fem.solve import free
 
     block = resolved.stator(scene.stator)
     unit = slowest_wavelength(block.solid, scene.frequency)
@@ -171,7 +172,7 @@ def free_parts(scene: Scene, tolerance: float, speed: float) -> tuple[list[Part]
 
 def contact_part(scene: Scene) -> Part:
     """Return the part of a slider."""
-    from contact import kernels
+    from contact.jit import kernels
 
     slider = scene.slider
     contacts = 1 if isinstance(slider.contacts, int) else len(slider.contacts)
@@ -208,11 +209,7 @@ def _with_frequency(scene: Scene) -> Scene:
     """Return the scene with a number for "center": the half-space's wave over the driven period."""
     if scene.frequency != "center":
         return scene
-    from fem.half_space import rayleigh
-
-    driven = next(each for each in scene.transducer if each.name == scene.drive.transducer)
-    speed = rayleigh(resolved.solid(scene.stator), "open").velocity
-    return replace(scene, drive=replace(scene.drive, frequency=speed / driven.period))
+    return replace(scene, drive=replace(scene.drive, frequency=resolved.nominal_frequency(scene)))
 
 
 def _covered(scene: Scene) -> bool:

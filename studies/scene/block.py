@@ -1,16 +1,58 @@
 """A block of a scene: a frozen dataclass whose fields are the keys of a TOML table.
 
-A field is declared ``mass: Annotated[float, Quantity("kg")]``: its type once read, and the rule that reads
-it.
+A field is declared ``mass: Annotated[float, Quantity("kg"), "Mass of the whole slider."]``: its type once read, the
+rule that reads it, and its meaning in one sentence for the reference of all keys and the JSON Schema.
 """
 
+from collections.abc import Iterator
 from dataclasses import MISSING, dataclass, fields
+from functools import cache
 from typing import ClassVar, Self
 
-from studies.refusal import SceneError, nearest, shown
+from studies.refusal import Refusals, SceneError, nearest, shown
 from studies.scene.rule import Rule
+from studies.scene.synonyms import meant
 
-__all__ = ["Block", "Blocks", "OneOf", "Within"]
+__all__ = ["Block", "Blocks", "Key", "OneOf", "Within", "keys_of"]
+
+
+@dataclass(frozen=True)
+class Key:
+    """One key of a block.
+
+    Attributes
+    ----------
+    name : str
+    rule : Rule
+        How it is read.
+    meaning : str
+        One sentence.
+    required : bool
+        Whether it must be given when its block is.
+    default : object
+        Its value when absent; None where absence means something of its own.
+    """
+
+    name: str
+    rule: Rule
+    meaning: str
+    required: bool
+    default: object
+
+
+@cache
+def keys_of(kind: "type[Block]") -> dict[str, Key]:
+    """Return the keys of a block's class by name."""
+    return {
+        entry.name: Key(
+            name=entry.name,
+            rule=entry.type.__metadata__[0],
+            meaning=entry.type.__metadata__[1],
+            required=entry.default is MISSING,
+            default=None if entry.default is MISSING else entry.default,
+        )
+        for entry in fields(kind)
+    }
 
 
 class Block:
@@ -19,20 +61,34 @@ class Block:
     block: ClassVar[str]
 
     def __post_init__(self):
-        for entry in fields(self):
-            value = getattr(self, entry.name)
-            if value is None and entry.default is None:
+        problems, unread = [], ()
+        for name, key in keys_of(type(self)).items():
+            value = getattr(self, name)
+            if value is None and not key.required and key.default is None:
                 continue
-            key = f"{self.block}.{entry.name}" if self.block else entry.name
-            object.__setattr__(self, entry.name, entry.type.__metadata__[0].read(key, value))
-        self.check()
+            try:
+                object.__setattr__(self, name, key.rule.read(self._path(name), value))
+            except SceneError as error:
+                problems += error.problems
+                unread += (name,)
+        problems += self.contradictions(frozenset(unread))
+        if problems:
+            raise SceneError.together(problems)
 
-    def check(self) -> None:
-        """Refuse what the single keys allow but together contradict."""
+    def contradictions(self, unread: frozenset[str]) -> Iterator[SceneError]:
+        """Yield what the single keys allow but together contradict; ``unread`` are the keys that were refused."""
+        return iter(())
+
+    def refusal(self, key: str, rule: str) -> SceneError:
+        """Return the refusal of one of this block's keys."""
+        return SceneError(self._path(key), rule)
 
     def refuse(self, key: str, rule: str) -> None:
         """Raise the refusal of one of this block's keys."""
-        raise SceneError(f"{self.block}.{key}" if self.block else key, rule)
+        raise self.refusal(key, rule)
+
+    def _path(self, key: str) -> str:
+        return f"{self.block}.{key}" if self.block else key
 
     @classmethod
     def from_table(cls, path: str, table) -> Self:
@@ -41,31 +97,63 @@ class Block:
         Raises
         ------
         SceneError
-            For an unknown or a missing key, and for a value that breaks its rule.
+            For every unknown or missing key, and for every value that breaks its rule.
         """
         if not isinstance(table, dict):
             raise SceneError(path, f"must be a block of keys, got {shown(table)}")
-        known = {entry.name: entry for entry in fields(cls)}
-        at = f"{path}." if path else ""
+        known, refusals, at = keys_of(cls), Refusals(), f"{path}." if path else ""
         for key in table:
             if key not in known:
-                raise SceneError(f"{at}{key}", f"is no key of a scene{nearest(key, known)}")
-        for name, entry in known.items():
-            if entry.default is MISSING and name not in table:
-                raise SceneError(f"{at}{name}", "is required and missing")
+                refusals.problems.append(SceneError(f"{at}{key}", f"is no key of a scene{_hint(key, cls)}"))
+        missing = [key for name, key in known.items() if key.required and name not in table]
+        for key in missing:
+            rule = f"is required and missing: give {key.rule.expected}"
+            refusals.problems.append(SceneError(f"{at}{key.name}", rule))
+        given = {name: table[name] for name in known if name in table}
+        block = None
+        with refusals:
+            if missing:
+                _read_each(at, known, given)
+            else:
+                block = cls._built(path, given)
+        refusals.raise_all()
+        return block
+
+    @classmethod
+    def _built(cls, path: str, given: dict) -> Self:
         try:
-            return cls(**table)
+            return cls(**given)
         except SceneError as error:
             raise error.moved(cls.block, path) from None
 
     def to_table(self) -> dict:
         """Return the TOML table of this block, in SI units; what is absent stays absent."""
         table = {}
-        for entry in fields(self):
-            value = getattr(self, entry.name)
+        for name, key in keys_of(type(self)).items():
+            value = getattr(self, name)
             if value is not None and value != ():
-                table[entry.name] = entry.type.__metadata__[0].written(value)
+                table[name] = key.rule.written(value)
         return table
+
+
+def _read_each(at: str, known: dict[str, Key], given: dict) -> None:
+    """Raise what is wrong with the keys of a block that cannot be built."""
+    refusals = Refusals()
+    for name, value in given.items():
+        with refusals:
+            known[name].rule.read(f"{at}{name}", value)
+    refusals.raise_all()
+
+
+def _hint(word: str, kind: type[Block]) -> str:
+    """Return what was probably meant by an unknown key: a key of this block, or of another one."""
+    synonym = meant(word, keys_of(kind))
+    if synonym is not None:
+        return f"; did you mean {synonym}?"
+    homes = [each.block for each in Block.__subclasses__() if word in keys_of(each) and each.block]
+    if homes:
+        return f"; {word} belongs in [{'] or ['.join(homes)}]"
+    return nearest(word, keys_of(kind))
 
 
 @dataclass(frozen=True)
@@ -82,6 +170,11 @@ class Within(Rule):
         """Return its table."""
         return value.to_table()
 
+    @property
+    def expected(self):
+        """A block, by its header."""
+        return f"the block [{self.kind.block}]"
+
 
 @dataclass(frozen=True)
 class Blocks(Rule):
@@ -93,12 +186,16 @@ class Blocks(Rule):
         """Return a tuple of blocks."""
         if not isinstance(value, (list, tuple)):
             raise SceneError(path, f"must be a list of blocks, written [[{path}]], got {shown(value)}")
-        one = Within(self.kind)
-        return tuple(one.read(f"{path}.{index}", entry) for index, entry in enumerate(value))
+        return self.read_each(Within(self.kind), path, value)
 
     def written(self, value):
         """Return the list of their tables."""
         return [block.to_table() for block in value]
+
+    @property
+    def expected(self):
+        """Blocks, by their header."""
+        return f"one or more blocks [[{self.kind.block}]]"
 
 
 @dataclass(frozen=True)
@@ -114,9 +211,17 @@ class OneOf(Rule):
             return value
         if not isinstance(value, dict):
             return self.text.read(path, value)
-        matches = [len(value.keys() & {entry.name for entry in fields(kind)}) for kind in self.kinds]
+        matches = [len(value.keys() & set(keys_of(kind))) for kind in self.kinds]
         return self.kinds[matches.index(max(matches))].from_table(path, value)
 
     def written(self, value):
         """Return the text or the table."""
         return value.to_table() if isinstance(value, Block) else value
+
+    @property
+    def expected(self):
+        """The text, or the table by its keys."""
+        tables = " or ".join(
+            ", ".join(name for name, key in keys_of(kind).items() if key.required) for kind in self.kinds
+        )
+        return f"{self.text.expected}, or a table of {tables}"

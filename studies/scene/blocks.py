@@ -1,7 +1,7 @@
 """The blocks of a scene: stator, transducers, drive, given wave and slider, in the words of the scene file.
 
-Everything is in SI units once read.  Amplitudes and voltages are peak values, x runs along the surface from
-the stator's left end, z out of the surface.
+Everything is in SI units once read.  Amplitudes and voltages are peak values, x runs along the surface from the
+stator's left end, z out of the surface.  The sentence beside each key is its entry in ``studies/scenes/README.md``.
 """
 
 from dataclasses import dataclass
@@ -22,39 +22,47 @@ __all__ = [
     "Wave",
 ]
 
-NARROWEST = 1e-3  # finger or gap, of the pitch; narrower ones take ever finer elements
+MIN_WIDTH = 1e-3  # of a finger or a gap, relative to the pitch; narrower ones take ever finer elements
 ORIENTATIONS = ("Z", "X", "YZ", "128YX", "ST-X")
 
 
 @dataclass(frozen=True, kw_only=True)
 class PiezoelectricSolid(Block):
-    """A user's table of constants, in the crystal frame, Voigt 11 22 33 23 13 12, engineering shear."""
+    """A table of constants in the crystal frame; Voigt order 11 22 33 23 13 12, engineering shear strain."""
 
     block: ClassVar[str] = "stator.material"
-    name: Annotated[str, Text()] = "user's table"
-    stiffness: Annotated[tuple, Matrix(6, 6)]
-    coupling: Annotated[tuple, Matrix(3, 6)]
-    permittivity: Annotated[tuple, Matrix(3, 3)]
-    density: Annotated[float, Quantity("kg/m^3")]
-    mechanical_quality: Annotated[float | None, Quantity()] = None
-    dielectric_loss: Annotated[float | None, Quantity(zero=True)] = None
+    name: Annotated[str, Text(), "Name shown on results."] = "user's table"
+    stiffness: Annotated[tuple, Matrix(6, 6), "Stiffness at constant electric field c^E, in Pa."]
+    coupling: Annotated[tuple, Matrix(3, 6), "Piezoelectric stress constants e, in C/m^2."]
+    permittivity: Annotated[
+        tuple, Matrix(3, 3), "Permittivity at constant strain eps^S, relative to that of vacuum."
+    ]
+    density: Annotated[float, Quantity("kg/m^3"), "Density."]
+    mechanical_quality: Annotated[
+        float | None, Quantity(), "Mechanical quality factor Q: c (1 + i/Q). Absent: no mechanical loss."
+    ] = None
+    dielectric_loss: Annotated[
+        float | None, Quantity(zero=True), "Loss tangent: eps (1 - i tan delta). Absent: no dielectric loss."
+    ] = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class IsotropicSolid(Block):
-    """A user's isotropic solid: no electric field is solved for."""
+    """An isotropic solid; no electric field is solved for."""
 
     block: ClassVar[str] = "stator.material"
-    name: Annotated[str, Text()] = "user's isotropic solid"
-    youngs_modulus: Annotated[float, Quantity("Pa")]
-    poisson_ratio: Annotated[float, Quantity(negative=True, below=0.5)]
-    density: Annotated[float, Quantity("kg/m^3")]
-    mechanical_quality: Annotated[float | None, Quantity()] = None
+    name: Annotated[str, Text(), "Name shown on results."] = "user's isotropic solid"
+    youngs_modulus: Annotated[float, Quantity("Pa"), "Young's modulus."]
+    poisson_ratio: Annotated[float, Quantity(negative=True, below=0.5), "Poisson's ratio, above -1."]
+    density: Annotated[float, Quantity("kg/m^3"), "Density."]
+    mechanical_quality: Annotated[
+        float | None, Quantity(), "Mechanical quality factor Q: c (1 + i/Q). Absent: no loss."
+    ] = None
 
-    def check(self):
+    def contradictions(self, unread):
         """Keep the solid stable."""
-        if self.poisson_ratio <= -1:
-            self.refuse("poisson_ratio", f"must be above -1 and below 0.5, got {self.poisson_ratio!r}")
+        if "poisson_ratio" not in unread and self.poisson_ratio <= -1:
+            yield self.refusal("poisson_ratio", f"must be above -1 and below 0.5, got {self.poisson_ratio!r}")
 
 
 @dataclass(frozen=True)
@@ -66,7 +74,7 @@ class Orientation(Rule):
         if isinstance(value, (list, tuple)):
             if len(value) != 3:
                 self._refuse(path, value)
-            return tuple(Quantity(negative=True).read(f"{path}.{i}", angle) for i, angle in enumerate(value))
+            return self.read_each(Quantity(negative=True), path, value)
         if value not in ORIENTATIONS:
             self._refuse(path, value)
         return value
@@ -75,62 +83,118 @@ class Orientation(Rule):
         """Return a list of angles."""
         return list(value) if isinstance(value, tuple) else value
 
-    @staticmethod
-    def _refuse(path, value):
+    @property
+    def expected(self):
+        """The cuts, or the angles."""
+        return f"{', '.join(ORIENTATIONS)} or three angles [phi, theta, psi] in degrees"
+
+    def schema(self):
+        """Return the words or three numbers."""
+        angles = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
+        return {"anyOf": [{"enum": list(ORIENTATIONS)}, angles]}
+
+    def _refuse(self, path, value):
         hint = nearest(value, ORIENTATIONS) if isinstance(value, str) else ""
-        rule = f"must be {', '.join(ORIENTATIONS)} or three angles [phi, theta, psi] in degrees"
-        raise SceneError(path, f"{rule}, got {shown(value)}{hint if 'mean' in hint else ''}")
+        raise SceneError(path, f"must be {self.expected}, got {shown(value)}{hint if 'mean' in hint else ''}")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Stator(Block):
-    """The block of material that carries the wave."""
+    """The block of material that carries the wave; a vertical section of it is modelled."""
 
     block: ClassVar[str] = "stator"
     material: Annotated[
-        str | PiezoelectricSolid | IsotropicSolid, OneOf(Text(), (PiezoelectricSolid, IsotropicSolid))
+        str | PiezoelectricSolid | IsotropicSolid,
+        OneOf(Text(), (PiezoelectricSolid, IsotropicSolid)),
+        "A name of the catalogue below, or a table of constants.",
     ]
-    orientation: Annotated[str | tuple, Orientation()] = "Z"
-    length: Annotated[float, Quantity("m")]
-    thickness: Annotated[float | str, Quantity("m", words=("half-space",))]
-    width: Annotated[float, Quantity("m")]
-    bottom: Annotated[str, Choice(("free", "grounded", "clamped", "absorbing"))] = "free"
-    ends: Annotated[str, Choice(("absorbing", "free", "clamped"))]
-    above: Annotated[str, Choice(("none", "vacuum"))] = "none"
+    orientation: Annotated[
+        str | tuple,
+        Orientation(),
+        "Z: poled along the normal; X: poled along x; a crystal cut; or Euler angles in degrees (z-x-z, passive).",
+    ] = "Z"
+    length: Annotated[float, Quantity("m"), "Along x, the direction of propagation."]
+    thickness: Annotated[
+        float | str, Quantity("m", words=("half-space",)), "Along z; half-space: exactly absorbing below."
+    ]
+    width: Annotated[
+        float, Quantity("m"), "Along y. Drawn and compared with the apertures; the model is a section."
+    ]
+    bottom: Annotated[
+        str,
+        Choice(("free", "grounded", "clamped", "absorbing")),
+        "free: no traction, D_n = 0; grounded: no traction, phi = 0; clamped: u = 0, D_n = 0; or no reflection.",
+    ] = "free"
+    ends: Annotated[
+        str,
+        Choice(("absorbing", "free", "clamped")),
+        "absorbing: the section continues without end; free: no traction, D_n = 0; clamped: u = 0, D_n = 0.",
+    ]
+    above: Annotated[
+        str,
+        Choice(("none", "vacuum")),
+        "none: D_n = 0 on the bare surface; vacuum: the field above is solved for.",
+    ] = "none"
+    mechanical_quality: Annotated[
+        float | None, Quantity(), "Mechanical quality factor Q in place of the material's own."
+    ] = None
+    dielectric_loss: Annotated[
+        float | None, Quantity(zero=True), "Loss tangent in place of the material's own; 0: lossless."
+    ] = None
+
+    def contradictions(self, unread):
+        """Refuse a dielectric loss where there is no field."""
+        if isinstance(self.material, IsotropicSolid) and self.dielectric_loss is not None:
+            rule = "must be absent with an isotropic solid: no electric field is solved for"
+            yield self.refusal("dielectric_loss", rule)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Transducer(Block):
-    """Two interleaved combs of fingers on the surface.
-
-    ``split``: four fingers to a period, ``++--``, instead of two.  ``pattern``: one sign per finger from left to
-    right, ``+`` and ``-`` the combs, ``0`` a finger left out, ``o`` an open strip.
-    """
+    """Two interleaved combs of fingers on the surface; the block is given once for each transducer."""
 
     block: ClassVar[str] = "transducer"
-    name: Annotated[str, Text()]
-    center: Annotated[float, Quantity("m")]
-    finger_pairs: Annotated[int, Count(100_000)]
-    period: Annotated[float | str, Quantity("m", words=("auto",))] = "auto"
-    metallisation: Annotated[float, Quantity(below=1.0)]
-    aperture: Annotated[float, Quantity("m")]
-    termination: Annotated[str | float | complex, Impedance(("open", "short"))] = "open"
-    pattern: Annotated[str | None, Signs("+-0o")] = None
-    split: Annotated[bool, Flag()] = False
+    name: Annotated[str, Text(), "Name by which the drive refers to it."]
+    center: Annotated[float, Quantity("m"), "Middle of its fingers, from the stator's left end."]
+    finger_pairs: Annotated[int, Count(100_000), "Number of periods: 10 pairs are 20 fingers."]
+    period: Annotated[
+        float | str,
+        Quantity("m", words=("auto",)),
+        "Length of two fingers and two gaps, one wavelength; auto: that of the wave at drive.frequency.",
+    ] = "auto"
+    metallisation: Annotated[
+        float, Quantity(below=1.0), "Width of a finger over the pitch (finger and gap), 0.001 to 0.999."
+    ]
+    aperture: Annotated[
+        float,
+        Quantity("m"),
+        "Overlap of the fingers along y, at most the stator's width; scales the admittance.",
+    ]
+    termination: Annotated[
+        str | float | complex,
+        Impedance(("open", "short")),
+        "When it is not the driven one. open: no net charge on either comb; short: both combs are one conductor.",
+    ] = "open"
+    pattern: Annotated[
+        str | None,
+        Signs("+-0o"),
+        "One sign per finger, from left to right: + and - the combs, 0 left out, o an open strip. Absent: + - + - ...",
+    ] = None
+    split: Annotated[bool, Flag(), "true: four fingers per period, + + - -, instead of two."] = False
 
-    def check(self):
+    def contradictions(self, unread):
         """Keep fingers and gaps of some width, one sign per finger, and at least one finger."""
-        if not NARROWEST <= self.metallisation <= 1 - NARROWEST:
-            rule = f"must be between {NARROWEST:g} and {1 - NARROWEST:g}, got {self.metallisation!r}"
-            self.refuse("metallisation", rule)
-        if self.pattern is None:
+        if "metallisation" not in unread and not MIN_WIDTH <= self.metallisation <= 1 - MIN_WIDTH:
+            rule = f"must be between {MIN_WIDTH:g} and {1 - MIN_WIDTH:g}, got {self.metallisation!r}"
+            yield self.refusal("metallisation", rule)
+        if self.pattern is None or unread & {"pattern", "finger_pairs", "split"}:
             return
         if len(self.pattern) != self.fingers:
             each = "four" if self.split else "two"
             rule = f"must have {self.fingers} signs, {each} for each of the {self.finger_pairs} finger_pairs"
-            self.refuse("pattern", f"{rule}, got {len(self.pattern)}: {shown(self.pattern)}")
+            yield self.refusal("pattern", f"{rule}, got {len(self.pattern)}: {shown(self.pattern)}")
         if set(self.pattern) == {"0"}:
-            self.refuse("pattern", f"must leave at least one finger, got {shown(self.pattern)}")
+            yield self.refusal("pattern", f"must leave at least one finger, got {shown(self.pattern)}")
 
     @property
     def fingers(self) -> int:
@@ -148,11 +212,25 @@ class Drive(Block):
     """The source: its frequency and, with transducers, which one it drives at which peak voltages."""
 
     block: ClassVar[str] = "drive"
-    frequency: Annotated[float | str, Quantity("Hz", words=("center",))]
-    transducer: Annotated[str | None, Text()] = None
-    voltage: Annotated[tuple[float, ...] | None, Listed(Quantity("V", zero=True))] = None
-    burst: Annotated[float | None, Quantity("s")] = None
-    source_impedance: Annotated[float | complex, Impedance()] = 0.0
+    frequency: Annotated[
+        float | str,
+        Quantity("Hz", words=("center",)),
+        "Frequency of the source; center: that of the largest surface amplitude (needs a given period).",
+    ]
+    transducer: Annotated[
+        str | None, Text(), "Name of the driven transducer; required when the scene has transducers."
+    ] = None
+    voltage: Annotated[
+        tuple[float, ...] | None,
+        Listed(Quantity("V", zero=True)),
+        "Peak voltage of the source, one value or a list; required when the scene has transducers.",
+    ] = None
+    burst: Annotated[
+        float | None, Quantity("s"), "Length of the driven interval. Absent: the steady state only."
+    ] = None
+    source_impedance: Annotated[
+        float | complex, Impedance(), "Impedance between the source and the driven transducer."
+    ] = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -160,10 +238,14 @@ class Wave(Block):
     """A given surface motion: u_z and, a quarter period from it, u_x, which at the crest moves towards +x."""
 
     block: ClassVar[str] = "wave"
-    frequency: Annotated[float, Quantity("Hz")]
-    normal_amplitude: Annotated[tuple[float, ...], Listed(Quantity("m", zero=True))]
-    tangential_ratio: Annotated[float, Quantity()]
-    burst: Annotated[float | None, Quantity("s")] = None
+    frequency: Annotated[float, Quantity("Hz"), "Frequency of the motion."]
+    normal_amplitude: Annotated[
+        tuple[float, ...], Listed(Quantity("m", zero=True)), "Peak of u_z, one value or a list."
+    ]
+    tangential_ratio: Annotated[float, Quantity(), "|u_x| / |u_z|."]
+    burst: Annotated[
+        float | None, Quantity("s"), "Length of the driven interval. Absent: the steady state only."
+    ] = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -171,9 +253,17 @@ class Damping(Block):
     """Losses of the slider's motion; the viscous ones are totals of the slider."""
 
     block: ClassVar[str] = "slider.damping"
-    contact: Annotated[float, Quantity("s/m", zero=True)] = 0.0
-    normal: Annotated[float, Quantity("N s/m", zero=True)] = 0.0
-    tangential: Annotated[float, Quantity("N s/m", zero=True)] = 0.0
+    contact: Annotated[
+        float,
+        Quantity("s/m", zero=True),
+        "Hunt-Crossley coefficient chi: a force chi P dz/dt while in contact (the seed's R_n1).",
+    ] = 0.0
+    normal: Annotated[
+        float, Quantity("N s/m", zero=True), "Viscous, on the slider's normal velocity (the seed's R_n2)."
+    ] = 0.0
+    tangential: Annotated[
+        float, Quantity("N s/m", zero=True), "Viscous, on the slider's velocity along x (the seed's R_t)."
+    ] = 0.0
 
 
 UNDAMPED = Damping()
@@ -181,37 +271,77 @@ UNDAMPED = Damping()
 
 @dataclass(frozen=True, kw_only=True)
 class Slider(Block):
-    """A rigid slider on balls that share its load equally; mass, forces and dampers are totals."""
+    """A rigid slider on balls that share its load equally; mass, forces and viscous dampers are totals."""
 
     block: ClassVar[str] = "slider"
-    position: Annotated[float | None, Quantity("m")] = None
-    radius: Annotated[float, Quantity("m")]
-    mass: Annotated[float, Quantity("kg")]
+    position: Annotated[
+        float | None,
+        Quantity("m"),
+        "Of its centre, from the stator's left end; required with a stator, absent with a given wave.",
+    ] = None
+    radius: Annotated[float, Quantity("m"), "Radius of each ball."]
+    mass: Annotated[float, Quantity("kg"), "Mass of the whole slider."]
     contacts: Annotated[
-        int | tuple[float, ...], Listed(Quantity("m", negative=True), alone=Count(10_000), distinct=True)
+        int | tuple[float, ...],
+        Listed(Quantity("m", negative=True), alone=Count(10_000), distinct=True),
+        "Places of the balls from the slider's centre, as a list; or a number of balls that all stand at its centre.",
     ]
-    preload: Annotated[float | str, Quantity("N", zero=True, words=("weight",))]
-    gravity: Annotated[float, Quantity("m/s^2", zero=True)] = 9.81
-    load: Annotated[float, Quantity("N", zero=True)] = 0.0
-    friction_coefficient: Annotated[float, Quantity(zero=True)]
-    effective_modulus: Annotated[float | None, Quantity("Pa")] = None
-    tangential_modulus: Annotated[float | None, Quantity("Pa")] = None
-    ball: Annotated[str | None, Text()] = None
-    law: Annotated[str, Choice(("elastic", "hysteretic"))] = "elastic"
-    reciprocal: Annotated[bool, Flag()] = False
-    stick_band: Annotated[float, Quantity("m/s", zero=True)] = 0.0
-    method: Annotated[str, Choice(("auto", "exact", "stepped", "averaged"))] = "auto"
-    damping: Annotated[Damping, Within(Damping)] = UNDAMPED
+    preload: Annotated[
+        float | str, Quantity("N", zero=True, words=("weight",)), "Total normal force, the weight included."
+    ]
+    gravity: Annotated[float, Quantity("m/s^2", zero=True), 'Used by preload = "weight".'] = 9.81
+    load: Annotated[
+        float,
+        Quantity("N", zero=True),
+        "Constant force against the direction in which the unloaded slider moves.",
+    ] = 0.0
+    friction_coefficient: Annotated[
+        float, Quantity(zero=True), "Coulomb's coefficient mu of ball and stator."
+    ]
+    effective_modulus: Annotated[
+        float | None,
+        Quantity("Pa"),
+        "E* of the pair, 1/E* = sum of (1 - nu^2)/E; required unless ball is given.",
+    ] = None
+    tangential_modulus: Annotated[
+        float | None,
+        Quantity("Pa"),
+        "G* of the pair, 1/G* = sum of (2 - nu)/G; required unless ball is given.",
+    ] = None
+    ball: Annotated[
+        str | None,
+        Text(),
+        'Instead of both moduli: the material of the balls, such as "steel"; not with a given wave.',
+    ] = None
+    law: Annotated[
+        str,
+        Choice(("elastic", "hysteretic")),
+        "Tangential law. elastic: the seed's eq. 2; hysteretic: Mindlin-Deresiewicz, which remembers turning points.",
+    ] = "elastic"
+    reciprocal: Annotated[
+        bool,
+        Flag(),
+        "true: the tangential spring acts back on the normal motion, which closes the energy balance.",
+    ] = False
+    stick_band: Annotated[
+        float, Quantity("m/s", zero=True), "The seed's DV: slip slower than this counts as sticking."
+    ] = 0.0
+    method: Annotated[
+        str, Choice(("auto", "exact", "stepped", "averaged")), "How the slider's motion is integrated."
+    ] = "auto"
+    damping: Annotated[Damping, Within(Damping), "Losses of the slider's motion."] = UNDAMPED
 
-    def check(self):
+    def contradictions(self, unread):
         """Ask for the moduli once, by value or by the ball's material."""
-        for key in ("effective_modulus", "tangential_modulus"):
+        for key in sorted({"effective_modulus", "tangential_modulus"} - unread):
             if self.ball is not None and getattr(self, key) is not None:
-                self.refuse(
+                yield self.refusal(
                     "ball", f"must not be given together with slider.{key}: they follow from the ball"
                 )
             if self.ball is None and getattr(self, key) is None:
-                self.refuse(key, 'is required and missing: give both moduli in Pa, or ball = "steel" instead')
+                yield self.refusal(
+                    key, 'is required and missing: give both moduli in Pa, or ball = "steel" instead'
+                )
 
     @property
     def preload_force(self) -> float:

@@ -47,6 +47,16 @@ POWERS: dict[str, dict[str, int]] = {
     "kg/m^3": {"kg/m^3": 0, "g/cm^3": 3},
 }
 
+CONFUSED = {  # prefixes that differ by their case alone, 10^9 apart: no motor has the left one
+    "Hz": {"mHz": ("millihertz", "MHz")},
+    "Pa": {"mPa": ("millipascal", "MPa")},
+    "N": {"MN": ("meganewton", "mN")},
+    "m": {"Mm": ("megametre", "mm")},
+    "kg": {"Mg": ("a tonne", "mg")},
+    "s": {"Ms": ("megasecond", "ms")},
+    "V": {"MV": ("megavolt", "mV")},
+    "N s/m": {"MN s/m": ("meganewton", "mN s/m")},
+}
 NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(\S.*?)?\s*", re.ASCII)
 _POWER = r"[A-Za-zΩµμ_]{1,30}(?:(?:\^|\*\*)-?\d)?"  # one digit: pint would compute 9^9^9^9
 UNIT = re.compile(rf"{_POWER}(?:[ */·]{_POWER}){{0,5}}")
@@ -103,6 +113,10 @@ def _wanted(unit: str) -> str:
 def _from_text(path: str, text: str, unit: str) -> float:
     wanted = _wanted(unit)
     match = NUMBER.fullmatch(text)
+    if re.fullmatch(r"\s*[+-]?\d+,\d+\s*\S.*", text):
+        raise SceneError(
+            path, f"{wanted}, got {shown(text)}: write a decimal point, {text.replace(',', '.')!r}"
+        )
     if match is None:
         raise SceneError(path, f"{wanted}, got {shown(text)}")
     number, name = match[1], match[2]
@@ -110,6 +124,10 @@ def _from_text(path: str, text: str, unit: str) -> float:
         raise SceneError(path, f"{wanted}: the string {shown(text)} has no unit")
     if name in POWERS[unit]:
         return float(Decimal(number).scaleb(POWERS[unit][name]))
+    if name in CONFUSED.get(unit, {}):
+        meaning, meant = CONFUSED[unit][name]
+        hint = f"{name} is {meaning}; did you mean {number} {meant}?"
+        raise SceneError(path, f"{wanted}, got {shown(text)}: {hint}")
     for other, names in POWERS.items():
         if name in names:
             raise SceneError(path, f"{wanted}, got {shown(text)}, {DIMENSIONS[other][0]}")

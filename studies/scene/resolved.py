@@ -13,7 +13,7 @@ from studies.scene import Scene
 from studies.scene.blocks import IsotropicSolid, PiezoelectricSolid, Slider, Stator
 from studies.scene.endless import refuse_endless_burst
 
-__all__ = ["resolved", "resolved_slider", "solid", "stator", "transducers"]
+__all__ = ["nominal_frequency", "resolved", "resolved_slider", "solid", "stator", "transducers"]
 
 
 def resolved(scene: Scene) -> Scene:
@@ -30,7 +30,8 @@ def resolved(scene: Scene) -> Scene:
         _check_layout(scene)
     if scene.slider is None:
         return scene
-    refuse_endless_burst(scene)
+    if scene.burst is not None:
+        refuse_endless_burst(scene, nominal_frequency(scene))
     return replace(scene, slider=resolved_slider(scene.slider, scene.stator))
 
 
@@ -70,7 +71,18 @@ def solid(block: Stator):
             )
         else:
             crystal = materials.material(given)
-        return materials.rotated(crystal, block.orientation)
+        own = _losses(block, "mechanical_quality", "dielectric_loss")
+        return materials.rotated(replace(crystal, **own) if own else crystal, block.orientation)
+
+
+def nominal_frequency(scene: Scene) -> float:
+    """Return the drive's frequency in Hz; for "center" that of the half-space's wave with the driven period."""
+    if scene.frequency != "center":
+        return scene.frequency
+    from fem.analytic.half_space import rayleigh
+
+    driven = next(each for each in scene.transducer if each.name == scene.drive.transducer)
+    return rayleigh(solid(scene.stator), "open").velocity / driven.period
 
 
 def stator(block: Stator):
@@ -113,14 +125,12 @@ def transducers(scene: Scene) -> tuple:
 def _with_periods(scene: Scene) -> tuple:
     if all(block.period != "auto" for block in scene.transducer):
         return scene.transducer
-    from fem import geometry
+    from fem import automatic_period
 
     rotated = solid(scene.stator)
     with _refused("transducer.period"):
         return tuple(
-            replace(
-                block, period=float(geometry.automatic_period(rotated, scene.frequency, block.metallisation))
-            )
+            replace(block, period=float(automatic_period(rotated, scene.frequency, block.metallisation)))
             if block.period == "auto"
             else block
             for block in scene.transducer
@@ -151,6 +161,7 @@ def _refused(path: str):
         yield
     except ValueError as error:
         text = str(error).splitlines()[0]
-        raise SceneError(
-            "", text if text.startswith(("stator.", "transducer")) else f"{path}: {text}"
-        ) from None
+        key, _, rule = text.partition(" ")
+        if key.startswith(("stator.", "transducer")):
+            raise SceneError(key, rule) from None
+        raise SceneError(path, text.removeprefix(f"{path.rpartition('.')[2]} ")) from None

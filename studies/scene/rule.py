@@ -1,21 +1,25 @@
 """The rules that a key of a scene obeys: how its value is read, what is allowed, how it is written back.
 
 A rule's ``read(path, value)`` returns the value in SI units, immutable, or raises SceneError; it accepts what
-a TOML file holds and what it returned before.  ``written(value)`` is the inverse, in terms of a TOML
-document.
+a TOML file holds and what it returned before.  ``written(value)`` is the inverse, in terms of a TOML document.
+``expected`` says in words what is allowed, ``schema()`` says it as JSON Schema (draft 2020-12).
 """
 
+import re
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from studies.refusal import SceneError, nearest, shown
-from studies.scene.quantity import si_value
+from studies.refusal import Refusals, SceneError, nearest, shown
+from studies.scene.quantity import DIMENSIONS, POWERS, si_value
 
 __all__ = ["Choice", "Count", "Flag", "Impedance", "Listed", "Matrix", "Quantity", "Rule", "Signs", "Text"]
 
 
-LARGEST = 1e30  # in SI units; beyond it, and below its inverse, no motor has a quantity: products stay finite
+MAX_SIZE = (
+    1e30  # in SI units; beyond it, and below its inverse, no motor has a quantity: products stay finite
+)
+DIGITS = r"(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?"
 
 
 class Rule:
@@ -28,6 +32,25 @@ class Rule:
     def written(self, value) -> Any:
         """Return what a TOML document holds for a value that was read."""
         return value
+
+    @property
+    def expected(self) -> str:
+        """What is allowed, as a noun: ``a length in m, positive, or a string such as "5 mm"``."""
+        raise NotImplementedError
+
+    def schema(self) -> dict:
+        """Return the JSON Schema of a value."""
+        raise NotImplementedError
+
+    @staticmethod
+    def read_each(rule: "Rule", path: str, values) -> tuple:
+        """Return the entries of a list as a rule reads them; every fault is said."""
+        refusals, entries = Refusals(), []
+        for index, value in enumerate(values):
+            with refusals:
+                entries.append(rule.read(f"{path}.{index}", value))
+        refusals.raise_all()
+        return tuple(entries)
 
 
 @dataclass(frozen=True)
@@ -51,11 +74,40 @@ class Quantity(Rule):
             raise SceneError(path, f"must be {self._allowed}, got {number!r} {self.unit}".rstrip())
         if self.below is not None and number >= self.below:
             raise SceneError(path, f"must be {self._allowed}, got {number!r} {self.unit}".rstrip())
-        smallest = 0.0 if self.zero or self.negative else 1 / LARGEST
-        if not smallest <= abs(number) <= LARGEST:
-            size = f"must have a size between {smallest:g} and {LARGEST:g}"
+        smallest = 0.0 if self.zero or self.negative else 1 / MAX_SIZE
+        if not smallest <= abs(number) <= MAX_SIZE:
+            size = f"must have a size between {smallest:g} and {MAX_SIZE:g}"
             raise SceneError(path, f"{size}, got {number!r} {self.unit}".rstrip())
         return number + 0.0  # no negative zero
+
+    @property
+    def expected(self):
+        """Dimension, unit, range and words."""
+        noun, example = DIMENSIONS[self.unit]
+        number = f"{noun} in {self.unit}" if self.unit else noun
+        sign = (
+            "" if self.negative and self.below is None else f", {self._allowed.removesuffix(' and finite')}"
+        )
+        text = f' (a number, or a string such as "{example}")' if self.unit else ""
+        return " or ".join([f"{number}{sign}{text}", *(f'"{word}"' for word in self.words)])
+
+    def schema(self):
+        """Return a number or a text with one of the usual units."""
+        number = {"type": "number", "maximum": MAX_SIZE}
+        if self.negative:
+            number["minimum"] = -MAX_SIZE
+        else:
+            number |= {"minimum": 0} if self.zero else {"exclusiveMinimum": 0}
+        if self.below is not None:
+            number["exclusiveMaximum"] = self.below
+        either = [number]
+        if self.unit:
+            units = "|".join(sorted(map(re.escape, POWERS[self.unit])))
+            sign = "[+-]?" if self.negative else r"\+?"
+            either.append({"type": "string", "pattern": rf"^\s*{sign}{DIGITS}\s*({units})\s*$"})
+        if self.words:
+            either.append({"enum": list(self.words)})
+        return either[0] if len(either) == 1 else {"anyOf": either}
 
     @property
     def _allowed(self) -> str:
@@ -72,10 +124,19 @@ class Choice(Rule):
     def read(self, path, value):
         """Return the word."""
         if not isinstance(value, str) or value not in self.words:
-            allowed = " or ".join(f'"{word}"' for word in self.words)
+            allowed = self.expected
             hint = nearest(value, self.words) if isinstance(value, str) and len(self.words) > 1 else ""
             raise SceneError(path, f"must be {allowed}, got {shown(value)}{hint if 'mean' in hint else ''}")
         return value
+
+    @property
+    def expected(self):
+        """The words."""
+        return " or ".join(f'"{word}"' for word in self.words)
+
+    def schema(self):
+        """Return the words."""
+        return {"enum": list(self.words)}
 
 
 @dataclass(frozen=True)
@@ -87,6 +148,15 @@ class Text(Rule):
         if not isinstance(value, str) or not value.isprintable():
             raise SceneError(path, f"must be text on one line, got {shown(value)}")
         return value
+
+    @property
+    def expected(self):
+        """Any text."""
+        return "text on one line"
+
+    def schema(self):
+        """Return a string."""
+        return {"type": "string"}
 
 
 @dataclass(frozen=True)
@@ -102,6 +172,15 @@ class Signs(Rule):
             raise SceneError(path, f"must be a text of the signs {signs}, got {shown(value)}")
         return value
 
+    @property
+    def expected(self):
+        """The signs."""
+        return f"a text of the signs {' '.join(self.allowed)}"
+
+    def schema(self):
+        """Return a string of these signs."""
+        return {"type": "string", "pattern": f"^[{re.escape(self.allowed)}]+$"}
+
 
 @dataclass(frozen=True)
 class Flag(Rule):
@@ -113,18 +192,36 @@ class Flag(Rule):
             raise SceneError(path, f"must be true or false, got {shown(value)}")
         return value
 
+    @property
+    def expected(self):
+        """The two words."""
+        return "true or false"
+
+    def schema(self):
+        """Return a boolean."""
+        return {"type": "boolean"}
+
 
 @dataclass(frozen=True)
 class Count(Rule):
     """An integer of at least 1."""
 
-    most: int = 1_000_000
+    maximum: int = 1_000_000
 
     def read(self, path, value):
         """Return the integer."""
-        if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= self.most:
-            raise SceneError(path, f"must be an integer from 1 to {self.most}, got {shown(value)}")
+        if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= self.maximum:
+            raise SceneError(path, f"must be {self.expected}, got {shown(value)}")
         return value
+
+    @property
+    def expected(self):
+        """The range."""
+        return f"an integer from 1 to {self.maximum}"
+
+    def schema(self):
+        """Return an integer of this range."""
+        return {"type": "integer", "minimum": 1, "maximum": self.maximum}
 
 
 @dataclass(frozen=True)
@@ -153,6 +250,18 @@ class Impedance(Rule):
         """Return the pair of a complex value."""
         return [value.real, value.imag] if isinstance(value, complex) else value
 
+    @property
+    def expected(self):
+        """Resistance, pair or word."""
+        words = "".join(f', "{word}"' for word in self.words)
+        return f'a resistance in ohm, a string such as "50 ohm", [resistance, reactance] in ohm{words}'
+
+    def schema(self):
+        """Return the resistance, the pair or the words."""
+        resistance = Quantity("ohm", zero=True, words=self.words).schema()["anyOf"]
+        pair = [Quantity("ohm", zero=True).schema(), Quantity("ohm", negative=True).schema()]
+        return {"anyOf": [*resistance, {"type": "array", "prefixItems": pair, "minItems": 2, "maxItems": 2}]}
+
 
 @dataclass(frozen=True)
 class Listed(Rule):
@@ -170,7 +279,7 @@ class Listed(Rule):
             return (self.each.read(path, value),)
         if not value:
             raise SceneError(path, "must name at least one value, got an empty list")
-        values = tuple(self.each.read(f"{path}.{index}", entry) for index, entry in enumerate(value))
+        values = self.read_each(self.each, path, value)
         if self.distinct and any(first == second for first, second in pairwise(sorted(values))):
             raise SceneError(path, f"must differ from each other, got {shown(list(values))}")
         return values
@@ -178,6 +287,18 @@ class Listed(Rule):
     def written(self, value):
         """Return a list."""
         return list(value) if isinstance(value, tuple) else value
+
+    @property
+    def expected(self):
+        """The single value, and the list."""
+        return f"{(self.alone or self.each).expected}; or a list of {self.each.expected}"
+
+    def schema(self):
+        """Return the single value or the list."""
+        several = {"type": "array", "items": self.each.schema(), "minItems": 1}
+        if self.distinct:
+            several["uniqueItems"] = True
+        return {"anyOf": [(self.alone or self.each).schema(), several]}
 
 
 @dataclass(frozen=True)
@@ -189,20 +310,38 @@ class Matrix(Rule):
 
     def read(self, path, value):
         """Return a tuple of rows."""
-        wanted = f"must be a {self.rows}x{self.columns} table of numbers"
         if hasattr(value, "tolist"):
             value = value.tolist()
         if not isinstance(value, (list, tuple)) or len(value) != self.rows:
-            raise SceneError(path, f"{wanted}, got {shown(value)}")
+            raise SceneError(path, f"must be {self.expected}, got {shown(value)}")
         for row in value:
             if not isinstance(row, (list, tuple)) or len(row) != self.columns:
-                raise SceneError(path, f"{wanted}, got the row {shown(row)}")
-        entry = Quantity(negative=True)
-        return tuple(
-            tuple(entry.read(f"{path}.{i}.{j}", number) for j, number in enumerate(row))
-            for i, row in enumerate(value)
-        )
+                raise SceneError(path, f"must be {self.expected}, got the row {shown(row)}")
+        return self.read_each(Row(), path, value)
 
     def written(self, value):
         """Return lists."""
         return [list(row) for row in value]
+
+    @property
+    def expected(self):
+        """The shape."""
+        return f"a {self.rows}x{self.columns} table of numbers"
+
+    def schema(self):
+        """Return lists of numbers of this shape."""
+        row = {
+            "type": "array",
+            "items": {"type": "number"},
+            "minItems": self.columns,
+            "maxItems": self.columns,
+        }
+        return {"type": "array", "items": row, "minItems": self.rows, "maxItems": self.rows}
+
+
+class Row(Rule):
+    """One row of a table of numbers."""
+
+    def read(self, path, value):
+        """Return a tuple of floats."""
+        return self.read_each(Quantity(negative=True), path, value)

@@ -46,9 +46,9 @@ def run(
     from scipy.special import ellipk, eval_legendre
 
     import fem
-    from fem.gratings import grating
-    from fem.harmonic import LEVELS
-    from fem.quasistatic import surface_permittivity
+    from fem.analytic.quasistatic import surface_permittivity
+    from fem.discretize.refinement import LEVELS
+    from fem.waveguide.grating import grating
 
     begun = time.perf_counter()
     say = progress or (lambda text: None)

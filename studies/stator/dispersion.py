@@ -157,9 +157,9 @@ def _propagating(stator, frequencies):
     """Frequency (Hz), wavenumber (rad/m) and nearness to the surface (1: the nearest) of the modes that propagate."""
     import numpy as np
 
-    from fem.guided import guided_modes
-    from fem.section import Resolution, discretise
-    from fem.wavelength import slowest_wavelength
+    from fem.discretize.section import Resolution, discretise
+    from fem.materials.christoffel import slowest_wavelength
+    from fem.waveguide.modes import guided_modes
 
     unit = slowest_wavelength(stator.solid, frequencies[-1])
     section = discretise(

@@ -11,12 +11,12 @@ points alone.
 
 import csv
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 
 from studies.refusal import SceneError, nearest, shown
 from studies.scene import Scene
-from studies.scene.block import Blocks, OneOf, Within
+from studies.scene.block import Blocks, OneOf, Within, keys_of
 from studies.scene.override import toml_value
 from studies.scene.quantity import si_value
 from studies.scene.rule import Count, Impedance, Listed, Quantity
@@ -117,10 +117,10 @@ def rule_at(key: str):
     while parts:
         name = parts.pop(0)
         here = f"{done}.{name}" if done else name
-        known = {entry.name: entry for kind in kinds for entry in fields(kind)}
+        known = {name: one for kind in kinds for name, one in keys_of(kind).items()}
         if name not in known:
             raise SceneError(here, f"is no key of a scene{nearest(name, known)}")
-        rule = known[name].type.__metadata__[0]
+        rule = known[name].rule
         if isinstance(rule, Blocks):
             if not parts or not parts[0].isdigit():
                 raise SceneError(here, f"is a list: say which one, as in {here}.0")

@@ -19,6 +19,7 @@ from pathlib import Path
 
 from studies.chain.record import provenance
 from studies.refusal import RunError, SceneError
+from studies.results import DirectoryInUseError, locked
 from studies.sweep.design import Design
 from studies.sweep.source import Source
 
@@ -52,7 +53,7 @@ class Store:
 
     def __init__(self, folder: Path | None, design: Design):
         self.folder, self._names = folder, (*design.question.keys, *design.question.outcomes)
-        self._lock = None if folder is None else _locked(folder)
+        self._lock = None if folder is None else _lock(folder)
         with self._explained():
             self.connection = sqlite3.connect(":memory:" if folder is None else folder / FILE)
             self.connection.execute("pragma journal_mode = wal")
@@ -165,7 +166,7 @@ class Store:
             ) from None
 
 
-def _locked(folder: Path) -> sqlite3.Connection:
+def _lock(folder: Path) -> sqlite3.Connection:
     """Return a connection that holds the folder's lock until it is closed or its process ends."""
     try:
         if folder.exists() and not folder.is_dir():
@@ -175,21 +176,13 @@ def _locked(folder: Path) -> sqlite3.Connection:
                 "--out", f"{str(folder)!r} holds something that is no sweep; name another directory"
             )
         folder.mkdir(parents=True, exist_ok=True)
-        lock = sqlite3.connect(folder / LOCK, timeout=0, isolation_level=None)
-    except OSError as error:
-        raise RunError(f"the directory {str(folder)!r} cannot be written: {error.strerror}") from None
-    except sqlite3.Error as error:
-        raise RunError(f"the directory {str(folder)!r} cannot be written: {error}") from None
-    try:
-        lock.execute("begin exclusive")
-    except sqlite3.OperationalError as error:
-        lock.close()
-        if "locked" not in str(error):
-            raise RunError(f"the directory {str(folder)!r} cannot be written: {error}") from None
+        return locked(folder / LOCK)
+    except DirectoryInUseError:
         raise RunError(
             f"another sweep{_owner(folder)} is writing into {str(folder)!r}: wait for it, or name another --out"
         ) from None
-    return lock
+    except OSError as error:
+        raise RunError(f"the directory {str(folder)!r} cannot be written: {error.strerror}") from None
 
 
 def _owner(folder: Path) -> str:

@@ -1,10 +1,11 @@
 """The scenes of a sweep's points, built from blocks that are read once for each set of their own values."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from functools import lru_cache
 
 from studies.refusal import SceneError
 from studies.scene import Scene
+from studies.scene.block import keys_of
 from studies.scene.blocks import Drive
 from studies.scene.override import replaced
 from studies.scene.resolved import resolved, resolved_slider
@@ -25,7 +26,7 @@ class Variation:
 
     def __init__(self, question: Question):
         self.question = question
-        known = {entry.name: entry.type.__metadata__[0] for entry in fields(Scene)}
+        known = {name: key.rule for name, key in keys_of(Scene).items()}
         for key in question.table:
             if key not in known:
                 raise SceneError(key, "is no key of a scene")

@@ -13,15 +13,13 @@ DPI = 80
 DEPTH = 3.0  # wavelengths
 
 
-def draw_all(gallery, folder: Path, *, voltage: float, progress: Callable[[str], None]) -> None:
+def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
     """Draw the pictures of a gallery into a directory.
 
     Parameters
     ----------
     gallery : studies.motor.gallery.Gallery
     folder : Path
-    voltage : float
-        Of the contact's ledger, V.
     progress : callable
         Told what is being done.
     """
@@ -41,7 +39,7 @@ def draw_all(gallery, folder: Path, *, voltage: float, progress: Callable[[str],
         ("start_stop", start_and_stop(gallery.bursts, acceleration=gallery.acceleration, title=title)),
         ("power", power_bars(record.electrical, title=title)),
         ("power_flow", _power_flow(found)),
-        ("ledger", ledger_bars(gallery.ledger, title=f"{voltage:g} V")),
+        ("ledger", ledger_bars(gallery.ledger, title=f"{title}: {gallery.voltage:g} V")),
     ):
         progress(f"drawing {name}")
         figure.savefig(folder / f"{name}.png", dpi=DPI)

@@ -212,8 +212,8 @@ def solved_again(scene: Scene, record: dict, *, progress):
     progress : callable
         Told what is being done.
     """
-    from fem.harmonic import LEVELS
-    from fem.readout import surface_wave
+    from fem.discretize.refinement import LEVELS
+    from fem.results.evaluation import surface_wave
     from fem.solution import solved
     from fem.threads import one_blas_thread
 

@@ -20,7 +20,7 @@ import time
 import numpy as np
 
 import contact
-from contact.ways import rest, rest_problem
+from contact.answers.methods import rest, rest_problem
 
 SLIDER = contact.Slider(
     radius=1e-3, mass=0.089e-3, preload=0.089e-3 * 9.81, load=0.0, friction_coefficient=0.08, effective_modulus=64e9,
@@ -138,7 +138,7 @@ def simulated():
     """Print the rate of full simulations, two threads with twelve runs side by side in each."""
     from concurrent.futures import ThreadPoolExecutor
 
-    from contact.stepped import abreast
+    from contact.solve.time_stepping import abreast
 
     print("\nfull simulation, 24 runs on two threads")
     number, compared, flat = 5000, 2000, np.empty(0, complex)

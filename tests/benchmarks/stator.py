@@ -18,12 +18,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from fem.discretize.refinement import LEVELS
 from fem.geometry import Stator, Transducer
-from fem.harmonic import LEVELS, orbit_difference
 from fem.materials import material
-from fem.preparation import frequency_band
-from fem.readout import surface_wave
+from fem.results.evaluation import surface_wave
 from fem.solution import solved
+from fem.solve.band_setup import frequency_band
+from fem.solve.harmonic import orbit_difference
 
 FREQUENCY, PLACE = 2.2e6, np.array([0.08])
 STATOR = Stator(solid=material("PZT-8"), length=0.16, thickness=5e-3, ends="absorbing")

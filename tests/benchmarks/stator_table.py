@@ -22,18 +22,18 @@ from dataclasses import replace
 import numpy as np
 
 from fem import coupling, frequency_band, material, periodic_wave, rayleigh, rotated
-from fem.audit import audit
-from fem.cell import condensed
-from fem.chain import repeated
+from fem.circuit import port_admittances
+from fem.condense.join import repeated
+from fem.condense.superelement import condensed
 from fem.direct import direct_solution
-from fem.electrodes import port_admittances
+from fem.discretize.refinement import LEVELS
+from fem.discretize.section import Resolution
 from fem.geometry import Stator, Transducer
-from fem.harmonic import LEVELS
-from fem.network import Walls
-from fem.readout import surface_wave
-from fem.section import Resolution
+from fem.materials.christoffel import slowest_wavelength
+from fem.results.evaluation import surface_wave
+from fem.results.power_balance import audit
 from fem.solution import Solution, solved
-from fem.wavelength import slowest_wavelength
+from fem.waveguide.ends import Walls
 from studies.evidence.fem_error_vs_time import LIMITS, problem, reference, seconds_at
 from studies.evidence.peers.attempt import attempted
 from studies.evidence.peers.contenders import CURVES, missing

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from contact import ConvergenceError, burst
+from contact.answers.methods import STEPS, _divisor, rest_problem, why_not_stepped
 from contact.drive import reference_speed
-from contact.ways import STEPS, _divisor, rest_problem, why_not_stepped
 from studies.evidence.calibration_contact import TOLERANCES, ContactChecked, checked, drawn, kept, pessimism
 from tests.contact.motors import orbit, slider
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from contact import scaling
-from contact.balance import balanced, traction
-from contact.cycle import MADE, SLIPS, STUCK, cycle, quadrature, respond
-from contact.integrate import TALLY
-from contact.limits import mean_power, riding_height
-from contact.slow import mean_push, riding
+from contact.solve.averaged import mean_push, riding
+from contact.solve.cycle_mean import MADE, SLIPS, STUCK, cycle, quadrature, respond
+from contact.solve.equilibrium import balanced, traction
+from contact.solve.event_driven import TALLY
+from contact.solve.limits import mean_power, riding_height
 from tests.contact.motors import orbit, slider
 
 

@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 from scipy.special import zeta
 
 from contact import burst
-from contact.edges import (
+from contact.solve.end_corrections import (
     cubic,
     edge_excess,
     last_part,
@@ -69,8 +69,8 @@ def test_root_of_a_rising_cubic():
 @pytest.mark.parametrize(("A", "allowed"), [(3e-9, 1.5e-5), (4.3e-9, 2e-5), (10e-9, 1.5e-5), (20e-9, 1e-6)])
 def test_48_steps_per_cycle_keep_five_digits(A, allowed):
     # Oracle: the event-exact way
-    from contact.stepped import steps
-    from contact.ways import rest, rest_problem
+    from contact.answers.methods import rest, rest_problem
+    from contact.solve.time_stepping import steps
 
     problem = rest_problem(slider(), (orbit(A),))
     motion = rest(slider(), (orbit(A),), problem, nodes=14, truncation=1e-11)
@@ -100,8 +100,8 @@ def test_the_last_part_of_a_parabola(v0, v1, bulge):
 def test_slip_and_stick_are_followed_to_high_order():
     # Oracle: the event-exact way at 3 nm, cycle by cycle, each with two slips; 7e-6 of the friction's impulse with
     # edges of first order
-    from contact.stepped import steps
-    from contact.ways import rest, rest_problem
+    from contact.answers.methods import rest, rest_problem
+    from contact.solve.time_stepping import steps
 
     problem = rest_problem(slider(), (orbit(3e-9),))
     motion = rest(slider(), (orbit(3e-9),), problem, nodes=14, truncation=1e-11)

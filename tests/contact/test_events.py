@@ -9,11 +9,12 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from contact import ConvergenceError, regimes, scaling
-from contact.collocation import ROOT_AT_END, ROOT_AT_START, SMOOTH, collocation
-from contact.motion import Motion
-from contact.roots import first_root
-from contact.ways import rest, rest_problem
+from contact import ConvergenceError, scaling
+from contact.answers.methods import rest, rest_problem
+from contact.law import elastic
+from contact.solve.collocation import ROOT_AT_END, ROOT_AT_START, SMOOTH, collocation
+from contact.solve.motion import Motion
+from contact.solve.roots import first_root
 from tests.contact.motors import orbit, slider
 
 
@@ -98,8 +99,8 @@ def test_grazing_bounces_do_not_gain_energy():
         begin = energy() if drop > 0.0 else p * 1.0
         motion.move(0.0, 100_000.0, np.empty(0))
         assert energy() - p * drop == pytest.approx(0.0, abs=1e-10 * begin + 1e-10 * p)
-        assert motion.tally[regimes.CONTACT] > 5
-        assert abs(motion.tally[regimes.CONTACT] - motion.tally[regimes.RELEASE]) <= 1
+        assert motion.tally[elastic.CONTACT] > 5
+        assert abs(motion.tally[elastic.CONTACT] - motion.tally[elastic.RELEASE]) <= 1
 
 
 def test_a_ball_in_flight_over_many_cycles_is_caught_at_its_first_contact():
@@ -111,7 +112,7 @@ def test_a_ball_in_flight_over_many_cycles_is_caught_at_its_first_contact():
     motion.place(1e-9 / problem.length + gap, 0.0, 0.0)
     p, d_n = problem.parameters[scaling.PRELOAD], problem.parameters[scaling.NORMAL_DAMPING]
     before = 0
-    while motion.tally[regimes.CONTACT] == 0:
+    while motion.tally[elastic.CONTACT] == 0:
         before = motion.tally[9]
         motion.turn(1)
     t = 2.0 * np.pi * (before + np.linspace(0.0, 1.0, 200_001))
@@ -127,7 +128,7 @@ def test_the_deformation_is_bounded_and_forgotten_in_flight():
     samples = motion.move(0.0, 2.0 * np.pi, np.linspace(0.01, 6.28, 400))[:, 0]
     z, x = samples[:, 0], samples[:, 1]
     assert np.all(np.abs(x) <= slider().limit_slope * np.maximum(z, 0.0) + 1e-15)
-    assert np.all(x[samples[:, 4] == regimes.SEPARATED] == 0.0)
+    assert np.all(x[samples[:, 4] == elastic.SEPARATED] == 0.0)
 
 
 def test_overflow_is_said_not_returned():
@@ -164,10 +165,11 @@ def test_plain_and_compiled_path_agree():
 
 def test_kernels_are_cached_under_a_digest_of_all_their_sources(monkeypatch):
     # numba alone would go on running the old code of a function that lives in another file
-    from contact import compiled, integrate
+    from contact.jit import compiled
+    from contact.solve import event_driven
 
     before, read = compiled._digest(), type(compiled.HERE).read_bytes
-    for name in ("stretch.py", "collocation.py", "compiler.py"):
+    for name in ("segment.py", "elastic.py", "collocation.py", "compiler.py"):
 
         def changed(path, name=name):
             return read(path) + (b"#" if path.name == name else b"")
@@ -176,11 +178,11 @@ def test_kernels_are_cached_under_a_digest_of_all_their_sources(monkeypatch):
         assert compiled._digest() != before
         monkeypatch.undo()
     assert compiled._digest() in os.path.basename(compiled._folder())
-    assert isinstance(integrate.travel, compiled.Native)
+    assert isinstance(event_driven.travel, compiled.Native)
 
 
 def test_kernels_of_a_package_that_may_not_be_written_to_go_to_the_users_cache(monkeypatch, tmp_path):
-    from contact import compiled
+    from contact.jit import compiled
 
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
@@ -189,7 +191,7 @@ def test_kernels_of_a_package_that_may_not_be_written_to_go_to_the_users_cache(m
 
 
 def test_a_damaged_file_of_machine_code_is_not_run(tmp_path):
-    from contact import compiled
+    from contact.jit import compiled
 
     file = tmp_path / "kernel.o"
     compiled._write(file, b"machine code")
@@ -200,11 +202,11 @@ def test_a_damaged_file_of_machine_code_is_not_run(tmp_path):
 
 
 def test_a_kernel_refuses_what_its_machine_code_would_misread():
-    from contact import slow
+    from contact.solve import averaged
 
     out, why, rule = np.zeros((1, 7)), np.zeros(1, np.int64), np.zeros((2, 4))
     parameters, waves = np.zeros((1, 11)), np.zeros((1, 1, 4))
     with pytest.raises(TypeError, match="f2 expected, got int64"):
-        slow.balances(parameters.astype(np.int64), waves, rule, 0, out, why, 0, 1)
+        averaged.balances(parameters.astype(np.int64), waves, rule, 0, out, why, 0, 1)
     with pytest.raises(TypeError, match="f2 expected"):
-        slow.balances(parameters[:, ::2], waves, rule, 0, out, why, 0, 1)
+        averaged.balances(parameters[:, ::2], waves, rule, 0, out, why, 0, 1)

@@ -5,13 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from contact import burst, limits, second_opinion, steady, threshold_amplitude, threshold_factor
-from contact.balance import opposed
-from contact.collocation import collocation
+from contact import burst, second_opinion, steady, threshold_amplitude, threshold_factor
+from contact.answers.methods import rest_problem
+from contact.answers.thresholds import release_amplitude
 from contact.drive import reference_speed, towards_plus
-from contact.motion import Motion
-from contact.onset import release_amplitude
-from contact.ways import rest_problem
+from contact.solve import limits
+from contact.solve.collocation import collocation
+from contact.solve.equilibrium import opposed
+from contact.solve.motion import Motion
 from studies.evidence.stability.case import VERDICTS, Case
 from studies.evidence.stability.contact import RANGES, SWEPT, contact_cases, judge, motor
 from tests.contact.motors import orbit, slider

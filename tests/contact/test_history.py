@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from contact import contact_history, hertz, mindlin, steady
+from contact import contact_history, steady
+from contact.law import hertz, mindlin
 from tests.contact.motors import orbit, slider
 
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from contact import hertz, mindlin
+from contact.law import hertz, mindlin
 from tests.contact.motors import slider
 
 RADIUS, E, G, MU = 1.7e-3, 71e9, 13.3e9, 0.23

@@ -5,9 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from contact import burst, contact_history, hertz, mindlin, regimes, steady
-from contact.ledger import Ledger, ledger, together
-from contact.ways import rest, rest_problem, silence
+from contact import burst, contact_history, steady
+from contact.answers.ledger import Ledger, ledger, together
+from contact.answers.methods import rest, rest_problem, silence
+from contact.law import elastic, hertz, mindlin
 from tests.contact.motors import orbit, slider
 
 E, G, MU, RADIUS = 71e9, 13.3e9, 0.23, 1.7e-3
@@ -53,9 +54,9 @@ def test_the_kernel_has_the_same_reciprocal_force(share):
     x = share * 0.11 * z
     expected = mindlin.reciprocal_force(x, 0.11 * z, 0.4 * P, 0.11)
     sign = 1.0 if x >= 0.0 else -1.0
-    assert regimes.back_force(regimes.STICK, sign, z, x, P, 0.4, 0.11) == pytest.approx(expected, rel=1e-12)
+    assert elastic.back_force(elastic.STICK, sign, z, x, P, 0.4, 0.11) == pytest.approx(expected, rel=1e-12)
     limit = mindlin.reciprocal_force(0.11 * z, 0.11 * z, 0.4 * P, 0.11)
-    assert regimes.back_force(regimes.SLIP, sign, z, sign * 0.11 * z, P, 0.4, 0.11) == pytest.approx(
+    assert elastic.back_force(elastic.SLIP, sign, z, sign * 0.11 * z, P, 0.4, 0.11) == pytest.approx(
         limit, rel=1e-15
     )
 

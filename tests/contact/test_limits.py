@@ -8,7 +8,7 @@ from scipy.integrate import quad
 
 from contact import Orbit, release_amplitude, release_factor, riding_height, steady, threshold_amplitude
 from contact import threshold_factor as threshold
-from contact.limits import mean_power
+from contact.solve.limits import mean_power
 from tests.contact.motors import orbit, slider
 
 

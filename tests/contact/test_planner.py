@@ -39,7 +39,7 @@ def test_a_phase_that_runs_is_a_frequency():
 
 
 def test_tabulated_velocities_are_those_of_the_tabulated_displacements():
-    from contact.stepped import _tabulate
+    from contact.solve.time_stepping import _tabulate
 
     waves, number = np.array([[0.3, -0.8, 0.5, 0.9]]), 512
     tables = np.empty((4, number + 1, 1))

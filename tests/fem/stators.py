@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from fem.discretize.section import Resolution, Section, discretise
 from fem.geometry import Stator, Transducer
 from fem.materials import Solid, material, rotated
-from fem.section import Resolution, Section, discretise
+from fem.materials.christoffel import slowest_wavelength
 from fem.solution import Solution, solved
-from fem.wavelength import slowest_wavelength
 
 FREQUENCY = 2.3e6
 
@@ -82,7 +82,7 @@ def solution(
 
 def admittances(solution: Solution) -> np.ndarray:
     """Short-circuit admittances of all ports, S."""
-    from fem.electrodes import port_admittances
+    from fem.circuit import port_admittances
 
     body = solution.section.solid
     charges = solution.ports.charges * (body.stress_unit / body.potential_unit**2)

@@ -5,8 +5,8 @@ import pytest
 from scipy.sparse import csc_matrix
 
 from fem.direct import direct_solution, sparse_solution
-from fem.section import Resolution
-from fem.wavelength import slowest_wavelength
+from fem.discretize.section import Resolution
+from fem.materials.christoffel import slowest_wavelength
 from tests.fem.stators import FREQUENCY, comb, cut, plate
 
 

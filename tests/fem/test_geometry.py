@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fem.geometry import CLEARANCE, Stator, Transducer, automatic_period, check_layout, outer_gaps
-from fem.half_space import rayleigh
+from fem.analytic.half_space import automatic_period, rayleigh
+from fem.geometry import CLEARANCE, Stator, Transducer, check_layout, outer_gaps
 from tests.fem.stators import cut, lossless
 
 SOLID = cut("PZT-8", "Z")

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem.audit import audit
 from fem.direct import direct_solution
+from fem.discretize.section import Resolution
 from fem.materials import VACUUM_PERMITTIVITY
-from fem.readout import surface_wave
-from fem.section import Resolution
-from fem.wavelength import slowest_wavelength
+from fem.materials.christoffel import slowest_wavelength
+from fem.results.evaluation import surface_wave
+from fem.results.power_balance import audit
 from tests.fem.stators import FREQUENCY, admittances, comb, cut, lossless, plate, solution
 
 GENERAL = (17.0, 31.0, 49.0)

@@ -5,12 +5,13 @@ Three layers, as a user may go wrong: the table (keys and values), the file (byt
 
 import datetime
 import json
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 from hypothesis import strategies as st
 
 from studies import SceneError, shipped_scenes
 from studies.scene import Scene, blocks, read_table
+from studies.scene.block import keys_of
 from studies.scene.blocks import (
     Damping,
     Drive,
@@ -25,7 +26,7 @@ from studies.scene.quantity import POWERS, si_value
 from studies.scene.rule import Quantity
 
 BLOCKS = (Scene, Stator, PiezoelectricSolid, IsotropicSolid, Transducer, Drive, Wave, Slider, Damping)
-KEYS = sorted({entry.name for block in BLOCKS for entry in fields(block)})
+KEYS = sorted({name for block in BLOCKS for name in keys_of(block)})
 WORDS = (
     "auto center weight half-space free grounded clamped absorbing none vacuum open short elastic hysteretic exact "
     "stepped averaged Z X YZ 128YX ST-X PZT-8 PIC181 steel left right + - +-o0"
@@ -320,7 +321,7 @@ SIZES = st.one_of(
     st.sampled_from([("is", 0), ("is", 5e-324), ("is", 1e-200), ("is", 1e200), ("is", 1.7e308), ("is", 1.0)]),
 )
 KNOWN = {  # rules by key, whatever the block
-    entry.name: entry.type.__metadata__[0] for block in BLOCKS for entry in fields(block)
+    name: key.rule for block in BLOCKS for name, key in keys_of(block).items()
 }
 
 

@@ -7,6 +7,8 @@ import sys
 import pytest
 
 from studies.__main__ import main
+from studies.results import MANIFEST
+from studies.scene import shipped_scenes
 
 CONTACT = ["run", "twente-contact", "--set", "wave.normal_amplitude=[0, 3e-9]"]
 
@@ -29,6 +31,10 @@ def one_sentence(text):
     return text.startswith("sawmotor: ") and text.count("\n") == 1
 
 
+def a_sentence_each(text):
+    return all(line.startswith("sawmotor: ") for line in text.splitlines())
+
+
 def test_a_run_prints_its_answer_and_leaves_its_files(call, tmp_path):
     status, out, err = call(*CONTACT, "--no-plot")
     assert (status, err) == (0, "")
@@ -36,7 +42,93 @@ def test_a_run_prints_its_answer_and_leaves_its_files(call, tmp_path):
         word in out for word in ("velocity (mm/s)", "threshold", "release", "relative error", "left out")
     )
     names = sorted(path.name for path in (tmp_path / "results" / "twente-contact").iterdir())
-    assert names == ["run.json", "scene.toml", "velocity.csv"]
+    assert names == [MANIFEST, "run.json", "scene.toml", "velocity.csv"]
+
+
+def test_a_run_says_what_it_replaced_and_leaves_other_files(call, tmp_path):
+    call(*CONTACT, "--no-plot", "--out", "here")
+    (tmp_path / "here" / "notes.md").write_text("mine")
+    status, _, err = call(*CONTACT, "--no-plot", "--out", "here")
+    assert status == 0
+    assert all(
+        word in err for word in ("replaced", "run.json", "velocity.csv", "left as they were", "notes.md")
+    )
+    assert (tmp_path / "here" / "notes.md").read_text() == "mine"
+
+
+def test_scenes_of_one_name_do_not_replace_each_other(call, tmp_path):
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        text = shipped_scenes()["twente-contact"].read_text().splitlines()
+        scene = [f'title = "{folder}"' if line.startswith("title") else line for line in text]
+        (tmp_path / folder / "motor.toml").write_text("\n".join(scene))
+    assert call("run", "a/motor.toml", "--no-plot")[0] == 0
+    status, out, err = call("run", "b/motor.toml", "--no-plot")
+    assert (status, out) == (2, "")
+    assert one_sentence(err)
+    assert "a/motor.toml" in err
+    assert json.loads((tmp_path / "results/motor/run.json").read_text())["title"] == "a"
+    assert call("run", "b/motor.toml", "--no-plot", "--out", "results/motor")[0] == 0
+
+
+def test_a_run_and_a_study_of_one_name_have_directories_of_their_own(call, tmp_path, monkeypatch):
+    from studies.study import StudyRecord
+
+    record = StudyRecord(name="rayleigh", panels=(), findings=(), seconds=0.0)
+    monkeypatch.setattr("studies.stator.rayleigh.run", lambda progress: record)
+    assert call("study", "rayleigh")[0] == 0
+    assert call("run", "rayleigh", "--no-plot")[0] == 0
+    assert {path.name for path in (tmp_path / "results").iterdir()} == {"rayleigh", "rayleigh-study"}
+
+
+def test_a_picture_that_fails_leaves_the_numbers(call, tmp_path, monkeypatch):
+    def broken(*_):
+        raise ValueError("no ink")
+
+    monkeypatch.setattr("studies.report.drawing.Drawing.draw", broken)
+    status, out, err = call(*CONTACT)
+    assert status == 0
+    assert "velocity (mm/s)" in out
+    assert one_sentence(err)
+    assert "no ink" in err
+    names = {path.name for path in (tmp_path / "results" / "twente-contact").iterdir()}
+    assert names == {MANIFEST, "run.json", "scene.toml", "velocity.csv"}
+
+
+def test_an_interrupt_while_drawing_leaves_the_numbers(call, tmp_path, monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("studies.report.drawing.Drawing.draw", interrupted)
+    status, _, err = call(*CONTACT)
+    assert status == 1
+    assert "the numbers are in" in err
+    assert (tmp_path / "results" / "twente-contact" / "run.json").exists()
+
+
+def test_files_of_the_working_directory_are_not_imported(call, tmp_path):
+    for name in ("studies", "numpy", "pickle", "matplotlib"):
+        (tmp_path / f"{name}.py").write_text("raise RuntimeError('imported from the working directory')")
+    status, _, err = call(*CONTACT)
+    assert status == 0
+    assert "missing" not in err
+    assert (tmp_path / "results" / "twente-contact" / "velocity.png").exists()
+
+
+def test_a_contradicted_finding_is_code_1(call, monkeypatch):
+    from studies.study import Finding, StudyRecord
+
+    def record(confirmed):
+        finding = Finding(
+            statement="It holds.", quantity="ratio", expected="1", found=2.0, confirmed=confirmed
+        )
+        return StudyRecord(name="rayleigh", panels=(), findings=(finding,), seconds=0.0)
+
+    for confirmed, code in ((True, 0), (False, 1)):
+        monkeypatch.setattr("studies.stator.rayleigh.run", lambda progress, held=confirmed: record(held))
+        status, _, err = call("study", "rayleigh", "--out", str(code))
+        assert status == code
+        assert ("ratio is 2, expected 1" in err) is (code == 1)
 
 
 def test_json_is_what_run_json_would_hold_and_writes_nothing(call, tmp_path):
@@ -94,7 +186,7 @@ def test_a_scene_that_is_left_runs_again_to_the_same_numbers(call, tmp_path):
 def test_bad_input_is_refused_in_one_sentence_with_code_2(call, tmp_path, words):
     status, out, err = call(*words)
     assert (status, out) == (2, "")
-    assert one_sentence(err), err
+    assert a_sentence_each(err) if "slider={}" in words else one_sentence(err), err
     assert not list(tmp_path.iterdir())
 
 

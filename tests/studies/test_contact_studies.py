@@ -1,15 +1,68 @@
 """Studies of the contact: what they must find is found, and they draw."""
 
+from dataclasses import replace
+
+import numpy as np
+import pytest
 from matplotlib.figure import Figure
 
+from studies.chain import run
 from studies.motor import load_line, regime_map, step_planner
+from studies.refusal import SceneError
+from studies.scene import Scene, read_table
+from studies.scene.override import assigned
 
 
-def test_regime_map_lies_on_its_lines(monkeypatch):
-    monkeypatch.setattr(regime_map, "AMPLITUDES", 15)
-    monkeypatch.setattr(regime_map, "PRELOADS", 9)
-    monkeypatch.setattr(regime_map, "CHECKED", 4)
-    record = regime_map.run()
+@pytest.fixture(scope="module")
+def motor():
+    """A short motor on a stator, two balls at different places, and what a run says of it."""
+    table = read_table("twente-left")
+    settings = ["stator.length=24 mm", "transducer.0.center=5 mm", "transducer.0.finger_pairs=3"]
+    settings += ["slider.position=14.123 mm", 'slider.contacts=["0 mm", "0.35 mm"]', "drive.voltage=[40, 80]"]
+    for setting in settings:
+        table = assigned(table, setting)
+    scene = Scene.from_table("", table)
+    return scene, run(scene, tolerance=1e-3)
+
+
+def test_regimes_of_a_motor_on_a_stator(motor):
+    """Its operating points are the run's amplitudes; the closed forms part the regimes for two unequal balls too."""
+    scene, told = motor
+    record = regime_map.run(scene, amplitudes=8, preloads=5, checked=2)
+    amplitudes = [point["normal_amplitude_m"] for point in told.points]
+    np.testing.assert_allclose(record.panels[0].data["operating_amplitude_m"], amplitudes, rtol=1e-3)
+    assert [finding.confirmed for finding in record.findings] == [True, True]
+
+
+def test_load_line_of_a_motor_on_a_stator_starts_at_the_run_s_velocity(motor):
+    scene, told = motor
+    panel, _ = load_line.run(scene, points=3).panels
+    assert list(panel.data["load_N"]) == ["40 V", "80 V"]
+    for point, speeds in zip(told.points, panel.data["value"].values(), strict=True):
+        assert abs(speeds[0]) == pytest.approx(abs(point["velocity_m_per_s"]), rel=2e-3)
+
+
+def test_steps_of_a_motor_on_a_stator(motor):
+    """The wave of the left transducer drives to -x; a step is drawn as a distance all the same."""
+    scene, _ = motor
+    record = step_planner.run(scene, cycles=(512, 1024), wanted=(2e-8,), lines=1)
+    assert all(finding.confirmed for finding in record.findings)
+    assert np.all(record.panels[0].data["distance_m"]["80 V"] > 0.0)
+
+
+def test_a_study_of_the_contact_needs_a_slider_that_moves(motor):
+    scene, _ = motor
+    with pytest.raises(SceneError, match="slider is missing: this study needs a slider"):
+        load_line.run("rayleigh")
+    weak = replace(scene, drive=replace(scene.drive, voltage=(1.0,)))
+    with pytest.raises(
+        SceneError, match=r"drive\.voltage must hold a value above 1\.05 times the threshold, .* V"
+    ):
+        load_line.run(weak)
+
+
+def test_regime_map_lies_on_its_lines():
+    record = regime_map.run(amplitudes=15, preloads=9, checked=4)
     assert [finding.confirmed for finding in record.findings] == [True, True]
     kinds = {kind for row in record.panels[0].data["kind"] for kind in row}
     assert kinds == set(regime_map.KINDS)
@@ -18,20 +71,16 @@ def test_regime_map_lies_on_its_lines(monkeypatch):
     assert "mN" in ax.get_ylabel()
 
 
-def test_load_line_stalls_and_is_below_one(monkeypatch):
-    monkeypatch.setattr(load_line, "POINTS", 5)
-    record = load_line.run()
+def test_load_line_stalls_and_is_below_one():
+    record = load_line.run(points=5)
     assert all(finding.confirmed for finding in record.findings)
     assert [panel.name for panel in record.panels] == ["load_line", "efficiency"]
     ax = load_line.figure(record.panels[0], Figure().add_subplot())
     assert len(ax.get_lines()) == 5
 
 
-def test_steps_are_planned_and_grow_as_the_square_of_the_cycles(monkeypatch):
-    monkeypatch.setattr(step_planner, "LINES", 1)
-    monkeypatch.setattr(step_planner, "CYCLES", (64, 512, 1024, 2048))
-    monkeypatch.setattr(step_planner, "WANTED", (2e-9, 2e-8))
-    record = step_planner.run()
+def test_steps_are_planned_and_grow_as_the_square_of_the_cycles():
+    record = step_planner.run(cycles=(64, 512, 1024, 2048), wanted=(2e-9, 2e-8), lines=1)
     assert [finding.confirmed for finding in record.findings] == [True, True, True]
     assert [panel.name for panel in record.panels] == ["step_planner", "stopping"]
     (plans,) = record.panels[0].data["planned_cycles"].values()

@@ -174,7 +174,7 @@ def test_power_along_the_stator_is_drawn_in_milliwatt():
 
 
 def test_weights_of_the_depth_integrate_polynomials():
-    from fem.spectral import line_nodes
+    from fem.discretize.spectral import line_nodes
 
     z = line_nodes(np.array([-2.0, -0.5, 0.0]), 4)
     assert power_pictures.depth_weights(z, 4) @ z**4 == pytest.approx(32 / 5, rel=1e-12)

@@ -123,13 +123,13 @@ def test_terms_that_are_zero_are_not_written():
 
 
 def test_kernels_that_are_not_there_are_counted(monkeypatch, tmp_path):
-    import contact.compiled
+    import contact.jit.compiled
 
     monkeypatch.delenv("NUMBA_DISABLE_JIT", raising=False)
     scene = changed("twente-contact")
     folder = tmp_path / "kernels"
     folder.mkdir()
-    monkeypatch.setattr(contact.compiled, "_folder", lambda: str(folder))
+    monkeypatch.setattr(contact.jit.compiled, "_folder", lambda: str(folder))
     (cold,) = plan(scene, tolerance=1e-3).parts
     assert any("compiled first" in fact for fact in cold.facts)
     (folder / "cycle-turn-9.o").write_bytes(b"")

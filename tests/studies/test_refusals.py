@@ -71,6 +71,11 @@ CASES = [
     ("twente", "transducer.1.name=left", ["transducer.1.name", "'left'"]),
     ("twente", "transducer.1.center=170 mm", ["transducer.1.center", "0 to 0.16 m", "0.17 m"]),
     ("twente", "transducer=4", ["transducer", "[[transducer]]"]),
+    (
+        "twente",
+        "transducer.1.aperture=36 mm",
+        ["transducer.1.aperture", "at most stator.width, 0.035 m", "0.036 m"],
+    ),
     ("twente", "stator.ends=open", ["stator.ends", '"absorbing"', "'open'"]),
     ("twente", "stator.bottom=fre", ["stator.bottom", "did you mean free?"]),
     ("twente", "stator.orientation=128XY", ["stator.orientation", "did you mean 128YX?"]),
@@ -177,6 +182,16 @@ def test_python_construction_is_refused_in_the_same_words():
         ),
         ("twente-contact", ["wave.burst=4", "slider.law=hysteretic"], ["wave.burst", "2.73 s", "got 4 s"]),
         ("twente", ["drive.burst=1 h"], ["drive.burst", "364 s", "got 3600 s"]),
+        (
+            "twente",
+            [
+                "drive.burst=1 h",
+                "drive.frequency=center",
+                "transducer.0.period=1 mm",
+                "transducer.1.period=1 mm",
+            ],
+            ["drive.burst", "367 s", "got 3600 s"],
+        ),
     ],
 )
 def test_a_burst_that_takes_hours_is_refused(name, settings, parts):

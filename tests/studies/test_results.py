@@ -1,50 +1,102 @@
-"""Result directories: whole or not at all, and never over somebody's files."""
+"""Result directories: numbers whole or not at all, and nothing of anybody else's is lost."""
 
 import json
 import os
 import stat
+import subprocess
+import sys
 import tomllib
+from pathlib import Path
 
 import pytest
 
 from studies.chain import run
-from studies.refusal import RunError
+from studies.refusal import RunError, SceneError
 from studies.report.drawing import Drawing
 from studies.report.files import write_run
-from studies.results import result_directory
+from studies.results import MANIFEST, Origin, result_directory
+from studies.results.manifest import FORMER, LOCK, WORK
 from studies.scene import Scene, read_table
+
+ROOT = Path(__file__).parents[2]
+
+
+RUN = Origin(kind="run", name="motor")
 
 
 def contents(folder):
-    return sorted(path.name for path in folder.iterdir())
+    """Return what a user sees in a directory."""
+    return sorted(path.name for path in folder.iterdir() if path.name != MANIFEST)
 
 
-def test_a_result_appears_when_it_is_whole(tmp_path):
+def written(target, files, origin=RUN, **options):
+    """Write a result of these files, given as name and text, and return what the user is told."""
+    with result_directory(target, origin, **options) as result:
+        for name, text in files.items():
+            (result.folder / name).parent.mkdir(exist_ok=True)
+            (result.folder / name).write_text(text)
+        result.commit()
+    return " ".join(result.notes)
+
+
+def test_a_result_appears_when_it_is_committed(tmp_path):
     target = tmp_path / "deep" / "motor"
-    with result_directory(target) as folder:
-        (folder / "run.json").write_text("{}")
-        assert not target.exists()
-        assert folder.parent == target.parent
-    assert contents(target) == ["run.json"]
+    with result_directory(target, RUN) as result:
+        (result.folder / "run.json").write_text("{}")
+        assert not (target / "run.json").exists()
+        result.commit()
+        assert (target / "run.json").read_text() == "{}"
+        (result.folder / "late").mkdir()
+        (result.folder / "late" / "velocity.png").write_text("picture")
+        result.commit()
+    assert contents(target) == ["late", "run.json"]
     assert contents(target.parent) == ["motor"]
+    assert sorted(p.name for p in target.iterdir()) == [MANIFEST, "late", "run.json"]
+    assert result.notes == []
 
 
-def test_a_former_result_is_replaced_whole(tmp_path):
-    for name in ("run.json", "extra.csv"), ("run.json",):
-        with result_directory(tmp_path / "motor") as folder:
-            for file in name:
-                (folder / file).write_text("new")
-    assert contents(tmp_path / "motor") == ["run.json"]
-    assert contents(tmp_path) == ["motor"]
+def test_only_the_files_of_the_former_result_are_replaced(tmp_path):
+    written(tmp_path, {"run.json": "old", "extra.csv": "old", "pictures/a.png": "old"})
+    (tmp_path / "notes.md").write_text("mine")
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "run.json").write_text("another result")
+    said = written(tmp_path, {"run.json": "new"})
+    assert contents(tmp_path) == ["notes.md", "other", "run.json"]
+    assert (tmp_path / "run.json").read_text() == "new"
+    assert (tmp_path / "notes.md").read_text() == "mine"
+    assert (tmp_path / "other" / "run.json").read_text() == "another result"
+    assert "replaced" in said
+    assert all(name in said for name in ("run.json", "extra.csv", "pictures/a.png", "notes.md", "other"))
+
+
+def test_a_file_that_somebody_edited_is_kept_under_another_name(tmp_path):
+    for number, name in enumerate(("velocity.former.csv", "velocity.former-2.csv")):
+        written(tmp_path, {"run.json": "a", "velocity.csv": "1", "table.csv": "2"})
+        (tmp_path / "velocity.csv").write_text(f"edited {number}")
+        (tmp_path / "table.csv").write_text("edited")
+        said = written(tmp_path, {"run.json": "b", "velocity.csv": "3"})
+        assert (tmp_path / name).read_text() == f"edited {number}"
+        assert (tmp_path / "table.csv").read_text() == "edited"  # its name is free: it stays
+        assert name in said
+        (tmp_path / "table.csv").unlink()
+    assert (tmp_path / "velocity.csv").read_text() == "3"
+
+
+def test_a_directory_from_before_there_were_manifests_loses_nothing(tmp_path):
+    for name in ("run.json", "velocity.csv", "field.vtu", "thesis.tex"):
+        (tmp_path / name).write_text("old")
+    written(tmp_path, {"run.json": "new", "velocity.csv": "new"})
+    assert (tmp_path / "run.json").read_text() == "new"
+    for name in ("run.former.json", "velocity.former.csv", "field.vtu", "thesis.tex"):
+        assert (tmp_path / name).read_text() == "old"
 
 
 def test_after_a_failure_nothing_is_left_and_the_former_result_stays(tmp_path):
-    with result_directory(tmp_path / "motor") as folder:
-        (folder / "run.json").write_text("former")
+    written(tmp_path / "motor", {"run.json": "former"})
 
     def fail(target):
-        with result_directory(target) as folder:
-            (folder / "run.json").write_text("half")
+        with result_directory(target, RUN) as result:
+            (result.folder / "run.json").write_text("half")
             raise KeyError
 
     for target in (tmp_path / "motor", tmp_path / "new" / "motor"):
@@ -54,16 +106,107 @@ def test_after_a_failure_nothing_is_left_and_the_former_result_stays(tmp_path):
     assert contents(tmp_path) == ["motor"]
 
 
+@pytest.mark.parametrize("moves", range(7))
+def test_an_interrupt_within_the_commit_changes_nothing(tmp_path, monkeypatch, moves):
+    from studies.results import directory
+
+    written(tmp_path, {"run.json": "old", "velocity.csv": "old", "gone.csv": "old"})
+    (tmp_path / "velocity.csv").write_text("edited")
+    before = {path.name: path.read_text() for path in tmp_path.iterdir()}
+    original, left = directory._move, [moves]
+
+    def move(*arguments):
+        if left[0] == 0:
+            raise KeyboardInterrupt
+        left[0] -= 1
+        original(*arguments)
+
+    monkeypatch.setattr(directory, "_move", move)
+    if moves < 6:  # two replaced, one kept aside, three new
+        with pytest.raises(KeyboardInterrupt):
+            written(tmp_path, {"run.json": "new", "velocity.csv": "new", "scene.toml": "new"})
+        assert {path.name: path.read_text() for path in tmp_path.iterdir()} == before
+    else:
+        written(tmp_path, {"run.json": "new", "velocity.csv": "new", "scene.toml": "new"})
+        assert contents(tmp_path) == ["run.json", "scene.toml", "velocity.csv", "velocity.former.csv"]
+
+
+def test_what_a_killed_process_left_is_put_back(tmp_path):
+    written(tmp_path, {"run.json": "old"})
+    (tmp_path / FORMER).mkdir()
+    (tmp_path / "run.json").rename(tmp_path / FORMER / "run.json")
+    (tmp_path / WORK).mkdir()
+    (tmp_path / WORK / "run.json").write_text("half")
+    with result_directory(tmp_path, RUN):
+        assert (tmp_path / "run.json").read_text() == "old"
+    assert contents(tmp_path) == ["run.json"]
+
+
+def test_a_second_run_in_the_same_directory_is_refused(tmp_path):
+    with result_directory(tmp_path / "motor", RUN) as result:
+        with (
+            pytest.raises(RunError, match="another run is writing"),
+            result_directory(tmp_path / "motor", RUN),
+        ):
+            pytest.fail("lent twice")
+        (result.folder / "run.json").write_text("{}")
+        result.commit()
+    assert contents(tmp_path / "motor") == ["run.json"]
+
+
+def test_the_lock_of_a_dead_process_blocks_nobody(tmp_path):
+    program = (
+        "import os, pathlib; from studies.results import *;"
+        f"lent = result_directory({str(tmp_path / 'motor')!r}, Origin(kind='run', name='motor'));"
+        "lent.__enter__(); os._exit(9)"
+    )
+    assert subprocess.run([sys.executable, "-c", program], cwd=ROOT).returncode == 9
+    assert sorted(p.name for p in (tmp_path / "motor").iterdir()) == [LOCK, WORK]
+    written(tmp_path / "motor", {"run.json": "{}"})
+    assert contents(tmp_path / "motor") == ["run.json"]
+
+
+def test_a_default_directory_is_never_that_of_another_result(tmp_path):
+    here, there = (tmp_path / name / "motor.toml" for name in ("a", "b"))
+    first = Origin(kind="run", name="motor", source=here)
+    written(tmp_path / "results", {"run.json": "a"}, first, chosen=False)
+    written(tmp_path / "results", {"run.json": "again"}, first, chosen=False)
+    second = Origin(kind="run", name="motor", source=there)
+    study = Origin(kind="study", name="motor")
+    for other in (second, study):
+        with pytest.raises(SceneError, match=r"a.motor\.toml") as refusal:
+            written(tmp_path / "results", {"run.json": "b"}, other, chosen=False)
+        assert "--out" in str(refusal.value)
+    assert (tmp_path / "results" / "run.json").read_text() == "again"
+    said = written(tmp_path / "results", {"run.json": "b"}, second)
+    assert "a/motor.toml" in said.replace(os.sep, "/")
+    assert (tmp_path / "results" / "run.json").read_text() == "b"
+
+
+def test_a_default_directory_of_an_old_study_is_not_for_a_run(tmp_path):
+    (tmp_path / "study.json").write_text("{}")
+    with pytest.raises(SceneError, match="result of a study"):
+        written(tmp_path, {"run.json": "{}"}, chosen=False)
+
+
+def test_a_moved_project_keeps_its_default_directories(tmp_path):
+    origin = Origin(kind="run", name="motor", source=tmp_path / "old" / "motor.toml")
+    written(tmp_path / "old" / "results", {"run.json": "a"}, origin, chosen=False)
+    (tmp_path / "old").rename(tmp_path / "new")
+    moved = Origin(kind="run", name="motor", source=tmp_path / "new" / "motor.toml")
+    written(tmp_path / "new" / "results", {"run.json": "b"}, moved, chosen=False)
+    assert (tmp_path / "new" / "results" / "run.json").read_text() == "b"
+
+
 def test_an_empty_directory_may_be_filled(tmp_path):
     (tmp_path / "motor").mkdir()
-    with result_directory(tmp_path / "motor") as folder:
-        (folder / "run.json").write_text("{}")
+    written(tmp_path / "motor", {"run.json": "{}"})
     assert contents(tmp_path / "motor") == ["run.json"]
 
 
 def test_a_stranger_s_directory_is_never_touched(tmp_path):
     (tmp_path / "thesis.tex").write_text("three years")
-    with pytest.raises(RunError, match="no former result"), result_directory(tmp_path):
+    with pytest.raises(RunError, match="no former result"), result_directory(tmp_path, RUN):
         pytest.fail("lent")
     assert contents(tmp_path) == ["thesis.tex"]
 
@@ -71,15 +214,14 @@ def test_a_stranger_s_directory_is_never_touched(tmp_path):
 def test_a_place_that_cannot_be_written_is_one_sentence(tmp_path):
     (tmp_path / "file").write_text("")
     for place in (tmp_path / "file", tmp_path / "file" / "motor"):
-        with pytest.raises(RunError, match="cannot be written"), result_directory(place):
+        with pytest.raises(RunError, match="cannot be written"), result_directory(place, RUN):
             pytest.fail("lent")
 
 
 def test_the_directory_has_the_usual_permissions(tmp_path):
     mask = os.umask(0o022)
     try:
-        with result_directory(tmp_path / "motor") as folder:
-            (folder / "run.json").write_text("{}")
+        written(tmp_path / "motor", {"run.json": "{}"})
     finally:
         os.umask(mask)
     assert stat.S_IMODE((tmp_path / "motor").stat().st_mode) == 0o755

@@ -2,7 +2,9 @@
 
 import pytest
 
-from fem import ConvergenceError, harmonic
+from fem import ConvergenceError
+from fem.discretize import refinement
+from fem.solve import harmonic
 from studies.chain import run
 from studies.scene import Scene, read_table
 
@@ -10,7 +12,7 @@ from studies.scene import Scene, read_table
 @pytest.fixture
 def two_levels(monkeypatch):
     monkeypatch.setattr(harmonic, "LEVELS", harmonic.LEVELS[:2])
-    monkeypatch.setattr(harmonic, "EXPECTED", harmonic.EXPECTED[:2])
+    monkeypatch.setattr(refinement, "EXPECTED", refinement.EXPECTED[:2])
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ import warnings
 import numpy as np
 import pytest
 
-from fem.half_space import rayleigh
+from fem.analytic.half_space import rayleigh
 from fem.materials import isotropic
 from studies.evidence import left_out, stability
 from studies.evidence.omission import OMISSIONS

@@ -7,7 +7,7 @@ import pytest
 
 from studies.__main__ import main
 from studies.refusal import SceneError
-from studies.study import STUDIES, Finding, module, question, run_study
+from studies.study import STUDIES, Finding, draw_study, module, question, run_study, study_answer
 
 
 def quiet(text):
@@ -37,7 +37,9 @@ def seed(tmp_path_factory):
     folder = tmp_path_factory.mktemp("seed")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(seed_slider, "STEPS", (seed_slider.CHOSEN,))  # the other bursts are only drawn
-        text = run_study("seed_figures", None, folder, progress=quiet)
+        record = run_study("seed_figures", None, folder, progress=quiet)
+        draw_study("seed_figures", record, folder, progress=quiet)
+        text = study_answer(record)
     return folder, text, json.loads((folder / "study.json").read_text())
 
 
@@ -100,8 +102,9 @@ def test_orders_are_measured_on_the_two_finest_meshes(rayleigh):
 
 
 def test_a_study_of_a_scene_takes_one_and_leaves_its_run(tmp_path):
-    text = run_study("voltage_to_velocity", "twente-contact", tmp_path, progress=quiet)
-    assert "threshold" in text
+    record = run_study("voltage_to_velocity", "twente-contact", tmp_path, progress=quiet)
+    draw_study("voltage_to_velocity", record, tmp_path, progress=quiet)
+    assert "threshold" in study_answer(record)
     files = {path.name for path in tmp_path.iterdir()}
     assert files == {"run.json", "scene.toml", "velocity.csv", "voltage_to_velocity.png"}
 

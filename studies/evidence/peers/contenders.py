@@ -54,10 +54,10 @@ def _uniform(problem: Problem, *, per_wavelength: int, triangles: bool):
 
 
 def _direct(problem: Problem, *, order: int, edge_layers: int):
+    from fem.circuit import circuit, port_admittances, ports_of
     from fem.direct import direct_solution
-    from fem.electrodes import circuit, port_admittances, ports_of
-    from fem.section import Resolution
-    from fem.wavelength import slowest_wavelength
+    from fem.discretize.section import Resolution
+    from fem.materials.christoffel import slowest_wavelength
 
     def once():
         solution = direct_solution(
@@ -79,8 +79,8 @@ def _direct(problem: Problem, *, order: int, edge_layers: int):
 
 
 def _structured(problem: Problem, *, level: int):
-    from fem.harmonic import LEVELS
-    from fem.readout import surface_wave
+    from fem.discretize.refinement import LEVELS
+    from fem.results.evaluation import surface_wave
     from fem.solution import solved
     from fem.threads import one_blas_thread
 

@@ -59,8 +59,8 @@ def uniform_solution(
     from skfem import Basis, BilinearForm, ElementQuad2, ElementTriP2, MeshQuad, MeshTri
 
     from fem.direct import sparse_solution
-    from fem.forms import medium, units
     from fem.materials import fields
+    from fem.materials.medium import medium, units
 
     names = fields(stator.solid)
     body, count = medium(stator.solid, names), len(names)

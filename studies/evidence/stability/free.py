@@ -1,8 +1,8 @@
 """Extreme cases of the free wave: a section without transducers against closed forms and partial waves.
 
 Isotropic half-spaces against Rayleigh's cubic, isotropic plates against Lamb's equations (lamb.py), piezoelectric
-half-spaces against the surface impedance of partial waves (fem.half_space), which has neither mesh nor order.  With
-one loss factor on all moduli the wavenumber is the lossless one over sqrt(1 + i / Q).
+half-spaces against the surface impedance of partial waves (fem.analytic.half_space), which has neither mesh nor order.
+With one loss factor on all moduli the wavenumber is the lossless one over sqrt(1 + i / Q).
 """
 
 import math

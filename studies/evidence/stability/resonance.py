@@ -9,7 +9,7 @@ import numpy as np
 
 __all__ = ["cut_off", "piece_resonance"]
 
-LEVEL = 2  # of fem.harmonic.LEVELS
+LEVEL = 2  # of fem.discretize.refinement.LEVELS
 BAND = (0.6, 1.6)  # of the frequency: about a piece's first resonance
 STEPS = 60
 
@@ -43,9 +43,9 @@ def piece_resonance(motor) -> float:
 
 
 def _section(motor):
-    from fem.harmonic import LEVELS
-    from fem.section import discretise
-    from fem.wavelength import slowest_wavelength
+    from fem.discretize.refinement import LEVELS
+    from fem.discretize.section import discretise
+    from fem.materials.christoffel import slowest_wavelength
 
     return discretise(
         motor.stator,
@@ -57,9 +57,9 @@ def _section(motor):
 
 def _negatives(motor, frequency: float) -> int:
     """Negative eigenvalues of the line in mid-finger when the cell's sides are clamped."""
-    from fem.cell import folded
-    from fem.chain import FingerShape, half_cells
-    from fem.harmonic import LEVELS
+    from fem.condense.superelement import folded
+    from fem.condense.transducer import FingerShape, half_cells
+    from fem.discretize.refinement import LEVELS
 
     section = _section(motor)
     unit, transducer = section.length_unit, motor.transducers[0]

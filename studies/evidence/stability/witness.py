@@ -87,10 +87,10 @@ def _strips(motor, _) -> tuple[complex, np.ndarray]:
 
 def _direct(motor, _) -> tuple[complex, np.ndarray]:
     """The whole section as one sparse matrix, one level finer than the answer."""
+    from fem.circuit import circuit, port_admittances, ports_of
     from fem.direct import direct_solution
-    from fem.electrodes import circuit, port_admittances, ports_of
-    from fem.section import Resolution
-    from fem.wavelength import slowest_wavelength
+    from fem.discretize.section import Resolution
+    from fem.materials.christoffel import slowest_wavelength
 
     solution = direct_solution(
         motor.stator,
@@ -116,8 +116,8 @@ def _direct(motor, _) -> tuple[complex, np.ndarray]:
 
 def _finer(motor, answer) -> tuple[complex, np.ndarray]:
     """The next level of the discretisation; beyond the last, one of higher order."""
-    from fem.harmonic import LEVELS
-    from fem.readout import surface_wave
+    from fem.discretize.refinement import LEVELS
+    from fem.results.evaluation import surface_wave
     from fem.solution import solved
 
     level = LEVELS.index(answer.solution.resolution)

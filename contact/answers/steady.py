@@ -1,0 +1,287 @@
+r"""The steady velocity: the periodic motion itself, found without waiting for it.
+
+Two steps. *Averaged*: a slider that is heavy on the wave's time scale keeps height h and velocity v through a cycle;
+h follows from <sum P_i> = preload and v from <sum Q_i>(v) = R_t v + load, with the cycle mean between exact events.
+*Exact*: the map of one whole cycle of the full equations, (z_s, z_s', v, x_i) -> the same a cycle later, is brought to
+its fixed point by Newton's method from the averaged state. The first differs from the second by O((f_n/f)^2).
+
+Held: if one contact can stick for good, the deformations that the wave drives them to (from above and from below)
+leave a whole interval of mean tractions. If load lies in it the slider stays, and its velocity is exactly zero.
+"""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact import bounds, scaling
+from contact.answers.closed_forms import closed_form
+from contact.answers.ledger import Ledger, ledger
+from contact.convergence import ConvergenceError
+from contact.drive import available, relative_to_reference, towards_plus
+from contact.orbit import Orbit, as_orbits
+from contact.slider import Slider
+
+METHODS = ("auto", "exact", "averaged")
+# largest ratio of contact resonance to wave for which a periodic motion is searched, and cycles to settle before
+SLOWEST_WAVE, SETTLE = 20.0, 200
+# stretches of a cycle up to which that is worth its time
+MOST_STRETCHES = 8000.0
+# largest ratio for which cycle means are an answer, and their error over its square (true: 0.1 to 1.9)
+LARGEST_AVERAGED, AVERAGING_ERROR = 0.1, 3.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class SteadyState:
+    """The periodic motion of a slider on a continuous wave.
+
+    Attributes
+    ----------
+    slider, orbits
+        What was asked.
+    velocity : float
+        Mean over a cycle, m/s; exactly 0 when held.
+    regime : str
+        "stick", "slip" or "intermittent".
+    relative_error : float
+        Estimated error of velocity over max(|v|, omega |u_x|/10), from two computed answers.
+    height : float
+        Mean approach h of the contacts, m; the slider's mean position is -h.
+    status, message : str
+        "ok", or what is to be known about the answer, and a sentence.
+    method : str
+        What was used: "exact" or "averaged".
+    ledger : Ledger
+        Energies over one cycle; all zero where a closed form answers.
+    statistics : dict
+        Events by kind in one cycle, smallest gap between two in s (inf: fewer), chatter (whether events crowded at
+        one instant); stretches, sweeps and cycles computed; growth per cycle.
+    seconds : float
+        Time taken.
+    """
+
+    slider: Slider
+    orbits: tuple[Orbit, ...]
+    velocity: float
+    regime: str
+    relative_error: float
+    height: float
+    status: str
+    message: str
+    method: str
+    ledger: Ledger
+    statistics: dict
+    seconds: float
+
+
+def steady(
+    slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, tolerance: float, method: str = "auto"
+) -> SteadyState:
+    """Return the steady state.
+
+    Parameters
+    ----------
+    slider : Slider
+        The slider.
+    orbits : Orbit or tuple of Orbit
+        Motion of the surface under each contact.
+    tolerance : float
+        Error allowed in the velocity, relative to max(|v|, omega |u_x|/10).
+    method : str
+        "exact", "averaged", or "auto".
+
+    Returns
+    -------
+    SteadyState
+        With the error estimated; its status says when the estimate exceeds the tolerance.
+
+    Raises
+    ------
+    ValueError
+        For parameters that do not go together.
+    ConvergenceError
+        Status "runaway" (nothing balances the load), "unstable" (no stable motion repeats with the wave's period),
+        or what the motion ran into.
+    """
+    begun = time.perf_counter()
+    listed = as_orbits(orbits)
+    bounds.positive("tolerance", tolerance, "")
+    bounds.choice("method", method, METHODS)
+    available(slider)
+    found = _closed(slider, listed) or _searched(slider, listed, tolerance, method)
+    return SteadyState(slider=slider, orbits=listed, seconds=time.perf_counter() - begun, **found)
+
+
+def _closed(slider, orbits):
+    """Return the answer of a closed form, else None."""
+    found = closed_form(slider, orbits)
+    if found is None:
+        return None
+    why = found.pop("why")
+    return found | {
+        "relative_error": 0.0, "status": "ok", "message": f"{why}: closed form", "method": "exact", "statistics": {},
+        "ledger": Ledger(**dict.fromkeys(Ledger.__annotations__, 0.0)),
+    }  # fmt: skip
+
+
+def _searched(slider, orbits, tolerance, method):
+    from contact.solve.equilibrium import balanced
+
+    # solved on the side on which the crests drive towards +x, so that mirrored waves give mirrored answers
+    side, driven = towards_plus(orbits)
+    ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
+    if method == "averaged" and ratio > LARGEST_AVERAGED:
+        raise ConvergenceError(
+            "not applicable",
+            f"the contact resonates at {ratio:.3g} of the wave's frequency, so that the slider does not ride still "
+            f"through a cycle (allowed: {LARGEST_AVERAGED}); use method exact",
+        )
+    balance = balanced(slider, driven)
+    if balance.held and ratio <= LARGEST_AVERAGED:
+        return _held(slider, driven, balance, tolerance)
+    if method == "averaged":
+        return _averaged(slider, side, balance, ratio, tolerance)
+    if balance.held or ratio > SLOWEST_WAVE:
+        return _waited(slider, side, driven, balance, tolerance)
+    try:
+        return _repeating(slider, side, driven, balance, tolerance)
+    except ConvergenceError as failed:
+        if ratio > LARGEST_AVERAGED or failed.status == "unstable" or _adhesive(balance):
+            return _waited(slider, side, driven, balance, tolerance)
+        if method == "exact":
+            raise
+        found = _averaged(slider, side, balance, ratio, tolerance)
+        return found | {"message": f"{found['message']}, for the full motion was not found: {failed}"}
+
+
+def _repeating(slider, side, orbits, balance, tolerance):
+    """Return the answer of the full equations, a stable motion that repeats with the wave's period."""
+    from contact.law import elastic
+    from contact.solve.shooting import periodic
+
+    unit = balance.problem.speed
+    if balance.problem.stretches > MOST_STRETCHES:
+        raise ConvergenceError(
+            "out of reach",
+            f"a cycle takes {balance.problem.stretches:.3g} stretches of the motion; raise the mass",
+        )
+    try:
+        fine = periodic(balance, nodes=16, truncation=1e-12)
+    except ConvergenceError:
+        # averaging is no start here: let the motion settle by itself first, for some 30 000 stretches at most
+        settle = int(min(SETTLE, 5.0 + 5000.0 * balance.problem.parameters[scaling.LONGEST]))
+        fine = periodic(balance, nodes=16, truncation=1e-12, settle=settle)
+    coarse = periodic(balance, nodes=10, truncation=1e-8, near=fine)
+    growth = float(np.max(np.abs(np.linalg.eigvals(fine.jacobian))))
+    if growth > 1.0 + 1e-6:
+        raise ConvergenceError(
+            "unstable",
+            f"the motion that repeats with the wave's period grows by {growth:.6g} per cycle: the slider hops",
+        )
+    velocity = fine.speed * unit
+    missed = abs(fine.speed - coarse.speed) + fine.step + fine.rounding
+    error = relative_to_reference(missed * unit, velocity, orbits)
+    status, note = _judged(error, tolerance, "periodic motion of the full equations")
+    if slider.normal_damping == 0.0 and slider.contact_damping == 0.0:
+        note += "; without normal damping the bounce of a real start would not die out"
+    statistics = _counted(fine.motion, balance.work + fine.work + coarse.work)
+    sticks = not any(statistics[name] for name in ("contact", "release", "stick_to_slip", "slip_to_stick"))
+    sticks = sticks and fine.motion.memory is None and bool(np.all(fine.motion.regime == elastic.STICK))
+    if sticks:  # what is left is rounding
+        velocity, error = 0.0, 0.0
+    moving = "intermittent" if statistics["release"] else "slip"
+    statistics["averaged_velocity"] = float(side * balance.speed * unit)
+    statistics["growth_per_cycle"] = growth
+    return {
+        "velocity": float(side * velocity), "regime": "stick" if sticks else moving,
+        "relative_error": float(error), "height": float(-fine.state[0] * balance.problem.length), "status": status,
+        "message": note, "method": "exact", "statistics": statistics,
+        "ledger": ledger(slider, fine.motion, fine.before),
+    }  # fmt: skip
+
+
+def _waited(slider, side, orbits, balance, tolerance):
+    """Return the answer of a long run from rest: the slider hops, or is carried by a slow wave."""
+    from contact.solve.settling import long_run
+
+    load = balance.problem.parameters[scaling.LOAD]
+    found = long_run(slider, orbits, -1.0 if load < 0.0 else 1.0)
+    unit = found.problem.speed
+    error = relative_to_reference(found.error * unit, found.speed * unit, orbits)
+    if found.sticks:
+        note = "every contact sticks"
+    elif found.period:
+        note = f"motion that repeats after {found.period} cycles, reached from rest in {found.passed}"
+    else:
+        note = f"mean of {found.cycles} cycles after {found.passed} from rest, for no motion that repeats was seen"
+    if found.starts > 1:
+        note += "; two runs from almost the same start were compared"
+    status, note = _judged(error, tolerance, note)
+    statistics = _counted(found.motion, balance.work + found.motion.tally)
+    statistics["period_cycles"], statistics["averaged_cycles"] = found.period, found.cycles
+    moving = "intermittent" if statistics["release"] else "slip"
+    return {
+        "velocity": float(side * found.speed * unit), "regime": "stick" if found.sticks else moving,
+        "relative_error": float(error), "height": float(found.height * found.problem.length), "status": status,
+        "message": note, "method": "exact", "statistics": statistics,
+        "ledger": ledger(slider, found.motion, found.before, spans=found.cycles),
+    }  # fmt: skip
+
+
+def _judged(error, tolerance, note):
+    """Return status and sentence of an answer with an estimated error."""
+    if error <= tolerance:
+        return "ok", note
+    return "above tolerance", f"{note}; estimated error {error:.2g} exceeds {tolerance:.2g}"
+
+
+def _adhesive(balance):
+    """Return whether the contact's damper acts on the slider within a few cycles, so that it does not ride still."""
+    parameters = balance.problem.parameters
+    return parameters[scaling.CHI] * parameters[scaling.PRELOAD] > 1e-2
+
+
+def _averaged(slider, side, balance, ratio, tolerance):
+    """Return the averaged answer alone; its error is of order (f_n/f)^2, the factor measured at 0.75 to 20 nm."""
+    error = AVERAGING_ERROR * ratio**2
+    status, note = _judged(error, tolerance, "cycle means at constant height and velocity")
+    statistics = _counted(balance.motion, balance.work)
+    velocity = float(side * balance.speed * balance.problem.speed)
+    statistics["averaged_velocity"] = velocity
+    return {
+        "velocity": velocity, "regime": "intermittent" if statistics["release"] else "slip",
+        "relative_error": float(error), "height": float(balance.height * balance.problem.length), "status": status,
+        "message": note, "method": "averaged",
+        "ledger": ledger(slider, balance.motion, balance.motion.energy()), "statistics": statistics,
+    }  # fmt: skip
+
+
+def _held(slider, orbits, balance, tolerance):
+    """Return the answer of a slider that stays; its error is what the averaging may have misjudged of the edge."""
+    from contact.solve.equilibrium import balanced
+
+    ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
+    # just above the threshold the averaging error is 12 (f_n/f)^2; see the velocity at an amplitude larger by that
+    beyond = balanced(slider, tuple(orbit.scaled(1.0 + min(12.0 * ratio**2, 0.5)) for orbit in orbits))
+    error = relative_to_reference(beyond.speed * beyond.problem.speed, 0.0, orbits)
+    statistics = _counted(balance.motion, balance.work + beyond.work)
+    regime = "intermittent" if statistics["release"] else "slip" if statistics["stick_to_slip"] else "stick"
+    status, note = "ok", "held by friction"
+    if error > tolerance:
+        status = "above tolerance"
+        note += f", but so near the threshold that it may move: estimated error {error:.2g} exceeds {tolerance:.2g}"
+    return {
+        "velocity": 0.0, "regime": regime, "relative_error": float(error),
+        "height": float(balance.height * balance.problem.length), "status": status, "message": note,
+        "method": "averaged", "ledger": ledger(slider, balance.motion, balance.motion.energy()),
+        "statistics": statistics,
+    }  # fmt: skip
+
+
+def _counted(motion, work):
+    """Return the events of one cycle and the whole work of the search."""
+    counted = motion.events()
+    for name, number in zip(("stretches", "halvings", "sweeps", "cycles"), work[6:10], strict=True):
+        counted[name] = int(number)
+    counted["smallest_gap"], counted["chatter"] = motion.smallest_gap(), bool(counted["chatter"])
+    return counted

@@ -1,0 +1,195 @@
+r"""The slider during a burst of the wave and after it: v(t) from rest.
+
+The burst starts at rest, at the instant at which u_z of the first contact passes zero upwards; it lasts a whole number
+of cycles; then the surface stands still. The surface's velocity is what drives the contact, so the tangential
+displacement may start anywhere on its orbit. Other contacts on other phases of the wave are moved to their place at
+once. During the burst the motion is followed event by event ("exact"), in fixed steps ("stepped") or by cycle means
+("averaged"); "auto" takes the cheapest whose error estimate keeps the tolerance. After the burst it is always followed
+event by event, with stretches as long as the contact's resonance allows.
+
+With an envelope the wave swells and fades as it says; what is left of it at the end of the burst stops there, or
+fades as a ring-down says, followed in fixed steps.
+"""
+
+import time as clock
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact import bounds
+from contact.answers.ledger import Ledger, ledger, together
+from contact.answers.methods import METHODS, rest_problem, run, silence
+from contact.answers.ring_down import ring_down as ringing_down
+from contact.drive import available, relative_to_reference, towards_plus
+from contact.envelope import Envelope
+from contact.orbit import Orbit, as_orbits
+from contact.slider import Slider
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trajectory:
+    """Motion of the slider over a burst and after it.
+
+    Attributes
+    ----------
+    slider, orbits
+        What was asked.
+    time : (k,) array
+        s from the start of the burst; the first is 0. During the burst at ends of whole cycles.
+    velocity : (k,) array
+        Slider velocity, m/s.
+    position : (k,) array
+        Slider's normal position z_s, m: minus the rest approach at the start; cycle means when averaged.
+    duration : float
+        Length of the burst in whole cycles, s.
+    cycles : int
+        The same in cycles.
+    rang : float
+        How long the surface was followed as it rang down after the burst, s; 0 without a ring-down.
+    velocity_at_burst_end : float
+        m/s.
+    relative_error : float
+        Estimated error of `velocity_at_burst_end` over max(|v|, omega |u_x|/10), from a second computation.
+    status, message, method : str
+        "ok" or what is to be known; a sentence; "exact", "stepped" or "averaged".
+    ledger : Ledger or None
+        Energies of burst and slide after it; None where the burst was not followed event by event, or rang down.
+    after_ledger : Ledger or None
+        Of the slide alone, on a surface at rest, which is always followed so; None without one.
+    statistics : dict
+        Events by kind (those after the burst, and those during it when exact), smallest gap between two in s (inf:
+        fewer), chatter; steps per cycle and omega_n dt when stepped; order and steps when averaged.
+    seconds : float
+        Time taken.
+    """
+
+    slider: Slider
+    orbits: tuple[Orbit, ...]
+    time: np.ndarray
+    velocity: np.ndarray
+    position: np.ndarray
+    duration: float
+    cycles: int
+    rang: float
+    velocity_at_burst_end: float
+    relative_error: float
+    status: str
+    message: str
+    method: str
+    ledger: Ledger | None
+    after_ledger: Ledger | None
+    statistics: dict
+    seconds: float
+
+
+def burst(
+    slider: Slider,
+    orbits: Orbit | tuple[Orbit, ...],
+    *,
+    duration: float,
+    after: float,
+    tolerance: float,
+    samples: int,
+    method: str = "auto",
+    envelope: Envelope | None = None,
+    ring_down: Envelope | None = None,
+) -> Trajectory:
+    """Return the motion over a burst from rest and for a while after it.
+
+    Parameters
+    ----------
+    slider : Slider
+        The slider.
+    orbits : Orbit or tuple of Orbit
+        Motion of the surface under each contact while the burst lasts.
+    duration, after : float
+        s; the burst is rounded to whole cycles of the wave, at least one.
+    tolerance : float
+        Error allowed in the velocity at the end of the burst, relative to max(|v|, omega |u_x|/10).
+    samples : int
+        About how many instants to report, over burst and after in proportion to their lengths.
+    method : str
+        "exact", "stepped", "averaged" or "auto".
+    envelope : Envelope, optional
+        Factor on the orbits over time; only the stepped way takes one.
+    ring_down : Envelope, optional
+        Factor on the orbits after the burst, time from its end; it takes its time from `after`.
+
+    Returns
+    -------
+    Trajectory
+
+    Raises
+    ------
+    ConvergenceError
+        Status "not applicable" if a way asked for by name does not apply, or what the motion ran into.
+    """
+    begun = clock.perf_counter()
+    listed = as_orbits(orbits)
+    bounds.positive("duration", duration, "s")
+    bounds.non_negative("after", after, "s")
+    bounds.positive("tolerance", tolerance, "")
+    bounds.count("samples", samples, 2)
+    bounds.choice("method", method, METHODS)
+    available(slider)
+    frequency = listed[0].frequency
+    cycles = max(1, round(duration * frequency))
+    share = cycles / frequency / (cycles / frequency + after)
+    stride = max(1, round(cycles / max(1.0, samples * share)))
+    side, driven = towards_plus(listed)
+    problem = rest_problem(slider, driven)
+    shape = envelope.at(np.arange(cycles + 1) / frequency) if envelope is not None else np.empty(0, complex)
+    motion, rows, error, statistics, method = run(
+        method, slider, driven, problem, cycles, stride, tolerance, shape
+    )
+    speed_at_end = float(motion.state[2])
+    length = problem.length
+    time = [np.zeros(1), np.arange(1, len(rows) + 1) * stride / frequency, np.full(1, cycles / frequency)]
+    velocity = [np.zeros(1), rows[:, 0], motion.state[2:3].copy()]
+    position = [np.array([-slider.rest_approach(len(listed)) / length]), rows[:, 1], motion.state[:1].copy()]
+    if cycles % stride == 0:
+        for series in (time, velocity, position):
+            series.pop()
+    book = after_book = None
+    if motion.begun is not None:
+        book = ledger(slider, motion, motion.begun)
+        statistics["smallest_gap"] = motion.smallest_gap()
+    rang = 0.0
+    if ring_down is not None:
+        share_rung = max(2, round(samples * (1.0 - share) / 2.0))
+        times, rows = ringing_down(
+            slider, problem, motion, ring_down, frequency=frequency, longest=after, rows=share_rung
+        )
+        if times.size:
+            rang, book = float(times[-1]), None
+            time.append(cycles / frequency + times)
+            velocity.append(rows[:, 0])
+            position.append(rows[:, 1])
+    if after > rang:
+        count = max(2, round(samples * (1.0 - share)))
+        at = np.arange(1, count + 1) * ((after - rang) / count)
+        still = silence(motion)
+        begun_after = still.energy()
+        recorded = still.move(0.0, problem.omega * (after - rang) * (1.0 + 1e-12), at * problem.omega)
+        time.append(cycles / frequency + rang + at)
+        velocity.append(recorded[:, 0, 5])
+        # the surface stands still at zero: the first contact's approach is minus the slider's position
+        position.append(-recorded[:, 0, 0])
+        for name, number in still.events().items():
+            statistics[f"after_{name}"] = number
+        statistics["after_smallest_gap"] = still.smallest_gap()
+        after_book = ledger(slider, still, begun_after)
+        book = None if book is None else together(book, after_book)
+    end = side * speed_at_end * problem.speed
+    relative = relative_to_reference(error * problem.speed, end, listed)
+    status, message = "ok", f"{cycles} cycles from rest"
+    if relative > tolerance:
+        status = "above tolerance"
+        message += f"; estimated error {relative:.2g} exceeds {tolerance:.2g}; ask for method exact"
+    return Trajectory(
+        slider=slider, orbits=listed, time=np.concatenate(time),
+        velocity=side * np.concatenate(velocity) * problem.speed, position=np.concatenate(position) * length,
+        duration=cycles / frequency, cycles=cycles, rang=rang, velocity_at_burst_end=end,
+        relative_error=float(relative), status=status, message=message, method=method, ledger=book,
+        after_ledger=after_book, statistics=statistics, seconds=clock.perf_counter() - begun,
+    )  # fmt: skip

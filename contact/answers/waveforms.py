@@ -1,0 +1,135 @@
+r"""What happens at the contact points, instant by instant: the quantities of the seed paper's Figs 6 and 7.
+
+Three stages: "start", after a number of cycles from rest; "steady", in the periodic motion; "after", after the wave
+has stopped in the periodic motion, where one "cycle" is still a period of the wave that was.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact import bounds
+from contact.answers.methods import rest, rest_problem, silence
+from contact.drive import available, towards_plus
+from contact.orbit import Orbit, as_orbits
+from contact.slider import Slider
+
+STAGES = ("start", "steady", "after")
+# in the order of the numbers in `elastic`; an annulus that slips is "partial", a growing contact sticks
+REGIMES = np.array(["separated", "stick", "slip", "creep", "partial", "stick"])
+
+
+@dataclass(frozen=True, kw_only=True)
+class History:
+    """Contact points over a few cycles; arrays of k instants, those of contacts (k, n).
+
+    Attributes
+    ----------
+    slider, orbits
+        What was asked.
+    time : (k,) array
+        s from the first instant of the stage: start of the burst, upward zero of u_z of the first contact, or end of
+        the wave.
+    approach, deformation : (k, n) arrays
+        z and x, m; z < 0 when separated.
+    normal_force, tangential_force : (k, n) arrays
+        Elastic P, and Q, N.
+    regime : (k, n) array of str
+        "separated", "stick", "slip", "creep" (with a stick band) or "partial" (an annulus slips; hysteretic law).
+    surface_velocity : (k, n) array
+        Tangential velocity v_t of the surface, m/s.
+    slider_velocity : (k,) array
+        v_s, m/s.
+    statistics : dict
+        Events by kind over the recorded span.
+    """
+
+    slider: Slider
+    orbits: tuple[Orbit, ...]
+    time: np.ndarray
+    approach: np.ndarray
+    deformation: np.ndarray
+    normal_force: np.ndarray
+    tangential_force: np.ndarray
+    regime: np.ndarray
+    surface_velocity: np.ndarray
+    slider_velocity: np.ndarray
+    statistics: dict
+
+
+def contact_history(
+    slider: Slider,
+    orbits: Orbit | tuple[Orbit, ...],
+    *,
+    stage: str,
+    skip: float,
+    cycles: float,
+    points_per_cycle: float,
+) -> History:
+    """Return the history of the contact points.
+
+    Parameters
+    ----------
+    slider : Slider
+        The slider.
+    orbits : Orbit or tuple of Orbit
+        Motion of the surface under each contact.
+    stage : str
+        "start", "steady" or "after".
+    skip, cycles : float
+        Cycles of the wave to pass before recording, and to record.
+    points_per_cycle : float
+        Instants per cycle; may be below one after the wave has stopped.
+
+    Returns
+    -------
+    History
+    """
+    listed = as_orbits(orbits)
+    bounds.choice("stage", stage, STAGES)
+    bounds.non_negative("skip", skip, "cycles")
+    bounds.positive("cycles", cycles, "cycles")
+    bounds.positive("points_per_cycle", points_per_cycle, "")
+    available(slider)
+    side, driven = towards_plus(listed)
+    turn = 2.0 * math.pi
+    if stage == "start":
+        problem = rest_problem(slider, driven)
+        motion = rest(slider, driven, problem, nodes=16, truncation=1e-12)
+    else:
+        # at the trough of the first contact; a quarter later u_z passes zero upwards
+        motion = _steady_motion(slider, driven)
+        motion.move(0.0, 0.25 * turn, np.empty(0))
+        motion.problem = problem = rest_problem(slider, driven)
+        if stage == "after":
+            motion = silence(motion)
+    if stage != "after":
+        motion.turn(int(skip))
+        offset = turn * (skip - int(skip))
+    else:
+        offset = turn * skip
+    if offset > 0.0:
+        motion.move(0.0, offset, np.empty(0))
+    motion.tally[:] = 0
+    count = max(1, round(cycles * points_per_cycle))
+    at = offset + turn * cycles * np.arange(1, count + 1) / count
+    samples = motion.move(offset, offset + turn * cycles * (1.0 + 1e-13), at)
+    force = slider.mass * problem.omega**2 * problem.length
+    waves = motion.problem.waves
+    v_t = np.cos(at)[:, None] * waves[:, 3] - np.sin(at)[:, None] * waves[:, 2]
+    return History(
+        slider=slider, orbits=listed, time=(at - offset + turn * skip) / problem.omega,
+        approach=samples[:, :, 0] * problem.length, deformation=side * samples[:, :, 1] * problem.length,
+        normal_force=samples[:, :, 2] * force, tangential_force=side * samples[:, :, 3] * force,
+        regime=REGIMES[samples[:, :, 4].astype(int)], surface_velocity=side * v_t * problem.speed,
+        slider_velocity=side * samples[:, 0, 5] * problem.speed, statistics=motion.events(),
+    )  # fmt: skip
+
+
+def _steady_motion(slider, orbits):
+    """Return the periodic motion at the trough of the first contact; a held slider's has the mean velocity zero."""
+    from contact.solve.equilibrium import balanced
+    from contact.solve.shooting import periodic
+
+    return periodic(balanced(slider, orbits), nodes=16, truncation=1e-12).motion

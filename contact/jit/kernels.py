@@ -1,0 +1,15 @@
+"""Whether the compiled kernels lie on disk already, or the next motion has to wait for their compiler, once."""
+
+import os
+from pathlib import Path
+
+__all__ = ["ready"]
+
+
+def ready() -> bool:
+    """Return whether kernels of these sources lie compiled; those of the hysteretic law may still be missing."""
+    from contact.jit import compiled
+
+    if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
+        return True
+    return any(Path(compiled._folder()).glob("*.o"))

@@ -1,0 +1,301 @@
+r"""The hysteretic law: Mindlin and Deresiewicz with full memory, for any history of approach z and deformation x.
+
+By the method of dimensionality reduction (Popov and Hess, *Method of Dimensionality Reduction in Contact Mechanics and
+Friction*, 2015, ch. 5) the contact is a row of independent springs at eta = s^2/R on 0..z, each with normal stiffness
+E ds, tangential 4 G ds, and its own limit: deflection |x - y(eta)| <= c (z - eta). It returns Hertz, x_max = c z and
+Cattaneo-Mindlin, and it is passive: no energy comes out of a closed loop. With u = x - c z and w = x + c z each
+anchor y is a play, u + c eta <= y <= w - c eta, so that the profile y(eta) is a chain of
+
+    +1: lines y = u + c eta (forward slip),  -1: lines y = w - c eta (backward slip),
+     0: curves y = x at the time at which the growing contact reached eta,
+
+and the force is Q = mu K (3/2c) int sqrt(eta) dy = mu K M: a line adds +-(eta_2^1.5 - eta_1^1.5). The innermost spring
+(eta = 0) follows the same stop operator as the elastic law; the gauge is y(0) = 0, x its deflection. Regimes:
+
+    annulus  slip of one sign s from the front eta_f, where the open line meets the chain, to the edge
+    grow     no slip, |x'| <= c z'; the edge writes a curve
+    slip     the line covers everything: gross slip, the chain is empty
+
+A front that comes back to the start of a piece wipes it out. Only curves are discretised, at their stretch's nodes.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from contact.interpolation import interpolate
+from contact.jit.compiled import compiled
+from contact.law.elastic import (
+    ANNULUS,
+    CONTACT,
+    FAR_SIDE,
+    GROW,
+    RELEASE,
+    REVERSAL,
+    SEPARATED,
+    SLIP,
+    SLIP_TO_STICK,
+    STICK_TO_SLIP,
+    WIPE_OUT,
+)  # fmt: skip
+
+# corner: eta, u, w and the moment M at the inner end of a piece; curve: u, w, M and the rates of u, w in sigma
+ETA, U, W, MOMENT = 0, 1, 2, 3
+PIECES = 2048
+
+
+class Memory(NamedTuple):
+    """Chains of n contacts: number (n,), kind (n, K), corner (n, K, 4), curve (n, K, 5, nodes) of pieces, M (n,)."""
+
+    count: np.ndarray
+    kind: np.ndarray
+    corner: np.ndarray
+    curve: np.ndarray
+    level: np.ndarray
+
+
+def blank(contacts: int, nodes: int) -> Memory:
+    """Return the memory of contacts that are apart."""
+    return Memory(
+        np.zeros(contacts, np.int64),
+        np.zeros((contacts, PIECES), np.int64),
+        np.zeros((contacts, PIECES, 4)),
+        np.zeros((contacts, PIECES, 5, nodes)),
+        np.zeros(contacts),
+    )
+
+
+def copy(memory: Memory) -> Memory:
+    """Return an independent copy; only what is in use is copied."""
+    twin = blank(memory.count.size, memory.curve.shape[-1])
+    twin.count[:], twin.level[:] = memory.count, memory.level
+    used = int(np.max(memory.count))
+    for name in ("kind", "corner", "curve"):
+        getattr(twin, name)[:, :used] = getattr(memory, name)[:, :used]
+    return twin
+
+
+@compiled
+def front(memory, i, s, z, x, c, sigma, bary):
+    """Return (eta_f, M there): where the line of sign s through the edge meets the chain's last piece."""
+    k = memory.count[i] - 1
+    if k < 0 or z <= 0.0:
+        return 0.0, 0.0
+    corner, kind, level = memory.corner[i, k], memory.kind[i, k], x - s * c * z
+    own, other = (U, W) if s > 0.0 else (W, U)
+    if kind != 0:
+        eta = min(max(s * (corner[other] - level) / (2.0 * c), 0.0), z)
+        return eta, corner[MOMENT] + kind * (eta * np.sqrt(eta) - corner[ETA] * np.sqrt(corner[ETA]))
+    curve = memory.curve[i, k]
+    values, rates = curve[own - 1], curve[own + 2]
+    if s * (values[0] - level) <= 0.0:
+        return corner[ETA], corner[MOMENT]
+    n = sigma.size
+    if s * (values[n - 1] - level) >= 0.0:
+        return min((curve[1, n - 1] - curve[0, n - 1]) / (2.0 * c), z), curve[2, n - 1]
+    a, b = -1.0, 1.0
+    for j in range(1, n):  # monotone: bracketed by two nodes
+        if s * (values[j] - level) <= 0.0:
+            a, b = sigma[j - 1], sigma[j]
+            break
+    place = 0.5 * (a + b)
+    for _ in range(80):
+        gap = s * (interpolate(place, sigma, bary, values) - level)
+        if gap > 0.0:
+            a = place
+        else:
+            b = place
+        rate = s * interpolate(place, sigma, bary, rates)
+        step = place - gap / rate if rate < 0.0 else 0.5 * (a + b)
+        if not a < step < b:
+            step = 0.5 * (a + b)
+        if abs(step - place) < 1e-15 or b - a < 1e-15:
+            break
+        place = step
+    eta = s * (interpolate(place, sigma, bary, curve[other - 1]) - level) / (2.0 * c)
+    return min(max(eta, 0.0), z), interpolate(place, sigma, bary, curve[2])
+
+
+@compiled
+def moment(memory, i, regime, s, z, x, c, sigma, bary):
+    """Return (M, eta_f) of a contact with approach z and deformation x: Q = mu K M."""
+    if regime == SEPARATED or z <= 0.0:
+        return 0.0, 0.0
+    power = z * np.sqrt(z)
+    if regime == SLIP:
+        return s * power, 0.0
+    if regime == GROW:
+        return memory.level[i], z
+    eta, below = front(memory, i, s, z, x, c, sigma, bary)
+    return below + s * (power - eta * np.sqrt(eta)), eta
+
+
+@compiled
+def write_curve(memory, i, z, x, level, c, rates):
+    """Append the curve that the edge has written: z, x and M at the nodes of a stretch; False if there is no room."""
+    k = memory.count[i]
+    if k >= memory.kind.shape[1]:
+        return False
+    n = z.size
+    curve = memory.curve[i, k]
+    for j in range(n):
+        curve[0, j], curve[1, j], curve[2, j] = x[j] - c * z[j], x[j] + c * z[j], level[j]
+    for j in range(n):
+        curve[3, j] = curve[4, j] = 0.0
+        for m in range(n):
+            curve[3, j] += rates[j, m] * curve[0, m]
+            curve[4, j] += rates[j, m] * curve[1, m]
+    corner = memory.corner[i, k]
+    # a contact that has just closed may have an approach of minus a rounding error
+    corner[ETA], corner[U], corner[W], corner[MOMENT] = max(z[0], 0.0), curve[0, 0], curve[1, 0], level[0]
+    memory.kind[i, k] = 0
+    memory.count[i] = k + 1
+    memory.level[i] = level[n - 1]
+    return True
+
+
+@compiled
+def freeze(memory, i, regime, s, z, x, c, sigma, bary):
+    """Append the open line of annular or gross slip to the chain; False if there is no room."""
+    if regime != ANNULUS and regime != SLIP:
+        return True
+    k = memory.count[i]
+    if k >= memory.kind.shape[1]:
+        return False
+    eta, below = 0.0, 0.0
+    if regime == ANNULUS:
+        eta, below = front(memory, i, s, z, x, c, sigma, bary)
+    y = x - s * c * (z - eta)
+    corner = memory.corner[i, k]
+    corner[ETA], corner[U], corner[W], corner[MOMENT] = eta, y - c * eta, y + c * eta, below
+    memory.kind[i, k] = 1 if s > 0.0 else -1
+    memory.count[i] = k + 1
+    memory.level[i] = below + s * (z * np.sqrt(z) - eta * np.sqrt(eta))
+    return True
+
+
+@compiled
+def _annulus(memory, i, s):
+    """Return the regime that slip of sign s opens: lines of its own sign are taken up again."""
+    while memory.count[i] > 0 and memory.kind[i, memory.count[i] - 1] * s > 0.0:
+        memory.count[i] -= 1
+    return ANNULUS if memory.count[i] > 0 else SLIP
+
+
+@compiled
+def recall(memory, i, regime, which, s, z, x, z_rate, x_rate, c, sigma, bary):
+    """Return (regime, sign, x, kind of event) on the far side of guard `which`, the chain changed to match."""
+    if which == 0:
+        memory.count[i] = 0
+        memory.level[i] = 0.0
+        if regime != SEPARATED:
+            return SEPARATED, s, 0.0, RELEASE
+        s = -1.0 if x_rate < 0.0 else 1.0
+        return (SLIP if s * x_rate > c * z_rate else GROW), s, 0.0, CONTACT
+    if regime == GROW:
+        s = 1.0 if which == 1 else -1.0
+        regime = _annulus(memory, i, s)
+        return regime, s, (s * c * z if regime == SLIP else x), REVERSAL
+    if which == 1:  # slip of this sign ends: the contact grows, or slips back from the edge
+        kind = SLIP_TO_STICK if regime == SLIP else REVERSAL
+        if regime == SLIP:
+            x = s * c * z
+        freeze(memory, i, regime, s, z, x, c, sigma, bary)
+        if z_rate > 0.0:
+            return GROW, s, x, kind
+        return _annulus(memory, i, -s), -s, x, kind
+    if which == 2:  # a piece is wiped out
+        memory.count[i] -= 1
+        if _annulus(memory, i, s) == SLIP:
+            return SLIP, s, s * c * z, STICK_TO_SLIP
+        return ANNULUS, s, x, WIPE_OUT
+    regime = _annulus(memory, i, -s)  # the shrinking edge has met the front
+    return regime, -s, (-s * c * z if regime == SLIP else x), WIPE_OUT
+
+
+@compiled
+def memory_guard(memory, i, regime, which, s, z, x, z_rate, x_rate, eta, c):
+    """Return (value, rate without accelerations) of a guard of an annular or growing contact; 1 where there is none.
+
+    Annulus: z > 0, slip goes on, the front has not reached the start of its piece, the edge has not met the front.
+    Grow: z > 0, no forward slip, no backward slip.
+    """
+    if which == 0:
+        return FAR_SIDE + z, z_rate
+    if regime == GROW:
+        if which == 3:
+            return 1.0, 0.0
+        return FAR_SIDE + c * z_rate + (-x_rate if which == 1 else x_rate), 0.0
+    if which == 1:
+        return FAR_SIDE + s * x_rate - c * z_rate, 0.0
+    k = memory.count[i] - 1
+    if which == 2:
+        start = memory.corner[i, k, U if s > 0.0 else W]
+        return FAR_SIDE + s * (start - x) + c * z, c * z_rate - s * x_rate
+    if memory.kind[i, k] != 0:  # smooth even where the stretch has run too far
+        eta = 0.5 * (z + s * (memory.corner[i, k, W if s > 0.0 else U] - x) / c)
+    else:  # a contact that opens just as it closed goes back along its curve: the front is at the edge all the way
+        eta -= 1e-11
+    return FAR_SIDE + z - eta, 0.5 * (s * x_rate + c * z_rate) / c
+
+
+@compiled
+def jump(memory, i, regime, s, old_z, old_x, z, x, c, sigma, bary, rates):
+    """Take a contact along a straight line in (z, x); return (regime, sign, x): exact, however long the line."""
+    if z <= 0.0:
+        memory.count[i] = 0
+        memory.level[i] = 0.0
+        return SEPARATED, 1.0, 0.0
+    if regime == SEPARATED:  # pressed on first, as if it had always been so
+        memory.count[i] = 0
+        line = 0.25 * (sigma + 1.0) ** 2 * z
+        write_curve(memory, i, line, 0.0 * line, 0.0 * line, c, rates)
+        regime, old_z, old_x = GROW, z, 0.0
+    freeze(memory, i, regime, s, old_z, old_x, c, sigma, bary)
+    if abs(x) >= c * z * (1.0 - 1e-13):
+        memory.count[i] = 0
+        s = 1.0 if x > 0.0 else -1.0
+        return SLIP, s, s * c * z
+    dz, dx = z - old_z, x - old_x
+    if abs(dx) <= c * dz:
+        if dz > 0.0:
+            root = np.sqrt(old_z) + 0.5 * (sigma + 1.0) * (np.sqrt(z) - np.sqrt(old_z))
+            line = root**2  # so that M is a polynomial
+            level = memory.level[i] + dx / (c * dz) * (line * root - old_z * np.sqrt(old_z))
+            write_curve(memory, i, line, old_x + dx / dz * (line - old_z), level, c, rates)
+        return GROW, s, x
+    s = 1.0 if dx > 0.0 else -1.0
+    if dz < 0.0:
+        s = 1.0 if x > anchor(memory, i, z, c, sigma, bary) else -1.0
+    own = U if s > 0.0 else W
+    while memory.count[i] > 0 and s * (memory.corner[i, memory.count[i] - 1, own] - x) + c * z <= 0.0:
+        memory.count[i] -= 1
+    regime = _annulus(memory, i, s)
+    return regime, s, (s * c * z if regime == SLIP else x)
+
+
+@compiled
+def anchor(memory, i, eta, c, sigma, bary):
+    """Return y(eta) of the chain."""
+    k = memory.count[i] - 1
+    while k > 0 and memory.corner[i, k, ETA] > eta:
+        k -= 1
+    corner, kind = memory.corner[i, k], memory.kind[i, k]
+    if kind != 0:
+        return 0.5 * (corner[U] + corner[W]) + kind * c * (eta - corner[ETA])
+    place = place_on(memory.curve[i, k], eta, c, sigma, bary)
+    values = memory.curve[i, k]
+    return 0.5 * (interpolate(place, sigma, bary, values[0]) + interpolate(place, sigma, bary, values[1]))
+
+
+@compiled
+def place_on(curve, eta, c, sigma, bary):
+    """Return where on a curve the edge was at eta (bisection)."""
+    a, b = -1.0, 1.0
+    for _ in range(60):
+        m = 0.5 * (a + b)
+        if interpolate(m, sigma, bary, curve[1]) - interpolate(m, sigma, bary, curve[0]) < 2.0 * c * eta:
+            a = m
+        else:
+            b = m
+    return 0.5 * (a + b)

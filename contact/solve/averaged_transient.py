@@ -1,0 +1,284 @@
+r"""The averaged way through time: first the bounce with the velocity, then the velocity alone.
+
+While the bounce lives, Runge-Kutta's classical method follows it in fixed steps, and the velocity takes the mean
+traction at the middle of each (it moves by 1e-4 of its range in one). Once the bounce's share in the mean traction,
+quadratic in its amplitude, is below the tolerance, the velocity equation is left: Dormand and Prince's pair of orders 5
+and 4 with its continuous extension (Hairer, Norsett and Wanner, *Solving Ordinary Differential Equations I*, II.5-6).
+"""
+
+import numpy as np
+
+from contact.jit.compiled import compiled, native
+from contact.solve.averaged import DONE, STICKS, UNSETTLED, mean_push, riding, settled
+from contact.solve.cycle_mean import STUCK, cycle, respond
+
+_NODES = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
+_TABLE = np.array(
+    [
+        [0.0] * 6,
+        [1 / 5, 0, 0, 0, 0, 0],
+        [3 / 40, 9 / 40, 0, 0, 0, 0],
+        [44 / 45, -56 / 15, 32 / 9, 0, 0, 0],
+        [19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729, 0, 0],
+        [9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656, 0],
+        [35 / 384, 0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84],
+    ]
+)
+_ERROR = np.array([71 / 57600, 0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40])
+_DENSE = np.array(
+    [
+        -12715105075 / 11282082432, 0, 87487479700 / 32700410799, -10690763975 / 1880347072,
+        701980252875 / 199316789632, -1453857185 / 822651844, 69997945 / 29380423,
+    ]
+)  # fmt: skip
+
+
+@compiled
+def _climb(parameters, waves, h, w, gain, rule):
+    """Return h'' of the bounce; `gain` is the second-order correction of the mean force."""
+    force, _ = mean_push(parameters[0], waves, h, rule)
+    return parameters[3] - (force + gain) * (1.0 + parameters[1] * w) - parameters[2] * w
+
+
+@compiled
+def ripple(fast):
+    """Return (z_s, z_s', v) of the fast motion at phase 0."""
+    height = climb = speed = 0.0
+    for k in range(fast.shape[1]):
+        height += fast[0, k]
+        climb += (k + 1) * fast[1, k]
+        speed += (k + 1) * fast[3, k]
+    return height, climb, speed
+
+
+@compiled
+def bounce(
+    parameters,
+    waves,
+    state,
+    stop,
+    rule,
+    fast,
+    sums,
+    still,
+    plain,
+    counts,
+    corrected,
+    per_period,
+    enough,
+    at,
+    rows,
+    work,
+):
+    """Follow bounce and velocity until the bounce has died or `stop`; return (phase, samples taken, reason).
+
+    state (h, h', V) is changed in place; `enough`: largest squared bounce that counts as dead.
+    """
+    h_end = riding(parameters[0], waves, parameters[3], rule)
+    _, slope = mean_push(parameters[0], waves, max(h_end, state[0]), rule)
+    rate = np.sqrt(slope)
+    dt = 2.0 * np.pi / rate / per_period
+    h, w, v = state[0], state[1], state[2]
+    phase, taken, gain, pull, largest, steps = 0.0, 0, 0.0, 0.0, 0.0, 0
+    while phase < stop:
+        d = min(dt, stop - phase)
+        h0, w0, v0 = h, w, v
+        for half in range(2):
+            e = 0.5 * d
+            a1 = _climb(parameters, waves, h, w, gain, rule)
+            w2 = w + 0.5 * e * a1
+            a2 = _climb(parameters, waves, h + 0.5 * e * w, w2, gain, rule)
+            w3 = w + 0.5 * e * a2
+            a3 = _climb(parameters, waves, h + 0.5 * e * w2, w3, gain, rule)
+            w4 = w + e * a3
+            a4 = _climb(parameters, waves, h + e * w3, w4, gain, rule)
+            h += e / 6.0 * (w + 2.0 * w2 + 2.0 * w3 + w4)
+            w += e / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
+            if half == 0:
+                middle = h
+        v_middle = v + 0.5 * d * (pull - parameters[4] * v - parameters[5])
+        for _ in range(2 if steps == 0 else 1):
+            if corrected:
+                cycle(parameters, waves, middle, v_middle, fast, rule, sums, counts)
+                respond(parameters, sums, fast)
+                cycle(parameters, waves, middle, v_middle, fast, rule, sums, counts)
+                force, _ = mean_push(parameters[0], waves, middle, rule)
+                gain = sums[0] - force
+                pull = sums[1]
+            else:
+                cycle(parameters, waves, middle, v_middle, still, rule, plain, counts)
+                pull = plain[1]
+            v_middle = v + 0.5 * d * (pull - parameters[4] * v_middle - parameters[5])
+        if counts[STUCK] > 0:
+            return phase, taken, STICKS
+        v = (v * (1.0 - 0.5 * d * parameters[4]) + d * (pull - parameters[5])) / (
+            1.0 + 0.5 * d * parameters[4]
+        )
+        if not np.isfinite(h + w + v):
+            return phase, taken, UNSETTLED
+        while taken < at.size and at[taken] <= phase + d * (1.0 + 1e-12):
+            s = (at[taken] - phase) / d
+            rows[taken, 0] = v0 + s * (v - v0)
+            rows[taken, 1] = -(
+                h0
+                + s
+                * (d * w0 + s * (3.0 * (h - h0) - d * (2.0 * w0 + w) + s * (2.0 * (h0 - h) + d * (w0 + w))))
+            )
+            taken += 1
+        phase += d
+        steps += 1
+        largest = max(largest, (h - h_end) ** 2 + (w / rate) ** 2)
+        if steps % per_period == 0:
+            if largest < enough:
+                break
+            largest = 0.0
+    state[0], state[1], state[2] = h, w, v
+    work[0] += steps
+    return phase, taken, DONE
+
+
+@compiled
+def _rate(parameters, waves, h, v, fast, rule, sums, counts, most):
+    """Return (V', h) with height and fast motion settled at V."""
+    if most > 0:
+        h, _ = settled(parameters, waves, h, v, fast, rule, sums, counts, most)
+    cycle(parameters, waves, h, v, fast, rule, sums, counts)
+    return sums[1] - parameters[4] * v - parameters[5], h
+
+
+@compiled
+def accelerate(
+    parameters,
+    waves,
+    state,
+    phase,
+    stop,
+    rule,
+    fast,
+    sums,
+    counts,
+    corrected,
+    tolerance,
+    at,
+    rows,
+    taken,
+    work,
+    k,
+):
+    """Follow the velocity with the bounce dead; return the reason for ending.
+
+    `tolerance`: allowed in V per step.
+    """
+    h, v = state[0], state[2]
+    most = 3 if corrected else 0
+    if not corrected:
+        h = riding(parameters[0], waves, parameters[3], rule)
+    else:
+        _rate(parameters, waves, h, v, fast, rule, sums, counts, 8)
+    k[0], h = _rate(parameters, waves, h, v, fast, rule, sums, counts, most)
+    top = 0.0
+    for i in range(waves.shape[0]):
+        top = max(top, np.hypot(waves[i, 2], waves[i, 3]))
+    d = min(stop - phase, 0.02 * top / (abs(k[0]) + 1e-300))
+    rejected = 0
+    while phase < stop:
+        d = min(d, stop - phase)
+        if stop - phase - d < 1e-9 * stop:
+            d = stop - phase
+        for i in range(1, 7):
+            y = v
+            for j in range(i):
+                y += d * _TABLE[i, j] * k[j]
+            k[i], h = _rate(parameters, waves, h, y, fast, rule, sums, counts, most)
+        error = 0.0
+        for i in range(7):
+            error += d * _ERROR[i] * k[i]
+        error = abs(error) / tolerance
+        if counts[STUCK] > 0:
+            return STICKS
+        if error > 1.0 and rejected < 60:
+            d *= max(0.2, 0.9 * error**-0.2)
+            rejected += 1
+            continue
+        rejected = 0
+        rise = y - v
+        bend = d * k[0] - rise
+        fourth = rise - d * k[6] - bend
+        last = 0.0
+        for i in range(7):
+            last += d * _DENSE[i] * k[i]
+        while taken < at.size and at[taken] <= phase + d * (1.0 + 1e-12):
+            s = (at[taken] - phase) / d
+            rows[taken, 0] = v + s * (rise + (1.0 - s) * (bend + s * (fourth + (1.0 - s) * last)))
+            rows[taken, 1] = -h
+            taken += 1
+        phase += d
+        v = y
+        k[0] = k[6]
+        work[1] += 1
+        d *= min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
+    state[0], state[1], state[2] = h, 0.0, v
+    return DONE
+
+
+@native("f1 f2 f1 f f2 i f i f1 f2 i1 f2 f1 f2 f1 i1 f1")
+def _response(parameters, waves, state, stop, rule, corrected, tolerance, per_period, at, rows, work, fast, sums, still,
+              plain, counts, k):  # fmt: skip
+    """Fill the answer of `response`; return the reason for ending."""
+    speed = state[2]
+    h, w, v = -state[0], -state[1], speed
+    for _ in range(3):
+        cycle(parameters, waves, h, v, fast, rule, sums, counts)
+        if counts[STUCK] > 0:
+            return STICKS
+        respond(parameters, sums, fast)
+        height, climb, wiggle = ripple(fast)
+        h, w, v = height - state[0], climb - state[1], speed - wiggle
+    state[0], state[1], state[2] = h, w, v
+    phase, taken, why = bounce(parameters, waves, state, stop, rule, fast, sums, still, plain, counts, corrected,
+                               per_period, tolerance, at, rows, work)  # fmt: skip
+    if why == DONE and phase < stop:
+        why = accelerate(parameters, waves, state, phase, stop, rule, fast, sums, counts, corrected,
+                         0.1 * tolerance, at, rows, taken, work, k)  # fmt: skip
+    if not corrected:
+        for m in range(fast.shape[1]):
+            fast[0, m] = fast[1, m] = fast[2, m] = fast[3, m] = 0.0
+        cycle(parameters, waves, state[0], state[2], fast, rule, sums, counts)
+        respond(parameters, sums, fast)
+    height, climb, wiggle = ripple(fast)
+    state[0], state[1], state[2] = height - state[0], climb - state[1], state[2] + wiggle
+    for m in range(at.size):
+        rows[m, 0] += wiggle
+    return why
+
+
+def response(parameters, waves, state, stop, rule, harmonics, tolerance, per_period, at, rows, work):
+    """Follow the slider from (z_s, z_s', v) at phase 0 to `stop`; return the reason for ending.
+
+    Parameters
+    ----------
+    parameters, waves : arrays
+        See `scaling`.
+    state : (3,) array
+        Slider position, its rate and velocity at phase 0; changed to those at `stop`.
+    stop : float
+        A whole number of cycles, as phase.
+    rule : (2, n) array
+        Of `cycle_mean.quadrature`.
+    harmonics : int
+        Of the fast motion in the second-order correction; 0 leaves the correction out.
+    tolerance : float
+        In V.
+    per_period : int
+        Steps per period of the bounce.
+    at, rows : (k,), (k, 2) arrays
+        Phases to report, rising; v and z_s there.
+    work : (2,) int array
+        Steps of the bounce and of the velocity are added.
+    """
+    number = max(harmonics, 8)
+    return _response(
+        parameters, waves, state, stop, rule, harmonics > 0, tolerance, per_period, at, rows, work,
+        np.zeros((8, number)), np.zeros(2 + 4 * number), np.zeros((8, number)), np.zeros(2), np.zeros(4, np.int64),
+        np.zeros(7),
+    )  # fmt: skip

@@ -1,0 +1,76 @@
+r"""The trapezoidal rule across an edge where a force begins or ends as a fractional power of time.
+
+For f = C t^a from an edge on, sampled at (j + theta) h, the rule's sum is the integral plus C h^(a+1) zeta(-a, theta),
+zeta Hurwitz's function (Navot, J. Math. and Phys. 40 (1961) 271; Lyness and Ninham, Math. Comp. 21 (1967) 162).
+Contact, release and the end of stick are such edges with a = 3/2; at x = 0 the traction has a jump in curvature, a = 2
+on both sides. Subtracting the terms a = 3/2 and 5/2 leaves the rule its accuracy for smooth periodic functions.
+"""
+
+from contact.jit.compiled import compiled
+
+
+@compiled
+def zeta_three_halves(theta):
+    """Return zeta(-3/2, theta) on [0, 1] to 1e-8: theta^1.5 plus the smooth zeta(-3/2, 1 + theta)."""
+    smooth = -0.02548521102488416 + theta * (-0.31182812373074353 + theta * (-0.5476597212373369 + theta * (
+        -0.16304407482012848 + theta * (0.030445687423321655 + theta * (-0.010723098451273515 + theta * (
+            0.003383023079009234 - theta * 0.0005736902764518283))))))  # fmt: skip
+    return theta * theta**0.5 + smooth
+
+
+@compiled
+def zeta_five_halves(theta):
+    """Return zeta(-5/2, theta) on [0, 1] to 1e-8."""
+    smooth = 0.008516934787262741 + theta * (-0.0637137980807522 + theta * (-0.38976932454492436 + theta * (
+        -0.4565074931076384 + theta * (-0.10142109125846284 + theta * (0.014208581815920938 + theta * (
+            -0.0032821215636875054 + theta * 0.00048524563270975273))))))  # fmt: skip
+    return theta * theta * theta**0.5 + smooth
+
+
+@compiled
+def edge_excess(theta, h, first, second):
+    """Return what the rule's sum has too much for first t^1.5 + second t^2.5, the nearest sample at theta h."""
+    root = h**0.5
+    return h * h * root * (first * zeta_three_halves(theta) + h * second * zeta_five_halves(theta))
+
+
+@compiled
+def passage_excess(s, h, bend):
+    """Return what the rule's sum has too much for -bend t |t|, which passes zero a fraction s into a step."""
+    return -2.0 / 3.0 * bend * h**3 * s * (s - 0.5) * (s - 1.0)
+
+
+@compiled
+def last_part(v0, v1, whole):
+    """Return (place, integral from there to 1) of the root of the parabola with ends v0 > 0 > v1 and this integral."""
+    bulge = 6.0 * (whole - 0.5 * (v0 + v1))
+    s = v0 / (v0 - v1)
+    for _ in range(3):
+        slope = v1 - v0 + bulge * (1.0 - 2.0 * s)
+        if slope >= 0.0:
+            break
+        s = min(max(s - (v0 + s * (v1 - v0) + bulge * s * (1.0 - s)) / slope, 0.0), 1.0)
+    r = 1.0 - s
+    return s, r * (v0 + 0.5 * (1.0 + s) * (v1 - v0) + bulge * r * (0.5 * s + r / 6.0))
+
+
+@compiled
+def cubic(s, y0, y1, r0, r1):
+    """Return the cubic through y0, y1 with slopes r0, r1 (times the step) at s in [0, 1]."""
+    return y0 + s * (r0 + s * (3.0 * (y1 - y0) - 2.0 * r0 - r1 + s * (2.0 * (y0 - y1) + r0 + r1)))
+
+
+@compiled
+def rising_root(y0, y1, r0, r1):
+    """Return the place at which the cubic rises through zero, y0 <= 0 < y1 (Newton from the secant)."""
+    s = y0 / (y0 - y1)
+    bend, twist = 3.0 * (y1 - y0) - 2.0 * r0 - r1, 2.0 * (y0 - y1) + r0 + r1
+    for _ in range(5):
+        slope = r0 + s * (2.0 * bend + 3.0 * s * twist)
+        if slope <= 0.0:
+            return s
+        step = (y0 + s * (r0 + s * (bend + s * twist))) / slope
+        s = min(max(s - step, 0.0), 1.0)
+        if abs(step) < 1e-12:
+            break
+    return s

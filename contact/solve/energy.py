@@ -1,0 +1,120 @@
+r"""Where the energy goes, stretch by stretch: powers at the nodes, integrated with the motion's own matrices.
+
+The surface does the work N u_z' + Q u_x' on the contact, N all of the normal force. What does not reach the slider is
+stored in the springs, lost in the Hunt-Crossley damper (chi P z'^2) or in slip (Q times slip speed). The elastic law
+has no potential unless the reciprocal normal force dW/dz acts: without it the law itself loses -(dW/dz) z'
+(negative: energy out of nothing). The slider passes on to its dampers, the load, and the preload's
+potential. All in the scaled problem's unit of energy, m omega^2 ell^2.
+"""
+
+import numpy as np
+
+from contact.interpolation import interpolate
+from contact.jit.compiled import compiled
+from contact.law.elastic import ANNULUS, CREEP, SEPARATED, SLIP, back_force
+from contact.law.hysteretic import front, place_on
+from contact.solve.segment import BACK, CLIMB, FRONT, SPEED, TRAVEL, U_X_RATE, U_Z_RATE, P, Q, X, Z
+
+# places in the sums: integrals over phase of sum Q, of the sum of normal forces without damper, slider displacement
+TRACTION, SUPPORT, DISPLACEMENT = 0, 1, 2
+# energies
+WAVE_NORMAL, WAVE_TANGENTIAL, SLIP_LOSS, CONTACT_LOSS, NORMAL_LOSS, TANGENTIAL_LOSS, LOAD_WORK, LEAK = range(
+    3, 11
+)
+# phase since the last event (0: none yet) and the inverse of the smallest gap between two
+SINCE, CROWDING, SUMS = 11, 12, 13
+
+
+@compiled
+def account(parameters, length, column, regime, sign, shared, own, sums):
+    """Add the integrals over one stretch to the sums."""
+    chi, d_n, d_t, q, mu, c = (
+        parameters[1], parameters[2], parameters[4], parameters[5], parameters[6], parameters[7],
+    )  # fmt: skip
+    n = shared.shape[1]
+    for k in range(n):
+        weight = length * column[k, n - 1]
+        w, v = shared[CLIMB, k], shared[SPEED, k]
+        sums[NORMAL_LOSS] += weight * d_n * w * w
+        sums[TANGENTIAL_LOSS] += weight * d_t * v * v
+        sums[LOAD_WORK] += weight * q * v
+        for i in range(regime.size):
+            if regime[i] == SEPARATED:
+                continue
+            normal, traction = own[P, i, k], own[Q, i, k]
+            z_rate, x_rate = own[U_Z_RATE, i, k] - w, own[U_X_RATE, i, k] - v
+            spring = normal + own[BACK, i, k]
+            damper = chi * normal * z_rate
+            sums[TRACTION] += weight * traction
+            sums[SUPPORT] += weight * spring
+            sums[WAVE_NORMAL] += weight * (spring + damper) * own[U_Z_RATE, i, k]
+            sums[WAVE_TANGENTIAL] += weight * traction * own[U_X_RATE, i, k]
+            sums[CONTACT_LOSS] += weight * damper * z_rate
+            if regime[i] == SLIP or regime[i] == CREEP:
+                sums[SLIP_LOSS] += weight * traction * (x_rate - sign[i] * c * z_rate)
+            elif regime[i] == ANNULUS:
+                z, inner = own[Z, i, k], np.sqrt(own[FRONT, i, k])
+                spread = z * np.sqrt(z) - 1.5 * z * inner + 0.5 * inner**3
+                sums[SLIP_LOSS] += weight * mu * parameters[0] * spread * (sign[i] * x_rate - c * z_rate)
+            if parameters[10] == 0.0:
+                force = back_force(regime[i], sign[i], own[Z, i, k], own[X, i, k], normal, mu, c)
+                sums[LEAK] -= weight * force * z_rate
+    sums[DISPLACEMENT] += shared[TRAVEL, n - 1]
+    if sums[SINCE] > 0.0:
+        sums[SINCE] += length
+
+
+@compiled
+def mark(sums):
+    """Note an event: the gap since the last one counts if there was one."""
+    if sums[SINCE] > 1e-200:
+        sums[CROWDING] = max(sums[CROWDING], 1.0 / sums[SINCE])
+    sums[SINCE] = 1e-300
+
+
+def chain_energy(memory, i, regime, s, z, x, c, sigma, bary, rates):
+    """Return the tangential springs' energy over mu K: (3/8c) int (x - y)^2/sqrt(eta) d eta, (x - y)^2 the deflection.
+
+    On a line y is linear in eta; on a curve sqrt(eta) dy = (2c/3) dM, so that by parts the integral is
+    [2 sqrt(eta) (x - y)^2] + (8c/3) int (x - y) dM, by Gauss's rule on its polynomials.
+    """
+    if regime == SEPARATED or z <= 0.0:
+        return 0.0
+    pieces = [(memory.kind[i, k], *memory.corner[i, k, :3], k) for k in range(memory.count[i])]
+    if regime == SLIP:
+        pieces = [(int(s), 0.0, 0.0, 0.0, -1)]
+    elif regime == ANNULUS:
+        eta, _ = front(memory, i, s, z, x, c, sigma, bary)
+        y = x - s * c * (z - eta)
+        pieces.append((int(s), eta, y - c * eta, y + c * eta, -1))
+    node, weight = np.polynomial.legendre.leggauss(24)
+    total = 0.0
+    for number, (kind, start, u, w, k) in enumerate(pieces):
+        stop = pieces[number + 1][1] if number + 1 < len(pieces) else z
+        if kind != 0:
+            deflection, roots = x - 0.5 * (u + w) + kind * c * start, np.sqrt([max(start, 0.0), stop])
+            parts = (
+                2.0 * deflection**2 * roots
+                - 4.0 / 3.0 * deflection * kind * c * roots**3
+                + 0.4 * c**2 * roots**5
+            )
+            total += parts[1] - parts[0]
+            continue
+        curve = memory.curve[i, k]
+        end = place_on(curve, stop, c, sigma, bary) if 2.0 * c * stop < curve[1, -1] - curve[0, -1] else 1.0
+        middle, half = 0.5 * (end - 1.0), 0.5 * (end + 1.0)
+        profile, slope = 0.5 * (curve[0] + curve[1]), rates @ curve[2]
+
+        def at(values, place):
+            return interpolate(place, sigma, bary, values)
+
+        inside = sum(
+            g * (x - at(profile, middle + half * p)) * at(slope, middle + half * p)
+            for p, g in zip(node, weight, strict=True)
+        )
+        total += 8.0 * c / 3.0 * half * inside
+        total += (
+            2.0 * np.sqrt(stop) * (x - at(profile, end)) ** 2
+            - 2.0 * np.sqrt(max(start, 0.0)) * (x - profile[0]) ** 2
+        )
+    return 0.375 / c * total

@@ -1,0 +1,168 @@
+"""A run of the event-exact motion: the state it carries, and the arrays that the compiled kernel wants.
+
+The only class here that changes: it guards the state of one slider on one wave, in the wave's own units.
+"""
+
+import copy
+import math
+
+import numpy as np
+
+from contact import scaling
+from contact.convergence import ConvergenceError
+from contact.law import elastic, hysteretic, mindlin
+from contact.scaling import Scaled
+from contact.solve import energy, event_driven, events, segment, warm_start
+from contact.solve.collocation import Collocation
+
+_SENTENCES = {
+    event_driven.NOT_FINITE: ("not finite", "the motion overflowed; check mass, dampers and amplitude"),
+    event_driven.TOO_MANY: (
+        "too many events",
+        "events follow each other without end; {advice}, or try another tolerance",
+    ),
+    event_driven.FULL: (
+        "memory full",
+        "the contact remembers more reversals than there is room for; raise the dampers",
+    ),
+    event_driven.STIFF: (
+        "stiff",
+        "contact or dampers are too stiff for the exact way on this time scale; raise the mass",
+    ),
+}
+
+
+class Motion:
+    """State of a slider on a wave, moved along by stretches between events.
+
+    Parameters
+    ----------
+    problem : Scaled
+        The dimensionless problem.
+    table : Collocation
+        Points and matrices of a stretch.
+    truncation : float
+        Allowed per stretch, relative to the friction and preload impulse of a radian.
+    """
+
+    def __init__(self, problem: Scaled, *, table: Collocation, truncation: float):
+        contacts = len(problem.waves)
+        self.problem, self.table, self.truncation = problem, table, truncation
+        self.state = np.zeros(3 + contacts)
+        self.regime, self.sign = np.zeros(contacts, np.int64), np.ones(contacts)
+        self.tally, self.sums = np.zeros(event_driven.TALLY, np.int64), np.zeros(energy.SUMS)
+        parameters = problem.parameters
+        remembers = parameters[scaling.LAW] == scaling.HYSTERETIC and parameters[scaling.LIMIT_SLOPE] > 0.0
+        # energies at the start of what the sums cover, where someone noted them
+        self.begun = None
+        self.memory = hysteretic.blank(contacts, table.sigma.size) if remembers else None
+
+    def place(self, height, climb, speed, deformations=0.0):
+        """Set the state at phase 0: slider position and its rate, slider velocity, deformations; all scaled.
+
+        With the hysteretic law contacts that have a memory are taken there from where they are, on a straight line in
+        approach and deformation.
+        """
+        if self.memory is not None:
+            self._displace(height, climb, speed, deformations)
+            return
+        self.state[:3] = height, climb, speed
+        self.state[3:] = deformations
+        events.open_regimes(
+            self.problem.parameters, self.problem.waves, 0.0, self.state, self.regime, self.sign
+        )  # fmt: skip
+
+    def copy(self) -> "Motion":
+        """Return an independent motion in the same state."""
+        twin = copy.copy(self)
+        for name in ("state", "regime", "sign", "tally", "sums"):
+            setattr(twin, name, getattr(self, name).copy())
+        if self.memory is not None:
+            twin.memory = hysteretic.copy(self.memory)
+        return twin
+
+    def turn(self, number: int, *, mobile: bool = True, stride: int = 0) -> np.ndarray:
+        """Move through `number` whole cycles; return rows (v, z_s, mean v) every `stride` cycles."""
+        rows = np.empty((number // stride if stride else 0, 3))
+        nothing = np.empty((0, self.regime.size, 6))
+        self._travel(0.0, 2.0 * np.pi, number, mobile, nothing[:, 0, 0], nothing, stride, rows)
+        return rows
+
+    def move(self, start: float, stop: float, at: np.ndarray) -> np.ndarray:
+        """Move from one phase to another; return (k, contacts, 6) samples z, x, P, Q, regime, v at the phases `at`."""
+        samples, cycles = np.zeros((at.size, self.regime.size, 6)), self.tally[event_driven.CYCLES]
+        self._travel(start, stop, 1, True, at, samples, 0, np.empty((0, 3)))
+        self.tally[event_driven.CYCLES] = cycles
+        return samples
+
+    def _travel(self, start, stop, number, mobile, at, samples, stride, rows):
+        table, contacts = self.table, self.regime.size
+        n = table.sigma.size
+        shared, own = np.zeros((segment.ROWS, n)), np.zeros((segment.PLANES, contacts, n))
+        why = event_driven.travel(
+            self.problem.parameters, self.problem.waves, table.sigma, table.bary, table.tau, table.columns, table.rates,
+            table.tail, self.state, self.regime, self.sign, start, stop, number, mobile, self.truncation, self.tally,
+            self.sums, at, samples, stride, rows, self._limit(stop - start), self.memory,
+            *warm_start.blank(contacts, n), shared, own, np.empty(n),
+        )  # fmt: skip
+        if why != event_driven.DONE:
+            self.fail(why)
+
+    def fail(self, why):
+        """Raise the error that belongs to the reason for which a run ended."""
+        status, sentence = _SENTENCES[why]
+        # the hysteretic law knows no stick band
+        advice = "set stick_band > 0" if self.memory is None else "raise normal_damping or contact_damping"
+        raise ConvergenceError(status, sentence.format(advice=advice))
+
+    def events(self) -> dict[str, int]:
+        """Return the number of events by kind, and of stretches, halvings and sweeps."""
+        names = (*elastic.NAMES, "stretches", "halvings", "sweeps", "cycles", "chatter", "wipe_out")
+        return {name: int(number) for name, number in zip(names, self.tally, strict=True)}
+
+    def energy(self) -> np.ndarray:
+        """Return the energy of the contacts' springs, of the preload and of the slider, in units m (omega ell)^2.
+
+        At phase 0: the surface's height there is what the approach is taken from.
+        """
+        parameters, waves = self.problem.parameters, self.problem.waves
+        kappa, mu, c = parameters[scaling.KAPPA], parameters[scaling.MU], parameters[scaling.LIMIT_SLOPE]
+        height, climb, speed = self.state[:3]
+        z = np.maximum(waves[:, 0] - height, 0.0)
+        P = kappa * z**1.5
+        stored = np.sum(0.4 * P * z)
+        if self.memory is None:
+            stored += np.sum(mindlin.stored_energy(self.state[3:], c * z, mu * P))
+        else:
+            table = self.table
+            for i in range(z.size):
+                stored += mu * kappa * energy.chain_energy(
+                    self.memory, i, self.regime[i], self.sign[i], z[i], self.state[3 + i], c, table.sigma, table.bary,
+                    table.rates,
+                )  # fmt: skip
+        return np.array([stored, parameters[scaling.PRELOAD] * height, 0.5 * (climb**2 + speed**2)])
+
+    def _displace(self, height, climb, speed, deformations):
+        table, c = self.table, self.problem.parameters[scaling.LIMIT_SLOPE]
+        surface = self.problem.waves[:, 0]
+        target = np.broadcast_to(np.asarray(deformations, float), self.regime.shape)
+        for i in range(self.regime.size):
+            # a memory is known at the end of a run, where the surface is as at phase 0
+            old, new = surface[i] - self.state[0], surface[i] - height
+            if old == new and target[i] == self.state[3 + i] and self.regime[i] != elastic.SEPARATED:
+                continue
+            self.regime[i], self.sign[i], self.state[3 + i] = hysteretic.jump(
+                self.memory, i, self.regime[i], self.sign[i], old, self.state[3 + i], new, target[i], c, table.sigma,
+                table.bary, table.rates,
+            )  # fmt: skip
+        self.state[:3] = height, climb, speed
+
+    def smallest_gap(self) -> float:
+        """Return the smallest time between two events since the sums were cleared, s; inf if there were not two."""
+        crowding = self.sums[energy.CROWDING]
+        return float(1.0 / (crowding * self.problem.omega)) if crowding > 0.0 else math.inf
+
+    def _limit(self, span):
+        """Return the stretches that a run may take: a guard that fires for ever must fail, not hang."""
+        events = 500.0 * self.regime.size * (1.0 + span / (2.0 * math.pi))
+        return int(min(events + 40.0 * span / self.problem.parameters[scaling.LONGEST], 1e9))

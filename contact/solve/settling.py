@@ -1,0 +1,240 @@
+r"""The steady state by waiting for it: where no stable motion repeats with the wave's period.
+
+A slider whose contact resonates near the wave's frequency or above it may hop once in several cycles, or never the
+same way twice. Then the motion is followed event by event until it repeats after a few cycles, until every contact
+sticks for good (the mean velocity is then zero, whatever rings), or until there is enough of it for a mean whose
+statistical error is stated: batch means over what is left after the first half, and the difference to a second run
+from almost the same start, for there may be several motions to settle to.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from contact import scaling
+from contact.convergence import ConvergenceError
+from contact.law import elastic
+from contact.orbit import Orbit
+from contact.slider import Slider
+from contact.solve.collocation import collocation
+from contact.solve.energy import DISPLACEMENT
+from contact.solve.event_driven import HALVINGS, STRETCHES
+from contact.solve.motion import Motion
+
+# cycles after which a motion may repeat, and how closely (of the units of the problem)
+PERIODS, REPEATS = 12, 1e-9
+# stretches that a run may take (some seconds), and cycles
+BUDGET, MOST_CYCLES = 600_000, 30_000
+MEMORY = 10.0  # how much dearer a stretch is with the hysteretic law
+BATCHES, STUDENT = 16, 2.13  # of the mean, and the factor for 95 % with 15 degrees of freedom
+# as fast against the wave as this a contact follows the surface from the start
+SLOW = 5.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class LongRun:
+    """Mean of a long motion, in the units of `problem`.
+
+    Attributes
+    ----------
+    problem : scaling.Scaled
+        Phase 0 is where u_z of the first contact passes zero upwards.
+    speed, height : float
+        Means of v and of -z_s.
+    error : float
+        Estimated, of `speed`.
+    period : int
+        Cycles after which the motion repeats; 0 if it was not seen to.
+    sticks : bool
+        Whether every contact sticks for good, so that the speed is exactly zero.
+    cycles, passed : int
+        Over which the mean is taken, and those before.
+    starts : int
+        From which the motion was followed.
+    motion : motion.Motion
+        At the end; its tally and sums cover the `cycles`.
+    before : (3,) array
+        `Motion.energy` at their start.
+    """
+
+    problem: scaling.Scaled
+    speed: float
+    height: float
+    error: float
+    period: int
+    sticks: bool
+    cycles: int
+    passed: int
+    starts: int = 1
+    motion: Motion
+    before: np.ndarray
+
+
+def long_run(slider: Slider, orbits: tuple[Orbit, ...], direction: float) -> LongRun:
+    """Return the mean of the motion from rest, once it repeats, sticks or has gone on for long enough.
+
+    Parameters
+    ----------
+    slider, orbits
+        The slider, and one orbit per contact.
+    direction : float
+        +1 or -1: the direction of motion that the load opposes.
+
+    Raises
+    ------
+    ConvergenceError
+        Status "out of reach" where that would take too long, or what the motion ran into.
+    """
+    start = -0.5 * math.pi - float(np.angle(orbits[0].normal))
+    problem = scaling.scaled(slider, orbits, direction=direction, start=start)
+    rate = _relaxation(problem)
+    _refuse_unless_affordable(problem, rate)
+    begin = np.array(_rest(slider, orbits, problem))
+    first = _followed(problem, begin, rate)
+    if first.period or first.sticks:
+        return first
+    # a push too small to matter to anything but an irregular motion
+    second = _followed(problem, begin + np.array([0.0, 1e-6, 0.0, 0.0]), rate)
+    other = second if second.period or second.sticks else first
+    return replace(other, error=max(first.error, second.error, abs(first.speed - second.speed)), starts=2)
+
+
+def _followed(problem, begin, rate):
+    """Return the mean of the motion from one start."""
+    motion = Motion(problem, table=collocation(14), truncation=1e-11)
+    motion.place(*begin)
+    budget = BUDGET / (MEMORY if motion.memory is not None else 1.0)
+    block, passed, spent = 1, 0, 0
+    rows, quiet = np.empty((0, 3)), 0
+    while True:
+        before = motion.energy()
+        motion.tally[:], motion.sums[:] = 0, 0.0
+        rows = np.vstack([rows, motion.turn(block, stride=1)])
+        passed += block
+        spent += int(motion.tally[STRETCHES] + motion.tally[HALVINGS])
+        quiet = quiet + 1 if _stuck(motion) else 0
+        if quiet > 1:
+            return _found(problem, motion, before, 0.0, 0.0, 0, True, block, passed)
+        period, gap = _period(rows)
+        if period:
+            return _repeating(problem, motion, period, gap, passed)
+        if spent > 0.25 * budget or passed > MOST_CYCLES // 4:
+            return _mean(problem, motion, max(BATCHES, passed), passed, rate)
+        # as many cycles in a block as a twentieth of the budget takes
+        block = int(min(max(1, 0.05 * budget * passed / spent), MOST_CYCLES // 20, 2 * block))
+
+
+def _relaxation(problem):
+    """Return the rate per radian at which v settles: damper, and friction force over the range of speeds."""
+    parameters = problem.parameters
+    reach = max(float(np.hypot(*wave[2:])) for wave in problem.waves) + 1e-300
+    return (
+        parameters[scaling.TANGENTIAL_DAMPING]
+        + 0.3 * parameters[scaling.MU] * parameters[scaling.PRELOAD] / reach
+    )
+
+
+def _refuse_unless_affordable(problem, rate):
+    stretches = problem.stretches
+    if stretches > BUDGET / 30:
+        raise ConvergenceError(
+            "out of reach",
+            f"a cycle takes {stretches:.3g} stretches of the motion, for contact or dampers are so much faster than "
+            "the wave; raise the mass or lower the dampers",
+        )
+    cycles = 2.0 / (2.0 * math.pi * rate)
+    if cycles > min(MOST_CYCLES, BUDGET / max(stretches, 16.0)) / 4:
+        raise ConvergenceError(
+            "out of reach",
+            f"no stable motion repeats with the wave's period, and the slider takes {cycles:.3g} cycles to settle, too "
+            "many to follow; follow a burst by method stepped",
+        )
+
+
+def _rest(slider, orbits, problem):
+    """Return (z_s, z_s', v, x) at phase 0: at rest, or carried along by a surface that is slow for the contact."""
+    depth = slider.rest_approach(len(orbits)) / problem.length
+    friction = slider.friction_coefficient * slider.preload
+    load = math.copysign(slider.load, problem.parameters[scaling.LOAD])
+    used = min(slider.load / friction, 1.0) if friction > 0.0 else 0.0
+    x = math.copysign(slider.limit_slope * depth * (1.0 - (1.0 - used) ** (2.0 / 3.0)), load)
+    a, b = np.mean(problem.waves[:, :2], axis=0)
+    if slider.tangential_resonance(len(orbits)) < SLOW * orbits[0].frequency:
+        return -depth, 0.0, 0.0, x
+    return a - depth, b, float(np.mean(problem.waves[:, 3])), x
+
+
+def _stuck(motion):
+    """Return whether every contact stuck through the last block."""
+    events = (elastic.CONTACT, elastic.RELEASE, elastic.STICK_TO_SLIP, elastic.SLIP_TO_STICK)
+    return bool(np.all(motion.regime == elastic.STICK)) and not np.any(motion.tally[list(events)])
+
+
+def _period(rows):
+    """Return (cycles after which the motion repeats or 0, what is left to settle)."""
+    for period in range(1, PERIODS + 1):
+        if len(rows) < 6 * period:
+            break
+        late = rows[-3 * period :] - rows[-4 * period : -period]
+        early = rows[-5 * period : -2 * period] - rows[-6 * period : -3 * period]
+        scale = 1.0 + np.max(np.abs(rows[-3 * period :]))
+        gap, former = float(np.max(np.abs(late))), float(np.max(np.abs(early)))
+        if gap > REPEATS * scale:
+            continue
+        left = gap / former if former > 0.0 else 0.0
+        rounding = 1e-13 * scale
+        if gap <= rounding or left < 0.9:
+            return period, gap * left / (1.0 - min(left, 0.9)) + rounding
+    return 0, math.inf
+
+
+def _repeating(problem, motion, period, gap, passed):
+    """Return the mean over one period, its error from the same period at another order."""
+    begin, before = motion.copy(), motion.energy()
+    motion.tally[:], motion.sums[:] = 0, 0.0
+    motion.turn(period)
+    coarse = Motion(problem, table=collocation(10), truncation=1e-8)
+    coarse.state, coarse.regime, coarse.sign = begin.state.copy(), begin.regime.copy(), begin.sign.copy()
+    if begin.memory is None:
+        coarse.turn(period)
+        error = abs(coarse.sums[DISPLACEMENT] - motion.sums[DISPLACEMENT]) / (2.0 * math.pi * period)
+    else:  # what a contact remembers is kept on the nodes of its own order
+        error = 1e-9
+    speed = float(motion.sums[DISPLACEMENT]) / (2.0 * math.pi * period)
+    return _found(problem, motion, before, speed, error + gap, period, False, period, passed)
+
+
+def _mean(problem, motion, cycles, passed, rate):
+    """Return the mean over as many cycles again, in batches; what is left to settle counts as an error."""
+    before = motion.energy()
+    motion.tally[:], motion.sums[:] = 0, 0.0
+    each = max(1, cycles // BATCHES)
+    means = motion.turn(each * BATCHES, stride=1)[:, 2].reshape(BATCHES, each).mean(axis=1)
+    spread = STUDENT * float(np.std(means, ddof=1)) / math.sqrt(BATCHES)
+    half = BATCHES // 2
+    drift = abs(float(np.mean(means[half:]) - np.mean(means[:half])))
+    settled = -math.expm1(-rate * 2.0 * math.pi * 0.5 * BATCHES * each)
+    if drift > 3.0 * spread or settled < 0.2:
+        raise ConvergenceError(
+            "not settled",
+            f"after {passed + BATCHES * each} cycles the slider's speed still drifts by "
+            f"{drift * problem.speed:.2g} m/s; raise the dampers or follow a burst",
+        )
+    speed = float(np.mean(means))
+    return _found(
+        problem, motion, before, speed, (spread + drift) / settled, 0, False, each * BATCHES, passed
+    )
+
+
+def _found(problem, motion, before, speed, error, period, sticks, cycles, passed):
+    return LongRun(
+        problem=problem, speed=speed, height=_mean_approach(motion, period or 4), error=error, period=period,
+        sticks=sticks, cycles=cycles, passed=passed, motion=motion, before=before,
+    )  # fmt: skip
+
+
+def _mean_approach(motion, cycles):
+    """Return minus the mean of z_s over some more cycles; u_z itself has none."""
+    ahead, at = motion.copy(), 2.0 * math.pi * np.arange(1, 65) / 64
+    return float(np.mean([ahead.move(0.0, 2.0 * math.pi, at)[:, 0, 0].mean() for _ in range(cycles)]))

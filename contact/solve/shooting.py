@@ -1,0 +1,164 @@
+r"""The periodic motion of the full equations: fixed point of the map of one wave cycle.
+
+The map takes (z_s, z_s', v, x_i) at the trough of the first contact to the same a cycle later, event-exactly. Newton's
+method starts from the averaged balance, with the Jacobian of the map by differences. A contact that slips or parts
+forgets its deformation, so those columns are mostly zero.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.convergence import ConvergenceError
+from contact.solve.collocation import collocation
+from contact.solve.energy import DISPLACEMENT, SUPPORT
+from contact.solve.equilibrium import Balance
+from contact.solve.event_driven import TALLY
+from contact.solve.motion import Motion
+
+# no motion that is worth searching leaves this many length units
+BOUND = 1e6
+
+
+@dataclass(frozen=True, kw_only=True)
+class Periodic:
+    """Periodic motion, in the units of the balance's problem.
+
+    Attributes
+    ----------
+    speed : float
+        Mean of v over the cycle.
+    support : float
+        Mean of the normal forces without the contact's damper.
+    state : (3 + n,) array
+        z_s, z_s', v and the deformations x_i at phase 0.
+    jacobian : (3 + n, 3 + n) array
+        Derivative of the cycle map with respect to `state`; its eigenvalues are the multipliers.
+    step : float
+        Last Newton step: how far the fixed point may still be.
+    motion : Motion
+        After the last cycle, its tally of that cycle.
+    before : (3,) array
+        `Motion.energy` at the start of that cycle.
+    work : (11,) int array
+        As in `Balance`.
+    """
+
+    speed: float
+    support: float
+    state: np.ndarray
+    jacobian: np.ndarray
+    step: float
+    motion: Motion
+    before: np.ndarray
+    work: np.ndarray
+
+    @property
+    def rounding(self) -> float:
+        """What the rounding of one cycle makes of the speed, a quotient of small numbers for a heavy slider."""
+        away = np.linalg.inv(self.jacobian - np.eye(self.state.size))[2]
+        return 2.2e-16 * float(np.abs(away) @ np.abs(self.state))
+
+
+def periodic(
+    balance: Balance, *, nodes: int, truncation: float, near: Periodic | None = None, settle: int = 0
+) -> Periodic:
+    """Return the periodic motion at one order of collocation.
+
+    Parameters
+    ----------
+    balance : Balance
+        The averaged steady state: where to start.
+    nodes : int
+        Collocation points per stretch.
+    truncation : float
+        Allowed per stretch, see `Motion`.
+    near : Periodic, optional
+        Start from this motion instead, with its Jacobian.
+    settle : int
+        Cycles to follow the motion from the balance before the search.
+
+    Returns
+    -------
+    Periodic
+
+    Raises
+    ------
+    ConvergenceError
+        If the fixed point is not reached to 1e-6.
+    """
+    motion = Motion(balance.problem, table=collocation(nodes), truncation=truncation)
+    base = motion
+    work, before = np.zeros(TALLY, np.int64), np.zeros(3)
+
+    def cycle(y, keep=True):
+        nonlocal motion, base
+        if motion.memory is not None:  # a contact that does not forget starts from what it remembers
+            motion = base.copy()
+        motion.tally[:], motion.sums[:] = 0, 0.0
+        motion.place(*y[:3], y[3:])
+        before[:] = motion.energy()
+        motion.turn(1)
+        work[:] += motion.tally
+        if not np.max(np.abs(motion.state)) < BOUND:
+            raise ConvergenceError(
+                "not finite",
+                "the cycle map throws the slider off; lower the contact damping or follow a burst",
+            )
+        if keep:
+            base = motion
+        return motion.state.copy()
+
+    if near is None:
+        y = np.concatenate(([-balance.height, 0.0, balance.speed], balance.motion.state[3:]))
+        y[3:] = cycle(y)[3:]  # the full motion's own deformations
+        for _ in range(settle):
+            y = cycle(y)
+        jacobian = _jacobian(cycle, y)
+    else:
+        y, jacobian = near.state.copy(), near.jacobian
+    least = math.inf
+    for count in range(40):
+        if count % 10 == 9:  # slow: close to an edge, where the map bends
+            jacobian = _jacobian(cycle, y)
+        residual = y - cycle(y)
+        try:
+            step = np.linalg.solve(jacobian - np.eye(y.size), residual)
+        except np.linalg.LinAlgError:
+            raise ConvergenceError(
+                "not converged", "the cycle map leaves some state as it is, so that no one motion repeats"
+            ) from None
+        size = float(np.max(np.abs(step)))
+        if size < 1e-12 or (count > 2 and size >= 0.5 * least and least < 1e-10):
+            break
+        least = min(least, size)
+        # far from the fixed point the map bends: no state moves by more than half its size
+        y = y + step * min(1.0, 0.5 / float(np.max(np.abs(step) / (1.0 + np.abs(y)))))
+    if not size < 1e-6:
+        raise ConvergenceError(
+            "not converged",
+            f"the cycle map's fixed point was not reached (last step {size:.2g}); follow a burst with method exact",
+        )
+    turn = 2.0 * math.pi
+    return Periodic(
+        speed=motion.sums[DISPLACEMENT] / turn + step[2],
+        support=motion.sums[SUPPORT] / turn,
+        state=y,
+        jacobian=jacobian,
+        step=size,
+        motion=motion,
+        before=before,
+        work=work,
+    )
+
+
+def _jacobian(cycle, y):
+    """Return the derivative of the cycle map by differences; deformations are moved towards zero."""
+    start = cycle(y, keep=False)
+    columns = []
+    for k in range(y.size):
+        moved = y.copy()
+        moved[k] += 1e-7 if k < 3 or y[k] < 0.0 else -1e-7
+        columns.append((cycle(moved, keep=False) - start) / (moved[k] - y[k]))
+    return np.array(columns).T

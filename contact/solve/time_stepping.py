@@ -1,0 +1,290 @@
+r"""Many cycles in fixed steps: the stop operator inside a Verlet step.
+
+Positions by Verlet, forces at the step's ends, and the stop operator as a projection: the deformation follows the
+surface and is cut to [-c z, c z]. The slider is heavy, so its own step errs little; what plain projection loses, it
+loses at the events. These are located on cubics through values and rates, the deformation is laid out from there, and
+the trapezoidal sums of the forces get the terms that belong to a fractional power at an edge (`end_corrections`):
+contact, release, end of stick, x = 0. The surface motion of one cycle is tabulated.
+
+An envelope scales the wave: e(t), complex, linear within each cycle, u = Re(e U exp(i phi)).
+
+Not for a stick band (creep), nor where the contact resonance is not well resolved by the step.
+"""
+
+import numpy as np
+
+from contact.jit.compiled import compiled, native
+from contact.solve.end_corrections import cubic, edge_excess, last_part, passage_excess, rising_root
+
+# rows of the cells, one column per run: slider, contact forces alone, distance within the cycle, what a step is made of
+HEIGHT, CLIMB, SPEED, PUSH, PULL, TRAVELLED, STEP, DAMP_N, DAMP_T, INVERSE, CELL = range(11)
+
+
+@compiled
+def _tabulate(waves, per_cycle, before, after, table):
+    """Fill surface displacement and velocity of one cycle under an envelope that goes from `before` to `after`."""
+    u_z, u_x, w_z, w_x = table[0], table[1], table[2], table[3]
+    h = 2.0 * np.pi / per_cycle
+    turn = (after - before) / (2.0 * np.pi)
+    for k in range(per_cycle + 1):
+        co, si = np.cos(h * (k % per_cycle)), np.sin(h * (k % per_cycle))
+        e = before + (after - before) * (k / per_cycle)
+        for i in range(waves.shape[0]):
+            u, w = waves[i, 0] * co + waves[i, 1] * si, waves[i, 1] * co - waves[i, 0] * si
+            u_z[k, i] = e.real * u + e.imag * w
+            w_z[k, i] = e.real * w - e.imag * u + turn.real * u + turn.imag * w
+            u, w = waves[i, 2] * co + waves[i, 3] * si, waves[i, 3] * co - waves[i, 2] * si
+            u_x[k, i] = e.real * u + e.imag * w
+            w_x[k, i] = e.real * w - e.imag * u + turn.real * u + turn.imag * w
+
+
+@compiled
+def _contact_edge(kappa, chi, z_rate, z_bend, h):
+    """Return the coefficients of t^1.5 and t^2.5 in the elastic force at contact or release."""
+    first = kappa * z_rate * np.sqrt(z_rate)
+    return first, first * min(max(0.75 * z_bend / z_rate, -1.0 / h), 1.0 / h)
+
+
+@compiled
+def _slip_edge(scale, c, below, above, v_old, v_new, h):
+    """Return what the rule's sum has too much for mu P - |Q| where stick ends within the step.
+
+    It is mu K (z - |x|/c)^1.5; `below` and `above` are |x| - c z at the ends of the step, v their rates.
+    """
+    if above <= 0.0:
+        return 0.0
+    s = rising_root(below, above, h * v_old, h * v_new)
+    v_edge = max(v_old + s * (v_new - v_old), 0.0)
+    bend = 0.75 * (v_old - v_new) / max(v_edge, 1e-300)
+    first = scale * v_edge / c * np.sqrt(v_edge / c)
+    return edge_excess(s, h, first, first * min(max(bend, -1.0), 1.0) / h)
+
+
+@compiled
+def _step(parameters, k, table, own, cells, m):
+    """Move one run from step k of the cycle to the next; column m of `cells` is the slider, `own` its contacts."""
+    kappa, chi, d_n, p = parameters[0], parameters[1], parameters[2], parameters[3]
+    d_t, q, mu, c = parameters[4], parameters[5], parameters[6], parameters[7]
+    u_z, u_x, w_z, w_x = table[0], table[1], table[2], table[3]
+    z, x, slip = own[0], own[1], own[2]
+    height, climb, speed, push, pull = (
+        cells[HEIGHT, m],
+        cells[CLIMB, m],
+        cells[SPEED, m],
+        cells[PUSH, m],
+        cells[PULL, m],
+    )
+    h = cells[STEP, m]
+    climb_half = climb + 0.5 * h * (push - p - d_n * climb)
+    speed_half = speed + 0.5 * h * (pull - q - d_t * speed)
+    height += h * climb_half
+    travel = h * speed_half
+    cells[TRAVELLED, m] += travel
+    climb_next = 2.0 * climb_half - climb  # enough for rates at the step's end
+    speed_next = 2.0 * speed_half - speed
+    push, pull, push_excess, pull_excess = 0.0, 0.0, 0.0, 0.0
+    for i in range(z.size):
+        z_old, z_new = z[i], u_z[k + 1, i] - height
+        z[i] = z_new
+        if z_new <= 0.0:
+            if z_old > 0.0:
+                r0, r1 = h * (w_z[k, i] - climb), h * (w_z[k + 1, i] - climb_next)
+                s = rising_root(-z_old, -z_new, -r0, -r1)
+                rate = max(-(r0 + s * (r1 - r0)) / h, 1e-6)
+                first, second = _contact_edge(kappa, chi, rate, -height, h)
+                sign = 1.0 if x[i] > 0.0 else -1.0
+                if slip[i] == 0.0:  # it must have slipped before
+                    along = x[i] + u_x[k + 1, i] - u_x[k, i] - travel
+                    sign = 1.0 if along > 0.0 else -1.0
+                    v_old = sign * (w_x[k, i] - speed) - c * (w_z[k, i] - climb)
+                    v_new = sign * (w_x[k + 1, i] - speed_next) - c * (w_z[k + 1, i] - climb_next)
+                    pull_excess -= sign * _slip_edge(
+                        mu * kappa, c, sign * x[i] - c * z_old, sign * along - c * z_new, v_old, v_new, h
+                    )
+                push_excess += edge_excess(s, h, first * (1.0 - chi * rate), second)
+                pull_excess += sign * mu * edge_excess(s, h, first, second)
+                x[i], slip[i] = 0.0, 0.0
+            continue
+        z_rate, x_rate = w_z[k + 1, i] - climb_next, w_x[k + 1, i] - speed_next
+        limit = c * z_new
+        along = u_x[k + 1, i] - u_x[k, i] - travel
+        elastic = kappa * z_new * np.sqrt(z_new)
+        if z_old > 0.0 and slip[i] == 0.0:
+            old = x[i]
+            deformation = old + along
+            if abs(deformation) < limit:  # stick all along
+                x[i] = deformation
+                push += elastic * (1.0 + chi * z_rate)
+                # mu P (1 - (1 - |x|/c z)^1.5) without its division
+                left = z_new - abs(deformation) * cells[INVERSE, m]
+                force = mu * (elastic - kappa * left * np.sqrt(left))
+                pull += force if deformation > 0.0 else -force
+                if old * deformation < 0.0:
+                    bend = 0.375 * mu * elastic * x_rate * abs(x_rate) / (limit * limit)
+                    pull_excess += passage_excess(old / (old - deformation), h, bend)
+                continue
+            sign = 1.0 if deformation > 0.0 else -1.0
+            v_old = sign * (w_x[k, i] - speed) - c * (w_z[k, i] - climb)
+            v_new = sign * x_rate - c * z_rate
+            pull_excess -= sign * _slip_edge(
+                mu * kappa, c, sign * old - c * z_old, sign * deformation - limit, v_old, v_new, h
+            )
+            if v_new >= 0.0:
+                x[i], slip[i] = sign * limit, sign
+            else:  # slips and sticks again within the step
+                x[i] = sign * limit
+        else:
+            if z_old <= 0.0:
+                r0, r1 = h * (w_z[k, i] - climb), h * z_rate
+                s = rising_root(z_old, z_new, r0, r1)
+                y0, y1 = h * (w_x[k, i] - speed), h * x_rate
+                rate, drift = max((r0 + s * (r1 - r0)) / h, 1e-6), (y0 + s * (y1 - y0)) / h
+                sign = 1.0 if drift > 0.0 else -1.0
+                x[i] = along - cubic(s, 0.0, along, y0, y1)
+                first, second = _contact_edge(kappa, chi, rate, -height, h)
+                push_excess += edge_excess(1.0 - s, h, first * (1.0 + chi * rate), second)
+                ratio = min(sign * drift / (c * rate), 1.0)
+                root = np.sqrt(1.0 - ratio)
+                share = 1.0 - (1.0 - ratio) * root
+                turn = 0.0
+                if ratio < 1.0:
+                    turn = (
+                        0.75 * root * (sign * (w_x[k + 1, i] - w_x[k, i]) / (h * c) + ratio * height) / rate
+                    )
+                    turn = min(max(turn, -1.0 / h), 1.0 / h)
+                pull_excess += (
+                    sign * mu * edge_excess(1.0 - s, h, first * share, second * share + first * turn)
+                )
+                slip[i] = sign if ratio == 1.0 else 0.0
+                v_old = sign * drift - c * rate
+            else:
+                s, sign = 0.0, slip[i]
+                v_old = sign * (w_x[k, i] - speed) - c * (w_z[k, i] - climb)
+            if slip[i] != 0.0:
+                v_new = sign * x_rate - c * z_rate
+                if v_new >= 0.0:
+                    x[i] = sign * limit
+                elif z_old <= 0.0:
+                    # slip ends within the step: what follows is stick from the limit there
+                    rest = (1.0 - s) * h * v_new / (v_new - v_old)
+                    x[i] = sign * (limit + 0.5 * rest * v_new)
+                    slip[i] = 0.0
+                else:
+                    _, lag = last_part(v_old, v_new, (sign * along - c * (z_new - z_old)) / h)
+                    x[i] = sign * (limit + h * lag)
+                    slip[i] = 0.0
+            elif abs(x[i]) >= limit:
+                slip[i] = 1.0 if x[i] > 0.0 else -1.0
+                x[i] = slip[i] * limit
+        push += elastic * (1.0 + chi * z_rate)
+        if slip[i] != 0.0:
+            pull += slip[i] * mu * elastic
+        else:
+            left = max(z_new - abs(x[i]) * cells[INVERSE, m], 0.0)
+            force = mu * (elastic - kappa * left * np.sqrt(left))
+            pull += force if x[i] > 0.0 else -force
+    climb = (climb_half + 0.5 * h * (push - p) - push_excess) * cells[DAMP_N, m]
+    speed = (speed_half + 0.5 * h * (pull - q) - pull_excess) * cells[DAMP_T, m]
+    cells[HEIGHT, m], cells[CLIMB, m], cells[SPEED, m], cells[PUSH, m], cells[PULL, m] = (
+        height,
+        climb,
+        speed,
+        push,
+        pull,
+    )
+
+
+@native("f2 f3 f2 i i1 i f3 c1 f4 f3 f2")
+def _abreast(parameters, waves, states, number, per_cycle, stride, rows, envelope, tables, own, cells):
+    """Do the work of `abreast`; return whether all is finite."""
+    runs, n = waves.shape[0], waves.shape[1]
+    shaped = envelope.size > 0
+    e = envelope[0] if shaped else 1.0 + 0.0j
+    most = 0
+    for m in range(runs):
+        _tabulate(waves[m], per_cycle[m], e, e, tables[m])
+        _begin(parameters[m], states[m], per_cycle[m], tables[m], own[m], cells, m)
+        most = max(most, per_cycle[m])
+    for cycle in range(number):
+        for m in range(runs):
+            cells[TRAVELLED, m] = 0.0
+            if shaped:
+                _tabulate(waves[m], per_cycle[m], envelope[cycle], envelope[cycle + 1], tables[m])
+        # runs do not wait for each other: the processor works at several at once
+        for k in range(most):
+            for m in range(runs):
+                if k < per_cycle[m]:
+                    _step(parameters[m], k, tables[m], own[m], cells, m)
+        for m in range(runs):
+            if not np.isfinite(cells[HEIGHT, m] + cells[CLIMB, m] + cells[SPEED, m]):
+                return False
+            if stride > 0 and (cycle + 1) % stride == 0:
+                row = (cycle + 1) // stride - 1
+                rows[m, row, 0], rows[m, row, 1] = cells[SPEED, m], cells[HEIGHT, m]
+                rows[m, row, 2] = cells[TRAVELLED, m] / (2.0 * np.pi)
+    for m in range(runs):
+        states[m, 0], states[m, 1], states[m, 2] = cells[HEIGHT, m], cells[CLIMB, m], cells[SPEED, m]
+        for i in range(n):
+            states[m, 3 + i] = own[m, 1, i]
+    return True
+
+
+@compiled
+def _begin(parameters, state, per_cycle, table, own, cells, m):
+    """Set the forces of the first instant and what stays the same."""
+    h = 2.0 * np.pi / per_cycle
+    cells[STEP, m], cells[INVERSE, m] = h, 1.0 / parameters[7]
+    cells[DAMP_N, m], cells[DAMP_T, m] = (
+        1.0 / (1.0 + 0.5 * h * parameters[2]),
+        1.0 / (1.0 + 0.5 * h * parameters[4]),
+    )
+    kappa, chi, mu, c = parameters[0], parameters[1], parameters[6], parameters[7]
+    cells[HEIGHT, m], cells[CLIMB, m], cells[SPEED, m] = state[0], state[1], state[2]
+    push, pull = 0.0, 0.0
+    for i in range(own.shape[1]):
+        x, z, slip = state[3 + i], table[0, 0, i] - state[0], 0.0
+        if z > 0.0:
+            elastic = kappa * z * np.sqrt(z)
+            push += elastic * (1.0 + chi * (table[2, 0, i] - state[1]))
+            left = max(1.0 - abs(x) / (c * z), 0.0)
+            pull += np.sign(x) * mu * elastic * (1.0 - left * np.sqrt(left))
+            slip = np.sign(x) if left < 1e-13 else 0.0
+        own[0, i], own[1, i], own[2, i] = z, x, slip
+    cells[PUSH, m], cells[PULL, m] = push, pull
+
+
+def abreast(parameters, waves, states, number, per_cycle, stride, rows, envelope) -> bool:
+    """Move several runs through whole cycles, side by side; return whether all have stayed finite.
+
+    Parameters
+    ----------
+    parameters, waves : (k, 11), (k, n, 4) arrays
+        See `scaling`; one row per run.
+    states : (k, 3 + n) array
+        z_s, z_s', v, x_1..x_n; changed in place.
+    number : int
+        Cycles.
+    per_cycle : (k,) int array
+        Steps in each cycle.
+    stride, rows : int, (k, number // stride, 3) array
+        Every `stride` cycles a row (v, z_s, mean v of the last cycle) is filled; stride 0 records nothing.
+    envelope : (0,) or (number + 1,) complex array
+        Factor on the waves at the ends of the cycles; empty: the waves as they are.
+    """
+    runs, n = waves.shape[:2]
+    room = np.empty((runs, 4, int(np.max(per_cycle)) + 1, n)), np.empty((runs, 3, n)), np.zeros((CELL, runs))
+    return bool(_abreast(parameters, waves, states, number, per_cycle, stride, rows, envelope, *room))
+
+
+def steps(parameters, waves, state, number, per_cycle, stride, rows, envelope) -> bool:
+    """Move one run through whole cycles of equal steps: `abreast` of one."""
+    return abreast(
+        parameters[None],
+        waves[None],
+        state[None],
+        number,
+        np.array([per_cycle]),
+        stride,
+        rows[None],
+        envelope,
+    )

@@ -1,0 +1,252 @@
+"""The Rayleigh wave of a half-space, without a mesh.
+
+A wave exp(i(omega t - k x)) over a body at z < 0 leaves its surface free of traction where an eigenvalue
+of the surface impedance (stroh.py) is zero.  The eigenvalues are real and fall with v up to the limiting
+velocity, so each crosses zero at most once and bisection cannot miss it.  With v = v_limit sin(angle)
+they are analytic up to the limit, and a few steps of regula falsi give all digits.
+
+Limits: only waves below the limiting velocity of the coupled fields.  A leaky one is refused.
+"""
+
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Literal, get_args
+
+import numpy as np
+
+from fem.analytic.stroh import SurfaceImpedance, limiting_velocity
+from fem.convergence import ConvergenceError
+from fem.materials import Solid, fields
+from fem.materials.medium import Medium, medium
+
+Surface = Literal["vacuum", "open", "metallised"]
+SURFACES: tuple[str, ...] = get_args(Surface)
+
+_DISPLACEMENTS = ("ux", "uy", "uz")
+_BELOW_LIMIT = 1e-9  # a root nearer to the limiting velocity than this, relative, is not told apart from it
+_ROOT_STEPS = 60
+
+
+@dataclass(frozen=True, kw_only=True)
+class HalfSpaceWave:
+    """A surface wave, normalised to u_z = 1 at the surface.
+
+    Attributes
+    ----------
+    solid : Solid
+    surface : str
+        "vacuum", "open" (D_n = 0) or "metallised" (phi = 0).
+    fields : tuple of str
+        Fields that take part.
+    velocity : float
+        m/s.
+    limiting_velocity : float
+        Of the coupled bulk waves along the surface, m/s.
+    displacement : ndarray, shape (3,), complex
+        u_x, u_y, u_z at the surface; u_x = i |u_x| is retrograde.
+    potential : complex
+        V per m of u_z at the surface.
+    """
+
+    solid: Solid
+    surface: str
+    fields: tuple[str, ...]
+    velocity: float
+    limiting_velocity: float
+    displacement: np.ndarray
+    potential: complex
+    _decay: np.ndarray = field(repr=False)
+    _amplitude: np.ndarray = field(repr=False)
+    _potential_unit: float = field(repr=False)
+
+    @property
+    def surface_ratio(self) -> float:
+        """|u_x / u_z| at the surface."""
+        return float(abs(self.displacement[0]))
+
+    @property
+    def slowest_decay(self) -> float:
+        """Smallest decay of a partial wave with depth, in nepers per wavelength."""
+        return float(2 * np.pi * np.linalg.eigvals(self._decay).imag.min())
+
+    def profile(self, depth) -> tuple[np.ndarray, np.ndarray]:
+        """Return displacement and potential against depth.
+
+        Parameters
+        ----------
+        depth : array_like, shape (n,)
+            Below the surface, in wavelengths; 0 or positive.
+
+        Returns
+        -------
+        displacement : ndarray, shape (n, 3), complex
+        potential : ndarray, shape (n,), complex
+            V per m of u_z at the surface.
+        """
+        from scipy.linalg import expm
+
+        depth = np.atleast_1d(np.asarray(depth, dtype=float))
+        if not np.all(depth >= 0):
+            raise ValueError(f"depth must be 0 or positive, got {depth.min()!r} wavelengths")
+        amplitudes = expm(2j * np.pi * depth[:, None, None] * self._decay) @ self._amplitude
+        return _expanded(amplitudes, self.fields, self._potential_unit)
+
+
+def surface_named(word: str) -> Surface:
+    """Return the condition that a word stands for: "free" is another one for "vacuum".
+
+    Parameters
+    ----------
+    word : str
+
+    Returns
+    -------
+    str
+        Of `SURFACES`.
+
+    Raises
+    ------
+    ValueError
+        For any other word.
+    """
+    surface = "vacuum" if word == "free" else word
+    if surface not in SURFACES:
+        raise ValueError(f"surface must be one of {', '.join(SURFACES)} or free, got {word!r}")
+    return surface
+
+
+def rayleigh(solid: Solid, surface: str = "vacuum") -> HalfSpaceWave:
+    """Return the Rayleigh wave of a half-space.
+
+    Parameters
+    ----------
+    solid : Solid
+        In the frame x along the propagation, z out of the surface; its losses are ignored.
+    surface : str
+        "vacuum" (or "free"), "open" (D_n = 0), "metallised" (phi = 0).
+
+    Returns
+    -------
+    HalfSpaceWave
+
+    Raises
+    ------
+    ValueError
+        For an unknown surface.
+    ConvergenceError
+        If the cut has no subsonic wave with sagittal motion: what propagates is leaky or shear-horizontal.
+    """
+    surface = surface_named(surface)
+    names, body, limit = _bulk(solid)
+    unit = float(np.sqrt(1.0 / body.inertia[0]))  # m/s
+    impedance = SurfaceImpedance(body, surface)
+    top = np.arcsin(1.0 - _BELOW_LIMIT)
+    waves = int(np.sum(impedance.eigenvalues(limit * np.sin(top)) < 0))
+    for index in range(waves):
+        angle = _root(lambda angle, i=index: impedance.eigenvalues(limit * np.sin(angle))[i], top)
+        velocity = limit * np.sin(angle)
+        amplitude = impedance.mode(velocity, index)
+        displacement, potential = _expanded(amplitude, names, body.potential_unit)
+        if 2 * abs(displacement[1]) ** 2 > np.linalg.norm(displacement) ** 2:
+            continue
+        scale = displacement[2]
+        return HalfSpaceWave(
+            solid=solid,
+            surface=surface,
+            fields=names,
+            velocity=float(velocity * unit),
+            limiting_velocity=float(limit * unit),
+            displacement=displacement / scale,
+            potential=complex(potential / scale),
+            _decay=impedance.decay(velocity),
+            _amplitude=amplitude / scale,
+            _potential_unit=body.potential_unit,
+        )
+    found = "only a shear-horizontal wave" if waves else "no surface wave"
+    raise ConvergenceError(
+        f"{solid.name} ({solid.frame}), surface {surface}: {found} below the limiting velocity "
+        f"{limit * unit:.1f} m/s; the Rayleigh wave of this cut is leaky. Try another orientation"
+    )
+
+
+def coupling(solid: Solid) -> float:
+    """Return K2 = 2 (v_vacuum - v_metallised) / v_vacuum.
+
+    Parameters
+    ----------
+    solid : Solid
+        In the frame of the cut.
+
+    Returns
+    -------
+    float
+    """
+    if "phi" not in fields(solid):
+        return 0.0
+    free, metallised = (rayleigh(solid, surface).velocity for surface in ("vacuum", "metallised"))
+    return 2 * (free - metallised) / free
+
+
+@lru_cache(maxsize=16)
+def _bulk(solid: Solid) -> tuple[tuple[str, ...], Medium, float]:
+    """Fields, scaled tables and limiting velocity, which all surfaces of a solid share."""
+    names = fields(solid)
+    body = medium(solid, names, lossy=False)
+    return names, body, limiting_velocity(body)
+
+
+def _root(function, top: float) -> float:
+    """Zero of a falling function on (0, top): bracketed, by the Anderson-Bjorck variant of regula falsi."""
+    low, high = top / 2, top
+    f_low, f_high = function(low), function(high)
+    while f_low < 0:
+        low, high, f_high = low / 2, low, f_low
+        f_low = function(low)
+    above = None  # on which side of zero the last value was
+    for _ in range(_ROOT_STEPS):
+        new = (low * f_high - high * f_low) / (f_high - f_low)
+        f_new = function(new)
+        step = min(abs(new - low), abs(new - high))
+        if step < 1e-15 * top or abs(f_new) * (high - low) < 1e-15 * top * (f_low - f_high):
+            return new
+        repeated, above = above is (f_new > 0), f_new > 0
+        ratio = f_new / (f_low if above else f_high)
+        kept = 1.0 if not repeated else (1 - ratio if ratio < 1 else 0.5)
+        if above:
+            low, f_low, f_high = new, f_new, f_high * kept
+        else:
+            high, f_high, f_low = new, f_new, f_low * kept
+    raise ConvergenceError(f"surface impedance has no root after {_ROOT_STEPS} steps")
+
+
+def _expanded(amplitudes: np.ndarray, names: tuple[str, ...], potential_unit: float):
+    """Displacement (..., 3) and potential (...) in V/m of scaled amplitudes (..., fields)."""
+    displacement = np.zeros((*amplitudes.shape[:-1], 3), dtype=complex)
+    potential = np.zeros(amplitudes.shape[:-1], dtype=complex)
+    for place, name in enumerate(names):
+        if name == "phi":
+            potential[...] = amplitudes[..., place] * potential_unit
+        else:
+            displacement[..., _DISPLACEMENTS.index(name)] = amplitudes[..., place]
+    return displacement, potential
+
+
+def automatic_period(solid: Solid, frequency: float, metallisation: float) -> float:
+    """Period that a transducer needs at a frequency: the wavelength of the lossless half-space, part metallised.
+
+    Parameters
+    ----------
+    solid : Solid
+        In the stator's frame.
+    frequency : float
+        Hz.
+    metallisation : float
+        Finger width over finger width plus gap.
+
+    Returns
+    -------
+    float
+        (metallisation v_metal + (1 - metallisation) v_vacuum) / frequency, in m.
+    """
+    metal, vacuum = rayleigh(solid, "metallised").velocity, rayleigh(solid, "vacuum").velocity
+    return (metallisation * metal + (1 - metallisation) * vacuum) / frequency

@@ -1,0 +1,140 @@
+"""Surface impedance of a half-space by Stroh's formalism.
+
+Fields u(z) exp(i(omega t - k x)), body at z < 0, z its outward normal, d/dy = 0, no loss.  With the
+tables xx, xz, zz of forms.py, generalised traction -i k b on z = const and partial waves exp(-i k p z),
+Stroh's problem is N (u, b) = p (u, b) with the real matrix (Stroh 1962; Ting, *Anisotropic Elasticity*,
+1996, chapters 5, 12)
+
+    N = [[-zz^-1 xz^T, zz^-1], [xz zz^-1 xz^T - xx + rho v^2, -xz zz^-1]].
+
+Below the limiting velocity all p are complex.  The decaying half is the +i eigenspace of the real matrix
+W = [[S, H], [-L, S^T]], W^2 = -1, which shares its invariant subspaces with N (Barnett and Lothe 1973).
+W is the limit of W <- (W - 1/W)/2 from W = N, the matrix sign iteration of -iN (Roberts 1980; Higham,
+*Functions of Matrices*, 2008, chapter 5): quadratic, and blind to coinciding p.  The impedance, traction
+= k Z u, is
+
+    Z = H^-1 + i H^-1 S,    Hermitian.
+
+The surface fixes phi in terms of u (phi = 0, D_n = 0, or D_n = eps0 k phi under vacuum).  What remains
+acts on displacements alone, is positive definite at v = 0, and its eigenvalues fall with v (Lothe and
+Barnett 1976).
+"""
+
+import numpy as np
+
+from fem.convergence import ConvergenceError
+from fem.materials import VACUUM_PERMITTIVITY
+from fem.materials.medium import Medium
+
+_SIGN_STEPS = 60  # near the limit each step doubles the angle of p
+
+
+class SurfaceImpedance:
+    """Z(v) and what follows from it, scaled: velocity in sqrt(stress_unit / rho).
+
+    Parameters
+    ----------
+    body : Medium
+        Real tables.
+    surface : str
+        "vacuum", "open" or "metallised".
+    """
+
+    def __init__(self, body: Medium, surface: str):
+        # The softest modulus as the unit keeps N of order one for a nearly incompressible solid too.
+        displaced = _displaced(body)
+        softest = np.diag(body.zz)[displaced].min()
+        xx, xz, zz = body.xx / softest, body.xz / softest, body.zz / softest
+        inverse = np.linalg.inv(zz)
+        self.upper = -inverse @ xz.T
+        self.inverse = inverse
+        self.lower = xz @ inverse @ xz.T - xx
+        self.inertia = np.diag(displaced.astype(float)) / softest
+        self.displaced = displaced
+        gap = VACUUM_PERMITTIVITY * body.potential_unit**2 / body.stress_unit / softest
+        self.gap = gap if surface == "vacuum" else 0.0
+        self.electric = surface != "metallised" and "phi" in body.fields
+
+    def eigenvalues(self, velocity: float) -> np.ndarray:
+        """Ascending, of the impedance of the displacements alone."""
+        return np.linalg.eigvalsh(self._condensed(self._full(velocity)))
+
+    def mode(self, velocity: float, index: int) -> np.ndarray:
+        """Surface amplitude of all fields, shape (fields,), where eigenvalue ``index`` vanishes."""
+        full = self._full(velocity)
+        amplitude = np.zeros(len(self.displaced), dtype=complex)
+        amplitude[self.displaced] = np.linalg.eigh(self._condensed(full))[1][:, index]
+        if self.electric:
+            across = full[~self.displaced][:, self.displaced] @ amplitude[self.displaced]
+            amplitude[~self.displaced] = -across / (full[-1, -1] - self.gap)
+        return amplitude
+
+    def decay(self, velocity: float) -> np.ndarray:
+        """G with u(z) = exp(-i k G z) u(0), shape (fields, fields); its eigenvalues are the p that decay."""
+        return self.upper + 1j * self.inverse @ self._full(velocity)
+
+    def _condensed(self, full: np.ndarray) -> np.ndarray:
+        m = self.displaced
+        stiff = full[np.ix_(m, m)]
+        if not self.electric:
+            return stiff
+        across = full[np.ix_(m, ~m)]
+        return stiff - across @ across.conj().T / (full[-1, -1].real - self.gap)
+
+    def _full(self, velocity: float) -> np.ndarray:
+        """Z = H^-1 + i H^-1 S of all fields."""
+        n = len(self.displaced)
+        stroh = np.block(
+            [[self.upper, self.inverse], [self.lower + velocity**2 * self.inertia, self.upper.T]]
+        )
+        w = stroh
+        for _ in range(_SIGN_STEPS):
+            new = (w - np.linalg.inv(w)) / 2
+            change = np.abs(new - w).max()
+            w = new
+            if change < 1e-8 * np.abs(w).max():
+                break
+        else:
+            raise ConvergenceError(
+                f"no decaying partial waves at {velocity:.6g} of the scaled shear velocity"
+            )
+        inverse = np.linalg.inv(w[:n, n:])
+        z = inverse + 1j * inverse @ w[:n, :n]
+        return (z + z.conj().T) / 2
+
+
+def limiting_velocity(body: Medium) -> float:
+    """Return the slowest trace velocity of a bulk wave along x: min of c(theta) / cos(theta), scaled.
+
+    Parameters
+    ----------
+    body : Medium
+        Real tables.
+
+    Returns
+    -------
+    float
+        In sqrt(stress_unit / rho).
+    """
+    displaced = _displaced(body)
+
+    def trace_velocity_squared(theta):
+        c, s = np.cos(theta)[:, None, None], np.sin(theta)[:, None, None]
+        christoffel = c * c * body.xx + c * s * (body.xz + body.xz.T) + s * s * body.zz
+        acoustic = christoffel[:, displaced][:, :, displaced]
+        if not displaced.all():
+            across = christoffel[:, displaced][:, :, ~displaced]
+            acoustic = acoustic - across @ across.transpose(0, 2, 1) / christoffel[:, -1:, -1:]
+        return np.linalg.eigvalsh(acoustic)[:, 0] / np.cos(theta) ** 2
+
+    centre, half = 0.0, np.pi / 2 * 0.99
+    for points in (91, 21, 21, 21, 21):
+        theta = np.linspace(centre - half, centre + half, points)
+        values = trace_velocity_squared(theta)
+        centre, half = theta[np.argmin(values)], theta[1] - theta[0]
+    return float(np.sqrt(values.min()))
+
+
+def _displaced(body: Medium) -> np.ndarray:
+    """Which fields are displacements, shape (fields,)."""
+    return np.array([name != "phi" for name in body.fields])

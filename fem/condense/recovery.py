@@ -1,0 +1,62 @@
+"""Back into a condensed column: the field at all its nodes, and the power that is lost in it.
+
+The faces between the elements follow from the sides and the electrode, the inside of an element from its own
+boundary.  The loss is summed element by element from the imaginary parts of the moduli (c'' |S|^2 and eps'' |E|^2),
+apart from everything the solution was made with, so that
+
+    power in at the combs = power out through the two lines + power lost between them
+
+is an audit of the whole solve, and not an identity of one matrix.
+"""
+
+import numpy as np
+
+from fem.condense.superelement import Column, ElementSets, electrode_dofs, element_dofs, element_kind
+from fem.discretize.forms import element_matrix
+from fem.discretize.section import FIELD_COLUMN
+
+
+class ColumnField:
+    """Recovery of one kind of column; made once, used for each place where the column stands."""
+
+    def __init__(self, column: Column):
+        self.column = column
+
+    def _elements(self, sides: np.ndarray):
+        """Values of every element, in its own order of nodes and fields, for places along the last axis."""
+        section, column = self.column.section, self.column
+        values = np.concatenate([sides, column.faces_from @ sides])
+        if column.comb is not None:
+            values[electrode_dofs(section, column.faces)] = sides[2 * section.size + column.comb]
+        for element, (height, medium) in enumerate(zip(section.heights, section.media, strict=True)):
+            dofs = element_dofs(section, element, column.faces)
+            sets = ElementSets(section.order, len(medium.fields))
+            rim = np.where((dofs >= 0)[:, None], values[dofs], 0.0)
+            full = np.empty((len(sets.rim) + len(sets.inside), sides.shape[-1]), dtype=complex)
+            full[sets.rim] = rim
+            full[sets.inside] = column.inside_from[element_kind(height, medium)] @ rim
+            yield element, height, medium, full
+
+    def loss(self, sides: np.ndarray) -> float:
+        """Power lost in all places together, scaled, (omega / 2) sum u^H Im(A) u; what an absorbing layer takes too."""
+        column, order = self.column, self.column.section.order
+        angular = 2 * np.pi * column.frequency * column.section.length_unit
+        total = 0.0
+        for _, height, medium, values in self._elements(sides):
+            if height.imag:
+                whole = element_matrix(medium, column.width, height, order, angular)
+                total += float(np.vdot(values, whole @ values).imag)
+            elif np.iscomplexobj(medium.xx):
+                loss = element_matrix(medium, column.width, height.real, order, angular, part="loss")
+                total += float(np.vdot(values, loss @ values).real)
+        return np.pi * column.frequency * total
+
+    def values(self, sides: np.ndarray) -> np.ndarray:
+        """Fields at the nodes, shape (order + 1 along x, nodes along z, 4 fields, places); zero where absent."""
+        section, order = self.column.section, self.column.section.order
+        out = np.zeros((order + 1, len(section.dofs), 4, sides.shape[-1]), dtype=complex)
+        for element, _, medium, values in self._elements(sides):
+            columns = [FIELD_COLUMN[name] for name in medium.fields]
+            shaped = values.reshape(order + 1, order + 1, len(columns), -1)
+            out[:, element * order : (element + 1) * order + 1, columns] = shaped
+        return out

@@ -1,0 +1,241 @@
+"""Condensed pieces of the stator: a column of elements reduced to its two sides and its electrode.
+
+A column is one element wide and the whole section deep.  Its matrix is a sum of Kronecker products; the unknowns
+inside an element, then those on the faces between elements, are eliminated (static condensation, Guyan 1965), so
+that what remains relates the nodal fluxes on the left and right lines and the charge of an electrode on top to the
+displacements and potentials there:
+
+    [g_left, g_right, q+, q-] = A [u_left, u_right, V+, V-],      A complex symmetric.
+
+g is the outward nodal flux (-f on the left, +f on the right) and q = int grad psi . D = -Q, the charge with its sign
+turned.  A finger is equipotential: phi on its surface nodes, corners included, is the potential of its comb.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fem.convergence import ConvergenceError
+from fem.discretize.forms import element_matrix
+from fem.discretize.section import FIELD_COLUMN, Section
+from fem.materials.medium import Medium
+
+PORTS = 2  # potentials of the positive and the negative comb
+MOST_AMPLIFIED = 1e9  # of a piece's fields over those at its sides, up to which seven digits are left
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Block:
+    """A piece of stator condensed to its sides.
+
+    Attributes
+    ----------
+    size : int
+        Unknowns n of a line.
+    matrix : ndarray, shape (2 n + 2, 2 n + 2)
+        Over left line, right line, potential of the positive and of the negative comb; scaled.
+    width : float
+        Length units.
+    parts : tuple
+        The two blocks it was joined of and the line between them as a function of the sides, (n, 2 n + 2); or empty.
+    column : Column or None
+        What it was condensed from, for a single column.
+    turned : bool
+        Whether the parts and the column know the two combs the other way round.
+    floating : ndarray or None, shape (2 n + 2,)
+        For an open strip: its potential, in the place of comb 0, as a function of the sides.
+    """
+
+    size: int
+    matrix: np.ndarray = field(repr=False)
+    width: float
+    parts: tuple = field(default=(), repr=False)
+    column: "Column | None" = field(default=None, repr=False)
+    turned: bool = False
+    floating: np.ndarray | None = field(default=None, repr=False)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Column:
+    """One column of elements and what its condensation leaves for the way back.
+
+    Attributes
+    ----------
+    section : Section
+    width : float
+        Length units.
+    frequency : float
+        Hz.
+    comb : int or None
+        0 or 1 for a finger on top, None for a bare surface.
+    faces : ndarray, shape (elements + 1, order - 1, 4)
+        Number of the unknown on a face between elements by node and field, -1 where there is none.
+    faces_from : ndarray, shape (face unknowns, 2 n + 2)
+        Faces from sides and comb potentials.
+    inside_from : dict
+        By kind of element (height, medium): inside from its rim.
+    """
+
+    section: Section
+    width: float
+    frequency: float
+    comb: int | None
+    faces: np.ndarray = field(repr=False)
+    faces_from: np.ndarray = field(repr=False)
+    inside_from: dict = field(repr=False)
+
+
+class ElementSets:
+    """Numbers of an element's unknowns, ``fields`` a node: sides, faces, all of its rim, inside."""
+
+    def __init__(self, order: int, fields: int):
+        grid = np.arange((order + 1) ** 2 * fields).reshape(order + 1, order + 1, fields)
+        self.left, self.right = grid[0].reshape(-1), grid[-1].reshape(-1)
+        self.bottom, self.top = grid[1:-1, 0].reshape(-1), grid[1:-1, -1].reshape(-1)
+        self.inside = grid[1:-1, 1:-1].reshape(-1)
+        self.rim = np.concatenate([self.left, self.right, self.bottom, self.top])
+
+
+def condensed(section: Section, frequency: float, *, width: float, comb: int | None) -> Block:
+    """Condense a column of elements to its sides and its electrode.
+
+    Parameters
+    ----------
+    section : Section
+    frequency : float
+        Hz.
+    width : float
+        Length units.
+    comb : int or None
+        Comb of the finger on top, if any.
+
+    Returns
+    -------
+    Block
+    """
+    skeleton, faces, inside_from = _skeleton(section, width, frequency)
+    sides = 2 * section.size + PORTS
+    drop = np.arange(sides, len(skeleton))
+    tied = np.empty(0, dtype=int)
+    if comb is not None:
+        # The corners stay behind as empty rows of the sides: their line knows them as the comb's.
+        tied = electrode_dofs(section, faces)
+        skeleton = _folded(skeleton, tied, 2 * section.size + comb)
+        drop = np.setdiff1d(drop, tied)
+    matrix, back = _schur(skeleton, np.arange(sides), drop)
+    faces_from = np.zeros((len(skeleton) - sides, sides), dtype=back.dtype)
+    faces_from[drop - sides] = back
+    if comb is not None:
+        faces_from[tied[tied >= sides] - sides, 2 * section.size + comb] = 1.0
+    column = Column(
+        section=section,
+        width=width,
+        frequency=frequency,
+        comb=comb,
+        faces=faces,
+        faces_from=faces_from,
+        inside_from=inside_from,
+    )
+    return Block(size=section.size, matrix=matrix, width=width, column=column)
+
+
+def _skeleton(section: Section, width: float, frequency: float) -> tuple[np.ndarray, np.ndarray, dict]:
+    """Matrix of a column over its sides, two empty ports and its faces; the faces; the way back inside."""
+    order, n = section.order, section.size
+    faces = _face_dofs(section, first=2 * n + PORTS)
+    dtype = np.result_type(section.heights, *(medium.xx for medium in section.media))
+    matrix = np.zeros((int(max(faces.max(initial=-1), 2 * n + PORTS - 1)) + 1,) * 2, dtype=dtype)
+    angular = 2 * np.pi * frequency * section.length_unit
+    done: dict[tuple, np.ndarray] = {}
+    inside_from: dict[tuple, np.ndarray] = {}
+    for element, (height, medium) in enumerate(zip(section.heights, section.media, strict=True)):
+        kind = element_kind(height, medium)
+        if kind not in done:
+            sets = ElementSets(order, len(medium.fields))
+            full = element_matrix(medium, width, height, order, angular)
+            done[kind], inside_from[kind] = _schur(full, sets.rim, sets.inside)
+        dofs = element_dofs(section, element, faces)
+        exists = np.flatnonzero(dofs >= 0)
+        matrix[np.ix_(dofs[exists], dofs[exists])] += done[kind][np.ix_(exists, exists)]
+    return matrix, faces, inside_from
+
+
+def element_kind(height: complex, medium: Medium) -> tuple:
+    """Key under which equal elements of a column share their condensation."""
+    return round(complex(height).real, 12), round(complex(height).imag, 12), id(medium)
+
+
+def element_dofs(section: Section, element: int, faces: np.ndarray) -> np.ndarray:
+    """Skeleton unknowns of an element in the order left, right, bottom, top; -1 where there is none."""
+    n, order = section.size, section.order
+    columns = [FIELD_COLUMN[name] for name in section.media[element].fields]
+    line = section.dofs[element * order : (element + 1) * order + 1][:, columns].reshape(-1)
+    other = np.where(line >= 0, line + n, -1)
+    below, above = (faces[element + side][:, columns].reshape(-1) for side in (0, 1))
+    return np.concatenate([line, other, below, above])
+
+
+def _face_dofs(section: Section, *, first: int) -> np.ndarray:
+    """Unknowns on the faces between elements: a node on a face has the fields of the line's node at that height."""
+    exists = section.dofs[:: section.order] >= 0
+    exists = np.repeat(exists[:, None, :], section.order - 1, axis=1)
+    dofs = np.full(exists.shape, -1)
+    dofs[exists] = first + np.arange(exists.sum())
+    return dofs
+
+
+def electrode_dofs(section: Section, faces: np.ndarray) -> np.ndarray:
+    """Skeleton unknowns of phi on a column's surface: left corner, right corner, nodes between."""
+    corner = section.surface_dofs["phi"]
+    between = faces[section.surface // section.order][:, FIELD_COLUMN["phi"]]
+    return np.concatenate([[corner, corner + section.size], between])
+
+
+def _folded(matrix, tied, port):
+    """Add rows and columns of tied unknowns to the port's and empty them."""
+    matrix = matrix.copy()
+    matrix[port] += matrix[tied].sum(axis=0)
+    matrix[tied] = 0.0
+    matrix[:, port] += matrix[:, tied].sum(axis=1)
+    matrix[:, tied] = 0.0
+    return matrix
+
+
+def folded(block: Block, side: int, phi: int, comb: int) -> np.ndarray:
+    """Matrix of a block whose left (0) or right (1) surface node lies on a finger of the comb."""
+    return _folded(block.matrix, np.array([side * block.size + phi]), 2 * block.size + comb)
+
+
+def _schur(matrix, keep, drop):
+    """Schur complement onto ``keep``, symmetrised against rounding, and ``drop`` from ``keep``."""
+    from scipy.linalg import lu_factor, lu_solve
+
+    coupling = matrix[np.ix_(drop, keep)]
+    kept = matrix[np.ix_(keep, keep)]
+    if not len(drop):
+        return kept, coupling
+    factor = lu_factor(matrix[np.ix_(drop, drop)], overwrite_a=True, check_finite=False)
+    back = -lu_solve(factor, coupling, check_finite=False)
+    refuse_resonance(back)
+    reduced = kept + coupling.T @ back
+    return 0.5 * (reduced + reduced.T), back
+
+
+def refuse_resonance(back: np.ndarray) -> None:
+    """Refuse a piece that resonates between clamped lines: its condensation, though not the stator, is singular.
+
+    Parameters
+    ----------
+    back : ndarray
+        Fields inside for unit fields at the sides; each decade of them costs the answer a digit.
+
+    Raises
+    ------
+    ConvergenceError
+        Where too many digits are lost.
+    """
+    if not abs(back).max(initial=0.0) < MOST_AMPLIFIED:
+        raise ConvergenceError(
+            "a piece of the transducer, clamped at its sides, resonates at this very frequency: "
+            "change the frequency by a part in a million, or give the solid a mechanical_quality"
+        )

@@ -1,0 +1,75 @@
+"""Weak form of time-harmonic piezoelectricity in the sagittal section, element by element.
+
+    int S(v):T + grad psi . D - rho omega^2 v . u = boundary and charge terms,
+
+symmetric in (u, phi), complex symmetric with loss (Auld, *Acoustic Fields and Waves in Solids*, vol. 1, 1973, section
+8; Allik and Hughes 1970).  With d/dy = 0 a medium is the three tables C_xx, C_xz and C_zz of medium.py.  On a tensor
+grid of a homogeneous medium an element's matrix is a sum of Kronecker products of the matrices of a line (spectral.py);
+the same form for a general mesh is written for scikit-fem.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+
+from fem.discretize.spectral import reference_matrices
+from fem.materials.medium import Medium
+
+
+def scikit_fem_derivatives():
+    """Scalar forms that a medium's tables multiply, for a scalar scikit-fem basis in (x, z).
+
+    Returns
+    -------
+    tuple of skfem.BilinearForm
+        (d_x v)(d_x u), (d_x v)(d_z u), (d_z v)(d_z u) and v u; all real: complex factors come with the tables.
+    """
+    from skfem import BilinearForm
+
+    return (
+        BilinearForm(lambda u, v, _: v.grad[0] * u.grad[0]),
+        BilinearForm(lambda u, v, _: v.grad[0] * u.grad[1]),
+        BilinearForm(lambda u, v, _: v.grad[1] * u.grad[1]),
+        BilinearForm(lambda u, v, _: v * u),
+    )
+
+
+def element_matrix(
+    medium: Medium, width: float, height: complex, order: int, angular: float, *, part: str = "all"
+) -> np.ndarray:
+    """Matrix of one rectangular element, nodes x-major then z, fields innermost.
+
+    Parameters
+    ----------
+    medium : Medium
+    width, height : float or complex
+        Length units.
+    order : int
+    angular : float
+        omega times the length unit, m/s.
+    part : str
+        "all", or "loss": only the imaginary part of the moduli, as a real matrix.
+
+    Returns
+    -------
+    ndarray, shape ((order + 1)**2 * fields,) * 2
+    """
+    parts = _element_parts(medium, order, part)
+    ratio, area = height / width, width * height
+    return ratio * parts[0] + parts[1] + parts[2] / ratio - (angular**2 * area) * parts[3]
+
+
+@lru_cache(maxsize=8)
+def _element_parts(medium: Medium, order: int, part: str) -> tuple[np.ndarray, ...]:
+    """The four matrices that an element of any size is a combination of: d_x d_x, mixed, d_z d_z, inertia."""
+    line = reference_matrices(order)
+    xx, xz, zz, inertia = medium.xx, medium.xz, medium.zz, np.diag(medium.inertia)
+    if part == "loss":
+        xx, xz, zz, inertia = (np.imag(table) for table in (xx, xz, zz, inertia))
+    across = np.kron(line.advection, line.advection.T)
+    return (
+        np.kron(np.kron(line.stiffness, line.mass), xx),
+        np.kron(across, xz) + np.kron(across.T, xz.T),
+        np.kron(np.kron(line.mass, line.stiffness), zz),
+        np.kron(np.kron(line.mass, line.mass), inertia),
+    )

@@ -1,0 +1,270 @@
+"""The whole field of a driven stator on a grid, rebuilt on demand; likewise of a free wave.
+
+The lines of the grid are the nodes of the columns under the transducers and evenly spaced ones in the stretches, where
+the field is a sum of modes; through the depth the nodes are the section's own, so that nothing is averaged over an
+element.  Derivatives are those of the elements' polynomials and of the modes.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fem.discretize.spectral import gll_nodes, lagrange
+from fem.results.densities import Densities, densities, shared, upward_slope
+from fem.results.evaluation import column_fields
+from fem.results.free_wave import FreeWave
+from fem.results.surface import Covered, SurfaceWave
+from fem.solution import Solution
+
+HAIR = 1e-6  # of the lines' distance: places nearer than this are one
+
+
+@dataclass(frozen=True, kw_only=True)
+class WaveField:
+    """Complex field per volt of the source on a grid of the section.
+
+    Attributes
+    ----------
+    x : ndarray, shape (nx,)
+        m from the left end.
+    z : ndarray, shape (nz,)
+        m, 0 at the surface, negative below, increasing.
+    displacement : ndarray, shape (nx, nz, 3)
+        u_x, u_y, u_z in m per V.
+    potential : ndarray, shape (nx, nz)
+        V per V.
+    frequency : float
+        Hz.
+    densities : Densities or None
+        Strain energy and power flow, where they were asked for.
+    order : int or None
+        Of the elements through the depth, where it is known: every ``order``-th node is an element's end.
+    """
+
+    x: np.ndarray
+    z: np.ndarray
+    displacement: np.ndarray = field(repr=False)
+    potential: np.ndarray = field(repr=False)
+    frequency: float
+    densities: Densities | None = field(default=None, repr=False)
+    order: int | None = None
+
+    def depth_basis(self, z: np.ndarray) -> np.ndarray:
+        """Return what takes nodal values through the depth to heights z (m) by the elements' polynomials.
+
+        Parameters
+        ----------
+        z : ndarray, shape (m,)
+            Within the section.
+
+        Returns
+        -------
+        ndarray, shape (m, nz)
+        """
+        ends = self.z[:: self.order]
+        element = np.clip(np.searchsorted(ends, z, side="right") - 1, 0, len(ends) - 2)
+        local = (z - ends[element]) / (ends[element + 1] - ends[element])
+        values, _ = lagrange(self.order, local)
+        out = np.zeros((len(z), len(self.z)))
+        columns = element[:, None] * self.order + np.arange(self.order + 1)
+        np.put_along_axis(out, columns, values, axis=1)
+        return out
+
+
+def wave_field(
+    wave: SurfaceWave,
+    *,
+    per_wavelength: float = 16,
+    places: tuple[float, ...] = (),
+    span: tuple[float, float] | None = None,
+    energies: bool = False,
+) -> WaveField:
+    """Rebuild the interior of a driven stator.
+
+    Parameters
+    ----------
+    wave : SurfaceWave
+    per_wavelength : float
+        Lines per surface wavelength in the stretches.
+    places : tuple of float
+        m from the left end: where a line is to stand as well, as far as they lie in stretches.
+    span : tuple of float, optional
+        m from the left end: only lines between these places.
+    energies : bool
+        Whether strain energy and power flow are wanted too.
+
+    Returns
+    -------
+    WaveField
+    """
+    solution: Solution = wave.solution
+    section = solution.section
+    body = slice(section.bottom, section.surface + 1)
+    step = wave.phase_velocity / wave.frequency / per_wavelength
+    hair = HAIR * step
+    low, high = (0.0, wave.length) if span is None else span
+    lines, values, slopes, offset = [], [], [], 0.0
+    transducer = 0
+    for piece in wave.pieces:
+        start, stop = max(piece.start, low), min(piece.stop, high)
+        seen = start < stop
+        if isinstance(piece, Covered):
+            if seen:
+                x, part, slope = _under(solution, transducer, body, slopes=energies)
+                inside = (x > start - hair) & (x < stop + hair)
+                x, part, slope = x[inside], part[inside], slope[inside] if energies else None
+            shift = offset
+            transducer += 1
+        else:
+            if seen:
+                x = _lines(start, stop, step, places)
+                part, slope = _between(solution, piece, x, body, first=not transducer, slopes=energies)
+            shift = offset if transducer else 0.0
+            offset = offset + _gauge_step(solution, piece) if transducer else offset
+        if not seen:
+            continue
+        part[:, :, 3] += shift
+        first = 1 if lines and x[0] < lines[-1][-1] + hair else 0  # the line shared with the piece before
+        lines.append(x[first:])
+        values.append(part[first:])
+        slopes.append(slope[first:] if energies else slope)
+    units = np.array([1.0, 1.0, 1.0, section.solid.potential_unit])
+    everything = np.concatenate(values) * units
+    found = None
+    if energies:
+        layers = slice(section.bottom // section.order, section.surface // section.order)
+        heights = section.heights[layers].real * section.length_unit
+        upward = upward_slope(everything, section.order, heights)
+        along = np.concatenate(slopes) * units
+        found = densities(solution.stator.solid, wave.frequency, everything, along, upward)
+    return WaveField(
+        x=np.concatenate(lines),
+        z=section.nodes[body],
+        displacement=everything[:, :, :3],
+        potential=everything[:, :, 3],
+        frequency=wave.frequency,
+        densities=found,
+        order=section.order,
+    )
+
+
+def free_field(
+    wave: FreeWave, *, span: tuple[float, float], per_wavelength: float = 24, energies: bool = False
+) -> WaveField:
+    """Return the field of a free wave over a length.
+
+    Parameters
+    ----------
+    wave : FreeWave
+        u_z = 1 m at the surface at x = 0.
+    span : tuple of float
+        m.
+    per_wavelength : float
+        Lines per wavelength.
+    energies : bool
+        Whether strain energy and power flow are wanted too.
+
+    Returns
+    -------
+    WaveField
+        Over u_z at the surface.
+    """
+    wavelength = wave.velocity / wave.frequency
+    x = _lines(*span, wavelength / per_wavelength, ())
+    exponent = -(2j * np.pi / wavelength + wave.attenuation)
+    values = np.exp(exponent * x)[:, None, None] * wave.profile
+    found = None
+    if energies:
+        heights = np.diff(wave.depth[:: wave.order])
+        upward = upward_slope(values, wave.order, heights)
+        found = densities(wave.solid, wave.frequency, values, exponent * values, upward)
+    return WaveField(
+        x=x,
+        z=wave.depth,
+        displacement=values[:, :, :3],
+        potential=values[:, :, 3],
+        frequency=wave.frequency,
+        densities=found,
+        order=wave.order,
+    )
+
+
+def _lines(start: float, stop: float, step: float, places) -> np.ndarray:
+    """Evenly spaced lines of a stretch, with those that stand at given places."""
+    even = np.linspace(start, stop, max(3, int(np.ceil((stop - start) / step))) + 1)
+    wanted = np.array([place for place in places if start + HAIR * step < place < stop - HAIR * step])
+    if not len(wanted):
+        return even
+    near = abs(even[:, None] - wanted).min(axis=1) < 1e-3 * step
+    near[[0, -1]] = False
+    return np.union1d(even[~near], wanted)
+
+
+def _constant_shape(solution: Solution) -> tuple[int, complex, complex] | None:
+    """Index of the mode of constant potential, its potential going right and left; None where it is grounded."""
+    modes = solution.modes
+    constant = np.flatnonzero(modes.wavenumbers == 0)
+    if not len(constant):
+        return None
+    index, surface = int(constant[0]), solution.section.surface_dofs["phi"]
+    return index, complex(modes.right[surface, index]), complex(modes.left[surface, index])
+
+
+def _gauge_step(solution: Solution, piece) -> complex:
+    """Mean potential of the transducer after a stretch against that of the one before, scaled."""
+    constant = _constant_shape(solution)
+    if constant is None or not np.isfinite(piece.stop):
+        return 0.0
+    index, rightwards, leftwards = constant
+    return rightwards * piece.right[index] - leftwards * piece.left[index]
+
+
+def _between(solution: Solution, piece, x: np.ndarray, body: slice, *, first: bool, slopes: bool):
+    """Fields of a stretch at lines x, (lines, nodes, 4), and their x derivatives per m if asked for."""
+    modes = solution.modes
+    right, left = piece.right.copy(), piece.left.copy()
+    constant = _constant_shape(solution)
+    if constant is not None:
+        # Potentials refer to the transducer on the left; before the first one, to that.
+        (right if first else left)[constant[0]] = 0.0
+    lines = along = np.zeros((len(modes.right), len(x)), dtype=complex)
+    for amplitudes, shapes, wavenumbers, origin in (
+        (right, modes.right, piece.wavenumbers, piece.start),
+        (left, modes.left, piece.backwards, piece.stop),
+    ):
+        if not np.any(amplitudes):
+            continue
+        phases = amplitudes[:, None] * np.exp(-1j * np.outer(wavenumbers, x - origin))
+        lines = lines + shapes @ phases
+        if slopes:
+            along = along + shapes @ (-1j * wavenumbers[:, None] * phases)
+    return _on_nodes(solution, lines, body), _on_nodes(solution, along, body) if slopes else None
+
+
+def _on_nodes(solution: Solution, lines: np.ndarray, body: slice) -> np.ndarray:
+    """Unknowns of lines, (size, lines), as fields at the nodes, (lines, nodes, 4)."""
+    dofs = solution.section.dofs
+    out = np.zeros((lines.shape[1], len(dofs), 4), dtype=complex)
+    exists = dofs >= 0
+    out[:, exists] = np.moveaxis(lines[dofs[exists]], 0, 1)
+    return out[:, body]
+
+
+def _under(solution: Solution, index: int, body: slice, *, slopes: bool):
+    """Lines under a transducer in m, fields there (lines, nodes, 4), and x derivatives per m if asked for."""
+    unit, order = solution.section.length_unit, solution.section.order
+    starts, widths, parts = [], [], []
+    for recovery, left, sides in column_fields(solution, index):
+        starts.append(left)
+        widths.append(np.full(len(left), recovery.column.width * unit))
+        parts.append(np.moveaxis(recovery.values(sides)[:, body], -1, 0))
+    in_row = np.argsort(np.concatenate(starts))
+    start, width, values = (np.concatenate(each)[in_row] for each in (starts, widths, parts))
+    nodes = gll_nodes(order)
+    x = np.append((start[:, None] + width[:, None] * nodes[:-1]).ravel(), start[-1] + width[-1])
+    along = None
+    if slopes:
+        _, slope = lagrange(order, nodes)
+        along = shared(np.einsum("ij,pj...->pi...", slope, values) / width[:, None, None, None], axis=0)
+    joined = np.concatenate([values[:, :-1].reshape(-1, *values.shape[2:]), values[-1:, -1]])
+    return x, joined, along

@@ -1,0 +1,269 @@
+"""Ring-up and ring-down of the surface where a burst arrives: complex envelope over time, from a band of frequencies.
+
+The source's voltage is cos(omega0 t + phase) from 0 to the burst's end and nothing else.  With the response H(f) per
+volt the surface moves as Re(U(t) exp(i omega0 t + i phase)),
+
+    U(t) = S(t, phase) - S(t - duration, phase + omega0 duration),
+    S(t, phase) = sum_k G_k H_k df [ (exp(i x t) - exp(-i x a)) / (i x) + exp(i x t - 2 i phase) / (i (x + 2 omega0)) ],
+
+x = 2 pi (f_k - f0): the response to a switched wave, its counter-rotating half included (it kicks where the switch is),
+integrated in closed form from -a, before which nothing is.  S settles at H(f0), which is one of the frequencies.
+
+Two things are cut off.  The band: G falls smoothly to zero at its ends, which rounds corners over one over its width
+and lets a little come early.  The time: steps df fold what rings longer than 1 / df back to the beginning; they are
+halved until that no longer matters.  Both are measured: by a band half as wide (corners err as one over the width, so
+that the difference is the error), and by every second frequency and frequencies between the steps, where the motion
+that has been found, transformed back, must give the response again.
+"""
+
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from fem.convergence import ConvergenceError
+from fem.results.surface import SurfaceWave
+
+FLAT = 0.5  # of the way from the drive's frequency to either end of the band: up to here G = 1
+NARROWER = 0.5
+PROBES = 6
+GOLDEN = 0.6180339887498949
+LEAD = 0.125  # of 1 / df, before the switch
+FIRST, MOST = 32, 4096  # frequencies, about
+PER_BAND = 4  # instants in one over the band's width
+
+
+class Response(Protocol):
+    """What gives the surface's motion at any frequency of a range: `fem.Band`, or anything like it."""
+
+    limits: tuple[float, float]
+
+    def waves(self, frequencies, *, driven: str, source_impedance: complex) -> list[SurfaceWave]:
+        """Surface motion at frequencies in Hz, in their order."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BurstEnvelope:
+    """Motion of one place of the surface during a burst and after it, per volt of the source (peak).
+
+    Attributes
+    ----------
+    place : float
+        m from the left end.
+    frequency : float
+        Hz, of the drive.
+    duration : float
+        Of the burst, s.
+    time : ndarray, shape (k,)
+        s from the beginning of the burst, rising: finely where the motion changes, a long burst's middle left out.
+    normal, tangential : ndarray, shape (k,)
+        Complex envelopes of u_z and u_x, m per V.
+    steady_normal, steady_tangential : complex
+        Of a drive without beginning and end, m per V.
+    settling : float
+        From the burst's beginning until u_z stays within 1 % of the steady state, s.
+    early : float
+        Largest |u_z| before the burst over the steady one: what the band's width leaves of causality.
+    band_error, step_error, response_error : float
+        Largest change of the envelopes, over the steady one, by a narrower band and by wider steps (or of the
+        response between the steps); the response's own.
+    frequencies : int
+        Solved.
+    """
+
+    place: float
+    frequency: float
+    duration: float
+    time: np.ndarray = field(repr=False)
+    normal: np.ndarray = field(repr=False)
+    tangential: np.ndarray = field(repr=False)
+    steady_normal: complex
+    steady_tangential: complex
+    settling: float
+    early: float
+    band_error: float
+    step_error: float
+    response_error: float
+    frequencies: int
+
+    @property
+    def relative_error(self) -> float:
+        """Sum of the three errors; at the corners of the envelope: between them it is known far better."""
+        return self.band_error + self.step_error + self.response_error
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Line:
+    """Responses (u_z, u_x) at evenly spaced frequencies, the drive's among them."""
+
+    offsets: np.ndarray
+    motion: np.ndarray
+    step: float
+    reach: tuple[float, float]
+    frequency: float
+
+    def taper(self, share: float) -> np.ndarray:
+        """G with the band cut to a share of its reach either side."""
+        way = np.where(self.offsets < 0, self.offsets / self.reach[0], self.offsets / self.reach[1]) / share
+        return np.cos(np.pi / 2 * np.clip((abs(way) - FLAT) / (1 - FLAT), 0.0, 1.0)) ** 2
+
+    def switched(self, time: np.ndarray, phase: float, share: float = 1.0) -> np.ndarray:
+        """S at some times, shape (2, times), with the band cut to a share of its reach either side."""
+        lead = LEAD / self.step
+        last = (1 - LEAD) / self.step
+        inside = (time >= -lead) & (time < last)
+        x = 2 * np.pi * self.offsets
+        weights = self.motion * self.taper(share) * self.step
+        steady = self.motion[:, self.offsets == 0]
+        safe = np.where(x == 0, 1.0, x)
+        waves = np.exp(1j * np.outer(x, time[inside]))
+        out = np.where(time >= last, steady, 0.0 * steady)
+        rotating = np.where(x == 0, 0.0, weights / (1j * safe))
+        counter = weights * np.exp(-2j * phase) / (1j * (x + 4 * np.pi * self.frequency))
+        out[:, inside] = (rotating + counter) @ waves - (rotating @ np.exp(-1j * x * lead))[:, None]
+        out[:, inside] += steady * self.step * (time[inside] + lead)
+        return out
+
+    def probes(self) -> np.ndarray:
+        """Offsets in Hz between the steps, in the flat part of the band, at irrational places."""
+        spread = (np.arange(PROBES) + 0.5) / PROBES * 2 - 1
+        offsets = FLAT * np.where(spread < 0, spread * self.reach[0], spread * self.reach[1])
+        return (np.floor(offsets / self.step) + GOLDEN * np.arange(1, PROBES + 1) % 1.0) * self.step
+
+    def between(self, offsets: np.ndarray) -> np.ndarray:
+        """Response (u_z, u_x) that the impulse response from -lead to 1 / step - lead has at other offsets."""
+        share = np.subtract.outer(self.offsets, offsets) / self.step
+        kernel = np.sinc(share) * np.exp(2j * np.pi * share * (0.5 - LEAD))
+        return (self.motion * self.taper(1.0)) @ kernel
+
+    def coarser(self) -> "_Line":
+        """Every second frequency."""
+        kept = np.round(self.offsets / self.step).astype(int) % 2 == 0
+        return _Line(
+            offsets=self.offsets[kept],
+            motion=self.motion[:, kept],
+            step=2 * self.step,
+            reach=self.reach,
+            frequency=self.frequency,
+        )
+
+
+def burst_response(
+    band: Response,
+    place: float,
+    *,
+    driven: str,
+    frequency: float,
+    duration: float,
+    tolerance: float,
+    source_impedance: complex = 0.0,
+    phase: float = 0.0,
+    most: int = MOST,
+) -> BurstEnvelope:
+    """Envelope of the surface's motion at a place for a rectangular burst.
+
+    Parameters
+    ----------
+    band : Response
+        For instance of `fem.frequency_band`; the wider, the sharper the corners.
+    place : float
+        m from the left end.
+    driven : str
+        Name of the driven transducer.
+    frequency : float
+        Hz, well inside the band.
+    duration : float
+        s.
+    tolerance : float
+        Of what is folded back in time, over the steady amplitude.
+    source_impedance : complex
+        Ohm.
+    phase : float
+        Of the voltage's cosine at the beginning, rad.
+    most : int
+        About how many frequencies to solve before giving up.
+
+    Returns
+    -------
+    BurstEnvelope
+
+    Raises
+    ------
+    ValueError
+        If the frequency does not lie in the band or the duration is not positive.
+    ConvergenceError
+        If the surface rings for too long to be followed.
+    """
+    low, high = band.limits
+    if not low < frequency < high:
+        raise ValueError(
+            f"burst.frequency must lie in the band, {low:g} to {high:g} Hz, got {frequency!r} Hz"
+        )
+    if not (np.isfinite(duration) and duration > 0):
+        raise ValueError(f"burst.duration must be positive and finite, got {duration!r} s")
+    known: dict[float, tuple[complex, complex, float]] = {}
+
+    def motions(frequencies: np.ndarray) -> np.ndarray:
+        new = [float(at) for at in frequencies if float(at) not in known]
+        for at, wave in zip(
+            new, band.waves(new, driven=driven, source_impedance=source_impedance), strict=True
+        ):
+            tangential, normal = wave.motion(place)
+            known[at] = (complex(normal), complex(tangential), wave.relative_error)
+        return np.array([known[float(at)] for at in frequencies])
+
+    reach = frequency - low, high - frequency
+    divisions = FIRST
+    while True:
+        step = (high - low) / divisions
+        numbers = np.arange(-int(reach[0] / step), int(reach[1] / step) + 1)
+        rows = motions(frequency + numbers * step)
+        line = _Line(
+            offsets=numbers * step, motion=rows[:, :2].T, step=step, reach=reach, frequency=frequency
+        )
+        size = abs(rows[numbers == 0, 0])[0]
+        time = np.arange(0.0, (1 - LEAD) / (2 * step), 1 / (PER_BAND * (high - low)))
+        fine, coarse = (each.switched(time, phase) for each in (line, line.coarser()))
+        exact = motions(frequency + line.probes())[:, :2].T
+        folded = float(max(abs(fine - coarse).max(), abs(line.between(line.probes()) - exact).max()) / size)
+        if folded <= tolerance:
+            break
+        divisions *= 2
+        if divisions > most:
+            raise ConvergenceError(
+                f"the surface still rings {1 / step:.1e} s after the switch, by {folded:.1e} of its amplitude: "
+                "give the solid a mechanical_quality, or ask for less"
+            )
+    return _envelope(line, place, duration, phase, folded, float(rows[:, 2].real.max()), len(known))
+
+
+def _envelope(line: _Line, place, duration, phase, folded, response, frequencies) -> BurstEnvelope:
+    tick = 1 / (PER_BAND * (line.reach[0] + line.reach[1]))
+    span = np.arange(0.0, 1 / line.step, tick)
+    time = np.append(span[span < duration], duration + span)
+    off = phase + 2 * np.pi * line.frequency * duration
+
+    def burst(share: float) -> np.ndarray:
+        return line.switched(time, phase, share) - line.switched(time - duration, off, share)
+
+    whole, narrower = burst(1.0), burst(NARROWER)
+    steady = line.motion[:, line.offsets == 0][:, 0]
+    before = line.switched(np.arange(-LEAD / line.step, 0.0, tick), phase)[0]
+    start = line.switched(span, phase)[0]
+    unsettled = np.flatnonzero(abs(start / steady[0] - 1) > 0.01)
+    return BurstEnvelope(
+        place=place,
+        frequency=line.frequency,
+        duration=duration,
+        time=time,
+        normal=whole[0],
+        tangential=whole[1],
+        steady_normal=complex(steady[0]),
+        steady_tangential=complex(steady[1]),
+        settling=float(span[unsettled[-1]] if len(unsettled) else 0.0),
+        early=float(abs(before).max() / abs(steady[0])),
+        band_error=float(abs(whole - narrower).max() / abs(steady[0])),
+        step_error=folded,
+        response_error=response,
+        frequencies=frequencies,
+    )

@@ -1,0 +1,208 @@
+"""Lines of few unknowns: a basis of the fields that ever stand on the lines between half cells.
+
+The fields of all fingers, all ports and all waves that arrive span few dimensions (proper orthogonal decomposition of
+full solutions at some frequencies of a band); one basis serves the lines in mid-gap, another those in mid-finger.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from fem.condense.join import joined, lines
+from fem.condense.superelement import PORTS, Block
+from fem.condense.transducer import fingers_in_row
+from fem.discretize.section import Section
+from fem.geometry import Transducer
+from fem.solution import assembled
+from fem.waveguide.ends import end_reflection
+from fem.waveguide.modes import GuidedModes, guided_modes
+
+WALL_WIDTH = (
+    0.2  # wavelengths of a free or clamped end that are condensed: too narrow for a resonance in the band
+)
+WALL_DISTANCES = (1.0, 1.5, 3.0)  # in wall widths, where the fields sent back feed the basis
+ARRIVING_AT_WALL = 100.0  # likewise after a wavelength, at a wall: the basis forgives more there
+ARRIVING = 0.1  # modes that keep this times ``kept`` of their amplitude over the shortest stretch may arrive
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReducedSection:
+    """A section seen through a basis of fields: what guided modes and networks ask of a section.
+
+    Attributes
+    ----------
+    full : Section
+    basis : ndarray, shape (full size, size), real, orthonormal, each column of one parity
+    odd : ndarray or None
+        Parity of the columns.
+    """
+
+    full: Section
+    basis: np.ndarray = field(repr=False)
+    odd: np.ndarray | None = field(repr=False)
+
+    @property
+    def size(self) -> int:
+        """Unknowns on a line."""
+        return self.basis.shape[1]
+
+    @property
+    def solid(self):
+        """Medium of the stator."""
+        return self.full.solid
+
+    @property
+    def length_unit(self) -> float:
+        """Length unit in m."""
+        return self.full.length_unit
+
+    @property
+    def surface_speed(self) -> float | None:
+        """Velocity of the half-space's Rayleigh wave in m/s."""
+        return self.full.surface_speed
+
+    @property
+    def floats(self) -> bool:
+        """Whether nothing fixes the potential."""
+        return self.full.floats
+
+    @cached_property
+    def constant_potential(self) -> np.ndarray:
+        """The field phi = 1, u = 0, which the basis holds."""
+        return self.basis.T @ self.full.constant_potential
+
+    @cached_property
+    def surface_rows(self) -> np.ndarray:
+        """What gives u_x and u_z at the surface, shape (2, size)."""
+        return self.full.surface_rows @ self.basis
+
+    @cached_property
+    def mechanical(self) -> np.ndarray:
+        """Columns that move; the basis keeps displacements and potential apart where ends are clamped."""
+        moves = np.linalg.norm(self.basis[self.full.mechanical], axis=0)
+        return np.flatnonzero(moves > 0.5)
+
+    def surface_share(self, shapes: np.ndarray) -> np.ndarray:
+        """Motion at the surface, squared, over its integral through the depth."""
+        return self.full.surface_share(self.basis @ shapes)
+
+    @cached_property
+    def _projected(self):
+        reference = 1.0 / self.length_unit  # Hz; any will do that makes inertia and stiffness comparable
+        still, moving = (self.full.matrices(frequency) for frequency in (0.0, reference * 1e3))
+        inertia = (moving[2] - still[2]) / (2 * np.pi * reference * 1e3) ** 2
+        return tuple(self.basis.T @ part @ self.basis for part in (still[0], still[1], still[2], inertia))
+
+    def matrices(self, frequency: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Projected K2, K1, K0 - omega^2 M."""
+        second, first, still, inertia = self._projected
+        return second, first, still + (2 * np.pi * frequency) ** 2 * inertia
+
+
+def parity_groups(section: Section, apart: bool) -> list[np.ndarray]:
+    """Unknowns that a basis vector may mix: those of one parity, or of one parity and kind."""
+    odd = section.odd if section.odd is not None else np.zeros(section.size, dtype=bool)
+    groups = [odd, ~odd]
+    if apart:
+        moves = np.zeros(section.size, dtype=bool)
+        moves[section.mechanical] = True
+        groups = [group & kind for group in groups for kind in (moves, ~moves)]
+    return [np.flatnonzero(group) for group in groups if group.any()]
+
+
+def finger_key(transducer: Transducer) -> tuple[float, float]:
+    """What a transducer's half cells depend on: finger width and gap, m."""
+    return transducer.finger_width, 2 * transducer.half_gap
+
+
+def even_row(transducer: Transducer, cell: Callable[[], Block], bare: Callable[[], Block]) -> Block:
+    """Block of a transducer whose gaps are all alike, from the cell of a finger of comb 0 and a bare one."""
+    return fingers_in_row(
+        transducer.signs, lambda place: (0.0, 0.0), lambda *gaps: cell(), lambda *gaps: bare()
+    )
+
+
+def no_bare_cells() -> Block:
+    """Refuse: the half cells of a band all carry a finger."""
+    raise ValueError("a band of frequencies takes transducers without left-out fingers")
+
+
+def bases_of(
+    fields_seen: tuple[np.ndarray, np.ndarray], groups: list[np.ndarray], kept: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Orthonormal bases of both kinds of line, equally many vectors of every group.
+
+    Singular values below ``kept`` times the largest are left out.
+    """
+    size = len(fields_seen[0])
+    columns: tuple[list, list] = ([], [])
+    for group in groups:
+        found = []
+        for part in fields_seen:
+            own = group[np.any(part[group], axis=1)]  # a finger's potential is its comb's, not the line's
+            here = part[own] / abs(part).max()
+            values, vectors = np.linalg.eigh(np.real(here @ np.conj(here.T)))
+            found.append((own, vectors[:, ::-1], np.sqrt(np.maximum(values[::-1], 0.0))))
+        count = max(int(np.sum(values > kept * values[0])) for _, _, values in found)
+        count = min(count, *(len(own) for own, _, _ in found))
+        for side, (own, vectors, _) in enumerate(found):
+            block = np.zeros((size, count))
+            block[own] = vectors[:, :count]
+            columns[side].append(block)
+    return np.hstack(columns[0]), np.hstack(columns[1])
+
+
+def _end_fields(modes: GuidedModes, ends: str, kept: float) -> list[np.ndarray]:
+    """Fields near a wall for every mode that may arrive there, at some distances from it."""
+    if ends == "absorbing":
+        return []
+    arriving = np.flatnonzero(
+        (abs(np.exp(-1j * modes.wavenumbers)) > min(ARRIVING_AT_WALL * kept, 0.5)) & (modes.wavenumbers != 0)
+    )
+    found = []
+    for side, go, wavenumbers in ((1, modes.left, -modes.backwards), (0, modes.right, modes.wavenumbers)):
+        sent = end_reflection(modes, ends, side, arriving)
+        for distance in WALL_WIDTH * np.array(WALL_DISTANCES):
+            found.append(go @ (np.exp(-1j * wavenumbers * distance)[:, None] * sent))
+    return found
+
+
+def snapshots(stator, transducers, section, frequency, halves, resolution, driven, kept):
+    """Fields on the lines in mid-gap and in mid-finger, of every port and every mode that may arrive; the solution."""
+    modes = guided_modes(section, frequency)
+    phi = section.surface_dofs["phi"]
+    rows: dict[tuple, Block] = {}
+    for each in transducers:
+        key = (*finger_key(each), each.signs)
+        if key not in rows:
+            cell = joined(*halves[finger_key(each)], phi=phi, comb=0)
+            rows[key] = even_row(each, lambda cell=cell: cell, no_bare_cells)
+    blocks = [rows[(*finger_key(each), each.signs)] for each in transducers]
+    solution = assembled(
+        stator, transducers, blocks, modes=modes, driven=driven, source_impedance=0.0, resolution=resolution
+    )
+    n = section.size
+    gaps, fingers = _end_fields(modes, stator.ends, kept), []
+    nearest = np.diff(solution.network.stretches, axis=1).min()
+    arriving = np.flatnonzero(abs(np.exp(-1j * modes.wavenumbers * nearest)) > ARRIVING * kept)
+    gaps += [modes.right[:, arriving], modes.left[:, arriving]]
+    for index, scatterer in enumerate(solution.network.scatterers):
+        quarter = halves[finger_key(transducers[index])][0].width
+        incoming = np.zeros((2 * n, 2 * len(arriving)), dtype=complex)
+        incoming[:n, : len(arriving)] = modes.right[:, arriving]
+        incoming[n:, len(arriving) :] = modes.left[:, arriving]
+        quiet = np.zeros((PORTS, incoming.shape[1]))
+        scattered = np.concatenate([scatterer.sides(incoming, quiet), quiet])
+        lit = np.zeros((PORTS, solution.network.ports))
+        before = sum(other.potentials.shape[1] for other in solution.network.scatterers[:index])
+        lit[:, before : before + scatterer.potentials.shape[1]] = scatterer.potentials
+        sent = np.concatenate([solution.ports.sides[index], lit])
+        together = np.hstack([scattered, sent])
+        for count, (_, _, sides) in enumerate(lines(scatterer.block, together, finest=1.001 * quarter)):
+            (fingers if count % 2 else gaps).append(sides[:n])
+        gaps.append(together[n : 2 * n])
+    dead = np.hstack(fingers)
+    dead[phi] = 0.0
+    return np.hstack(gaps), dead, solution

@@ -1,0 +1,275 @@
+"""An endless grating of fingers: its stop bands, its waves and its capacitance.
+
+One cell is half a gap, a finger and half a gap, condensed to its lines (chain.py).  A field that is the same from cell
+to cell but for a factor lambda (Floquet 1883, Bloch 1928), u_right = lambda u_left, g_right = -lambda g_left, obeys
+
+    [lambda A_lr + A_ll + A_rr + A_lr^T / lambda] u = 0,
+
+the fingers at zero potential (shorted) or each without charge (open).  Where two fingers make a wavelength a wave and
+its reflection couple, and no wave runs between the frequencies at which lambda = -1:
+
+    B(omega^2) u = 0,    B = A_ll + A_rr - A_lr - A_lr^T,    complex symmetric.
+
+B's zeros are found by successive linear problems (Ruhe 1973) and polished by the symmetric Rayleigh functional
+omega^2 - u^T B u / (u^T B' u), which squares the error.  From a stop band's edges f1 < f2: velocity p (f1 + f2), p the
+pitch, and reflectivity per finger |r| = pi (f2 - f1) / (f2 + f1) (coupled modes: Plessky and Koskela 2000).  Where
+x -> -x is a symmetry, one of the two standing waves leaves every finger without net charge: an edge that the open and
+the shorted grating share.  The bottom absorbs, so that the body is a half-space; losses are left out.  Half a cell has
+no resonance near a stop band: it is condensed at a few Chebyshev nodes in omega^2 and interpolated.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from fem.analytic.half_space import automatic_period
+from fem.condense.join import joined, opened
+from fem.condense.superelement import Block
+from fem.condense.transducer import FingerShape, finger_cell, half_cells
+from fem.convergence import ConvergenceError
+from fem.discretize.section import Resolution, Section, discretise
+from fem.geometry import Stator
+from fem.materials import Solid, fields
+from fem.materials.christoffel import slowest_wavelength
+
+STATIC = 1e-3  # of the stop band's frequency: there the admittance is the capacitance's, to 1e-5
+REACH = 0.04  # of the stop band's frequency, either side: where cells are interpolated
+NODES = 6
+STEP = 1e-4  # relative, of omega^2, for the derivative of B
+NEAR = 0.25  # relative distance of omega^2 within which edges are looked for
+STEPS = 8
+WAVES = 8
+SHIFT = -1.03 + 0.02j  # near the factors of a stop band, of which none equals it
+SETTLED = 1e-11  # relative change of omega^2
+
+
+@dataclass(frozen=True, kw_only=True)
+class StopBand:
+    """Frequencies at which no surface wave runs through a grating.
+
+    Attributes
+    ----------
+    lower, upper : float
+        Hz.
+    pitch : float
+        From finger to finger, m.
+    """
+
+    lower: float
+    upper: float
+    pitch: float
+
+    @property
+    def middle(self) -> float:
+        """Hz."""
+        return (self.lower + self.upper) / 2
+
+    @property
+    def velocity(self) -> float:
+        """Of the wave that the fingers' reflections do not couple, m/s."""
+        return 2 * self.pitch * self.middle
+
+    @property
+    def reflectivity(self) -> float:
+        """|r| of one finger."""
+        return float(np.pi * (self.upper - self.lower) / (self.upper + self.lower))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Grating:
+    """A discretised cell of the grating, to be asked at any frequency.
+
+    Attributes
+    ----------
+    section : Section
+    shape : FingerShape
+    pitch : float
+        m.
+    resolution : Resolution
+    middle : float
+        Frequency in Hz about which cells are interpolated.
+    """
+
+    section: Section
+    shape: FingerShape
+    pitch: float
+    resolution: Resolution
+    middle: float
+
+    @cached_property
+    def _halves(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Nodes in omega^2 and the matrices of both half cells there, shape (nodes, 2 n + 2, 2 n + 2)."""
+        low, high = ((2 * np.pi * self.middle * (1 + side * REACH)) ** 2 for side in (-1, 1))
+        squares = (low + high) / 2 + (high - low) / 2 * np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)
+        pairs = [
+            half_cells(self.section, float(np.sqrt(square)) / (2 * np.pi), self.shape, self.resolution)
+            for square in squares
+        ]
+        return squares, *(np.stack([pair[side].matrix for pair in pairs]) for side in (0, 1))
+
+    def cell(self, frequency: float, *, open_fingers: bool) -> Block:
+        """Condensed cell at a frequency in Hz."""
+        if abs(frequency / self.middle - 1) > REACH:
+            whole = finger_cell(self.section, frequency, self.shape, self.resolution)
+        else:
+            squares, *halves = self._halves
+            weights = lagrange_weights(squares, (2 * np.pi * frequency) ** 2)
+            rising, falling = (
+                Block(size=self.section.size, matrix=np.tensordot(weights, half, axes=1), width=1.0)
+                for half in halves
+            )
+            whole = joined(rising, falling, phi=self.section.surface_dofs["phi"], comb=0)
+        return opened(whole) if open_fingers else whole
+
+    def edge_matrix(self, omega_squared: float, *, open_fingers: bool) -> np.ndarray:
+        """B of lambda = -1, shape (n, n)."""
+        block = self.cell(float(np.sqrt(omega_squared)) / (2 * np.pi), open_fingers=open_fingers)
+        n = block.size
+        across = block.matrix[:n, n : 2 * n]
+        return block.matrix[:n, :n] + block.matrix[n : 2 * n, n : 2 * n] - across - across.T
+
+    def factors(self, frequency: float, *, open_fingers: bool) -> tuple[np.ndarray, np.ndarray]:
+        """The lambda nearest to -1 at a frequency in Hz, shape (WAVES,), and their fields in mid-gap, (n, WAVES).
+
+        Of [[0, 1], [-A_lr^T, -(A_ll + A_rr)]] x = lambda [[1, 0], [0, A_lr]] x, x = (u, lambda u), inverted about a
+        shift beside -1.
+        """
+        from scipy.linalg import lu_factor, lu_solve
+        from scipy.sparse.linalg import LinearOperator, eigs
+
+        block = self.cell(frequency, open_fingers=open_fingers)
+        n = block.size
+        across = block.matrix[:n, n : 2 * n]
+        both = block.matrix[:n, :n] + block.matrix[n : 2 * n, n : 2 * n]
+        factor = lu_factor(across.T + SHIFT * both + SHIFT**2 * across, check_finite=False)
+
+        def inverted(x: np.ndarray) -> np.ndarray:
+            load = across @ (x[n:] + SHIFT * x[:n]) + both @ x[:n]
+            u = -lu_solve(factor, load, check_finite=False)
+            return np.concatenate([u, x[:n] + SHIFT * u])
+
+        operator = LinearOperator((2 * n, 2 * n), matvec=inverted, dtype=complex)
+        values, vectors = eigs(operator, k=WAVES, v0=np.ones(2 * n, dtype=complex), tol=1e-12)
+        return SHIFT + 1 / values, vectors[:n]
+
+    def surface_factor(self, frequency: float, *, open_fingers: bool) -> complex:
+        """Lambda of the surface wave that runs or decays to the right, near the first stop band.
+
+        Returns
+        -------
+        complex
+            exp(-i k p); of the pair lambda, 1 / lambda the smaller one, or if both have size 1 that with Re k p > 0
+            below pi.
+        """
+        values, shapes = self.factors(frequency, open_fingers=open_fingers)
+        near = np.flatnonzero((abs(np.log(abs(values) + 1e-300)) < 1.0) & (values.real < 0))
+        share = self.section.surface_share(shapes[:, near])
+        best = values[near[np.argmax(share)]]
+        if abs(abs(best) - 1) > 1e-7:
+            return complex(best if abs(best) < 1 else 1 / best)
+        return complex(best if best.imag < 0 else np.conj(best))
+
+    def stop_band(self, *, open_fingers: bool) -> StopBand:
+        """Edges of the first stop band.
+
+        Raises
+        ------
+        ConvergenceError
+            If no two surface waves with lambda = -1 are found.
+        """
+        from scipy.linalg import eig
+
+        start = (2 * np.pi * self.middle) ** 2
+        matrix, slope = self._matrix_and_slope(start, open_fingers)
+        inverse, vectors = eig(np.linalg.solve(matrix, slope))  # -1 / (omega^2 - start)
+        near = np.flatnonzero(abs(inverse) * start * NEAR > 1)
+        share = self.section.surface_share(vectors[:, near]) if len(near) else np.zeros(0)
+        chosen = near[np.argsort(-share)[:2]]
+        if len(chosen) < 2:
+            raise ConvergenceError(
+                f"no two standing waves near {self.middle:g} Hz: the cut guides no surface wave"
+            )
+        found = sorted(
+            self._polished((start - 1 / inverse[index]).real, vectors[:, index], open_fingers)
+            for index in chosen
+        )
+        return StopBand(lower=found[0], upper=found[1], pitch=self.pitch)
+
+    def _matrix_and_slope(self, omega_squared, open_fingers):
+        step = STEP * omega_squared
+        around = [
+            self.edge_matrix(omega_squared + side * step, open_fingers=open_fingers) for side in (-1, 1)
+        ]
+        return (around[0] + around[1]) / 2, (around[1] - around[0]) / (2 * step)
+
+    def _polished(self, square: float, shape: np.ndarray, open_fingers: bool) -> float:
+        """Frequency (Hz) at which B is singular on a shape like this one: inverse iteration, Rayleigh functional."""
+        for _ in range(STEPS):
+            matrix, slope = self._matrix_and_slope(square, open_fingers)
+            shape = np.linalg.solve(matrix, slope @ shape)
+            shape = shape / np.linalg.norm(shape)
+            change = complex((shape @ matrix @ shape) / (shape @ slope @ shape)).real
+            square -= change
+            if abs(change) < SETTLED * square:
+                return float(np.sqrt(square) / (2 * np.pi))
+        raise ConvergenceError(
+            f"a stop band's edge near {np.sqrt(square) / (2 * np.pi):g} Hz does not settle"
+        )
+
+    def capacitance(self) -> float:
+        """Of a finger pair far below its resonances, F per metre of aperture, fingers at +V/2 and -V/2 in turn."""
+        frequency = STATIC * self.middle
+        block = self.cell(frequency, open_fingers=False)
+        n = block.size
+        matrix = self.edge_matrix((2 * np.pi * frequency) ** 2, open_fingers=False)
+        load = block.matrix[:n, 2 * n] - block.matrix[n : 2 * n, 2 * n]
+        lines = -np.linalg.solve(matrix, load)
+        reaction = block.matrix[2 * n, 2 * n] + load @ lines
+        medium = self.section.solid
+        return float(-0.5 * reaction.real * medium.stress_unit / medium.potential_unit**2)
+
+
+def lagrange_weights(nodes: np.ndarray, at: float) -> np.ndarray:
+    """Weights of the values at distinct nodes in the polynomial's value at a place."""
+    return np.array(
+        [np.prod((at - np.delete(nodes, k)) / (node - np.delete(nodes, k))) for k, node in enumerate(nodes)]
+    )
+
+
+def grating(
+    solid: Solid, *, period: float, metallisation: float, above: str, resolution: Resolution
+) -> Grating:
+    """Discretise one cell of an endless grating on a half-space.
+
+    Parameters
+    ----------
+    solid : Solid
+        In the stator's frame, piezoelectric; its losses are left out.
+    period : float
+        Of two fingers and two gaps, m.
+    metallisation : float
+        Finger width over finger width plus gap, between 0 and 1.
+    above : str
+        "none" or "vacuum".
+    resolution : Resolution
+
+    Returns
+    -------
+    Grating
+    """
+    if "phi" not in fields(solid):
+        raise ValueError(f"a grating of fingers needs a piezoelectric solid, and {solid.name} is not one")
+    if not (np.isfinite(period) and period > 0):
+        raise ValueError(f"grating.period must be positive and finite, got {period!r} m")
+    if not 0 < metallisation < 1:
+        raise ValueError(f"grating.metallisation must lie between 0 and 1, got {metallisation!r}")
+    bare = replace(solid, mechanical_quality=np.inf, dielectric_loss=0.0)
+    middle = automatic_period(bare, 1.0, metallisation) / period
+    unit = slowest_wavelength(bare, middle)
+    stator = Stator(solid=bare, length=period, thickness=np.inf, ends="absorbing", above=above)
+    pitch = period / 2
+    half_finger, half_gap = metallisation * pitch / 2, (1 - metallisation) * pitch / 2
+    section = discretise(stator, resolution, wavelength=unit, surface_scale=half_finger)
+    shape = FingerShape(half_finger=half_finger / unit, half_gaps=(half_gap / unit,) * 2)
+    return Grating(section=section, shape=shape, pitch=pitch, resolution=resolution, middle=middle)

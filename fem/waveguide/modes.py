@@ -1,0 +1,263 @@
+"""Guided modes of a uniform stretch, and the ends they make possible.
+
+In a stretch that is uniform in x the section's unknowns are sums of modes v exp(-i k x) with (section.py)
+
+    [k^2 K2 + i k (K1 - K1^T) + K0 - omega^2 M] v = 0,    nodal flux f = (K1 - i k K2) v.
+
+All modes of the discretised section are kept, the evanescent ones too, so that they span every line: a stretch
+that goes on for ever is then the exact relation f = X u, X = F V^-1, whatever arrives (no reflection, no layer to
+tune).  A mode goes right if it decays to the right or, without loss, carries power to the right; the power flux
+along +x of a field is -(omega/2) Im(f^H* u), mechanical and electric alike.  The constant potential, which exists
+where nothing grounds the section, is an outgoing mode without flux of D: the section's far ends are not charged.
+
+Where x -> -x is a symmetry the eigenproblem is linear in k^2 and of half the size (u_x, or u_x and phi, odd).
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from fem.convergence import ConvergenceError
+from fem.discretize.section import Section
+from fem.waveguide.eigenproblem import companion_modes, even_odd_modes
+
+POLISHING_STEPS = 6
+RICCATI_TOLERANCE = 5e-11  # ordinary sections reach 1e-15; at 1e-10 the motion has been seen wrong by 5e-4
+PROPAGATING = 0.3  # a mode whose |Im k| is below this share of |Re k| counts as propagating
+NEAR_HALF_SPACE = (
+    0.02  # relative distance of k from the half-space's that halves a mode's claim to be the surface wave
+)
+NEARLY_REAL = 3e-3  # |Im k| over |Re k| below which a mode that carries power is told by its flux
+ONE_WAVE = (
+    1e-3  # relative distance of k within which two modes are one wave however localised each of them is
+)
+TWIN_MODES = 3e-2  # relative distance of k within which two localised modes are one wave
+
+
+@dataclass(frozen=True, kw_only=True)
+class GuidedModes:
+    """Modes of a uniform stretch at one frequency, as many to the right as a line has unknowns.
+
+    Attributes
+    ----------
+    section : Section
+    frequency : float
+        Hz.
+    wavenumbers : ndarray, shape (n,)
+        Of the modes going right, in radians per length unit; ``backwards`` those going left.
+    right, left : ndarray, shape (n, n)
+        Mode shapes in columns.
+    right_flux, left_flux : ndarray, shape (n, n)
+        Their nodal fluxes.
+    """
+
+    section: Section
+    frequency: float
+    wavenumbers: np.ndarray = field(repr=False)
+    backwards: np.ndarray = field(repr=False)
+    right: np.ndarray = field(repr=False)
+    left: np.ndarray = field(repr=False)
+    right_flux: np.ndarray = field(repr=False)
+    left_flux: np.ndarray = field(repr=False)
+
+    @cached_property
+    def right_end(self) -> np.ndarray:
+        """X with f = X u where the stretch goes on to the right for ever, shape (n, n)."""
+        second, first, zeroth = self.section.matrices(self.frequency)
+        return _end(second, first, zeroth, self.wavenumbers, self.right, self.right_flux)
+
+    @cached_property
+    def left_end(self) -> np.ndarray:
+        """X with -f = X u where the stretch goes on to the left for ever, shape (n, n)."""
+        if self.section.odd is not None:
+            mirror = np.where(self.section.odd, -1.0, 1.0)
+            return mirror[:, None] * self.right_end * mirror
+        second, first, zeroth = self.section.matrices(self.frequency)
+        return _end(second, -first, zeroth, -self.backwards, self.left, -self.left_flux)
+
+    @cached_property
+    def _factors(self):
+        from scipy.linalg import lu_factor
+
+        return lu_factor(self.right, check_finite=False), lu_factor(self.left, check_finite=False)
+
+    def right_amplitudes(self, field_right: np.ndarray) -> np.ndarray:
+        """Amplitudes of the modes in a field that goes right, shape as the field (n, ...)."""
+        from scipy.linalg import lu_solve
+
+        return lu_solve(self._factors[0], field_right, check_finite=False)
+
+    def left_amplitudes(self, field_left: np.ndarray) -> np.ndarray:
+        """Amplitudes of the modes in a field that goes left, shape as the field (n, ...)."""
+        from scipy.linalg import lu_solve
+
+        return lu_solve(self._factors[1], field_left, check_finite=False)
+
+    @property
+    def nearest_cut_off(self) -> float:
+        """Smallest |k|, radians per length unit, of the modes but the constant potential."""
+        return float(abs(self.wavenumbers[self.wavenumbers != 0]).min())
+
+    @cached_property
+    def rayleigh(self) -> np.ndarray:
+        """Indices of the surface wave's modes, the most localised first.
+
+        A mode is as localised as its motion at the surface, squared, is large against the mean over the depth.  In a
+        block whose two faces are alike the surface wave is the sum of a symmetric and an antisymmetric mode of
+        nearly one velocity, each with half its motion at the bottom: both count.  The nearer they are the less the
+        eigensolver keeps them apart: two of one velocity count whatever each looks like.
+        """
+        moving = np.flatnonzero(abs(self.wavenumbers.imag) < PROPAGATING * abs(self.wavenumbers.real))
+        if len(moving) == 0:
+            raise ConvergenceError(
+                f"no mode of this section propagates at {self.frequency:g} Hz: it is too thin or too lossy"
+            )
+        localised = self.section.surface_share(self.right[:, moving])
+        if self.section.surface_speed is not None:
+            expected = 2 * np.pi * self.frequency * self.section.length_unit / self.section.surface_speed
+            localised /= 1.0 + (abs(self.wavenumbers[moving] / expected - 1.0) / NEAR_HALF_SPACE) ** 2
+        best = int(np.argmax(localised))
+        apart = abs(self.wavenumbers[moving] / self.wavenumbers[moving[best]] - 1)
+        split = (apart < TWIN_MODES) & (localised > 0.4 * localised[best])
+        chosen = np.flatnonzero((apart < ONE_WAVE) | split)
+        return moving[chosen[np.argsort(-localised[chosen])]]
+
+
+def power(displacement: np.ndarray, flux: np.ndarray, frequency: float) -> np.ndarray:
+    """Mean power along +x of a field (u, f) on a line, -(omega/2) Im(f u*), in the fields' unit (columns apart)."""
+    return -np.pi * frequency * np.imag(np.sum(flux * np.conj(displacement), axis=0))
+
+
+def guided_modes(section: Section, frequency: float) -> GuidedModes:
+    """All modes of a uniform stretch with a bare surface.
+
+    Parameters
+    ----------
+    section : Section
+    frequency : float
+        Hz, positive.
+
+    Returns
+    -------
+    GuidedModes
+    """
+    second, first, zeroth = section.matrices(frequency)
+    if section.odd is not None:
+        mirror = np.where(section.odd, -1.0, 1.0)
+        wavenumbers, right = even_odd_modes(second, first, zeroth, section.odd)
+        right_flux = _flux(second, first, wavenumbers, right)
+        turned = ~_goes_right(wavenumbers, right, right_flux)
+        wavenumbers = np.where(turned, -wavenumbers, wavenumbers)
+        right = np.where(turned, mirror[:, None] * right, right)
+        wavenumbers, right = _grounded(section, wavenumbers, right)
+        right_flux = _flux(second, first, wavenumbers, right)
+        backwards, left = -wavenumbers, mirror[:, None] * right
+        left_flux = -mirror[:, None] * right_flux
+    else:
+        (wavenumbers, right), (backwards, left) = _both_ways(section, second, first, zeroth)
+        right_flux = _flux(second, first, wavenumbers, right)
+        left_flux = _flux(second, first, backwards, left)
+    return GuidedModes(
+        section=section,
+        frequency=frequency,
+        wavenumbers=wavenumbers,
+        backwards=backwards,
+        right=right,
+        left=left,
+        right_flux=right_flux,
+        left_flux=left_flux,
+    )
+
+
+def _flux(second, first, wavenumbers, shapes):
+    return first @ shapes - 1j * (second @ shapes) * wavenumbers
+
+
+def _end(second, first, zeroth, wavenumbers, shapes, flux):
+    """X = F V^-1, polished by Newton's method on (X - K1^T) K2^-1 (X - K1) = K0 - omega^2 M.
+
+    Fast evanescent modes come out of the eigensolver with few digits.  The correction Z obeys G^T Z + Z G = -R with
+    G = K2^-1 (X - K1) = V (-i k) V^-1, so in the modes it is one division.
+    """
+    from scipy.linalg import lu_factor, lu_solve
+
+    factor = lu_factor(shapes, check_finite=False)
+    stiff = lu_factor(second, check_finite=False)
+    ends = _symmetric(lu_solve(factor, flux.T, trans=1, check_finite=False).T)
+    sums = 1j * (wavenumbers[:, None] + wavenumbers[None, :])
+    weights = np.where(sums == 0, 0.0, 1.0 / np.where(sums == 0, 1.0, sums))
+    scale = abs(zeroth).max()
+    before, best = np.inf, ends
+    for _ in range(POLISHING_STEPS):
+        slope = ends - first
+        residual = slope.T @ lu_solve(stiff, slope, check_finite=False) - zeroth
+        size = float(abs(residual).max() / scale)
+        if size >= 0.5 * before:
+            break
+        before, best = size, ends
+        if size < 1e-15:
+            break
+        in_modes = weights * (shapes.T @ residual @ shapes)
+        half = lu_solve(factor, in_modes, trans=1, check_finite=False)
+        ends = _symmetric(ends + lu_solve(factor, half.T, trans=1, check_finite=False).T)
+    if not before < RICCATI_TOLERANCE:
+        raise ConvergenceError(
+            f"the guided modes leave a residual of {before:.1e} in the open ends' equation: "
+            "ask for a looser tolerance, or take less extreme fingers"
+        )
+    return best
+
+
+def _grounded(section, wavenumbers, shapes):
+    """Unit shapes; the constant potential, where it exists, put in exactly for the mode that stands for it."""
+    shapes = shapes / np.sqrt(np.sum(abs(shapes) ** 2, axis=0))
+    if section.floats:
+        constant = section.constant_potential / np.linalg.norm(section.constant_potential)
+        at = int(np.argmin(abs(wavenumbers) + (abs(constant @ shapes) < 0.9)))
+        wavenumbers = wavenumbers.copy()
+        wavenumbers[at], shapes[:, at] = 0.0, constant
+    return wavenumbers, shapes
+
+
+def _both_ways(section, second, first, zeroth):
+    """Modes going right and going left where no symmetry pairs them, in matching order (backwards ~ -k)."""
+    size = len(second)
+    wavenumbers, shapes = companion_modes(second, 1j * (first - first.T), zeroth)
+    rightgoing = _goes_right(wavenumbers, shapes, _flux(second, first, wavenumbers, shapes))
+    if section.floats:
+        constant = section.constant_potential / np.linalg.norm(section.constant_potential)
+        unit = shapes / np.sqrt(np.sum(abs(shapes) ** 2, axis=0))
+        pair = np.argsort(abs(wavenumbers) + (abs(constant @ unit) < 0.9))[:2]
+        rightgoing[pair] = True, False
+    if rightgoing.sum() != size:
+        raise ConvergenceError(
+            f"{int(rightgoing.sum())} of {2 * size} modes go right where {size} should: a mode without loss is at "
+            "its cut-off; change the frequency slightly or give the solid a mechanical_quality"
+        )
+    right = _grounded(section, wavenumbers[rightgoing], shapes[:, rightgoing])
+    left = _grounded(section, wavenumbers[~rightgoing], shapes[:, ~rightgoing])
+    order, free = np.empty(size, dtype=int), np.ones(size, dtype=bool)
+    for index in np.argsort(abs(right[0])):
+        candidates = np.flatnonzero(free)
+        order[index] = candidates[np.argmin(abs(left[0][candidates] + right[0][index]))]
+        free[order[index]] = False
+    return right, (left[0][order], left[1][:, order])
+
+
+def _goes_right(wavenumbers, shapes, flux):
+    """By the sign of the power flux where a mode carries any and hardly decays, by its decay elsewhere.
+
+    With loss the two agree.  An absorbing layer's error may give a surface wave a growth of 1e-4 or less in the
+    direction in which it runs: there only the flux is right.
+    """
+    carried = -np.imag(np.sum(flux * np.conj(shapes), axis=0))
+    most = np.sum(abs(flux * shapes), axis=0)
+    straight = abs(wavenumbers.imag) < NEARLY_REAL * abs(wavenumbers.real)
+    lossless = abs(wavenumbers.imag) <= 1e-9 * (1.0 + abs(wavenumbers))
+    by_flux = lossless | (straight & (abs(carried) > 1e-6 * most))
+    return np.where(by_flux, carried > 0, wavenumbers.imag < 0)
+
+
+def _symmetric(matrix):
+    return 0.5 * (matrix + matrix.T)

@@ -1,0 +1,236 @@
+"""Transducers in a waveguide: what each sends and scatters, and how stretches and ends tie them together.
+
+A transducer sits between two uniform stretches whose exact ends X_right and X_left are known (guided.py).  With p
+the part of the field that goes right and q the part that goes left, its lines obey
+
+    (A - diag(X_left, X_right)) u = [-(X_right + X_left) p_in, -(X_left + X_right) q_in] - A_ports V,
+
+so one factorisation gives what it sends for each voltage and for each mode that arrives.  Along a stretch of length
+l a mode changes by exp(-i k l): only those that survive to double precision couple the pieces, which makes length
+free of cost.  Free and clamped ends turn the modes that arrive into all modes of the section.
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from fem.condense.superelement import PORTS, Block
+from fem.waveguide.ends import Walls, end_reflection
+from fem.waveguide.modes import GuidedModes
+
+NEGLIGIBLE = 1e-18  # a mode's amplitude after a stretch, relative: far below rounding
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scatterer:
+    """A transducer's block in the waveguide.
+
+    Attributes
+    ----------
+    block : Block
+    modes : GuidedModes
+    potentials : ndarray, shape (2, ports)
+        Comb potentials of each port: half and minus half for the voltage; one and one for the mean where the
+        section is grounded (elsewhere the mean is a matter of gauge).
+    """
+
+    block: Block
+    modes: GuidedModes
+    potentials: np.ndarray
+
+    @cached_property
+    def _factor(self):
+        from scipy.linalg import lu_factor
+
+        n = self.block.size
+        system = self.block.matrix[: 2 * n, : 2 * n].astype(complex)
+        system[:n, :n] -= self.modes.left_end
+        system[n:, n:] -= self.modes.right_end
+        return lu_factor(system, overwrite_a=True, check_finite=False)
+
+    def sides(self, incoming: np.ndarray, potentials: np.ndarray) -> np.ndarray:
+        """Both lines' unknowns.
+
+        Parameters
+        ----------
+        incoming : ndarray, shape (2 n, m)
+            Field going right at the left line, then field going left at the right line.
+        potentials : ndarray, shape (2, m)
+            Of the combs, scaled.
+
+        Returns
+        -------
+        ndarray, shape (2 n, m)
+        """
+        from scipy.linalg import lu_solve
+
+        n = self.block.size
+        both = self.modes.right_end + self.modes.left_end
+        load = -self.block.matrix[: 2 * n, 2 * n :] @ potentials
+        load = load.astype(complex)
+        load[:n] -= both @ incoming[:n]
+        load[n:] -= both @ incoming[n:]
+        return lu_solve(self._factor, load, overwrite_b=True, check_finite=False)
+
+    def charge(self, sides: np.ndarray, potentials: np.ndarray) -> np.ndarray:
+        """Reactions q of the ports, scaled (minus the charge), shape (ports, m)."""
+        n = self.block.size
+        combs = self.block.matrix[2 * n :]
+        return self.potentials.T @ (combs[:, : 2 * n] @ sides + combs[:, 2 * n :] @ potentials)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Network:
+    """Scatterers in a row between two ends.
+
+    Attributes
+    ----------
+    modes : GuidedModes
+    scatterers : tuple of Scatterer
+        From left to right.
+    places : tuple of float
+        Where their left lines lie, length units.
+    start, stop : float
+        The stator's ends, length units.
+    ends : str or Walls
+        "absorbing", "free", "clamped", or condensed pieces that begin at start and stop.
+    """
+
+    modes: GuidedModes
+    scatterers: tuple[Scatterer, ...]
+    places: tuple[float, ...]
+    start: float
+    stop: float
+    ends: str | Walls
+
+    @property
+    def ports(self) -> int:
+        """Ports of all transducers."""
+        return sum(scatterer.potentials.shape[1] for scatterer in self.scatterers)
+
+    @property
+    def stretches(self) -> np.ndarray:
+        """Ends of the uniform stretches before, between and after the scatterers, shape (scatterers + 1, 2)."""
+        edges = [self.start]
+        for place, scatterer in zip(self.places, self.scatterers, strict=True):
+            edges += [place, place + scatterer.block.width]
+        return np.array([*edges, self.stop]).reshape(-1, 2)
+
+    def survivors(self, length: float) -> np.ndarray:
+        """Modes that matter after a stretch; the constant potential carries nothing and is left out."""
+        alive = np.abs(np.exp(-1j * self.modes.wavenumbers * length)) > NEGLIGIBLE
+        return np.flatnonzero(alive & (self.modes.wavenumbers != 0))
+
+    def solve(self) -> "PortSolution":
+        """Fields for one unit of potential at each port in turn, the other ports at zero.
+
+        Returns
+        -------
+        PortSolution
+        """
+        modes, n = self.modes, self.modes.section.size
+        lengths = np.diff(self.stretches, axis=1)[:, 0]
+        kept = [self.survivors(length) for length in lengths]
+        walls = self.ends != "absorbing"
+        # unknowns: in every stretch, amplitudes going right at its left edge and going left at its right edge
+        slots, total = [], 0
+        for stretch, keep in enumerate(kept):
+            outer = stretch in (0, len(kept) - 1)
+            count = len(keep) if (walls or not outer) else 0
+            slots.append((slice(total, total + count), slice(total + count, total + 2 * count)))
+            total += 2 * count
+        system = np.eye(total, dtype=complex)
+        load = np.zeros((total, self.ports), dtype=complex)
+        answers = []
+        port = 0
+        for index, scatterer in enumerate(self.scatterers):
+            before, after = kept[index], kept[index + 1]
+            from_left, to_left = slots[index]
+            to_right, from_right = slots[index + 1]
+            arrive_left = before[: from_left.stop - from_left.start]
+            arrive_right = after[: from_right.stop - from_right.start]
+            count = scatterer.potentials.shape[1]
+            mine = slice(port, port + count)
+            port += count
+            incoming = np.zeros((2 * n, len(arrive_left) + len(arrive_right) + count), dtype=complex)
+            decay_left = np.exp(-1j * modes.wavenumbers[arrive_left] * lengths[index])
+            decay_right = np.exp(1j * modes.backwards[arrive_right] * lengths[index + 1])
+            incoming[:n, : len(arrive_left)] = modes.right[:, arrive_left] * decay_left
+            incoming[n:, len(arrive_left) : len(arrive_left) + len(arrive_right)] = (
+                modes.left[:, arrive_right] * decay_right
+            )
+            potentials = np.zeros((PORTS, incoming.shape[1]))
+            potentials[:, len(arrive_left) + len(arrive_right) :] = scatterer.potentials
+            sides = scatterer.sides(incoming, potentials)
+            sent_left = modes.left_amplitudes(sides[:n] - incoming[:n])
+            sent_right = modes.right_amplitudes(sides[n:] - incoming[n:])
+            for slot, sent, chosen in ((to_left, sent_left, before), (to_right, sent_right, after)):
+                rows = sent[chosen[: slot.stop - slot.start]]
+                system[slot, from_left] -= rows[:, : len(arrive_left)]
+                system[slot, from_right] -= rows[:, len(arrive_left) : len(arrive_left) + len(arrive_right)]
+                load[slot, mine] += rows[:, len(arrive_left) + len(arrive_right) :]
+            answers.append((sides, potentials, incoming, mine, from_left, from_right))
+        if walls:
+            self._reflect(system, slots, kept, lengths)
+        amplitudes = np.linalg.solve(system, load) if total else load
+        return self._gathered(amplitudes, answers)
+
+    @cached_property
+    def reflections(self) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
+        """Of the left and the right end: the modes that arrive, and all modes sent back for each, (n, arriving)."""
+        found = []
+        for stretch, side in ((0, 0), (-1, 1)):
+            start, stop = self.stretches[stretch]
+            arriving = self.survivors(stop - start)
+            found.append((arriving, end_reflection(self.modes, self.ends, side, arriving)))
+        return tuple(found)
+
+    def _reflect(self, system, slots, kept, lengths):
+        """Equations of the two ends: amplitudes leaving an end from those that arrive there."""
+        for stretch, side in ((0, 0), (len(kept) - 1, 1)):
+            going_right, going_left = slots[stretch]
+            keep, sent = self.reflections[side]
+            reflected = sent[keep]
+            if side == 0:
+                decay = np.exp(1j * self.modes.backwards[keep] * lengths[stretch])
+                system[going_right, going_left] -= reflected * decay
+            else:
+                decay = np.exp(-1j * self.modes.wavenumbers[keep] * lengths[stretch])
+                system[going_left, going_right] -= reflected * decay
+
+    def _gathered(self, amplitudes, answers) -> "PortSolution":
+        ports = self.ports
+        sides, incoming, charges = [], [], np.zeros((ports, ports), dtype=complex)
+        for scatterer, (own, potentials, arriving, mine, from_left, from_right) in zip(
+            self.scatterers, answers, strict=True
+        ):
+            weights = np.zeros((own.shape[1], ports), dtype=complex)
+            count = mine.stop - mine.start
+            reach = from_left.stop - from_left.start
+            weights[:reach] = amplitudes[from_left]
+            weights[reach : weights.shape[0] - count] = amplitudes[from_right]
+            weights[len(weights) - count :, mine] = np.eye(count)
+            sides.append(own @ weights)
+            incoming.append(arriving @ weights)
+            charges[mine] = scatterer.charge(sides[-1], potentials @ weights)
+        return PortSolution(network=self, sides=tuple(sides), incoming=tuple(incoming), charges=charges)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PortSolution:
+    """Fields per unit of scaled potential at each port.
+
+    Attributes
+    ----------
+    network : Network
+    sides, incoming : tuple of ndarray, shape (2 n, ports)
+        Of each scatterer: its lines, and the part of them that comes in.
+    charges : ndarray, shape (ports, ports)
+        Reactions q, scaled; symmetric.
+    """
+
+    network: Network
+    sides: tuple[np.ndarray, ...] = field(repr=False)
+    incoming: tuple[np.ndarray, ...] = field(repr=False)
+    charges: np.ndarray

@@ -1,0 +1,228 @@
+"""A directory that is written: a hidden work folder, from which ``commit`` moves the files into place.
+
+A commit replaces only files that the manifest lists and that are unchanged since.  Whatever else has the name of a new
+file, such as a table that was edited or a file from before there were manifests, is renamed
+(``velocity.former.csv``).  All other files stay.  ``run.json`` or ``study.json`` is moved last, so that a directory
+that has one is whole.
+"""
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from studies.refusal import RunError, SceneError
+from studies.results.lock import DirectoryInUseError, locked
+from studies.results.manifest import (
+    FORMER,
+    HIDDEN,
+    LOCK,
+    WORK,
+    Origin,
+    digest,
+    files_below,
+    free_name,
+    named,
+    origin_of,
+    read_manifest,
+    relative,
+    write_manifest,
+)
+
+__all__ = ["MARKS", "ResultDirectory", "result_directory"]
+
+MARKS = {"run.json": "run", "study.json": "study"}  # file whose presence makes a directory a result: kind
+NAMES_SHOWN = 6  # in a message
+
+
+@dataclass(kw_only=True)
+class ResultDirectory:
+    """A directory that is being written.
+
+    Attributes
+    ----------
+    folder : Path
+        Where to write; exists and is empty.
+    target : Path
+        Where the files shall be.
+    origin : Origin
+    notes : list of str
+        Sentences for the user: what was replaced, renamed and left alone.
+    """
+
+    folder: Path
+    target: Path
+    origin: Origin
+    notes: list[str] = field(default_factory=list)
+    _written: dict[str, str] = field(default_factory=dict)  # name: SHA-256, by earlier commits
+
+    def commit(self) -> None:
+        """Move all files of the work folder into place; the first commit replaces the former result."""
+        manifest = read_manifest(self.target)
+        new = {name: digest(self.folder / name) for name in files_below(self.folder)}
+        replaced, foreign = self._in_the_way(new, manifest.get("files", {}))
+        about = {"program": "sawmotor", **self.origin.described(self.target), "files": self._written | new}
+        moves: list[tuple[Path, Path]] = []
+        renamed = {}
+        try:
+            for name in sorted(replaced, key=lambda each: (each not in MARKS, each)):
+                _move(self.target / name, self.target / FORMER / name, moves)
+            for name in foreign:
+                kept = free_name(self.target / name)
+                _move(self.target / name, kept, moves)
+                renamed[name] = kept.name
+            write_manifest(self.target, about)
+            for name in sorted(new, key=lambda each: (each in MARKS, each)):
+                _move(self.folder / name, self.target / name, moves)
+        except BaseException:
+            _move_back(moves)
+            write_manifest(self.target, manifest)
+            if not files_below(self.target / FORMER):
+                shutil.rmtree(self.target / FORMER, ignore_errors=True)
+            raise
+        shutil.rmtree(self.target / FORMER, ignore_errors=True)
+        for name in replaced:
+            _remove_empty((self.target / name).parent, self.target)
+        self._note(manifest, about, replaced, renamed)
+        self._written |= new
+
+    def _in_the_way(self, new: dict, former: dict) -> tuple[list[str], list[str]]:
+        """Return the files that the commit replaces, and those of other origin that it renames."""
+        stale = {} if self._written else former
+        replaced, foreign = [], []
+        for name in sorted(new | stale):
+            place = self.target / name
+            if not place.exists() and not place.is_symlink():
+                continue
+            ours = name in former and place.is_file() and not place.is_symlink()
+            if ours and digest(place) == former[name]:
+                replaced.append(name)
+            elif name in new:
+                foreign.append(name)
+        return replaced, foreign
+
+    def _note(self, manifest: dict, about: dict, replaced: list[str], renamed: dict[str, str]) -> None:
+        if replaced and not self._written:
+            then, now = origin_of(manifest), origin_of(about)
+            of = "" if then == now else f" of {named(then)}"
+            self.notes.append(f"replaced in {self.target}: {_listed(replaced)}{of}")
+        if renamed:
+            pairs = [f"{name} is now {kept}" for name, kept in renamed.items()]
+            self.notes.append(f"kept in {self.target}, as sawmotor did not write them: {_listed(pairs)}")
+        known = {name.split("/")[0] for name in (*about["files"], *renamed.values())} | HIDDEN
+        others = sorted(each.name for each in self.target.iterdir() if each.name not in known)
+        if others and not self._written and (replaced or renamed):
+            self.notes.append(f"left as they were in {self.target}: {_listed(others)}")
+
+
+@contextmanager
+def result_directory(path: str | Path, origin: Origin, *, chosen: bool = True) -> Iterator[ResultDirectory]:
+    """Lend a directory to write into; only what is committed stays.
+
+    Parameters
+    ----------
+    path : str or Path
+        Where the result shall be.
+    origin : Origin
+        What the result belongs to.
+    chosen : bool
+        False for a default directory: there a result of another origin is refused, not replaced.
+
+    Yields
+    ------
+    ResultDirectory
+
+    Raises
+    ------
+    SceneError
+        If a default directory holds the result of another scene or study.
+    RunError
+        If the place cannot be written, holds no result, or another run writes there.
+    """
+    target = Path(path).absolute()
+    made = [parent for parent in (target, *target.parents) if not parent.exists()]
+    lock = None
+    try:
+        try:
+            _refuse_others(target, origin, chosen=chosen)
+            target = target.resolve()
+            target.mkdir(parents=True, exist_ok=True)
+            lock = locked(target / LOCK)
+            _recover(target)
+            (target / WORK).mkdir()
+            yield ResultDirectory(folder=target / WORK, target=target, origin=origin)
+        except DirectoryInUseError:
+            raise RunError(
+                f"another run is writing into {str(target)!r}: wait for it, or name another directory with --out"
+            ) from None
+        except OSError as error:
+            reason = error.strerror or error
+            raise RunError(f"the result directory {str(path)!r} cannot be written: {reason}") from None
+    finally:
+        if lock is not None:
+            shutil.rmtree(target / WORK, ignore_errors=True)
+            (target / LOCK).unlink(missing_ok=True)
+            lock.close()
+        for folder in made:
+            with suppress(OSError):
+                folder.rmdir()  # only if empty
+
+
+def _refuse_others(target: Path, origin: Origin, *, chosen: bool) -> None:
+    """Refuse a directory that holds no result, and as a default one that holds another's."""
+    if not target.exists():
+        return
+    if not target.is_dir():
+        raise RunError(f"the result directory {str(target)!r} cannot be written: a file of that name exists")
+    held, then = {each.name for each in target.iterdir()}, origin_of(read_manifest(target))
+    kinds = [kind for mark, kind in MARKS.items() if mark in held]
+    if held - HIDDEN and not kinds and not then:
+        raise RunError(
+            f"the result directory {str(target)!r} holds something that is no former result; name another"
+        )
+    if chosen:
+        return
+    if then and then != origin.described(target):
+        choice = f"--out {relative(target, Path.cwd())} replaces it, another --out keeps both"
+        raise SceneError("--out", f"is needed: {str(target)!r} holds {named(then)}; {choice}")
+    if not then and kinds and origin.kind not in kinds:
+        raise SceneError("--out", f"is needed: {str(target)!r} holds the result of a {kinds[0]}")
+
+
+def _recover(target: Path) -> None:
+    """Put back what a process that died during a commit had moved away, and clear its work folder."""
+    shutil.rmtree(target / WORK, ignore_errors=True)
+    for name in files_below(target / FORMER):
+        place = target / name
+        if place.exists() or place.is_symlink():
+            place = free_name(place)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        (target / FORMER / name).rename(place)
+    shutil.rmtree(target / FORMER, ignore_errors=True)
+
+
+def _move(source: Path, place: Path, moves: list[tuple[Path, Path]]) -> None:
+    place.parent.mkdir(parents=True, exist_ok=True)
+    moves.append((source, place))  # before the move: an interrupt between the two must find it
+    source.rename(place)
+
+
+def _move_back(moves: list[tuple[Path, Path]]) -> None:
+    for source, place in reversed(moves):
+        if not source.exists() and not source.is_symlink():
+            place.rename(source)
+
+
+def _remove_empty(folder: Path, root: Path) -> None:
+    while folder != root:
+        try:
+            folder.rmdir()
+        except OSError:
+            return
+        folder = folder.parent
+
+
+def _listed(names: list[str]) -> str:
+    more = f" and {len(names) - NAMES_SHOWN} more" if len(names) > NAMES_SHOWN else ""
+    return ", ".join(names[:NAMES_SHOWN]) + more

@@ -1,0 +1,54 @@
+"""A lock on a directory: one writer at a time, and none that outlives its process.
+
+The lock is an exclusive transaction on a small SQLite file in the directory.  The operating system releases it when the
+process ends, however it ends, so a stale file blocks nobody; SQLite does this on every platform.
+"""
+
+import sqlite3
+from pathlib import Path
+
+__all__ = ["DirectoryInUseError", "locked"]
+
+
+class DirectoryInUseError(Exception):
+    """Another process holds the lock."""
+
+
+def locked(file: Path) -> sqlite3.Connection:
+    """Return a connection that holds the lock until it is closed or its process ends.
+
+    Parameters
+    ----------
+    file : Path
+        The lock file; made if absent.
+
+    Raises
+    ------
+    DirectoryInUseError
+        If another process holds the lock.
+    OSError
+        If the file cannot be written.
+    """
+    while True:
+        file.touch()
+        before = _identity(file)
+        connection = sqlite3.connect(file, timeout=0, isolation_level=None)
+        try:
+            connection.execute("pragma journal_mode = memory")  # nothing is ever written: no journal file
+            connection.execute("begin exclusive")
+        except sqlite3.Error as error:
+            connection.close()
+            if "locked" in str(error):
+                raise DirectoryInUseError(str(file)) from None
+            raise OSError(0, str(error), str(file)) from None
+        if before is not None and before == _identity(file):
+            return connection
+        connection.close()  # a former holder has deleted the file between touch and lock
+
+
+def _identity(file: Path) -> tuple[int, int] | None:
+    try:
+        found = file.stat()
+    except FileNotFoundError:
+        return None
+    return found.st_dev, found.st_ino

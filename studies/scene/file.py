@@ -1,0 +1,136 @@
+"""A scene file: its TOML table, and the line of every key for what is said about it."""
+
+import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Self
+
+from studies.refusal import SceneError, nearest, shown
+from studies.scene.lines import key_lines, line_of
+from studies.scene.override import assigned
+from studies.scene.syntax import explained
+
+__all__ = ["SceneFile", "read_table", "scene_path", "shipped_scenes"]
+
+SHIPPED = Path(__file__).parents[1] / "scenes"
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneFile:
+    """The TOML document of a scene, not yet checked.
+
+    Attributes
+    ----------
+    path : Path
+        Where it was read.
+    table : dict
+        Its keys and values.
+    lines : dict of str to int
+        Line of every dotted key.
+    changed : tuple of str
+        Keys that the command line changed: what is wrong with them is not in the file.
+    """
+
+    path: Path
+    table: dict = field(repr=False)
+    lines: dict[str, int] = field(repr=False)
+    changed: tuple[str, ...] = ()
+
+    @classmethod
+    def read(cls, source: str | Path) -> Self:
+        """Read a file, or a scene that ships, by its name.
+
+        Raises
+        ------
+        SceneError
+            If the file cannot be found, opened, decoded or parsed.
+        """
+        path = scene_path(source)
+        text = _text(path)
+        try:
+            return cls(path=path, table=tomllib.loads(text), lines=key_lines(text))
+        except tomllib.TOMLDecodeError as error:
+            line, sentence = explained(text, error)
+            raise SceneError("", sentence, f"{path}, line {line}") from None
+        except (RecursionError, ValueError) as error:
+            raise SceneError("", f"the scene {str(path)!r} is not TOML: {str(error)[:200]}") from None
+
+    def assigned(self, setting: str) -> Self:
+        """Return the file with one key changed as ``--set KEY=VALUE`` does."""
+        table = assigned(self.table, setting)
+        return replace(self, table=table, changed=(*self.changed, setting.partition("=")[0].strip()))
+
+    def replaced(self, block: str, key: str, value) -> Self:
+        """Return the file with the value of one key of a block replaced."""
+        table = self.table | {block: self.table[block] | {key: value}}
+        return replace(self, table=table, changed=(*self.changed, f"{block}.{key}"))
+
+    @contextmanager
+    def located(self) -> Iterator[None]:
+        """Give every fault found inside the file and the line of its key, in the order of the lines."""
+        try:
+            yield
+        except SceneError as error:
+            problems = [(self._line(problem), problem) for problem in error.problems]
+            problems.sort(key=lambda pair: pair[0] or 0)
+            raise SceneError.together(self._placed(*pair) for pair in problems) from None
+
+    def _line(self, problem: SceneError) -> int | None:
+        inside = any(f"{problem.path}.".startswith(f"{key}.") for key in self.changed)
+        return None if problem.place or inside else line_of(problem.path, self.lines)
+
+    def _placed(self, line: int | None, problem: SceneError) -> SceneError:
+        if line is None:
+            return problem
+        return SceneError(problem.path, problem.rule, f"{self.path}, line {line}")
+
+
+def shipped_scenes() -> dict[str, Path]:
+    """Return the files of the scenes that ship, by name."""
+    return {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
+
+
+def scene_path(source: str | Path) -> Path:
+    """Return the file of a scene, given its path or the name of one that ships."""
+    shipped, path = shipped_scenes(), Path(source)
+    if path.is_file():
+        return path
+    if str(source) in shipped:
+        return shipped[str(source)]
+    if path.is_dir():
+        inside = path / "scene.toml"  # a run leaves its scene there
+        hint = f"; did you mean {str(inside)!r}?" if inside.is_file() else ""
+        raise SceneError("", f"{shown(str(source))} is a directory, not a scene file{hint}")
+    raise SceneError(
+        "", f"no scene file or shipped scene is named {shown(str(source))}{nearest(source, shipped)}"
+    )
+
+
+def read_table(source: str | Path) -> dict:
+    """Return the TOML document of a scene, not yet checked.
+
+    Raises
+    ------
+    SceneError
+        If the file cannot be found, opened, decoded or parsed.
+    """
+    return SceneFile.read(source).table
+
+
+def _text(path: Path) -> str:
+    """Return the text of a file without a byte-order mark, lines ended by one character."""
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise SceneError("", f"the scene {str(path)!r} cannot be read: {error.strerror}") from None
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise SceneError("", f"the scene {str(path)!r} cannot be read: it is UTF-16 text; save it as UTF-8")
+    try:
+        return content.decode("utf-8-sig").replace("\r\n", "\n")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise SceneError(
+            "", "a character is not UTF-8 text; save the file as UTF-8", f"{path}, line {line}"
+        ) from None

@@ -1,0 +1,194 @@
+"""The whole scene: its blocks, and what they must not say together."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Annotated, ClassVar, Self
+
+from studies.refusal import SceneError, nearest, shown
+from studies.scene.block import Block, Blocks, Within
+from studies.scene.blocks import Drive, Slider, Stator, Transducer, Wave
+from studies.scene.file import SceneFile
+from studies.scene.rule import Text
+
+__all__ = ["Scene"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene(Block):
+    """A stator with its transducers and drive, or a given wave, and perhaps a slider.
+
+    Attributes
+    ----------
+    title : str
+        Shown on results.
+    stator, transducer, drive
+        The field problem; ``transducer`` is a tuple, empty for the free wave.
+    wave
+        The surface motion, given instead of those.
+    slider
+        Absent: the wave field is the result.
+    """
+
+    block: ClassVar[str] = ""
+    title: Annotated[str, Text(), "Shown on results."] = ""
+    stator: Annotated[Stator | None, Within(Stator), "The block of material that carries the wave."] = None
+    transducer: Annotated[
+        tuple[Transducer, ...],
+        Blocks(Transducer),
+        "The transducers on its surface; none: the free wave of the section is the result.",
+    ] = ()
+    drive: Annotated[Drive | None, Within(Drive), "The source; required with a stator."] = None
+    wave: Annotated[
+        Wave | None, Within(Wave), "A given surface motion, instead of stator, transducers and drive."
+    ] = None
+    slider: Annotated[Slider | None, Within(Slider), "The slider; absent: the wave is the result."] = None
+
+    @classmethod
+    def load(cls, source: str | Path) -> Self:
+        """Read a scene file, or a scene that ships, by its name.
+
+        Raises
+        ------
+        SceneError
+            If it cannot be read or breaks a rule; its ``problems`` are all the faults, each with its line.
+        """
+        return cls.from_file(SceneFile.read(source))
+
+    @classmethod
+    def from_file(cls, file: SceneFile) -> Self:
+        """Build the scene from the document of a file; refusals name file and line."""
+        with file.located():
+            return cls.from_table("", file.table)
+
+    def contradictions(self, unread):
+        """Yield what contradicts between blocks, as far as they could be read."""
+        if "wave" in unread:
+            return
+        if self.wave is not None:
+            yield from self._with_given_wave(unread)
+        elif "stator" in unread:
+            return
+        elif self.stator is None:
+            rule = "is missing: a scene needs a [stator] with a [drive], or a [wave] with a [slider]"
+            yield self.refusal("stator", rule)
+        else:
+            if not unread & {"drive", "transducer"}:
+                yield from self._of_drive()
+            if "transducer" not in unread:
+                yield from self._of_transducers()
+            if "slider" not in unread and self.slider is not None:
+                yield from self._of_slider(unread)
+
+    @property
+    def levels(self) -> tuple[float, ...]:
+        """Peak voltages in V, or given normal amplitudes in m; empty for a free wave."""
+        return self.wave.normal_amplitude if self.wave is not None else self.drive.voltage or ()
+
+    @property
+    def frequency(self) -> float | str:
+        """Of the drive or the given wave, in Hz."""
+        return (self.wave or self.drive).frequency
+
+    @property
+    def burst(self) -> float | None:
+        """Length of the driven interval in s; None for the steady state alone."""
+        return (self.wave or self.drive).burst
+
+    def _with_given_wave(self, unread) -> Iterator[SceneError]:
+        for key in ("stator", "transducer", "drive"):
+            if key not in unread and getattr(self, key):
+                yield self.refusal(
+                    "wave", f"must not stand beside [{key}]: the surface motion is given or computed"
+                )
+        if "slider" in unread:
+            return
+        slider = self.slider
+        if slider is None:
+            rule = "is missing: a given [wave] without a slider leaves nothing to compute"
+            yield self.refusal("slider", rule)
+            return
+        if slider.position is not None:
+            rule = "must be absent with [wave]: the motion is given where the slider is"
+            yield self.refusal("slider.position", rule)
+        if slider.ball is not None:
+            rule = "must not be given with [wave]: there is no stator; give both moduli in Pa"
+            yield self.refusal("slider.ball", rule)
+        if not isinstance(slider.contacts, int):
+            rule = "must be a number with [wave]: offsets need a wavelength, of a [stator]"
+            yield self.refusal("slider.contacts", rule)
+
+    def _of_drive(self) -> Iterator[SceneError]:
+        drive = self.drive
+        if drive is None:
+            rule = "is missing: a [stator] needs the [drive] block with its frequency"
+            yield self.refusal("drive", rule)
+            return
+        names = [transducer.name for transducer in self.transducer]
+        for key in ("transducer", "voltage"):
+            given = getattr(drive, key) is not None
+            if given and not names:
+                rule = "must be absent without a [[transducer]]: nothing is driven"
+                yield self.refusal(f"drive.{key}", rule)
+            if names and not given:
+                choices = (
+                    f": one of {', '.join(map(shown, names))}" if key == "transducer" else ", peak, in V"
+                )
+                rule = f"is required and missing: the scene has transducers{choices}"
+                yield self.refusal(f"drive.{key}", rule)
+        if names and drive.transducer is not None and drive.transducer not in names:
+            rule = f"must name one of the transducers, got {shown(drive.transducer)}"
+            yield self.refusal("drive.transducer", rule + nearest(drive.transducer, names))
+        for index, transducer in enumerate(self.transducer):
+            if transducer.name == drive.transducer and not transducer.has_two_combs:
+                rule = f"must have + and - fingers on the driven transducer, got {shown(transducer.pattern)}"
+                yield self.refusal(f"transducer.{index}.pattern", rule)
+        if drive.frequency != "center":
+            return
+        if not names:
+            rule = 'must be a number in Hz without a transducer, got "center"'
+            yield self.refusal("drive.frequency", rule)
+        for index, transducer in enumerate(self.transducer):
+            if transducer.period == "auto":
+                rule = 'must be a length in m where drive.frequency is "center", got "auto"'
+                yield self.refusal(f"transducer.{index}.period", rule)
+
+    def _of_transducers(self) -> Iterator[SceneError]:
+        names, placed = [transducer.name for transducer in self.transducer], []
+        for index, transducer in enumerate(self.transducer):
+            at = f"transducer.{index}"
+            if transducer.name in names[:index]:
+                rule = f"must differ from the others, got {shown(transducer.name)} twice"
+                yield self.refusal(f"{at}.name", rule)
+            if transducer.aperture > self.stator.width:
+                rule = f"must be at most stator.width, {self.stator.width:g} m, got {transducer.aperture:g} m"
+                yield self.refusal(f"{at}.aperture", rule)
+            known = 0.0 if transducer.period == "auto" else transducer.period
+            gap = (1 - transducer.metallisation) * transducer.finger_pairs / transducer.fingers
+            half = known * (transducer.finger_pairs - gap) / 2
+            left, right = transducer.center - half, transducer.center + half
+            if left <= 0 or right >= self.stator.length:
+                rule = f"must keep the fingers on the stator, 0 to {self.stator.length:g} m, got"
+                where = f"{transducer.center:g} m with fingers from {left:g} to {right:g} m"
+                yield self.refusal(f"{at}.center", f"{rule} {where}")
+            placed.append((left, right, transducer.name))
+        for (_, end, first), (start, _, second) in pairwise(sorted(placed)):
+            if end >= start:
+                rule = f"must not overlap: {first!r} ends at {end:g} m, {second!r} begins at {start:g} m"
+                yield self.refusal("transducer", rule)
+
+    def _of_slider(self, unread) -> Iterator[SceneError]:
+        if "transducer" not in unread and not self.transducer:
+            rule = "must be absent without a [[transducer]] or a [wave]: nothing drives it"
+            yield self.refusal("slider", rule)
+        if self.slider.position is None:
+            rule = "is required and missing: where on the [stator] the slider stands, in m"
+            yield self.refusal("slider.position", rule)
+            return
+        places = [self.slider.position + offset for offset in self.slider.offsets]
+        for place in sorted({min(places), max(places)}):
+            if not 0 <= place <= self.stator.length:
+                rule = f"must keep the contacts on the stator, 0 to {self.stator.length:g} m"
+                got = f"got {self.slider.position:g} m, a contact at {place:g} m"
+                yield self.refusal("slider.position", f"{rule}, {got}")

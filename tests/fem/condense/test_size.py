@@ -1,0 +1,79 @@
+"""Sizes counted from the geometry against what a solution really condenses, joins and solves for."""
+
+import numpy as np
+import pytest
+
+from fem.condense import join, transducer
+from fem.condense.size import stator_size
+from fem.results.evaluation import surface_wave
+from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution
+
+PZT, CUT = cut("PZT-8", "Z"), cut("LiNbO3 (Warner)", "YZ")
+PLAIN = plate(PZT)
+TILTED = plate(CUT, length=5.0)
+CASES = {
+    "one": (PLAIN, (comb(PLAIN, "a", 1.5),)),
+    "two alike": (PLAIN, (comb(PLAIN, "a", 1.0), comb(PLAIN, "b", 3.0))),
+    "two kinds": (PLAIN, (comb(PLAIN, "a", 1.0), comb(PLAIN, "b", 2.9, metallisation=0.2))),
+    "near neighbour": (PLAIN, (comb(PLAIN, "a", 1.0), comb(PLAIN, "b", 1.85))),
+    "fingers left out and open": (PLAIN, (comb(PLAIN, "a", 1.7, finger_pairs=2, pattern="+-0o"),)),
+    "split": (PLAIN, (comb(PLAIN, "a", 1.7, finger_pairs=2, split=True),)),
+    "three pairs of a cut": (TILTED, (comb(TILTED, "a", 2.2, finger_pairs=3),)),
+    "long period": (PLAIN, (comb(PLAIN, "a", 2.0, period=2.7),)),
+}
+
+
+@pytest.mark.parametrize("layers", [0, 1])
+@pytest.mark.parametrize(("stator", "row"), CASES.values(), ids=CASES)
+def test_counts_are_what_a_solution_does(monkeypatch, stator, row, layers):
+    done = {"joined": 0, "condensed": 0}
+
+    def counting(name):
+        work = getattr(transducer, name)
+
+        def counted(*args, **kwargs):
+            done[name] += 1
+            return work(*args, **kwargs)
+
+        return counted
+
+    for name in done:
+        counted = counting(name)
+        monkeypatch.setattr(transducer, name, counted)
+        if hasattr(join, name):
+            monkeypatch.setattr(join, name, counted)
+    solved = solution(stator, row, order=3, layers=layers)
+    size = stator_size(stator, row, frequency=FREQUENCY, resolution=solved.resolution)
+    assert {"joined": size.joins, "condensed": size.condensed} == done
+    assert size.unknowns == surface_wave(solved).unknowns
+    assert size.line == len(solved.modes.wavenumbers)
+    assert size.scatterers == len({id(each.block) for each in solved.network.scatterers})
+    assert size.complex == np.iscomplexobj(solved.network.scatterers[0].block.matrix)
+
+
+def test_memory_of_the_blocks_is_that_of_their_arrays():
+    row = CASES["one"][1]
+    for solid in (PZT, lossless("PZT-8", "Z")):
+        solved = solution(plate(solid), row, layers=1)
+        size = stator_size(plate(solid), row, frequency=FREQUENCY, resolution=solved.resolution)
+        assert size.complex == (solid is PZT)
+        assert size.block_bytes == pytest.approx(_bytes(solved.network.scatterers[0].block), rel=0.3, abs=0)
+
+
+def _bytes(block):
+    """Bytes of all arrays that a block and what it was joined of hold, each once."""
+    seen, total = set(), 0
+    waiting = [block]
+    while waiting:
+        one = waiting.pop()
+        if id(one) in seen:
+            continue
+        seen.add(id(one))
+        total += one.matrix.nbytes
+        if one.parts:
+            left, right, back = one.parts
+            total += back.nbytes
+            waiting += [left, right]
+        elif one.column is not None:
+            total += one.column.faces_from.nbytes
+    return total

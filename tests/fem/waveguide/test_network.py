@@ -1,0 +1,128 @@
+"""Stretches, ends and scatterers: waves that pass, come back, and do not know how long the rest is."""
+
+import numpy as np
+import pytest
+
+from fem.condense.join import repeated
+from fem.condense.superelement import condensed
+from fem.waveguide.ends import end_reflection
+from fem.waveguide.modes import guided_modes
+from fem.waveguide.network import NEGLIGIBLE, Scatterer
+from tests.fem.stators import (
+    FREQUENCY,
+    admittances,
+    comb,
+    cut,
+    lossless,
+    plate,
+    section,
+    solution,
+)
+
+CASES = (
+    (lossless("PZT-4", "Z"), {}),
+    (cut("PZT-5H", "X"), {"bottom": "grounded"}),
+    (lossless("LiNbO3 (Warner)", "YZ"), {}),
+    (cut("LiNbO3 (Kovacs)", (17.0, 31.0, 49.0), quality=200.0), {"bottom": "clamped"}),
+)
+NAMES = [f"{solid.name} {solid.frame}" for solid, _ in CASES]
+
+
+@pytest.fixture(scope="module", params=CASES, ids=NAMES)
+def guided(request):
+    solid, rest = request.param
+    return guided_modes(section(plate(solid, thickness=0.9, **rest), order=8), FREQUENCY)
+
+
+def test_bare_piece_scatters_nothing(guided):
+    """A row of bare columns between two stretches passes every slow mode on, and sends nothing back.
+
+    Without combs nothing fixes the mean potential: it is taken out.
+    """
+    depth, n = guided.section, guided.section.size
+    block = repeated(condensed(depth, FREQUENCY, width=0.2, comb=None), 3)
+    scatterer = Scatterer(block=block, modes=guided, potentials=np.array([[0.5], [-0.5]]))
+    slow = np.flatnonzero((np.abs(guided.wavenumbers) < 9.0) & (guided.wavenumbers != 0))
+    nothing = np.zeros((n, len(slow)))
+    phase = np.exp(-1j * guided.wavenumbers[slow] * block.width)
+    back_phase = np.exp(1j * guided.backwards[slow] * block.width)
+    right, left = guided.right[:, slow], guided.left[:, slow]
+    for incoming, expected in (
+        (np.concatenate([right, nothing]), np.concatenate([right, right * phase])),
+        (np.concatenate([nothing, left]), np.concatenate([left * back_phase, left])),
+    ):
+        error = scatterer.sides(incoming, np.zeros((2, len(slow)))) - expected
+        if depth.floats:
+            constant = np.tile(depth.constant_potential, 2)
+            error = error - np.outer(constant, constant @ error) / constant.sum()
+        assert np.abs(error).max() < 1e-9
+
+
+@pytest.mark.parametrize("side", [0, 1])
+@pytest.mark.parametrize("ends", ["free", "clamped"])
+def test_ends_hold_what_they_say(guided, ends, side):
+    """Free: no nodal flux of the whole field; clamped: no displacement, no flux of D."""
+    depth = guided.section
+    slow = np.flatnonzero((np.abs(guided.wavenumbers) < 12.0) & (guided.wavenumbers != 0))
+    arriving, leaving = ((guided.left, guided.left_flux), (guided.right, guided.right_flux))[
+        :: 1 if side == 0 else -1
+    ]
+    back = end_reflection(guided, ends, side, slow)
+    shape, flux = (there[:, slow] + here @ back for there, here in zip(arriving, leaving, strict=True))
+    electric = np.setdiff1d(np.arange(depth.size), depth.mechanical)
+    size = np.abs(arriving[1][:, slow]).max()
+    assert np.abs(flux[electric]).max() < 1e-8 * size
+    if ends == "clamped":
+        assert np.abs(shape[depth.mechanical]).max() < 1e-8
+    else:
+        assert np.abs(flux[depth.mechanical]).max() < 1e-8 * size
+
+
+@pytest.mark.parametrize("ends", ["free", "clamped"])
+def test_lossless_ends_send_all_power_back(ends):
+    """The modes that travel exchange power only among themselves: their reflection matrix is unitary."""
+    modes = guided_modes(section(plate(lossless("PZT-4", "Z"), thickness=0.9), order=8), FREQUENCY)
+    travels = np.flatnonzero((np.abs(modes.wavenumbers.imag) < 1e-9) & (modes.wavenumbers.real != 0))
+    carried = np.abs(np.imag(np.sum(modes.right_flux * modes.right.conj(), axis=0)))[travels]
+    back = end_reflection(modes, ends, 1, travels)[travels]
+    scaled = np.sqrt(carried)[:, None] * back / np.sqrt(carried)
+    assert len(travels) >= 3
+    assert np.abs(scaled.conj().T @ scaled - np.eye(len(travels))).max() < 1e-8
+
+
+def test_absorbing_ends_do_not_know_the_length():
+    """Two transducers on a stator that goes on, cut anywhere: the same ports, the same motion."""
+    solid = lossless("LiNbO3 (Kovacs)", "128YX")
+    found = []
+    for longer in (0.0, 3.7):
+        stator = plate(solid, length=6.0 + 2 * longer)
+        one, other = comb(stator, "a", 1.5 + longer), comb(stator, "b", 4.2 + longer)
+        found.append(admittances(solution(stator, (one, other))))
+    assert np.abs(found[0] - found[1]).max() < 1e-12 * np.abs(found[0]).max()
+
+
+def test_only_modes_that_survive_couple():
+    stator = plate(cut("PZT-4", "Z"), length=9.0)
+    solved = solution(stator, (comb(stator, "a", 1.5), comb(stator, "b", 7.0)))
+    network = solved.network
+    for length in (0.1, 1.0, 5.0):
+        kept = network.survivors(length)
+        decay = np.abs(np.exp(-1j * solved.modes.wavenumbers * length))
+        assert decay[kept].min() > NEGLIGIBLE
+        assert solved.modes.wavenumbers[kept].all()
+    assert len(network.survivors(5.0)) < 0.6 * len(network.survivors(0.1))
+    edges = network.stretches * solved.section.length_unit
+    assert edges[0, 0] == 0
+    assert edges[-1, 1] == pytest.approx(stator.length, rel=1e-12)
+    assert np.all(np.diff(edges.ravel()) > 0)
+
+
+def test_distant_ends_matter_to_rounding_only_with_loss():
+    """Q = 5: what comes back over 30 wavelengths is e^-20 weaker; free ends are then absorbing ends."""
+    solid = cut("PZT-8", "Z", quality=5.0)
+    ports = []
+    for ends in ("free", "clamped", "absorbing"):
+        stator = plate(solid, length=60.0, ends=ends)
+        ports.append(admittances(solution(stator, (comb(stator, "a", 30.0),)))[0, 0])
+    assert ports[0] == pytest.approx(ports[2], rel=1e-9)
+    assert ports[1] == pytest.approx(ports[2], rel=1e-9)
