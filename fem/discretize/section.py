@@ -25,7 +25,7 @@ from fem.materials import fields as coupled_fields
 from fem.materials.medium import Medium, medium, units, vacuum_medium
 
 LAYER_RATIO = 0.15
-# Where a clamped face meets a free one the displacement varies as r^0.6 to r^0.75 (Williams, J. Appl. Mech. 19 (1952)
+# Where a clamped face meets a free one the displacement varies as r^0.6 to r^0.8 (Williams, J. Appl. Mech. 19 (1952)
 # 526), so that a layer of this ratio divides the error as much as one of LAYER_RATIO does at a finger edge (r^0.5).
 CORNER_RATIO = 0.2
 HALF_SPACE_DEPTH, MOST_DEPTH = 2.0, 8.0  # wavelengths of ordinary solid above the absorbing layer
@@ -300,7 +300,10 @@ def discretise(stator: Stator, resolution: Resolution, *, wavelength: float, sur
 
 
 def bottom_corners(stator: Stator) -> bool:
-    """Whether a clamped face meets a free one at the lower corners, where the stress is then singular."""
+    """True if a clamped face meets a free one at the lower corners, where the stress is then singular.
+
+    At the upper corners of clamped ends the layers below the surface's finger edges do the same.
+    """
     if stator.absorbs_below or stator.ends == "absorbing":
         return False
     return (stator.ends == "clamped") != (stator.bottom == "clamped")
