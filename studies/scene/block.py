@@ -13,7 +13,7 @@ from studies.refusal import Refusals, SceneError, nearest, shown
 from studies.scene.rule import Rule
 from studies.scene.synonyms import meant
 
-__all__ = ["Block", "Blocks", "Key", "OneOf", "Within", "keys_of"]
+__all__ = ["Block", "Blocks", "Key", "OneOf", "Within", "block_schema", "keys_of"]
 
 
 @dataclass(frozen=True)
@@ -136,6 +136,18 @@ class Block:
         return table
 
 
+def block_schema(kind: type[Block]) -> dict:
+    """Return the JSON Schema of a block: its keys with their meaning and default, no others."""
+    properties = {}
+    for name, key in keys_of(kind).items():
+        properties[name] = {"description": f"{key.meaning} Allowed: {key.rule.expected}."} | key.rule.schema()
+        if not key.required and key.default not in (None, ()) and not isinstance(key.default, Block):
+            properties[name]["default"] = key.rule.written(key.default)
+    required = [name for name, key in keys_of(kind).items() if key.required]
+    schema = {"type": "object", "description": kind.__doc__.splitlines()[0], "properties": properties}
+    return schema | ({"required": required} if required else {}) | {"additionalProperties": False}
+
+
 def _read_each(at: str, known: dict[str, Key], given: dict) -> None:
     """Raise what is wrong with the keys of a block that cannot be built."""
     refusals = Refusals()
@@ -175,6 +187,10 @@ class Within(Rule):
         """A block, by its header."""
         return f"the block [{self.kind.block}]"
 
+    def schema(self):
+        """Return the block as an object."""
+        return block_schema(self.kind)
+
 
 @dataclass(frozen=True)
 class Blocks(Rule):
@@ -196,6 +212,10 @@ class Blocks(Rule):
     def expected(self):
         """Blocks, by their header."""
         return f"one or more blocks [[{self.kind.block}]]"
+
+    def schema(self):
+        """Return the list of objects."""
+        return {"type": "array", "items": block_schema(self.kind)}
 
 
 @dataclass(frozen=True)
@@ -225,3 +245,12 @@ class OneOf(Rule):
             ", ".join(name for name, key in keys_of(kind).items() if key.required) for kind in self.kinds
         )
         return f"{self.text.expected}, or a table of {tables}"
+
+    @property
+    def range(self):
+        """The text, or a table."""
+        return f"{self.text.range}, or a table"
+
+    def schema(self):
+        """Return the text or one of the objects."""
+        return {"anyOf": [self.text.schema(), *map(block_schema, self.kinds)]}
