@@ -140,7 +140,8 @@ def block_schema(kind: type[Block]) -> dict:
     """Return the JSON Schema of a block: its keys with their meaning and default, no others."""
     properties = {}
     for name, key in keys_of(kind).items():
-        properties[name] = {"description": f"{key.meaning} Allowed: {key.rule.expected}."} | key.rule.schema()
+        about = {"description": f"{key.meaning} Allowed: {key.rule.expected}."}
+        properties[name] = key.rule.schema() | about
         if not key.required and key.default not in (None, ()) and not isinstance(key.default, Block):
             properties[name]["default"] = key.rule.written(key.default)
     required = [name for name, key in keys_of(kind).items() if key.required]

@@ -46,13 +46,14 @@ A scene is one TOML file: what is modelled, no more. A block that is absent is l
 
 - A **quantity** is a number in the SI unit given below, or a string with a unit: `"2.2 MHz"`, `"0.267 g"`, `"5 mN"`.
   Any unit of the right dimension is read. A number needs a digit on both sides of its decimal point: `0.15`, not `.15`.
-- **Amplitudes and voltages are peak values**; x runs along the surface from the stator's left end, z out of the surface.
+- **Amplitudes and voltages are peak values**; x runs along the surface from the stator's left end, z out of
+  it.
 - A key **without a default is required** when its block is there, unless its meaning says otherwise. `-` stands for no
   unit, or for a default that is the key's absence.
 - A scene has `[stator]` and `[drive]`, perhaps `[[transducer]]` blocks and a `[slider]`; or, instead of those three,
   a given surface motion `[wave]` and a `[slider]`.
-- One key is changed from the command line by `--set slider.mass=1e-4` or `--set transducer.1.center="900 mm"` (blocks of
-  a list are numbered from 0), the voltages by `--voltage 5:60:12`.
+- One key is changed from the command line by `--set slider.mass=1e-4` or `--set transducer.1.center="900 mm"` (blocks
+  of a list are numbered from 0), the voltages by `--voltage 5:60:12`.
 - An editor that knows JSON Schema completes and checks the keys: begin the file with `#:schema schema.json` and put the
   output of `sawmotor schema` beside it.
 
@@ -63,8 +64,8 @@ would take more than an hour to follow.
 CUSTOM = """\
 ## A material of your own
 
-Constants in the crystal frame, in the Voigt order 11 22 33 23 13 12 with engineering shear strain; the orientation turns
-them. This is PZT-8 of the catalogue, written as a table, with a quality factor of its own:
+Constants in the crystal frame, in the Voigt order 11 22 33 23 13 12 with engineering shear strain; the orientation
+turns them. This is PZT-8 of the catalogue, written as a table, with a quality factor of its own:
 
 ```toml
 [stator]

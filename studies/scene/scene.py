@@ -132,10 +132,10 @@ class Scene(Block):
                 rule = "must be absent without a [[transducer]]: nothing is driven"
                 yield self.refusal(f"drive.{key}", rule)
             if names and not given:
-                choices = (
-                    f": one of {', '.join(map(shown, names))}" if key == "transducer" else ", peak, in V"
+                wanted = (
+                    f"one of {', '.join(map(shown, names))}" if key == "transducer" else "peak values in V"
                 )
-                rule = f"is required and missing: the scene has transducers{choices}"
+                rule = f"is required and missing: the scene has transducers; give {wanted}"
                 yield self.refusal(f"drive.{key}", rule)
         if names and drive.transducer is not None and drive.transducer not in names:
             rule = f"must name one of the transducers, got {shown(drive.transducer)}"

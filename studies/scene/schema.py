@@ -31,15 +31,14 @@ def schema() -> dict:
         {"required": ["effective_modulus", "tangential_modulus"]},
     ]
     drive["dependentRequired"] = {"transducer": ["voltage"], "voltage": ["transducer"]}
-    kinds = [
-        {"required": ["stator", "drive"], "not": {"required": ["wave"]}},
-        {"required": ["wave", "slider"]},
-    ]
+    computed = {"required": ["stator", "drive"], "properties": {"wave": False}}
+    absent = dict.fromkeys(("stator", "transducer", "drive"), False)
+    given = {"required": ["wave", "slider"], "properties": absent}
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "A scene of sawmotor",
         **whole,
-        "anyOf": kinds,
+        "anyOf": [computed, given],
     }
 
 
