@@ -162,7 +162,12 @@ def study(arguments: argparse.Namespace) -> int:
         Progress() as progress,
     ):
         done = run_study(
-            arguments.name, arguments.scene, result.folder, progress=progress, over=axes_given(arguments.over)
+            arguments.name,
+            arguments.scene,
+            result.folder,
+            progress=progress,
+            over=axes_given(arguments.over),
+            quick=arguments.quick,
         )
         result.commit()
         with _pictures(result):
