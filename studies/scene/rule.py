@@ -321,7 +321,9 @@ class Listed(Rule):
     @property
     def expected(self):
         """The single value, and the list."""
-        return f"{(self.alone or self.each).expected}; or a list of {self.each.expected}"
+        if self.alone is None:
+            return f"{self.each.expected}; one or a list"
+        return f"{self.alone.expected}; or a list, each {self.each.expected}"
 
     @property
     def range(self):
