@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact import bounds, scaling
+from contact import bounds
 from contact.answers.averaged import STIFFEST_STEADY, why_not
 from contact.answers.closed_forms import closed_form
 from contact.answers.ledger import Ledger, ledger
@@ -192,7 +192,7 @@ def _first_order(slider, orbits, balance, ratio):
         velocity=velocity, first_order=velocity, height=balance.height * balance.problem.length,
         regime="intermittent" if events["release"] else slips, held=balance.held, relative_error=error,
         error=error * reference_speed(velocity, orbits),
-        load_sign=1.0 if balance.problem.parameters[scaling.LOAD] >= 0.0 else -1.0,
+        load_sign=1.0 if balance.problem.load >= 0.0 else -1.0,
     )  # fmt: skip
 
 
@@ -202,16 +202,16 @@ def _repeating(slider, side, orbits, balance, tolerance):
     from contact.solve.shooting import periodic
 
     unit = balance.problem.speed
-    if balance.problem.stretches > MOST_STRETCHES:
+    if balance.problem.segments > MOST_STRETCHES:
         raise ConvergenceError(
             "out of reach",
-            f"a cycle takes {balance.problem.stretches:.3g} stretches of the motion; raise the mass",
+            f"a cycle takes {balance.problem.segments:.3g} stretches of the motion; raise the mass",
         )
     try:
         fine = periodic(balance, nodes=16, truncation=1e-12)
     except ConvergenceError:
         # averaging is no start here: let the motion settle by itself first, for some 30 000 stretches at most
-        settle = int(min(SETTLE, 5.0 + 5000.0 * balance.problem.parameters[scaling.LONGEST]))
+        settle = int(min(SETTLE, 5.0 + 5000.0 * balance.problem.longest))
         fine = periodic(balance, nodes=16, truncation=1e-12, settle=settle)
     coarse = periodic(balance, nodes=10, truncation=1e-8, near=fine)
     growth = float(np.max(np.abs(np.linalg.eigvals(fine.jacobian))))
@@ -246,7 +246,7 @@ def _waited(slider, side, orbits, balance, tolerance):
     """Return the answer of a long run from rest: the slider hops, or is carried by a slow wave."""
     from contact.solve.settling import long_run
 
-    load = balance.problem.parameters[scaling.LOAD]
+    load = balance.problem.load
     found = long_run(slider, orbits, -1.0 if load < 0.0 else 1.0)
     unit = found.problem.speed
     error = relative_to_reference(found.error * unit, found.speed * unit, orbits)
@@ -279,8 +279,7 @@ def _judged(error, tolerance, note):
 
 def _adhesive(balance):
     """Return whether the contact's damper acts on the slider within a few cycles, so that it does not ride still."""
-    parameters = balance.problem.parameters
-    return parameters[scaling.CHI] * parameters[scaling.PRELOAD] > 1e-2
+    return balance.problem.contact_damping * balance.problem.preload > 1e-2
 
 
 def _averaged(slider, side, mean, balance, tolerance):

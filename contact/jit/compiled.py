@@ -18,7 +18,7 @@ from functools import cache, cached_property
 from pathlib import Path
 
 HERE = Path(__file__).parents[1]  # the package, with all its kernels
-_FROZEN = ("collocation.py", "scaling.py", "compiled.py", "compiler.py")
+_FROZEN = ("collocation.py", "problem.py", "compiled.py", "compiler.py")
 _PLAIN = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 _LOCK = threading.RLock()
 _DTYPES = {"f": "float64", "i": "int64", "c": "complex128"}
@@ -41,8 +41,8 @@ def native(types: str):
     ----------
     types : str
         One word per argument: f or i for a number, f1, i2, c1 ... for contiguous arrays of doubles, integers or complex
-        numbers with so many axes, and m for a named tuple of arrays or None.  The kernel returns an integer, a
-        truth value or nothing.
+        numbers with so many axes, and t for a named tuple of numbers, arrays and further named tuples, or None.  The
+        kernel returns an integer, a truth value or nothing.
     """
     return lambda function: function if _PLAIN else Native(function, tuple(types.split()))
 
@@ -122,10 +122,7 @@ class Native(Kernel):
             path = Path(_folder()) / f"{self.__module__}-{self.__name__}-{len(words)}.o"
             code = _read(path)
             if code is None:
-                fields = [
-                    type(a) for k, a in zip(self.types, arguments, strict=True) if k == "m" and a is not None
-                ]
-                code = _machine_code(self, words, *fields)
+                code = _machine_code(self, words, arguments)
                 _write(path, code)
             entry = _entry(code)
             layout = "".join("d" if w == "f" else "q" * (1 + int(w[1:] or 0)) for w in words)
@@ -134,12 +131,21 @@ class Native(Kernel):
 
 
 def _parts(kind, argument):
-    """Yield (type word, value); a named tuple gives its arrays, None nothing."""
-    if kind != "m":
+    """Yield (type word, value); a named tuple gives those of its fields, None nothing."""
+    if kind != "t":
         yield kind, argument
     elif argument is not None:
-        for array in argument:
-            yield f"{array.dtype.kind}{array.ndim}", array
+        for field in argument:
+            yield from _parts(_kind(field), field)
+
+
+def _kind(field):
+    """Return the type word of a field of a named tuple."""
+    if field is None or isinstance(field, tuple):
+        return "t"
+    if hasattr(field, "dtype") and field.ndim > 0:
+        return f"{field.dtype.kind}{field.ndim}"
+    return "f" if isinstance(field, float) else "i"
 
 
 def _read(path):
@@ -226,7 +232,7 @@ def _numba():
     return numba
 
 
-def _machine_code(kernel, words, fields=None):
+def _machine_code(kernel, words, arguments):
     from contact.jit.compiler import machine_code
 
-    return machine_code(kernel, words, fields, _numba())
+    return machine_code(kernel, words, arguments, _numba())
