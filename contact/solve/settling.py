@@ -14,18 +14,23 @@ import numpy as np
 
 from contact import scaling
 from contact.convergence import ConvergenceError
+from contact.drive import relative_to_reference
 from contact.law import elastic
 from contact.orbit import Orbit
 from contact.slider import Slider
 from contact.solve.collocation import collocation
 from contact.solve.energy import DISPLACEMENT
+from contact.solve.equilibrium import Balance
 from contact.solve.event_driven import HALVINGS, STRETCHES
 from contact.solve.motion import Motion
+from contact.solve.shooting import Periodic
 
 # cycles after which a motion may repeat, and how closely (of the units of the problem)
 PERIODS, REPEATS = 12, 1e-9
 # distance (of the units of the problem) at which a stable periodic motion is taken to be reached
 CLOSE = 1e-5
+# largest difference of two velocities, over the reference speed, that are those of one motion
+SAME = 1e-3
 # stretches that a run may take (some seconds), and cycles
 BUDGET, MOST_CYCLES = 600_000, 30_000
 MEMORY = 10.0  # how much dearer a stretch is with the hysteretic law
@@ -104,6 +109,23 @@ def long_run(
     second = _followed(problem, begin + np.array([0.0, 1e-6, 0.0, 0.0]), rate, near)
     other = second if second.period or second.sticks else first
     return replace(other, error=max(first.error, second.error, abs(first.speed - second.speed)), starts=2)
+
+
+def reached_instead(
+    slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, found: Periodic
+) -> LongRun | None:
+    """Return the motion that a slider from rest comes to, None if it is the periodic one that was found.
+
+    Raises
+    ------
+    ConvergenceError
+        As `long_run`.
+    """
+    target = found.motion.copy()
+    target.move(0.0, 0.5 * math.pi, np.empty(0))  # from the trough of u_z to its upward zero
+    run = long_run(slider, orbits, balance.load_sign, near=target.state)
+    apart = (abs(run.speed - found.speed) + run.error) * balance.problem.speed
+    return None if relative_to_reference(apart, found.speed * balance.problem.speed, orbits) <= SAME else run
 
 
 def _followed(problem, begin, rate, near):
