@@ -6,7 +6,7 @@ Every function takes and returns an Axes; ``saved`` makes the figure and the fil
 from collections.abc import Callable
 from pathlib import Path
 
-from studies.chain.record import Record
+from studies.record import Record
 
 __all__ = ["COLOURS", "draw_run", "errors", "profile", "saved", "surface", "trajectories", "velocity"]
 
