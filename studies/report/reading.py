@@ -37,7 +37,9 @@ def read_run(folder: Path) -> dict:
     except (OSError, ValueError, KeyError) as error:
         raise RunError(f"{str(folder / 'run.json')!r} cannot be read: {error}") from None
     fields = {
-        key: whole[key] for key in ("tolerance", "summary", "error", "seconds", "shortfall") if key in whole
+        key: whole[key]
+        for key in ("tolerance", "summary", "measured", "error", "seconds", "shortfall")
+        if key in whole
     }
     for block, names in COMPLEX.items():
         values = whole.get(block, {})
