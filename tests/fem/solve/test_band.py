@@ -55,9 +55,7 @@ def test_band_follows_the_full_solution(case):
 def test_band_reports_its_error():
     """The error is that of the level, from a finer and a coarser one, plus that of the reduction: neither zero."""
     block, pair, middle = made("PZT absorbing")
-    band = frequency_band(
-        block, pair, lowest=0.98 * middle, highest=1.02 * middle, drive="a", tolerance=0.05
-    )
+    band = frequency_band(block, pair, lowest=0.98 * middle, highest=1.02 * middle, drive="a", tolerance=0.05)
     wave = band.wave(middle, drive="a")
     assert 0 < band.relative_error <= 0.06
     assert wave.relative_error == band.relative_error
@@ -76,8 +74,6 @@ def test_impossible_bands_are_refused(low, high, message):
 
 def test_frequency_outside_the_band_is_refused():
     block, pair, middle = made("PZT absorbing")
-    band = frequency_band(
-        block, pair, lowest=0.98 * middle, highest=1.02 * middle, drive="a", tolerance=0.05
-    )
+    band = frequency_band(block, pair, lowest=0.98 * middle, highest=1.02 * middle, drive="a", tolerance=0.05)
     with pytest.raises(ValueError, match="must lie in the band"):
         band.wave(1.1 * middle, drive="a")
