@@ -22,7 +22,7 @@ def seen(termination, source_impedance=0.0, matrix=Y):
         matrix,
         (A, replace(B, termination=termination)),
         FLOATING,
-        drive="a",
+        driven="a",
         source_impedance=source_impedance,
     )
 
@@ -80,7 +80,7 @@ def test_grounded_sections_have_a_mean_port():
             matrix,
             (A, replace(B, termination=termination)),
             GROUNDED,
-            drive="b" if termination == "open" else "a",
+            driven="b" if termination == "open" else "a",
             source_impedance=0.0,
         )
         driven, other = (2, 0) if termination == "open" else (0, 2)
@@ -101,7 +101,7 @@ def test_one_comb_has_no_voltage():
     assert np.array_equal(ports_of(shorted, False).potentials[:, 0], [1.0, 0.0])
     wiring = [ports_of(A, True), ports_of(shorted, True)]
     with pytest.raises(ValueError, match="must have two combs, but 'b' has not"):
-        circuit(Y[:1, :1], (A, replace(shorted, name="b")), wiring, drive="b", source_impedance=0.0)
+        circuit(Y[:1, :1], (A, replace(shorted, name="b")), wiring, driven="b", source_impedance=0.0)
 
 
 def test_charges_become_currents():
@@ -117,4 +117,4 @@ def test_charges_become_currents():
 
 def test_unknown_transducer_is_refused():
     with pytest.raises(ValueError, match=r"drive\.transducer must be one of a, b, got 'c'"):
-        circuit(Y, (A, B), FLOATING, drive="c", source_impedance=0.0)
+        circuit(Y, (A, B), FLOATING, driven="c", source_impedance=0.0)

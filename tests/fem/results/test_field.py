@@ -5,9 +5,10 @@ import pytest
 
 from fem.discretize.spectral import line_nodes
 from fem.materials import fields
+from fem.results.evaluation import surface_wave
 from fem.results.field import WaveField, wave_field
 from fem.results.files import read_vtu, write_vtu
-from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of
+from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution
 
 CASES = (
     (cut("PZT-8", "Z"), {"ends": "free"}),
@@ -24,7 +25,7 @@ def case(request):
     solid, rest = request.param
     stator = plate(solid, length=7.0, **rest)
     row = comb(stator, "a", 1.7, finger_pairs=2), comb(stator, "b", 5.3, period=0.9)
-    wave = wave_of(solution(stator, row, order=8))
+    wave = surface_wave(solution(stator, row, order=8))
     return wave, wave_field(wave, per_wavelength=24)
 
 
@@ -34,18 +35,18 @@ def test_surface_of_the_field_is_the_surface_motion(case):
     assert np.all(np.diff(field.z) > 0)
     assert (field.x[0], field.x[-1]) == pytest.approx((0, wave.length))
     assert field.z[-1] == 0
-    assert field.z[0] == pytest.approx(-wave.solution.fields.stator.thickness, rel=1e-12)
+    assert field.z[0] == pytest.approx(-wave.solution.stator.thickness, rel=1e-12)
     motion = wave.motion(np.clip(field.x, 0, wave.length))
     size = np.abs(motion).max()
     assert np.abs(field.displacement[:, -1, [0, 2]] - motion.T).max() < 1e-8 * size
-    if "uy" not in fields(wave.solution.fields.stator.solid):
+    if "uy" not in fields(wave.solution.stator.solid):
         assert not np.any(field.displacement[:, :, 1])
 
 
 def test_fingers_are_equipotential(case):
     """Half a volt either way on the driven combs, up to the mean; the open transducer's at what its circuit says."""
     wave, field = case
-    driven, other = wave.solution.fields.transducers
+    driven, other = wave.solution.transducers
     potentials = [
         field.potential[(field.x >= left - 1e-12) & (field.x <= right + 1e-12), -1]
         for transducer in (driven, other)
@@ -89,8 +90,8 @@ def test_field_satisfies_the_equations():
 
     solid = cut("LiNbO3 (Ogi)", (17.0, 31.0, 49.0), quality=300.0)
     stator = plate(solid, length=6.0, thickness=0.9)
-    wave = wave_of(solution(stator, (comb(stator, "a", 1.5),), order=12))
-    section = wave.solution.fields.section
+    wave = surface_wave(solution(stator, (comb(stator, "a", 1.5),), order=12))
+    section = wave.solution.section
     field = wave_field(wave, per_wavelength=600)
     body = medium(solid, fields(solid))
     unit = section.length_unit
@@ -132,7 +133,7 @@ def test_file_is_a_mesh_of_the_section(case, tmp_path):
     along, up = corners[:, 1] - corners[:, 0], corners[:, 3] - corners[:, 0]
     areas = along[:, 0] * up[:, 2]
     assert areas.min() > 0
-    assert areas.sum() == pytest.approx(wave.length * wave.solution.fields.stator.thickness, rel=1e-9)
+    assert areas.sum() == pytest.approx(wave.length * wave.solution.stator.thickness, rel=1e-9)
     assert "displacement_m_per_V_real" in mesh.point_data
     assert "potential_V_per_V_imag" in mesh.point_data
 

@@ -8,9 +8,10 @@ import pytest
 from fem.discretize.refinement import LEVELS
 from fem.geometry import Stator, Transducer
 from fem.materials import material, rotated
-from fem.results.solution import solve_driven
+from fem.results.evaluation import surface_wave
+from fem.solution import solved
 from fem.solve.band_setup import frequency_band
-from fem.solve.harmonic import motion_difference
+from fem.solve.harmonic import orbit_difference
 
 PLACES = np.array([0.011])
 CASES = {
@@ -34,29 +35,31 @@ def test_band_follows_the_full_solution(case):
     """Reduced and interpolated against solved afresh on the same discretisation, within the tolerance."""
     block, pair, middle = made(case)
     low, high = 0.97 * middle, 1.03 * middle
-    band = frequency_band(block, pair, lowest=low, highest=high, drive="a", tolerance=1e-3, level=1)
+    band = frequency_band(block, pair, lowest=low, highest=high, driven="a", tolerance=1e-3, level=1)
     assert band.section.size < 0.8 * band.section.full.size
     for frequency in (low, 0.993 * middle, 1.017 * middle, high):
-        full = wave_of(
+        full = surface_wave(
             solved(
                 block,
                 pair,
                 frequency=frequency,
-                drive="a",
+                driven="a",
                 source_impedance=0.0,
                 resolution=LEVELS[1],
             )
         )
-        wave = band.wave(frequency, drive="a")
+        wave = band.wave(frequency, driven="a")
         assert wave.admittance == pytest.approx(full.admittance, rel=3e-4)
-        assert motion_difference(wave.motion(PLACES), full.motion(PLACES)) < 1e-3
+        assert orbit_difference(wave, full, PLACES) < 1e-3
 
 
 def test_band_reports_its_error():
     """The error is that of the level, from a finer and a coarser one, plus that of the reduction: neither zero."""
     block, pair, middle = made("PZT absorbing")
-    band = frequency_band(block, pair, lowest=0.98 * middle, highest=1.02 * middle, drive="a", tolerance=0.05)
-    wave = band.wave(middle, drive="a")
+    band = frequency_band(
+        block, pair, lowest=0.98 * middle, highest=1.02 * middle, driven="a", tolerance=0.05
+    )
+    wave = band.wave(middle, driven="a")
     assert 0 < band.relative_error <= 0.06
     assert wave.relative_error == band.relative_error
     assert wave.seconds < band.seconds
@@ -69,11 +72,13 @@ def test_band_reports_its_error():
 def test_impossible_bands_are_refused(low, high, message):
     block, pair, _ = made("PZT absorbing")
     with pytest.raises(ValueError, match=message):
-        frequency_band(block, pair, lowest=low, highest=high, drive="a", tolerance=0.05)
+        frequency_band(block, pair, lowest=low, highest=high, driven="a", tolerance=0.05)
 
 
 def test_frequency_outside_the_band_is_refused():
     block, pair, middle = made("PZT absorbing")
-    band = frequency_band(block, pair, lowest=0.98 * middle, highest=1.02 * middle, drive="a", tolerance=0.05)
+    band = frequency_band(
+        block, pair, lowest=0.98 * middle, highest=1.02 * middle, driven="a", tolerance=0.05
+    )
     with pytest.raises(ValueError, match="must lie in the band"):
-        band.wave(1.1 * middle, drive="a")
+        band.wave(1.1 * middle, driven="a")

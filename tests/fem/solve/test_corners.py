@@ -11,9 +11,10 @@ from fem.direct import direct_solution
 from fem.discretize.refinement import LEVELS
 from fem.discretize.section import CORNER_RATIO
 from fem.materials.christoffel import slowest_wavelength
+from fem.results.evaluation import surface_wave
 from fem.solution import solved
 from fem.solve.harmonic import driven_wave, motion_difference
-from tests.fem.stators import FREQUENCY, comb, cut, plate, section, wave_of
+from tests.fem.stators import FREQUENCY, comb, cut, plate, section
 
 STATORS = {
     "X-poled PZT-8, free ends": (plate(cut("PZT-8", "X"), length=6.0, ends="free", bottom="clamped"), 1e-3),
@@ -27,7 +28,7 @@ def answer(name):
     transducer = comb(stator, "a", 2.0, finger_pairs=2)
     place = 0.75 * stator.length
     wave = driven_wave(
-        stator, (transducer,), frequency=FREQUENCY, drive="a", tolerance=tolerance, places=(place,)
+        stator, (transducer,), frequency=FREQUENCY, driven="a", tolerance=tolerance, places=(place,)
     )
     return stator, transducer, place, wave
 
@@ -36,12 +37,12 @@ def answer(name):
 def test_stated_error_bounds_the_true_one(name):
     stator, transducer, place, wave = answer(name)
     level = LEVELS.index(wave.solution.resolution)
-    finer = wave_of(
+    finer = surface_wave(
         solved(
             stator,
             (transducer,),
             frequency=FREQUENCY,
-            drive="a",
+            driven="a",
             source_impedance=0.0,
             resolution=LEVELS[level + 1],
         )
