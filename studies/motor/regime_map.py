@@ -154,7 +154,7 @@ def figure(record: Panel, ax):
     """Draw simulated regimes as points, closed forms as lines, the operating points as stars."""
     import numpy as np
 
-    from studies.report.figures import COLOURS
+    from studies.report.figures import COLOURS, legend_beside, logarithmic
 
     data = record.data
     A, preload = np.asarray(data["amplitude_m"]) * 1e9, np.asarray(data["preload_N"]) * 1e3
@@ -170,13 +170,13 @@ def figure(record: Panel, ax):
     ours = np.asarray(data["operating_amplitude_m"]) * 1e9
     ax.plot(ours, np.full(ours.size, data["operating_preload_N"] * 1e3), "*", color="#CC79A7", markersize=8,
             markeredgecolor=COLOURS["line"], markeredgewidth=0.4, label="operating points")  # fmt: skip
-    ax.set_xscale("log")
-    ax.set_yscale("log")
     ax.set_xlim(A[0], A[-1])
+    logarithmic(ax.xaxis)
+    logarithmic(ax.yaxis)
     ax.set_xlabel("normal amplitude (nm)")
     ax.set_ylabel("preload (mN)")
     ax.set_title(record.title, fontsize="medium")
-    ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize="small")
+    legend_beside(ax)
     return ax
 
 

@@ -81,7 +81,7 @@ def solid(
     plotter.camera.azimuth, plotter.camera.elevation = 35, 28
     plotter.camera.enable_parallel_projection()
     plotter.reset_camera()
-    plotter.camera.zoom(1.35)
+    plotter.camera.zoom(1.5)
     return plotter
 
 
