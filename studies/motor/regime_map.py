@@ -8,7 +8,6 @@ Expected: every simulated point on the side of the lines that its regime says; a
 event-driven method to 1e-6.  Run time: about 1 s, and the stator's.
 """
 
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,11 +15,12 @@ from dataclasses import replace
 from studies.chain import bridge
 from studies.chain.driven_contact import DrivenContact, driven_contact
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run"]
 
 TAKES_SCENE = True
+QUICK = {"amplitudes": 8, "preloads": 5, "checked": 2}
 KINDS = ("stick", "slip", "intermittent", "hopping")
 
 
@@ -76,7 +76,7 @@ def run(
     # a load can only move the threshold, not the lines of the normal motion
     agree = float(np.mean(expected[kind != "unknown"] == kind[kind != "unknown"]))
     say("regime map: checks by the event-driven method")
-    worst = _worst(slider, per_metre, found, checked)
+    worst = _worst(slider, per_metre, at, loads, found, checked)
     findings = [
         Finding(
             statement="Threshold, release and hopping lines in closed form part the simulated regimes.",
@@ -134,7 +134,7 @@ def _grid(driven: DrivenContact, per_metre: tuple, amplitudes: int, preloads: in
     return at, driven.slider.preload * np.geomspace(0.08, 12.0, preloads), reach
 
 
-def _worst(slider, per_metre, found, checked: int) -> float:
+def _worst(slider, per_metre, amplitudes, preloads, found, checked: int) -> float:
     """Return the largest difference to the event-driven method over a scatter of moving points."""
     import numpy as np
 
@@ -143,13 +143,14 @@ def _worst(slider, per_metre, found, checked: int) -> float:
     at = np.argwhere(np.abs(np.nan_to_num(found.velocity)) > 0.0)
     differences = []
     for i, j in at[:: max(1, len(at) // checked)][:checked]:
-        orbits = bridge.scaled(per_metre, float(found.factors[j]))
-        full = contact.steady(replace(slider, preload=float(found.preloads[i])), orbits, tolerance=1e-6)
+        orbits = bridge.scaled(per_metre, float(amplitudes[j]))
+        full = contact.steady(replace(slider, preload=float(preloads[i])), orbits, tolerance=1e-6)
         scale = max(abs(full.velocity), orbits[0].omega * abs(orbits[0].tangential) / 10.0)
         differences.append(abs(full.velocity - found.velocity[i, j]) / scale)
     return float(max(differences, default=0.0))
 
 
+@of_record
 def figure(record: Panel, ax):
     """Draw simulated regimes as points, closed forms as lines, the operating points as stars."""
     import numpy as np
@@ -178,9 +179,3 @@ def figure(record: Panel, ax):
     ax.set_title(record.title, fontsize="medium")
     legend_beside(ax)
     return ax
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "regime_map", *sys.argv[1:]]))

@@ -104,15 +104,44 @@ def velocity(record: Record, ax):
                 limit * scale, color=COLOURS["line"], linestyle=style, linewidth=1, label=f"{name} (theory)"
             )
     speeds = [point["velocity_m_per_s"] for point in record.points if "velocity_m_per_s" in point]
-    if speeds and not any(speeds):
+    if speeds and not any(speeds) and not record.measured:
         ax.set_ylim(-1.0, 1.0)
         ax.text(0.5, 0.75, "at rest: the slider sticks at every level", transform=ax.transAxes, ha="center")
+    if record.measured:
+        _measured(record, ax, scale)
     ax.set_xlabel(unit)
     ax.set_ylabel("slider velocity (mm/s)")
     ax.set_title(record.scene.title, fontsize="medium", parse_math=False)
     ax.grid(alpha=0.3)
     legend_below(ax, columns=5)
     return ax
+
+
+def _measured(record: Record, ax, scale: float) -> None:
+    """Draw measured points with their errors, and a line through the prediction that they are compared with."""
+    known = sorted((p[record.level], p["velocity_m_per_s"]) for p in record.points if "velocity_m_per_s" in p)
+    at, speeds = zip(*known, strict=True)
+    ax.plot(
+        [value * scale for value in at],
+        [value * 1e3 for value in speeds],
+        color=COLOURS["line"],
+        linewidth=0.8,
+        label="predicted",
+        zorder=1,
+    )
+    points = record.measured["points"]
+    bars = [point["error_m_per_s"] * 1e3 for point in points] if "error_m_per_s" in points[0] else None
+    ax.errorbar(
+        [point[record.level] * scale for point in points],
+        [point["velocity_m_per_s"] * 1e3 for point in points],
+        yerr=bars,
+        fmt="D",
+        color=COLOURS["second"],
+        markersize=5,
+        markerfacecolor="none",
+        capsize=3,
+        label="measured",
+    )
 
 
 def trajectories(record: Record, ax):
