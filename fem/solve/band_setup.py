@@ -2,15 +2,16 @@
 
 import time
 from dataclasses import dataclass, field, replace
+from functools import reduce
 
 import numpy as np
 
-from fem.condense.join import repeated
+from fem.condense.join import joined
 from fem.condense.superelement import PORTS, condensed
 from fem.condense.transducer import FingerShape, half_cells
 from fem.convergence import ConvergenceError
 from fem.discretize.refinement import LEVELS, first_level
-from fem.discretize.section import Resolution, Section, discretise
+from fem.discretize.section import CORNER_RATIO, Resolution, Section, discretise, graded
 from fem.geometry import Stator, Transducer, check_layout, outer_gaps
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.evaluation import surface_wave
@@ -188,7 +189,7 @@ def _nodes_followed(stator, transducers, limits, resolution, driven, tolerance, 
         for key in kinds:
             shape = FingerShape(half_finger=key[0] / 2 / unit, half_gaps=(key[1] / 2 / unit,) * 2)
             halves[key] = half_cells(section, frequency, shape, resolution)
-        walls = None if stator.ends == "absorbing" else _wall_matrices(section, frequency, stator.ends)
+        walls = None if stator.ends == "absorbing" else _wall_matrices(section, frequency, stator, resolution)
         seen = answer = None
         if index in feeding:
             *seen, solution = snapshots(
@@ -267,16 +268,19 @@ def _projected_halves(pairs: list[tuple[tuple, float]], bases, both: bool) -> Ha
     return HalfCell(rising=rising, falling=falling, width=pairs[0][1])
 
 
-def _wall_matrices(section: Section, frequency: float, ends: str) -> np.ndarray:
-    """Left and right end pieces on their inner lines, shape (2, n, n)."""
+def _wall_matrices(section: Section, frequency: float, stator: Stator, resolution: Resolution) -> np.ndarray:
+    """Left and right end pieces on their inner lines, shape (2, n, n); columns graded towards singular corners."""
     n = section.size
-    column = condensed(section, frequency, width=WALL_WIDTH / WALL_COLUMNS, comb=None)
-    piece = repeated(column, WALL_COLUMNS).matrix[: 2 * n, : 2 * n]
+    layers = resolution.edge_layers if "clamped" in (stator.ends, stator.bottom) else 0
+    widths = graded(WALL_WIDTH, layers, largest=WALL_WIDTH / WALL_COLUMNS, ratio=CORNER_RATIO)
+    columns = {width: condensed(section, frequency, width=width, comb=None) for width in widths}
+    rows = [[columns[width] for width in order] for order in (widths[::-1], widths)]
     outer = np.arange(n)
-    if ends == "clamped":
+    if stator.ends == "clamped":
         outer = np.setdiff1d(outer, section.mechanical)
     walls = []
-    for outward, inner in ((0, n), (n, 0)):
+    for row, outward, inner in ((rows[0], 0, n), (rows[1], n, 0)):
+        piece = reduce(joined, row).matrix[: 2 * n, : 2 * n]
         here, there = inner + np.arange(n), outward + outer
         back = np.linalg.solve(piece[np.ix_(there, there)], piece[np.ix_(there, here)])
         walls.append(piece[np.ix_(here, here)] - piece[np.ix_(here, there)] @ back)
