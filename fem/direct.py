@@ -10,13 +10,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fem.circuit import ports_of
 from fem.discretize.forms import scikit_fem_derivatives
 from fem.discretize.section import FIELD_COLUMN, Resolution, Section, discretise, edge_layers, graded
 from fem.geometry import Stator, Transducer, check_layout, outer_gaps
 from fem.materials import fields
 from fem.materials.medium import Medium, medium, units
 from fem.waveguide.modes import guided_modes
+from fem.waveguide.port_fields import electrode_potentials
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,20 +94,20 @@ def direct_solution(
     combs = _comb_dofs(basis, transducers, wavelength, len(names), names.index("phi"))
     held = _held_dofs(basis, stator, names, section.breakpoints[0], across[[0, -1]])
     reduced = _reduced_solution(system, basis, names, combs, held, wavelength, units(stator.solid))
-    return _by_port(reduced, transducers, section.floats)
+    return _by_port(reduced, transducers)
 
 
-def _by_port(by_strip: DirectSolution, transducers: tuple[Transducer, ...], floats: bool) -> DirectSolution:
-    """Strips to ports: open strips, and where the section floats also each transducer's mean, take no charge."""
+def _by_port(by_strip: DirectSolution, transducers: tuple[Transducer, ...]) -> DirectSolution:
+    """Strips to ports: open strips, and the two electrodes of a transducer together, take no charge."""
     total, columns, uncharged = len(by_strip.charges), [], []
     at = 0
     for transducer in transducers:
-        own = ports_of(transducer, floats)
-        column = np.zeros((total, own.potentials.shape[1]))
-        column[at : at + 2] = own.potentials
+        own = electrode_potentials(transducer, floats=True)
+        column = np.zeros((total, own.shape[1]))
+        column[at : at + 2] = own
         columns.append(column)
         combs = [float(sign in transducer.signs) for sign in "+-"]
-        if floats and any(combs):
+        if any(combs):
             uncharged.append(np.eye(total)[:, at : at + 2] @ combs)
         strips = transducer.signs.count("o")
         uncharged += list(np.eye(total)[at + 2 : at + 2 + strips])

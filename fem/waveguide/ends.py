@@ -1,23 +1,39 @@
-"""Ends of the stator: the modes that an end sends back for each that arrives there."""
+"""Ends of the stator: the modes that an end sends back for each that arrives there.
 
-from dataclasses import dataclass
+A free or clamped end is either the condition on the guided modes themselves, or, where the lines are reduced to a basis
+that does not hold the fields at the end, a superelement of some columns of elements.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from fem.condense.join import repeated
+from fem.condense.superelement import Block, condensed
+from fem.discretize.section import Section
 from fem.waveguide.modes import GuidedModes
+
+END_COLUMNS = 2
 
 
 @dataclass(frozen=True, kw_only=True)
 class Walls:
-    """Ends of the stator as condensed pieces: their matrices on the lines where they begin.
+    """Ends of the stator as superelements.
 
     Attributes
     ----------
     matrices : tuple of ndarray, shape (n, n)
         Outward nodal flux of the left piece on its right line, of the right piece on its left line, per unknown.
+    width : float
+        Of a piece, length units.
+    recover : callable
+        Side (0 left, 1 right) and unknowns of the inner line -> superelement of the end and its sides.
     """
 
     matrices: tuple[np.ndarray, np.ndarray]
+    width: float
+    recover: Callable[[int, np.ndarray], tuple[Block, np.ndarray]] = field(repr=False)
 
     def sent_back(self, modes: GuidedModes, side: int, arriving: np.ndarray) -> np.ndarray:
         """Amplitudes of all modes sent back for each that arrives at the line: (E - X_back) q = -(E + X_on) p."""
@@ -59,3 +75,47 @@ def end_reflection(modes: GuidedModes, ends: str | Walls, side: int, arriving: n
         leave = leave.copy()
         leave[:, constant] = modes.section.constant_potential[:, None]
     return -np.linalg.solve(leave, arrive[:, arriving])
+
+
+@dataclass(frozen=True, kw_only=True)
+class EndPiece:
+    """Columns of elements beside a free or clamped end.
+
+    Attributes
+    ----------
+    section : Section
+    block : Block
+    clamped : bool
+    """
+
+    section: Section
+    block: Block
+    clamped: bool
+
+    def _outer(self, side: int) -> tuple[np.ndarray, np.ndarray]:
+        """Unknowns of the outer line that are not held, and those of the inner line, in the block's order."""
+        n = self.section.size
+        free = np.arange(n)
+        if self.clamped:
+            free = np.setdiff1d(free, self.section.mechanical)
+        return (free, n + np.arange(n)) if side == 0 else (n + free, np.arange(n))
+
+    def matrix(self, side: int) -> np.ndarray:
+        """Outward nodal flux on the inner line per unknown there, shape (n, n)."""
+        piece, (outer, inner) = self.block.matrix, self._outer(side)
+        back = np.linalg.solve(piece[np.ix_(outer, outer)], piece[np.ix_(outer, inner)])
+        return piece[np.ix_(inner, inner)] - piece[np.ix_(inner, outer)] @ back
+
+    def sides(self, side: int, line: np.ndarray) -> np.ndarray:
+        """Both lines and two empty electrodes for given unknowns of the inner line, shape (2 n + 2,)."""
+        piece, (outer, inner) = self.block.matrix, self._outer(side)
+        out = np.zeros(len(piece), dtype=complex)
+        out[inner] = line
+        out[outer] = -np.linalg.solve(piece[np.ix_(outer, outer)], piece[np.ix_(outer, inner)] @ line)
+        return out
+
+
+def end_piece(section: Section, frequency: float, ends: str, width: float) -> EndPiece:
+    """Condense the columns beside a free or clamped end, ``width`` length units of them."""
+    column = condensed(section, frequency, width=width / END_COLUMNS, comb=None)
+    return EndPiece(section=section, block=repeated(column, END_COLUMNS), clamped=ends == "clamped")
