@@ -306,5 +306,11 @@ def slider_left_out(scene: Scene) -> tuple[str, ...]:
     for key, force in (("contact", "R_n1"), ("normal", "R_n2"), ("tangential", "R_t")):
         if getattr(slider.damping, key) == 0:
             reasons.append(f"{force}: slider.damping.{key} is zero")
+    if scene.stator is not None:
+        from studies.scene.modulus import direction_dependence
+
+        sizes = direction_dependence(resolved.solid(scene.stator))
+        if sizes:
+            reasons.append(f"the contact's dependence on direction: {sizes}")
     reasons.append("the slider's reaction on the wave, and its travel along the wave field")
     return tuple(reasons)

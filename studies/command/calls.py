@@ -175,10 +175,12 @@ def view(arguments: argparse.Namespace) -> int:
     from studies.view.options import Wanted
 
     wanted = Wanted.read(arguments)
+
+    def note(text: str) -> None:
+        print(f"sawmotor: {text}", file=sys.stderr, flush=True)
+
     with Progress() as progress:
-        remark = show(arguments.run, wanted, progress=progress)
-    if remark is not None:
-        print(f"sawmotor: {remark}", file=sys.stderr)
+        show(arguments.run, wanted, progress=progress, note=note)
     print("\n".join(wanted.files), end="\n" if wanted.files else "")
     return 0
 
@@ -239,6 +241,9 @@ def tolerance(text: str | None) -> float:
 
 
 def _contents(scene: Scene) -> list[str]:
+    from studies.scene.modulus import direction_dependence
+    from studies.scene.resolved import solid
+
     lines = []
     if scene.stator is not None:
         block = scene.stator
@@ -267,4 +272,6 @@ def _contents(scene: Scene) -> list[str]:
         moduli = f"E* {slider.effective_modulus / 1e9:.4g} GPa, G* {slider.tangential_modulus / 1e9:.4g} GPa"
         weight = f"{slider.mass * 1e3:g} g, preload {slider.preload * 1e3:g} mN"
         lines.append(f"slider      {weight}, contacts {len(slider.offsets)}, {moduli}")
+        if scene.stator is not None and (spread := direction_dependence(solid(scene.stator))):
+            lines.append(f"            E* and G* are means over the directions in the surface: {spread}")
     return lines

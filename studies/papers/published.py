@@ -1,7 +1,7 @@
 """What is published of SAW motors, and what is not and has to be swept: the numbers behind `published_motors`.
 
 M. Kurosawa, M. Takahashi, T. Higuchi, IEEE Trans. UFFC 45 (1998) 1229; P. J. Feenstra, P. C. Breedveld, *Analysis of a
-Surface Acoustic Wave Motor*; D. Tjeung, M. Hughes, L. Yeo, J. Friend (2011); R. Shilton et al. (2012).
+Surface Acoustic Wave Motor*; D. Tjeung, M. Hughes, L. Yeo, J. Friend (2011).
 """
 
 from dataclasses import dataclass
@@ -88,6 +88,10 @@ LEFT_ASIDE = (
     (
         "Tjeung and others, speed (1900 rpm)",
         "the amplitude of the surface is not stated: at the rim it must exceed 5 nm, which the wave can give",
+    ),
+    (
+        "Shilton and others 2012, run-up from rest (an exponential)",
+        "its slider and amplitude are not stated here, so there is nothing to compute that would be their motor's",
     ),
     (
         "Feenstra and Breedveld, speed against amplitude",

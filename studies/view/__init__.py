@@ -4,6 +4,7 @@ What a run left is enough: the field is computed anew.  Everything but the windo
 without a display and without a graphics card too.
 """
 
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 
@@ -23,7 +24,13 @@ INSTANTS = 12  # of a .pvd
 NARROWEST = 0.05  # wavelengths
 
 
-def view(folder: str | Path, wanted: Wanted, *, progress: Callable[[str], None]) -> str | None:
+def view(
+    folder: str | Path,
+    wanted: Wanted,
+    *,
+    progress: Callable[[str], None],
+    note: Callable[[str], None] = warnings.warn,
+) -> None:
     """Show a run.
 
     Parameters
@@ -33,11 +40,8 @@ def view(folder: str | Path, wanted: Wanted, *, progress: Callable[[str], None])
     wanted : Wanted
     progress : callable
         Told what is being done.
-
-    Returns
-    -------
-    str or None
-        What is to be said about it: why there is no field, where there is none.
+    note : callable, optional
+        Told what a reader must know: why there is no field, how large a file will be.
 
     Raises
     ------
@@ -53,7 +57,9 @@ def view(folder: str | Path, wanted: Wanted, *, progress: Callable[[str], None])
         from studies.view import contact_view
 
         contact_view.show(folder, wanted, progress=progress)
-        return None if scene.stator is not None or wanted.show else f"{NO_STATOR}; this is its contact"
+        if scene.stator is None and not wanted.show:
+            note(f"{NO_STATOR}; this is its contact")
+        return
     from studies.view.shading import quantity
 
     quantity(wanted.quantity)
@@ -68,7 +74,10 @@ def view(folder: str | Path, wanted: Wanted, *, progress: Callable[[str], None])
     if wanted.data is not None:
         from studies.view import field_data
 
-        field_data.save(found, wanted.data, span=span, instants=wanted.frames or INSTANTS, progress=progress)
+        field_data.save(
+            found, wanted.data, span=span, instants=wanted.frames or INSTANTS, progress=progress, note=note,
+            surface=wanted.surface,
+        )  # fmt: skip
     if wanted.html is not None:
         from studies.view.wave_page import page
 
@@ -87,7 +96,6 @@ def view(folder: str | Path, wanted: Wanted, *, progress: Callable[[str], None])
             Window(
                 found, quantity=wanted.quantity, phase=wanted.phase, factor=wanted.factor, span=span
             ).open()
-    return None
 
 
 def plotter(
@@ -145,7 +153,7 @@ def _check_files(wanted: Wanted) -> None:
     if wanted.data is not None:
         from studies.view import field_data
 
-        field_data.check(wanted.data)
+        field_data.check(wanted.data, surface=wanted.surface)
 
 
 def _screenshot(found: RunField, wanted: Wanted, span, show: str) -> None:

@@ -42,6 +42,8 @@ def show(folder, wanted, *, progress: Callable[[str], None]) -> None:
     record, scene = left_run(folder)
     if wanted.data is not None and not wanted.data.lower().endswith(".csv"):
         raise SceneError("--data", f"must end in .csv for a contact, got {wanted.data!r}")
+    if wanted.surface:
+        raise SceneError("--surface", "belongs to the field, and this shows the contact")
     if not wanted.files:
         from studies.view.frame import refuse_without_display
 

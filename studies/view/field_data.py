@@ -1,4 +1,8 @@
-"""A run's field as data for other tools: .vtu of the complex field, .pvd of a period's instants, .csv of the nodes."""
+"""A run's field as data for other tools: .vtu of the complex field, .pvd of a period's instants, .csv of the nodes.
+
+The whole section of a motor has several 100 000 nodes.  The size of a large file is said before it is written; a .csv
+of the surface alone is a thousandth of it.
+"""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -13,16 +17,21 @@ from studies.view.run_field import LINES, RunField
 __all__ = ["FORMATS", "check", "save"]
 
 FORMATS = (".vtu", ".pvd", ".csv")
+LARGE = 20e6  # bytes: from here on the size is said before it is written
+# bytes per number: of a table; of a .vtu, whose vectors have a third component; of an instant, in single precision
+TABLE, COMPLEX, INSTANT = 19.5, 9.0, 2.2
 
 
-def check(file: str | Path) -> None:
+def check(file: str | Path, *, surface: bool = False) -> None:
     """Refuse a file of an unknown format.
 
     Raises
     ------
     SceneError
-        If it is none of `FORMATS`.
+        If it is none of `FORMATS`, or of the surface alone and no table.
     """
+    if surface and Path(file).suffix.lower() != ".csv":
+        raise SceneError("--surface", f"is a table: --data must end in .csv, got {str(file)!r}")
     if Path(file).suffix.lower() not in FORMATS:
         raise SceneError("--data", f"must end in one of {', '.join(FORMATS)}, got {str(file)!r}")
 
@@ -34,6 +43,8 @@ def save(
     span: tuple[float, float] | None,
     instants: int,
     progress: Callable[[str], None],
+    note: Callable[[str], None],
+    surface: bool = False,
 ) -> None:
     """Write displacement, potential, strain energy and power flow of a run.
 
@@ -50,20 +61,35 @@ def save(
         Of a .pvd.
     progress : callable
         Told what is being done.
+    note : callable
+        Told the size of a large file before it is written.
+    surface : bool
+        Whether a .csv holds displacement and potential of the surface alone.
 
     Raises
     ------
     SceneError, RunError
         If the format is unknown or the file cannot be written.
     """
-    check(file)
+    check(file, surface=surface)
     file = Path(file)
-    whole = span is None
-    field = (
-        found.whole(energies=True) if whole else found.compute(span=span, per_wavelength=LINES, energies=True)
-    )
+    energies = not surface
+    if span is None:
+        field = found.whole(energies=energies)
+    else:
+        field = found.compute(span=span, per_wavelength=LINES, energies=energies)
+    size = expected_size(field, file, instants)
+    if size > LARGE and not surface:
+        less = (
+            "--surface writes the surface alone, --span a part"
+            if file.suffix.lower() == ".csv"
+            else "--span writes a part"
+        )
+        note(f"writing about {size / 1e6:.0f} MB to {file}, {field.potential.size} nodes; {less}")
     try:
-        if file.suffix.lower() == ".csv":
+        if surface:
+            write_columns(file, surface_columns(field))
+        elif file.suffix.lower() == ".csv":
             write_columns(file, columns(field))
         elif file.suffix.lower() == ".vtu":
             from fem import write_vtu
@@ -73,6 +99,21 @@ def save(
             _series(field, file, instants, progress)
     except OSError as error:
         raise RunError(f"the data file {str(file)!r} cannot be written: {error.strerror or error}") from None
+
+
+def expected_size(field, file: Path, instants: int) -> float:
+    """Return about how many bytes a file of a field will have; of a .pvd with all its instants."""
+    # x and z; u and potential, complex; strain energy and the two parts of power flow, each a mean and a complex pulse
+    numbers = field.potential.size * (2 + 2 * 4 + 3 * 3)
+    kind = file.suffix.lower()
+    return numbers * (instants * INSTANT if kind == ".pvd" else TABLE if kind == ".csv" else COMPLEX)
+
+
+def surface_columns(field) -> dict[str, np.ndarray]:
+    """Return displacement and potential of the surface as columns, a row for each line of nodes."""
+    table = {"x_m": field.x}
+    table |= {f"u_{axis}_m_per_V": field.displacement[:, -1, k] for k, axis in enumerate("xyz")}
+    return table | {"potential_V_per_V": field.potential[:, -1]}
 
 
 def columns(field) -> dict[str, np.ndarray]:

@@ -20,6 +20,8 @@ class Wanted:
     ----------
     screenshot, movie, html, data : str or None
         Files; none at all: a window.
+    surface : bool
+        Whether the data are a table of the surface alone.
     show : str or None
         "field", "solid" or "contact"; None: the field, or without a stator the contact.
     quantity : str
@@ -42,6 +44,7 @@ class Wanted:
     movie: str | None = None
     html: str | None = None
     data: str | None = None
+    surface: bool = False
     show: str | None = None
     quantity: str = "u_z"
     phase: float = 0.0
@@ -67,11 +70,14 @@ class Wanted:
         """
         if arguments.show not in (None, *SHOWN):
             raise SceneError("--show", f"must be one of {', '.join(SHOWN)}, got {arguments.show!r}")
+        if arguments.surface and arguments.data is None:
+            raise SceneError("--surface", "says what --data FILE.csv holds: give --data too")
         return cls(
             screenshot=arguments.screenshot,
             movie=arguments.movie,
             html=arguments.html,
             data=arguments.data,
+            surface=arguments.surface,
             show=arguments.show,
             quantity=arguments.quantity,
             phase=np.radians(_number("--phase", arguments.phase, "degrees")),

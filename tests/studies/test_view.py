@@ -96,7 +96,7 @@ def given(tmp_path_factory):
 
 def test_the_exported_field_moves_the_surface_as_the_run_says(found, folder, tmp_path):
     """Read by meshio, linear interpolation along the surface gives run.json's motion under the slider."""
-    field_data.save(found, tmp_path / "field.vtu", span=None, instants=0, progress=quiet)
+    field_data.save(found, tmp_path / "field.vtu", span=None, instants=0, progress=quiet, note=quiet)
     mesh = meshio.read(tmp_path / "field.vtu")
     wave = json.loads((folder / "run.json").read_text())["wave"]
     top = mesh.points[:, 2] == 0
@@ -496,7 +496,7 @@ def test_the_page_opens_in_a_browser_without_an_error(page, tmp_path):
 
 
 def test_a_time_series_is_the_field_at_its_instants(found, tmp_path):
-    field_data.save(found, tmp_path / "wave.pvd", span=(0.013, 0.015), instants=3, progress=quiet)
+    field_data.save(found, tmp_path / "wave.pvd", span=(0.013, 0.015), instants=3, progress=quiet, note=quiet)
     sets = ElementTree.parse(tmp_path / "wave.pvd").getroot().findall("Collection/DataSet")
     assert [float(each.get("timestep")) * 2.2e6 for each in sets] == pytest.approx([0, 1 / 3, 2 / 3])
     field = found.compute(span=(0.013, 0.015), energies=True)
@@ -512,7 +512,9 @@ def test_a_time_series_is_the_field_at_its_instants(found, tmp_path):
 
 
 def test_a_table_of_the_field_is_one_row_a_node(found, tmp_path):
-    field_data.save(found, tmp_path / "field.csv", span=(0.0135, 0.014), instants=0, progress=quiet)
+    field_data.save(
+        found, tmp_path / "field.csv", span=(0.0135, 0.014), instants=0, progress=quiet, note=quiet
+    )
     table = np.genfromtxt(tmp_path / "field.csv", delimiter=",", names=True)
     field = found.compute(span=(0.0135, 0.014), energies=True)
     assert len(table) == field.potential.size
@@ -521,6 +523,42 @@ def test_a_table_of_the_field_is_one_row_a_node(found, tmp_path):
         table["strain_energy_J_per_m3_per_V2"], field.densities.strain_energy.ravel()
     )
     np.testing.assert_array_equal(table["z_m"][: len(field.z)], field.z)
+
+
+@pytest.mark.parametrize(("name", "instants"), [("a.csv", 0), ("a.vtu", 0), ("a.pvd", 3)])
+def test_the_size_of_a_large_file_is_said_before_it_is_written(found, tmp_path, monkeypatch, name, instants):
+    """Within a third of what the file then has; a small one is not worth a word."""
+    said, before = [], []
+
+    def note(text):
+        before.append(list(tmp_path.iterdir()))
+        said.append(text)
+
+    monkeypatch.setattr(field_data, "LARGE", 1e4)
+    given = {"span": (0.0135, 0.0155), "instants": instants, "progress": quiet, "note": note}
+    field_data.save(found, tmp_path / name, **given)
+    (sentence,) = said
+    assert before == [[]]
+    size = sum(
+        path.stat().st_size for path in tmp_path.rglob("*") if path.suffix != ".pvd" and path.is_file()
+    )
+    field = found.compute(span=(0.0135, 0.0155), energies=False)
+    assert sentence.startswith(
+        f"writing about {field_data.expected_size(field, tmp_path / name, instants) / 1e6:.0f} MB"
+    )
+    assert field_data.expected_size(field, tmp_path / name, instants) == pytest.approx(size, rel=0.33)
+    assert ("--surface writes the surface alone" in sentence) == name.endswith(".csv")
+    monkeypatch.setattr(field_data, "LARGE", 20e6)
+    field_data.save(found, tmp_path / name, **given)
+    assert len(said) == 1
+
+
+def test_a_table_of_the_surface_alone(found, folder, tmp_path):
+    view.view(folder, Wanted(data=str(tmp_path / "a.csv"), surface=True), progress=quiet)
+    table = np.genfromtxt(tmp_path / "a.csv", delimiter=",", names=True)
+    np.testing.assert_array_equal(table["x_m"], found.field.x)
+    np.testing.assert_array_equal(table["u_z_m_per_V_im"], found.field.displacement[:, -1, 2].imag)
+    np.testing.assert_array_equal(table["potential_V_per_V_re"], found.field.potential[:, -1].real)
 
 
 def test_a_scene_without_a_stator_shows_its_contact_and_says_why(given, tmp_path, monkeypatch, capsys):
@@ -539,7 +577,7 @@ def test_a_contact_as_page_and_table(given, tmp_path, monkeypatch):
 
     monkeypatch.setattr(contact_view, "FRAMES", 2)
     wanted = Wanted(html=str(tmp_path / "a.html"), data=str(tmp_path / "a.csv"), level=3e-9)
-    view.view(given, wanted, progress=quiet)
+    view.view(given, wanted, progress=quiet, note=quiet)
     page = (tmp_path / "a.html").read_text()
     assert page.count('src="data:image/') == 2
     assert "3 nm" in page
@@ -599,6 +637,9 @@ def test_what_is_no_run_is_refused(tmp_path, content):
         (["--movie", "a.gif", "--frames", "1"], "--frames must be a whole number from 2 to 2000, got '1'"),
         (["--movie", "a.gif", "--show", "solid"], "--movie shows the field or the contact, not the solid"),
         (["--screenshot", "a.png", "--show", "contact", "--voltage", "0"], "--voltage must be above 0: at 0 nothing"),
+        (["--data", "a.vtu", "--surface"], "--surface is a table: --data must end in .csv, got 'a.vtu'"),
+        (["--surface"], "--surface says what --data FILE.csv holds: give --data too"),
+        (["--data", "a.csv", "--surface", "--show", "contact"], "--surface belongs to the field, and this shows"),
         (["--data", "a.vtu", "--show", "contact"], "--data must end in .csv for a contact, got 'a.vtu'"),
     ],
 )  # fmt: skip
@@ -618,4 +659,6 @@ def test_a_place_that_cannot_be_written_is_said(folder, tmp_path, found):
     with pytest.raises(RunError, match="cannot be written"):
         movie.save([np.zeros((20, 20, 3), dtype=np.uint8)] * 2, tmp_path / "no" / "a.gif", rate=4.0)
     with pytest.raises(RunError, match="cannot be written"):
-        field_data.save(found, tmp_path / "no" / "a.csv", span=(0.0135, 0.014), instants=0, progress=quiet)
+        field_data.save(
+            found, tmp_path / "no" / "a.csv", span=(0.0135, 0.014), instants=0, progress=quiet, note=quiet
+        )
