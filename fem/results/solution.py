@@ -5,7 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.circuit import Circuit, Drive, solve_circuit
-from fem.waveguide.port_fields import PortFields
+from fem.discretize.section import Resolution
+from fem.geometry import Stator, Transducer
+from fem.waveguide.port_fields import PortFields, solve_ports
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,6 +30,20 @@ class Solution:
     def incoming(self, index: int) -> np.ndarray:
         """Part of a transducer's lines that comes in, scaled, shape (2 n,)."""
         return self.fields.incoming[index] @ self.circuit.voltages
+
+
+def solve_driven(
+    stator: Stator,
+    transducers: tuple[Transducer, ...],
+    *,
+    frequency: float,
+    drive: str | Drive,
+    resolution: Resolution,
+) -> Solution:
+    """Solve a driven stator on one discretisation, at a frequency in Hz."""
+    return driven_solution(
+        solve_ports(stator, transducers, frequency=frequency, resolution=resolution), drive
+    )
 
 
 def driven_solution(fields: PortFields, drive: str | Drive) -> Solution:

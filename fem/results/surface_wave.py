@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from fem.circuit import Circuit
-from fem.condense.join import widths
 from fem.results.evaluation import surface_of
 from fem.results.power_balance import PowerBalance, power_balance
 from fem.results.solution import Solution
@@ -111,14 +110,13 @@ def surface_wave(
     """
     again = solve or (lambda: solution)
     surface = surface_of(solution, again)
-    resolution, section = solution.fields.resolution, solution.fields.section
-    columns = sum(1 for each in solution.fields.network.scatterers for _ in widths(each.block))
+    resolution = solution.fields.resolution
     return SurfaceWave(
         **{name: getattr(surface, name) for name in Surface.__dataclass_fields__},
         circuit=solution.circuit,
         relative_error=relative_error,
         admittance_error=admittance_error,
-        unknowns=columns * resolution.order * section.size,
+        unknowns=solution.fields.unknowns,
         resolution=f"order {resolution.order}, {resolution.edge_layers} edge layers",
         seconds=seconds,
         solve=again,

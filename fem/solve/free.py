@@ -91,7 +91,6 @@ def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave
         relative_error=float(error),
         unknowns=section.size,
         seconds=time.perf_counter() - begun,
-        left_out=left_out(section),
     )
 
 
@@ -105,16 +104,3 @@ def _at_the_upper_face(twins: np.ndarray, section: Section) -> np.ndarray:
     moved = twins[section.mechanical]
     towards = np.linalg.solve(moved.conj().T @ moved, top.conj())
     return twins @ (towards / (top @ towards))
-
-
-def left_out(section: Section) -> tuple[str, ...]:
-    """What the free wave is solved without, and why."""
-    reasons = [
-        "electrodes: the scene has no transducer",
-        "elements along x: the wave is a mode of the section",
-    ]
-    if "uy" not in section.solid.fields:
-        reasons.append("out-of-plane displacement: uncoupled in this orientation")
-    if "phi" not in section.solid.fields:
-        reasons.append("electric potential: the solid is not piezoelectric in this orientation")
-    return tuple(reasons)

@@ -17,10 +17,9 @@ from fem.geometry import Stator, Transducer, check_layout
 from fem.materials import fields
 from fem.results.evaluation import surface_of
 from fem.results.power_balance import power_balance
-from fem.results.solution import Solution, driven_solution
+from fem.results.solution import Solution, solve_driven
 from fem.results.surface_wave import SurfaceWave, surface_wave
 from fem.threads import one_blas_thread
-from fem.waveguide.port_fields import solve_ports
 
 
 @one_blas_thread
@@ -70,8 +69,7 @@ def driven_wave(
 
     def at_level(resolution: Resolution) -> tuple[Solution, np.ndarray]:
         say(f"stator: order {resolution.order}, {resolution.edge_layers} edge layers")
-        fields = solve_ports(stator, transducers, frequency=frequency, resolution=resolution)
-        solution = driven_solution(fields, drive)
+        solution = solve_driven(stator, transducers, frequency=frequency, drive=drive, resolution=resolution)
         return solution, surface_of(solution).motion(at)
 
     refined = refine(

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fem.condense.join import widths
 from fem.condense.superelement import Block
 from fem.condense.transducer import transducer_block
 from fem.convergence import ConvergenceError
@@ -76,6 +77,12 @@ class PortFields:
     def frequency(self) -> float:
         """Frequency in Hz."""
         return self.modes.frequency
+
+    @property
+    def unknowns(self) -> int:
+        """Unknowns of the discretised problem that was condensed."""
+        columns = sum(1 for each in self.network.scatterers for _ in widths(each.block))
+        return columns * self.resolution.order * self.section.size
 
     def amplification(self, swing: float) -> tuple[float, float]:
         """Resonant amplification of an error of the surface wave's phase, here and near here.
@@ -221,9 +228,8 @@ def joined_fields(
     counts = [own.shape[1] for own in potentials]
     owners = np.repeat(np.arange(len(transducers)), counts)
     apertures = np.array([transducer.aperture for transducer in transducers])[owners]
-    shared = np.minimum(apertures[:, None], apertures[None, :])
     charge_unit = medium.stress_unit / medium.potential_unit**2
-    admittances = -2j * np.pi * modes.frequency * shared * (solution.charges * charge_unit)
+    admittances = charge_admittances(solution.charges * charge_unit, apertures, modes.frequency)
     voltage = np.concatenate([own.sum(axis=0) == 0 for own in potentials])  # +1/2 and -1/2; a mean has 1s
     uncharged = _uncharged(admittances, voltage)
     volts = uncharged / medium.potential_unit
@@ -244,6 +250,27 @@ def joined_fields(
         coupling=solution.coupling,
         waves=solution.waves,
     )
+
+
+def charge_admittances(charges: np.ndarray, apertures, frequency: float) -> np.ndarray:
+    """Admittance matrix of reactions int grad psi . D, minus the charges per metre of aperture.
+
+    Parameters
+    ----------
+    charges : ndarray, shape (n, n)
+        C/m per V.
+    apertures : array_like, shape (n,)
+        m; two transducers share the narrower beam.
+    frequency : float
+        Hz.
+
+    Returns
+    -------
+    ndarray, shape (n, n)
+        S.
+    """
+    apertures = np.asarray(apertures)
+    return -2j * np.pi * frequency * np.minimum(apertures[:, None], apertures[None, :]) * charges
 
 
 def _uncharged(admittances: np.ndarray, voltage: np.ndarray) -> np.ndarray:

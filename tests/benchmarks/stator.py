@@ -17,14 +17,14 @@ import time
 from dataclasses import replace
 
 import numpy as np
+from fem.solution import solved
 
 from fem.discretize.refinement import LEVELS
 from fem.geometry import Stator, Transducer
 from fem.materials import material
 from fem.results.evaluation import surface_wave
-from fem.solution import solved
 from fem.solve.band_setup import frequency_band
-from fem.solve.harmonic import orbit_difference
+from fem.solve.harmonic import motion_difference
 
 FREQUENCY, PLACE = 2.2e6, np.array([0.08])
 STATOR = Stator(solid=material("PZT-8"), length=0.16, thickness=5e-3, ends="absorbing")
@@ -53,7 +53,7 @@ def levels(stator: Stator) -> None:
                 stator,
                 TRANSDUCERS,
                 frequency=FREQUENCY,
-                driven="left",
+                drive="left",
                 source_impedance=0.0,
                 resolution=resolution,
             ),
@@ -65,7 +65,7 @@ def levels(stator: Stator) -> None:
     print("| order | edge layers | unknowns | error of u | error of Y | seconds |")
     print("|---|---|---|---|---|---|")
     for resolution, wave, seconds in rows[:-1]:
-        motion = orbit_difference(wave, reference, PLACE)
+        motion = motion_difference(wave.motion(PLACE), reference.motion(PLACE))
         admittance = abs(wave.admittance / reference.admittance - 1)
         print(
             f"| {resolution.order} | {resolution.edge_layers} | {wave.unknowns} | {motion:.1e} | {admittance:.1e} "
@@ -77,12 +77,12 @@ def bands(stator: Stator) -> None:
     """Print set-up time, size and time per frequency of a 2.1 to 2.3 MHz band at 1e-3."""
     made, setup = timed(
         lambda: frequency_band(
-            stator, TRANSDUCERS, lowest=2.1e6, highest=2.3e6, driven="left", tolerance=1e-3, places=(0.08,)
+            stator, TRANSDUCERS, lowest=2.1e6, highest=2.3e6, drive="left", tolerance=1e-3, places=(0.08,)
         ),
         1,
     )
     sweep = np.linspace(2.1e6, 2.3e6, 21)
-    _, seconds = timed(lambda: [made.wave(float(frequency), driven="left") for frequency in sweep])
+    _, seconds = timed(lambda: [made.wave(float(frequency), drive="left") for frequency in sweep])
     print(
         f"| {stator.ends} | {made.section.full.size} | {made.section.size} | {made.relative_error:.1e} "
         f"| {made.admittance_error:.1e} | {setup:.1f} | {1e3 * seconds / len(sweep):.0f} |"

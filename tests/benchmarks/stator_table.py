@@ -20,6 +20,7 @@ import time
 from dataclasses import replace
 
 import numpy as np
+from fem.solution import Solution, solved
 
 from fem import coupling, frequency_band, material, periodic_wave, rayleigh, rotated
 from fem.circuit import port_admittances
@@ -31,8 +32,7 @@ from fem.discretize.section import Resolution
 from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.evaluation import surface_wave
-from fem.results.power_balance import audit
-from fem.solution import Solution, solved
+from fem.results.power_balance import power_balance
 from fem.waveguide.ends import Walls
 from studies.evidence.fem_error_vs_time import LIMITS, problem, reference, seconds_at
 from studies.evidence.peers.attempt import attempted
@@ -46,9 +46,9 @@ import numpy as np
 from fem import frequency_band
 from studies.evidence.fem_error_vs_time import problem
 posed = problem("free")
-band = frequency_band(posed.stator, posed.transducers, lowest=2.1e6, highest=2.3e6, driven="left", tolerance=1e-3,
+band = frequency_band(posed.stator, posed.transducers, lowest=2.1e6, highest=2.3e6, drive="left", tolerance=1e-3,
                       places=(posed.place,))
-band.waves(np.linspace(2.1e6, 2.3e6, 100), driven="left")
+band.waves(np.linspace(2.1e6, 2.3e6, 100), drive="left")
 """
 PEAK = """
 from studies.evidence.peers.attempt import peak_memory
@@ -108,7 +108,7 @@ def small(ends: str, **rest) -> tuple[Stator, tuple[Transducer, ...]]:
 def structured(stator, transducers, resolution=LEVELS[2]) -> Solution:
     """Solution at 2.2 MHz, the left transducer driven."""
     return solved(
-        stator, transducers, frequency=2.2e6, driven="left", source_impedance=0.0, resolution=resolution
+        stator, transducers, frequency=2.2e6, drive="left", source_impedance=0.0, resolution=resolution
     )
 
 
@@ -206,12 +206,12 @@ def length() -> None:
         stator = replace(posed.stator, length=posed.stator.length + stretch)
         bands.append(
             frequency_band(
-                stator, moved, lowest=2.1e6, highest=2.3e6, driven="left", tolerance=1e-3, places=(0.08,)
+                stator, moved, lowest=2.1e6, highest=2.3e6, drive="left", tolerance=1e-3, places=(0.08,)
             )
         )
     ratios = []
     for _ in range(9):
-        short, long = (cpu(lambda band=band: band.wave(2.2e6, driven="left"), 1) for band in bands)
+        short, long = (cpu(lambda band=band: band.wave(2.2e6, drive="left"), 1) for band in bands)
         ratios.append(long / short)
     row("cost at 1000 wavelengths over 160, free ends", 1.3, float(np.median(ratios)), "times")
 
@@ -239,7 +239,7 @@ def physics() -> None:
         sent,
     )
     lossless = replace(posed.stator.solid, mechanical_quality=np.inf, dielectric_loss=0.0)
-    powers = audit(structured(replace(posed.stator, solid=lossless), posed.transducers))
+    powers = power_balance(structured(replace(posed.stator, solid=lossless), posed.transducers))
     row("lossless: power in = power out through the ends", 1e-9, abs(powers.radiated / powers.input - 1))
     worst = 0.0
     for ends in ("free", "absorbing"):
