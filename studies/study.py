@@ -7,6 +7,7 @@ time; ``run(...)`` returns a record; ``figure(record, ax)`` draws the record, or
 import json
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import wraps
 from importlib import import_module
 from pathlib import Path
 
@@ -20,6 +21,7 @@ __all__ = [
     "StudyRecord",
     "contradiction",
     "draw_study",
+    "of_record",
     "question",
     "run_study",
     "study_answer",
@@ -110,6 +112,15 @@ class StudyRecord:
     findings: tuple[Finding, ...]
     seconds: float
 
+    def panel(self, name: str | None = None) -> Panel:
+        """Return the panel of a name, the first without one."""
+        panels = {panel.name: panel for panel in self.panels}
+        if name is None:
+            return self.panels[0]
+        if name not in panels:
+            raise SceneError("panel", f"{name!r} does not exist{nearest(name, panels)}")
+        return panels[name]
+
     def to_dict(self) -> dict:
         """Return what study.json holds."""
         findings = [vars(finding) for finding in self.findings]
@@ -147,18 +158,60 @@ def question(name: str) -> str:
     return module(name).__doc__.splitlines()[0]
 
 
+def of_record(draw: Callable) -> Callable:
+    """Let a function that draws one panel take what the study's ``run`` returned, and draw its first or a named panel.
+
+    Examples
+    --------
+    >>> @of_record
+    ... def figure(panel, ax):
+    ...     return panel.title
+    >>> panels = (Panel(name="a", title="A", data={}), Panel(name="b", title="B", data={}))
+    >>> record = StudyRecord(name="rayleigh", panels=panels, findings=(), seconds=0.0)
+    >>> figure(record, None), figure(record, None, panel="b"), figure(panels[1], None)
+    ('A', 'B', 'B')
+    """
+
+    @wraps(draw)
+    def figure(record: StudyRecord | Panel, ax, *, panel: str | None = None):
+        return draw(record.panel(panel) if isinstance(record, StudyRecord) else record, ax)
+
+    return figure
+
+
 def run_study(
-    name: str, scene: str | None, folder: Path, *, progress: Callable[[str], None], over: dict | None = None
+    name: str,
+    scene: str | None,
+    folder: Path,
+    *,
+    progress: Callable[[str], None],
+    over: dict | None = None,
+    quick: bool = False,
 ) -> StudyRecord | Record:
-    """Run a study, over these axes if it takes any, write its numbers into a directory and return its record."""
+    """Run a study, write its numbers into a directory and return its record.
+
+    Parameters
+    ----------
+    name : str
+    scene : str or None
+        A path or a shipped name, for studies that take a scene.
+    folder : Path
+        Exists and is empty.
+    progress : callable
+        Called with what is being done.
+    over : dict, optional
+        Axes, for studies that take some.
+    quick : bool
+        Whether to run the small version, with the arguments in the module's ``QUICK``.
+    """
     chosen = module(name)
     if over and not getattr(chosen, "TAKES_AXES", False):
         raise SceneError("--over", f"is not taken by the study {name}")
-    axes = {"over": over} if over else {}
+    options = ({"over": over} if over else {}) | (getattr(chosen, "QUICK", {}) if quick else {})
     if scene is not None and not getattr(chosen, "TAKES_SCENE", False):
         raise SceneError("study", f"{name} has its own scenes and takes none")
     scenes = () if scene is None else (scene,)
-    record = chosen.run(*scenes, progress=progress, **axes)
+    record = chosen.run(*scenes, progress=progress, **options)
     if isinstance(record, Record):
         from studies.report.files import write_run
 

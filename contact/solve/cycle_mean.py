@@ -165,7 +165,6 @@ def _piece(parameters, h, v, path, start, stop, slip, x1, y1, rule, sums):
     if harmonics == 1 and sums.size == 2:
         push, pull = _plain(
             kappa,
-            chi,
             mu,
             c,
             h,
@@ -197,7 +196,8 @@ def _piece(parameters, h, v, path, start, stop, slip, x1, y1, rule, sums):
             if x < 0.0:
                 pull = -pull
         push = elastic * (1.0 + chi * z_rate)
-        sums[0] += push
+        # P z' is a total derivative, so that the damper's mean over a cycle is zero
+        sums[0] += elastic
         sums[1] += pull
         if sums.size > 2:
             cos, sin = co, si
@@ -211,7 +211,7 @@ def _piece(parameters, h, v, path, start, stop, slip, x1, y1, rule, sums):
 
 
 @summed
-def _plain(kappa, chi, mu, c, h, v, a, b, d, e, start, width, slip, offset, rule):
+def _plain(kappa, mu, c, h, v, a, b, d, e, start, width, slip, offset, rule):
     """Return the integrals of normal force and traction over a smooth piece of a path of one harmonic."""
     push, pull = 0.0, 0.0
     for j in range(rule.shape[1]):
@@ -221,7 +221,7 @@ def _plain(kappa, chi, mu, c, h, v, a, b, d, e, start, width, slip, offset, rule
         up = z if z > 0.0 else 0.0
         power = up * np.sqrt(up)
         weight = width * rule[1, j]
-        push += weight * power * (1.0 + chi * (b * co - a * si))
+        push += weight * power
         # mu P (1 - (1 - |x|/c z)^1.5)
         x = offset + d * co + e * si - v * phi
         left = up - abs(x) / c
@@ -328,7 +328,7 @@ def _contact(parameters, h, v, path, rule, sums, counts):
 
 @native("f1 f2 f f f2 f2 f1 i1")
 def cycle(parameters, waves, h, v, fast, rule, sums, counts):
-    """Fill the means (sum of P (1 + chi z'), sum of Q) and their harmonics over one cycle that repeats.
+    """Fill the means (sum of P, sum of Q) and the harmonics of (P (1 + chi z'), Q) over one cycle that repeats.
 
     Parameters
     ----------

@@ -157,6 +157,18 @@ class Surface:
             for piece in self.pieces
         )
 
+    @property
+    def transfer_length(self) -> float:
+        """Distance in m over which the surface wave passes to the other face, half a beat of its two plate modes.
+
+        Infinite where one mode makes up the surface wave: another bottom, or a plate thinner than it.
+        """
+        for piece in self.pieces:
+            if isinstance(piece, Stretch) and len(piece.rayleigh) > 1:
+                one, other = piece.wavenumbers[piece.rayleigh[:2]].real
+                return float(np.pi / abs(one - other)) if one != other else np.inf
+        return np.inf
+
     def normal_at(self, x: float | np.ndarray) -> np.ndarray:
         """u_z in m per V at x (m)."""
         return self.motion(x)[1]

@@ -14,6 +14,7 @@ from studies.chain.neglected import driven_left_out, free_left_out
 from studies.chain.points import SliderAnswer, slider_answer
 from studies.chain.record import Record
 from studies.chain.ring_up import ring_up, ring_up_left_out
+from studies.chain.warnings import warnings
 from studies.refusal import RunError
 from studies.scene import Scene, resolved
 
@@ -56,8 +57,8 @@ def run(scene: Scene, *, tolerance: float, progress: Callable[[str], None] | Non
         record = _driven(scene, tolerance, say)
     else:
         record = _free(scene, tolerance)
-    seconds = {"total": time.perf_counter() - begun} | record.seconds
-    return replace(record, seconds=seconds, left_out=record.left_out + slider_left_out(scene))
+    record = replace(record, left_out=record.left_out + slider_left_out(scene), warnings=warnings(record))
+    return replace(record, seconds={"total": time.perf_counter() - begun} | record.seconds)
 
 
 def _given(scene: Scene, tolerance: float, say) -> Record:

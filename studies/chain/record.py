@@ -35,6 +35,8 @@ class Record:
         By part of the chain.
     left_out : tuple of str
         What the model does without, and why.
+    warnings : tuple of str
+        What a user should know before trusting or building it, each with its number and a remedy.
     shortfall : str
         Why this is no answer within its tolerance; empty when it is one.
     surface : dict of str to array
@@ -54,6 +56,7 @@ class Record:
     error: dict = field(default_factory=dict)
     seconds: dict = field(default_factory=dict)
     left_out: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
     shortfall: str = ""
     surface: dict = field(default_factory=dict, repr=False)
     trajectories: tuple = field(default=(), repr=False)
@@ -63,6 +66,11 @@ class Record:
     def level(self) -> str:
         """Key of the points that says how hard the motor is driven."""
         return "normal_amplitude_m" if self.scene.wave is not None else "voltage_V"
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the slider sticks at every point: then there is no velocity that could have an error."""
+        return bool(self.points) and all(point.get("regime") == "stick" for point in self.points)
 
     def to_dict(self) -> dict:
         """Return what run.json holds: plain numbers, text, lists and tables, all finite.
@@ -81,6 +89,7 @@ class Record:
             "points": self.points,
             "summary": self.summary,
             "error": self.error,
+            "warnings": self.warnings,
             "seconds": self.seconds,
             "left_out": self.left_out,
             "provenance": provenance(),

@@ -63,6 +63,8 @@ def run(arguments: argparse.Namespace) -> int:
         print(answer(record))
         print(f"results         {out}")
     _tell(result)
+    for warning in record.warnings:
+        print(f"sawmotor: warning: {warning}", file=sys.stderr)
     if record.shortfall:
         print(f"sawmotor: {record.shortfall}", file=sys.stderr)
     return 1 if record.shortfall else 0
@@ -155,7 +157,12 @@ def study(arguments: argparse.Namespace) -> int:
         Progress() as progress,
     ):
         done = run_study(
-            arguments.name, arguments.scene, result.folder, progress=progress, over=axes_given(arguments.over)
+            arguments.name,
+            arguments.scene,
+            result.folder,
+            progress=progress,
+            over=axes_given(arguments.over),
+            quick=arguments.quick,
         )
         result.commit()
         with _pictures(result):

@@ -95,6 +95,9 @@ def parser() -> argparse.ArgumentParser:
         "scene", metavar="SCENE", nargs="?", help="a path or a shipped name, for studies of a scene"
     )
     _axes(study)
+    study.add_argument(
+        "--quick", action="store_true", help="a small version of it, to see what it gives: no evidence"
+    )
     study.add_argument("--out", metavar="DIR", help="where the results go (results/NAME-study[-SCENE])")
 
     _view(_call(calls, "view", "the wave field of a run, in a window, as a picture, a movie, a page or data"))

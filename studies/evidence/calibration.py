@@ -9,20 +9,21 @@ least 95 of 100 kept, the median estimate within ten times the true error.  Run 
 
 import math
 import statistics
-import sys
 import time
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from itertools import count
 from multiprocessing import get_context
 
 from studies.refusal import RunError, SceneError
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["Checked", "calibrated", "figure", "run"]
 
 SEED, SCENES = 2026, 100
+QUICK = {"seed": 13, "scenes": 1, "workers": 1}
 PROMISED, SHARE, MEDIAN = 2.0, 95, 10.0
 BETTER = 0.1  # tolerance of the converged answer over the error of the first
 FINEST = 3e-7
@@ -121,29 +122,38 @@ def _pairs(first, finer) -> list[tuple[float, float]]:
 
 
 def run(
-    *, progress: Callable[[str], None] | None = None, seed: int = SEED, scenes: int = SCENES
+    *,
+    seed: int = SEED,
+    scenes: int = SCENES,
+    workers: int = 2,
+    progress: Callable[[str], None] | None = None,
 ) -> StudyRecord:
     """Return the calibration.
 
     Parameters
     ----------
-    progress : callable, optional
-        Told what is being done.
     seed : int
         Of the scenes.
     scenes : int
         How many that give an answer.
+    workers : int
+        Processes; 1 for this one.
+    progress : callable, optional
+        Called with what is being done.
     """
     begun = time.perf_counter()
     say = progress or (lambda text: None)
     checked: list[Checked] = []
     refused: list[Checked] = []
     indices = count()
-    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+    with ExitStack() as stack:
+        each_of = map
+        if workers > 1:
+            pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+            each_of = stack.enter_context(pool).map
         while len(checked) < scenes:
-            batch = [pool.submit(calibrated, seed, next(indices)) for _ in range(scenes - len(checked))]
-            for future in batch:
-                found = future.result()
+            batch = [next(indices) for _ in range(scenes - len(checked))]
+            for found in each_of(calibrated, [seed] * len(batch), batch):
                 (refused if found.refusal else checked).append(found)
                 say(f"calibration: {len(checked)} of {scenes} scenes, {len(refused)} without a comparison")
     return StudyRecord(
@@ -190,6 +200,7 @@ def _findings(seed: int, checked: list[Checked], refused: list[Checked]) -> tupl
     )
 
 
+@of_record
 def figure(record: Panel, ax):
     """Draw true error against estimate, with the promise."""
     from studies.report.figures import COLOURS
@@ -230,9 +241,3 @@ def figure(record: Panel, ax):
     ax.grid(alpha=0.3)
     ax.legend(frameon=False)
     return ax
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "calibration", *sys.argv[1:]]))

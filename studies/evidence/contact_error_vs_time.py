@@ -10,12 +10,11 @@ reach 1e-5 at least 10 times sooner than any peer.  What is not installed is lef
 """
 
 import math
-import sys
 import time
 from collections.abc import Callable
 
 from studies.papers.seed import Seed
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run"]
 
@@ -31,27 +30,43 @@ HELD = math.pi / 10.0  # phase: a twentieth of a cycle
 SCIPY, CVODE = ("RK45", "DOP853", "LSODA", "Radau"), ("Adams", "BDF")
 LIMIT = 15.0  # s for one run of a peer
 OURS = ("exact", "stepped", "averaged")  # which state their error: `contact.burst` makes two runs for it
+QUICK = {"amplitudes": (10e-9,), "cycles": 12, "peers": ("DOP853",), "tolerances": (1e-6, 1e-9)}
 WRONG = 1e-3  # an error above it, without a complaint, is a silent failure
 
 
-def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
-    """Return errors and times of every way.
+def run(
+    *,
+    amplitudes: tuple[float, ...] = AMPLITUDES,
+    cycles: int = CYCLES,
+    peers: tuple[str, ...] = (*SCIPY, *CVODE),
+    tolerances: tuple[float, ...] = TOLERANCES,
+    progress: Callable[[str], None] | None = None,
+) -> StudyRecord:
+    """Return errors and times of every method.
 
     Parameters
     ----------
+    amplitudes : tuple of float
+        Normal amplitudes in m.
+    cycles : int
+        From rest, after which the velocities are compared.
+    peers : tuple of str
+        Event solvers, of `SCIPY` and `CVODE`.
+    tolerances : tuple of float
+        Relative tolerances of the event solvers.
     progress : callable, optional
         Told what is being done.
     """
     begun = time.perf_counter()
     seed = Seed(progress or (lambda text: None))
     panels, rows = [], []
-    for amplitude in AMPLITUDES:
-        found = _rows(seed, amplitude)
+    for amplitude in amplitudes:
+        found = _rows(seed, amplitude, cycles, peers, tolerances)
         rows += [row | {"amplitude_m": amplitude} for row in found]
         name = f"{amplitude * 1e9:g} nm"
         panels.append(Panel(
-            name=f"contact_error_vs_time_{amplitude * 1e9:g}nm", title=f"v after {CYCLES} cycles, {name}",
-            data={"cycles": CYCLES, "rows": found},
+            name=f"contact_error_vs_time_{amplitude * 1e9:g}nm", title=f"v after {cycles} cycles, {name}",
+            data={"cycles": cycles, "rows": found},
         ))  # fmt: skip
     return StudyRecord(
         name="contact_error_vs_time", panels=tuple(panels), findings=tuple(_findings(rows)),
@@ -59,7 +74,7 @@ def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
     )  # fmt: skip
 
 
-def _rows(seed: Seed, amplitude: float) -> list[dict]:
+def _rows(seed: Seed, amplitude: float, cycles: int, chosen: tuple, tolerances: tuple) -> list[dict]:
     """Return one row per run: curve, setting, seconds, error over v, complaint."""
     import contact
     from contact.answers.methods import rest, rest_problem
@@ -69,24 +84,24 @@ def _rows(seed: Seed, amplitude: float) -> list[dict]:
     slider, orbits = seed.slider, seed.orbits(amplitude)
     problem = rest_problem(slider, orbits)
 
-    def exact(nodes, truncation, cycles=CYCLES):
+    def exact(nodes, truncation):
         motion = rest(slider, orbits, problem, nodes=nodes, truncation=truncation)
         motion.turn(cycles)
         return float(motion.state[2])
 
-    def stepped(per_cycle, cycles=CYCLES):
+    def stepped(per_cycle, cycles=cycles):
         state = begin.copy()
         steps(problem.parameters, problem.waves, state, cycles, per_cycle, 0, nothing, no_envelope)
         return float(state[2])
 
     def averaged(tolerance):
         found = contact.burst(
-            slider, orbits, duration=CYCLES / orbits[0].frequency, after=0.0, tolerance=tolerance, samples=2,
+            slider, orbits, duration=cycles / orbits[0].frequency, after=0.0, tolerance=tolerance, samples=2,
             method="averaged",
         )  # fmt: skip
         return found.velocity_at_burst_end / problem.speed
 
-    def fixed(per_cycle, cycles=CYCLES):
+    def fixed(per_cycle, cycles=cycles):
         return peers.naive(
             problem.parameters, problem.waves[0], begin, cycles, per_cycle, BAND / problem.speed
         )
@@ -130,10 +145,10 @@ def _rows(seed: Seed, amplitude: float) -> list[dict]:
         add("fixed steps with DV", f"{per_cycle} steps", lambda n=per_cycle: fixed(n))
     held = (("", math.inf, 0.0), (", held steps", HELD, HELD))
     for label, step, for_cvode in held:
-        families = [("solve_ivp", m, peers.scipy_solver, step) for m in SCIPY]
-        families += [("CVODE", m, peers.cvode, for_cvode) for m in CVODE]
+        families = [("solve_ivp", m, peers.scipy_solver, step) for m in SCIPY if m in chosen]
+        families += [("CVODE", m, peers.cvode, for_cvode) for m in CVODE if m in chosen]
         for family, method, make, max_step in families:
-            for rtol in TOLERANCES[:1] if method == "Radau" else TOLERANCES:
+            for rtol in tolerances[:1] if method == "Radau" else tolerances:
                 segment = make(method, rtol=rtol, max_step=max_step)
                 if segment is None:
                     seed.say("contact error: CVODE left out, scikit-sundae is not installed")
@@ -141,13 +156,13 @@ def _rows(seed: Seed, amplitude: float) -> list[dict]:
                 seed.say(f"contact error: {amplitude * 1e9:g} nm, {family} {method}{label}, rtol {rtol:g}")
                 add(
                     f"{family} {method}{label}", f"rtol {rtol:g}",
-                    lambda s=segment: peers.with_events(problem, begin, CYCLES, s, limit=LIMIT), repeats=1,
+                    lambda s=segment: peers.with_events(problem, begin, cycles, s, limit=LIMIT), repeats=1,
                 )  # fmt: skip
     return rows
 
 
 def _findings(rows) -> list[Finding]:
-    ours = OURS
+    ours, amplitudes = OURS, dict.fromkeys(row["amplitude_m"] for row in rows)
 
     def quickest(chosen, error):
         return min(
@@ -159,9 +174,9 @@ def _findings(rows) -> list[Finding]:
         own = quickest([r for r in here if r["curve"] in ours], error)
         return quickest([r for r in here if r["curve"] not in ours], error) / own
 
-    lead = min(ratio(amplitude, 1e-5) for amplitude in AMPLITUDES)
+    lead = min(ratio(amplitude, 1e-5) for amplitude in amplitudes)
     sharp = max(
-        min(r["error"] for r in rows if r["curve"] == "exact" and r["amplitude_m"] == a) for a in AMPLITUDES
+        min(r["error"] for r in rows if r["curve"] == "exact" and r["amplitude_m"] == a) for a in amplitudes
     )
     free = {r["curve"] for r in rows if r["silent"] and r["curve"] not in ours and "fixed" not in r["curve"]}
     fixed = min(r["error"] for r in rows if "fixed" in r["curve"] and r["setting"].startswith(str(NAIVE[-1])))
@@ -185,6 +200,7 @@ def _findings(rows) -> list[Finding]:
     ]  # fmt: skip
 
 
+@of_record
 def figure(record: Panel, ax):
     """Draw error against run time, log-log; crosses failed without a word, arrows say who complained."""
     rows = record.data["rows"]
@@ -217,9 +233,3 @@ def figure(record: Panel, ax):
     ax.grid(alpha=0.3)
     ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.02), frameon=False, fontsize=6.5)
     return ax
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "contact_error_vs_time", *sys.argv[1:]]))

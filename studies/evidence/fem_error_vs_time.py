@@ -11,7 +11,6 @@ meshes err by tens of per cent; without edge layers the admittance stays near 1 
 """
 
 import math
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -19,7 +18,7 @@ from dataclasses import replace
 from studies.evidence.peers.attempt import Attempt, attempted
 from studies.evidence.peers.contenders import CURVES, Problem, missing
 from studies.refusal import RunError
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "problem", "reference", "run", "seconds_at"]
 
@@ -35,6 +34,7 @@ FREE_ENDS = (
     1.082183318e-02 + 2.495454775e-02j,
     (1.610602348e-10 + 3.827739847e-10j, 1.894090783e-10 - 8.220044438e-11j),
 )
+QUICK = {"all_ends": ("free",), "curves": ("structured",), "settings": 1}
 KNOWN = {"free": 2e-7, "absorbing": 1e-11}
 DIRECT = ("P2 triangles", "Q2 quadrilaterals", "high order, no edge layers", "high order, edge layers")
 STYLES = {
@@ -48,28 +48,40 @@ STYLES = {
 }
 
 
-def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
-    """Return errors and times of every contender for both kinds of ends.
+def run(
+    *,
+    all_ends: tuple[str, ...] = ENDS,
+    curves: tuple[str, ...] = tuple(CURVES),
+    settings: int | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> StudyRecord:
+    """Return errors and times of every contender for each kind of ends.
 
     Parameters
     ----------
+    all_ends : tuple of str
+        Of the stator.
+    curves : tuple of str
+        The contenders, of `CURVES`.
+    settings : int, optional
+        How many of each contender's resolutions, from the coarsest; all without a number.
     progress : callable, optional
         Told what is being done.
     """
     begun = time.perf_counter()
     say = progress or (lambda text: None)
     panels, findings = [], []
-    for ends in ENDS:
+    for ends in all_ends:
         posed = problem(ends)
         say(f"{ends} ends: reference")
         truth = reference(posed)
         attempts: list[Attempt] = []
-        for curve, (_, settings, _) in CURVES.items():
+        for curve in curves:
             lacking = missing(curve)
             if lacking:
                 say(f"{curve}: left out, {' and '.join(lacking)} not installed")
                 continue
-            for setting in settings:
+            for setting in CURVES[curve][1][:settings]:
                 say(f"{ends} ends: {curve}, {setting}")
                 try:
                     attempts.append(attempted(curve, posed, setting, repeats=0 if curve in DIRECT else 1))
@@ -144,6 +156,7 @@ def seconds_at(attempts: list[Attempt], truth, error: float) -> float:
     return math.exp(math.log(slow) + share * math.log(fast / slow))
 
 
+@of_record
 def figure(record: Panel, ax):
     """Draw error against time: admittance filled and full, motion hollow and dashed."""
     table = record.data
@@ -230,9 +243,3 @@ def _findings(ends: str, attempts: list[Attempt], truth) -> list[Finding]:
                 )
             )
     return findings
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "fem_error_vs_time", *sys.argv[1:]]))

@@ -13,7 +13,7 @@ import sys
 import time
 from collections.abc import Callable
 
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run", "tables"]
 
@@ -48,6 +48,7 @@ wave = record.to_dict()["wave"].get("normal_m_per_V", [])
 modules = sorted(name for name in sys.modules)
 print(json.dumps([time.process_time(), peak_memory(), wave, modules]))
 """
+QUICK = {"parts": ("electric potential",), "blocks": ("no stator",)}
 SAME = 1e-11  # relative: rounding, and what puts a part back
 COLUMNS = (
     "part",
@@ -64,11 +65,20 @@ COLUMNS = (
 )
 
 
-def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
+def run(
+    *,
+    parts: tuple[str, ...] | None = None,
+    blocks: tuple[str, ...] = tuple(COMMANDS),
+    progress: Callable[[str], None] | None = None,
+) -> StudyRecord:
     """Return what each omission saves and by how much the answer differs with the part in.
 
     Parameters
     ----------
+    parts : tuple of str, optional
+        Of `OMISSIONS`; all without it.
+    blocks : tuple of str
+        Of `COMMANDS`.
     progress : callable, optional
         Told what is being measured.
     """
@@ -77,13 +87,13 @@ def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
     begun = time.perf_counter()
     say = progress or (lambda text: None)
     rows = []
-    for omission in OMISSIONS:
+    for omission in (each for each in OMISSIONS if parts is None or each.part in parts):
         say(f"left out: {omission.part}")
         rows.append(_measured(omission))
     commands = []
-    for name, words in COMMANDS.items():
+    for name in blocks:
         say(f"left out: {name}")
-        commands.append(_command(name, words))
+        commands.append(_command(name, COMMANDS[name]))
     return StudyRecord(
         name="left_out",
         panels=(
@@ -134,6 +144,7 @@ def tables(record: StudyRecord) -> dict[str, str]:
     return {"left_out.md": "\n".join(lines) + "\n"}
 
 
+@of_record
 def figure(record: Panel, ax):
     """Draw the cost of the parts over that of the answer without them, or the whole commands' time and memory."""
     data = record.data
@@ -245,6 +256,8 @@ def _findings(rows: list[dict], commands: list[dict]) -> tuple[Finding, ...]:
         for row in rows
     ]
     waves = {each["scene"]: complex(*each["wave_m_per_V"]) for each in commands if each["wave_m_per_V"]}
+    if not {"whole chain", "no slider"} <= waves.keys():
+        return tuple(found)
     whole, bare = waves["whole chain"], waves["no slider"]
     found.append(
         Finding(
@@ -256,9 +269,3 @@ def _findings(rows: list[dict], commands: list[dict]) -> tuple[Finding, ...]:
         )
     )
     return tuple(found)
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "left_out", *sys.argv[1:]]))

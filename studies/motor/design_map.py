@@ -9,7 +9,6 @@ about 5 s.
 """
 
 import math
-import sys
 import time
 from collections.abc import Callable
 from itertools import pairwise
@@ -18,14 +17,15 @@ from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.scene.override import replaced
 from studies.scene.resolved import resolved
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 from studies.sweep import sweep
 from studies.sweep.axes import axis, level_key, rule_at, unit_of
 
 __all__ = ["figure", "run"]
 
 TAKES_SCENE = TAKES_AXES = True
-COUNTS = 28, 22
+COUNTS = 28, 22  # of levels and of preloads, where no axes are given
+QUICK = {"counts": (4, 3)}
 PREFIXES = {-12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 PANELS = {
     "velocity": ("velocity_m_per_s", "slider velocity (mm/s)", 1e3),
@@ -43,6 +43,7 @@ def run(
     scene: str | Scene = "twente-contact",
     *,
     over: dict | None = None,
+    counts: tuple[int, int] = COUNTS,
     progress: Callable[[str], None] | None = None,
 ) -> StudyRecord:
     """Return the maps, their lines and the scene's own point.
@@ -53,6 +54,8 @@ def run(
         A path, a shipped name or a scene with a slider.
     over : dict, optional
         Two keys of numbers and their values, as for a sweep.
+    counts : tuple of int
+        Of levels and of preloads, where there are no axes.
     progress : callable, optional
         Told what is being done.
     """
@@ -64,7 +67,7 @@ def run(
     if chosen.slider is None:
         chosen.refuse("slider", "is missing: without one there is nothing to map")
     table, level = chosen.to_table(), level_key(chosen.to_table())
-    axes = [axis(key, values) for key, values in (over or _usual(chosen, level)).items()]
+    axes = [axis(key, values) for key, values in (over or _usual(chosen, level, counts)).items()]
     _check(axes)
     (x_key,), (y_key,) = axes[0].keys, axes[1].keys
     own = [_own(table, each.keys[0]) for each in axes]
@@ -106,6 +109,7 @@ def run(
     )  # fmt: skip
 
 
+@of_record
 def figure(record: Panel, ax):
     """Draw one quantity as contours, the closed forms as lines, the scene's own point as a star."""
     import numpy as np
@@ -155,7 +159,7 @@ def _plain(values) -> list:
     return [[each if math.isfinite(each) else None for each in row] for row in values.tolist()]
 
 
-def _usual(scene: Scene, level: str) -> dict:
+def _usual(scene: Scene, level: str, counts: tuple[int, int]) -> dict:
     """Return axes of amplitude or voltage and of preload that show every regime."""
     import numpy as np
 
@@ -171,8 +175,8 @@ def _usual(scene: Scene, level: str) -> dict:
         )
     low, high = (max(scene.levels) * factor for factor in factors)
     return {
-        level: np.geomspace(0.4 * low, 6.0 * high, COUNTS[0]),
-        "slider.preload": preload * np.geomspace(0.1, 10.0, COUNTS[1]),
+        level: np.geomspace(0.4 * low, 6.0 * high, counts[0]),
+        "slider.preload": preload * np.geomspace(0.1, 10.0, counts[1]),
     }
 
 
@@ -253,9 +257,3 @@ def _even_in_logarithm(values) -> bool:
         return False
     steps = np.diff(np.log(values))
     return bool(np.allclose(steps, steps[0], rtol=1e-6, atol=0.0)) and values[-1] > 3.0 * values[0]
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "design_map", *sys.argv[1:]]))

@@ -9,7 +9,6 @@ Run time: about a minute.
 """
 
 import math
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -23,6 +22,7 @@ from studies.study import Finding, Panel, StudyRecord
 __all__ = ["draw", "run"]
 
 TAKES_SCENE = True
+QUICK = {"films": False, "maps": False}
 CONTACT, BURSTS = 0.5, (0.2, 0.4, 0.8)  # of the largest voltage: the scene's nearest ones are drawn
 LONG = 2.0  # burst over the time in which friction alone would reach the steady velocity
 MAX_STANDING = 2.0  # standing-wave ratio up to which the phase along x gives the wavelength
@@ -48,6 +48,8 @@ class Gallery(StudyRecord):
         J, of one cycle.
     others : tuple of (module, Panel)
         Regime map and admittance, from their own studies.
+    films : bool
+        Whether the films and the solid are drawn.
     """
 
     record: Record = field(repr=False)
@@ -58,15 +60,26 @@ class Gallery(StudyRecord):
     acceleration: float
     ledger: dict = field(repr=False)
     others: tuple = field(repr=False)
+    films: bool = True
 
 
-def run(scene: str | Scene = "twente", *, progress: Callable[[str], None] | None = None) -> Gallery:
+def run(
+    scene: str | Scene = "twente",
+    *,
+    films: bool = True,
+    maps: bool = True,
+    progress: Callable[[str], None] | None = None,
+) -> Gallery:
     """Return everything that the gallery draws.
 
     Parameters
     ----------
     scene : str or Scene
         A path, a shipped name or a scene with transducers and a slider.
+    films : bool
+        Whether the films and the solid are drawn.
+    maps : bool
+        Whether regime map and admittance are computed.
     progress : callable, optional
         Told what is being done.
     """
@@ -93,7 +106,8 @@ def run(scene: str | Scene = "twente", *, progress: Callable[[str], None] | None
     say("bursts")
     bursts, acceleration = _bursts(slider, orbits, voltages)
     state = contact.steady(slider, bridge.scaled(orbits, voltage), tolerance=1e-6)
-    others = tuple((each, each.run(chosen, progress=say).panels[0]) for each in (regime_map, admittance))
+    studies = (regime_map, admittance) if maps else ()
+    others = tuple((each, each.run(chosen, progress=say).panels[0]) for each in studies)
     panel = Panel(name="wave", title=chosen.title, data={"wavelength_m": found.wavelength})
     return Gallery(
         name="gallery",
@@ -108,6 +122,7 @@ def run(scene: str | Scene = "twente", *, progress: Callable[[str], None] | None
         acceleration=acceleration,
         ledger=vars(state.ledger),
         others=others,
+        films=films,
     )
 
 
@@ -225,9 +240,3 @@ def _beside(found, driven):
     ends = sorted((driven.center, found.scene.slider.position))
     x = found.field.x
     return (x > ends[0]) & (x < ends[1]) & ~found.near_transducer(x)
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "gallery", *sys.argv[1:]]))

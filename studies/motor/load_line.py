@@ -7,17 +7,17 @@ falls to zero at the blocked thrust, which stays within friction's mu times prel
 inside the line; the ledger closes to 1e-7.  Run time: about 2 s, and the stator's.
 """
 
-import sys
 import time
 from collections.abc import Callable
 
 from studies.chain.driven_contact import driven_contact
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run"]
 
 TAKES_SCENE = True
+QUICK = {"points": 3}
 LINES = 4
 APART = 1.0 / 7.0  # wavelengths between balls
 
@@ -88,6 +88,7 @@ def run(
     )
 
 
+@of_record
 def figure(record: Panel, ax):
     """Draw a quantity against load."""
     import numpy as np
@@ -106,9 +107,3 @@ def figure(record: Panel, ax):
     ax.grid(alpha=0.3)
     ax.legend(frameon=False)
     return ax
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "load_line", *sys.argv[1:]]))

@@ -8,7 +8,6 @@ Expected: every simulated point on the side of the lines that its regime says; a
 event-driven method to 1e-6.  Run time: about 1 s, and the stator's.
 """
 
-import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,11 +15,12 @@ from dataclasses import replace
 from studies.chain import bridge
 from studies.chain.driven_contact import DrivenContact, driven_contact
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run"]
 
 TAKES_SCENE = True
+QUICK = {"amplitudes": 8, "preloads": 5, "checked": 2}
 KINDS = ("stick", "slip", "intermittent", "hopping")
 
 
@@ -150,6 +150,7 @@ def _worst(slider, per_metre, found, checked: int) -> float:
     return float(max(differences, default=0.0))
 
 
+@of_record
 def figure(record: Panel, ax):
     """Draw simulated regimes as points, closed forms as lines, the operating points as stars."""
     import numpy as np
@@ -178,9 +179,3 @@ def figure(record: Panel, ax):
     ax.set_title(record.title, fontsize="medium")
     ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize="small")
     return ax
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "regime_map", *sys.argv[1:]]))

@@ -9,17 +9,17 @@ how it builds up is not in the steps.  Run time: about 5 s, and the stator's.
 """
 
 import math
-import sys
 import time
 from collections.abc import Callable
 
 from studies.chain.driven_contact import driven_contact
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run"]
 
 TAKES_SCENE = True
+QUICK = {"cycles": (64, 256), "wanted": (2e-8,), "lines": 1}
 CYCLES = tuple(2**k for k in range(3, 13))
 WANTED = (2e-9, 1e-8, 1e-7)  # m
 FAR = 0.1  # of the steady speed: below it the slider is taken to gain speed evenly
@@ -153,6 +153,7 @@ def _travelled(slider, orbits, frequency, step) -> float:
     return float(np.trapezoid(found.velocity, found.time) / step.displacement)
 
 
+@of_record
 def figure(record: Panel, ax):
     """Draw distance against cycles; what was planned as crosses."""
     import numpy as np
@@ -182,9 +183,3 @@ def figure(record: Panel, ax):
     ax.grid(alpha=0.3)
     ax.legend(frameon=False)
     return ax
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "step_planner", *sys.argv[1:]]))

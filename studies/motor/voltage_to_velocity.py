@@ -5,7 +5,6 @@ voltage, steady motion of the slider.  Expected: rest below a threshold voltage,
 through slip to intermittent contact, towards the driven transducer.  Run time: about 3 s.
 """
 
-import sys
 from collections.abc import Callable
 
 from studies.chain import run as run_chain
@@ -15,6 +14,7 @@ from studies.scene import Scene
 __all__ = ["figure", "run"]
 
 TAKES_SCENE = True
+QUICK = {"tolerance": 1e-2}
 
 
 def run(
@@ -45,9 +45,3 @@ def figure(record: Record, ax):
     from studies.report.figures import velocity
 
     return velocity(record, ax)
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "voltage_to_velocity", *sys.argv[1:]]))

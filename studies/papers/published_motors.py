@@ -11,7 +11,6 @@ within its band; from the voltage a band as wide as the unknown fingers make it.
 import csv
 import io
 import math
-import sys
 import time
 from collections.abc import Callable
 
@@ -24,26 +23,35 @@ from studies.papers.published_kurosawa import (
     speed,
     thrust,
 )
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run", "tables"]
 
+MOTORS = ("Kurosawa 1998", "Feenstra and Breedveld", "Tjeung 2011")
+QUICK = {"motors": MOTORS[1:]}
 TOLERANCE = 1e-3
 WIDE = 5.0  # highest over lowest of a band from which on an agreement says little
 ON_CONTACT = ("friction", "preload", "amplitude", "frequency", "modulus", "law", "air")
 
 
-def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
+def run(*, motors: tuple[str, ...] = MOTORS, progress: Callable[[str], None] | None = None) -> StudyRecord:
     """Return predictions with their bands beside what is published.
 
     Parameters
     ----------
+    motors : tuple of str
+        Of `MOTORS`.
     progress : callable, optional
         Told what is being done.
     """
     begun = time.perf_counter()
     say = progress or (lambda text: None)
-    rows = [*_kurosawa(say), _seed(), *_tjeung()]
+    parts = {
+        MOTORS[0]: lambda: [*_kurosawa(say), *_from_voltage(say)],
+        MOTORS[1]: lambda: [_seed()],
+        MOTORS[2]: _tjeung,
+    }
+    rows = [row for motor in motors for row in parts[motor]()]
     columns = {key: [row[key] for row in rows] for key in rows[0]}
     panel = Panel(
         name="published_motors", title="Published motors (bands: what the papers do not state)", data=columns
@@ -56,6 +64,7 @@ def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
     )
 
 
+@of_record
 def figure(panel: Panel, ax):
     """Draw each prediction over the published value: a point as taken, a band over what is swept.
 
@@ -113,10 +122,7 @@ def _kurosawa(say) -> list[dict]:
     """Return the contact at the published amplitude, then the chain from the voltage."""
     published, motor = KUROSAWA["published"], "Kurosawa 1998"
     unknowns = {name: KUROSAWA[name] for name in ON_CONTACT}
-    known = {
-        "ratio": ratio(KUROSAWA["material"].taken),
-        **{name: each.taken for name, each in unknowns.items()},
-    }
+    known = _known(unknowns)
     say("Kurosawa: the contact at the published amplitude")
 
     def pull(case):
@@ -144,7 +150,21 @@ def _kurosawa(say) -> list[dict]:
             1e9,
         )
     )
-    amplitudes = {}
+    return rows
+
+
+def _known(unknowns: dict) -> dict:
+    """Return the values taken for the contact."""
+    values = {name: each.taken for name, each in unknowns.items()}
+    return {"ratio": ratio(KUROSAWA["material"].taken), **values}
+
+
+def _from_voltage(say) -> list[dict]:
+    """Return the amplitude and the speed from the voltage."""
+    published, motor = KUROSAWA["published"], "Kurosawa 1998"
+    unknowns = {name: KUROSAWA[name] for name in ON_CONTACT}
+    known = _known(unknowns)
+    rows, amplitudes = [], {}
     for case in corners({name: KUROSAWA[name] for name in ("pairs", "material")}):
         say(f"Kurosawa: {case['pairs']} finger pairs on {case['material']}")
         amplitudes[case["pairs"], case["material"]] = published["voltage_V"] * per_volt(**case)
@@ -267,9 +287,3 @@ def _finding(row: dict) -> Finding:
         confirmed=not row["verdict"].startswith("outside"),
         remark=f"{row['verdict']}; swept: {row['swept']}; moved most by {row['most']}",
     )
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "published_motors", *sys.argv[1:]]))

@@ -12,11 +12,11 @@ TOLERANCE = 1e-3  # of steady velocities
 
 
 class Seed:
-    """The paper's slider and wave, and what several figures share."""
+    """The paper's slider and wave, and what several figures share; ``steps`` are the amplitudes of its bursts in m."""
 
-    def __init__(self, say: Callable[[str], None]):
+    def __init__(self, say: Callable[[str], None], *, steps: tuple[float, ...] = ()):
         scene = resolved(Scene.load("twente-contact"))
-        self.say = say
+        self.say, self.steps = say, steps
         self.slider = bridge.contact_slider(scene.slider)
         self.shape = bridge.given_orbits(scene.wave)
         self.levels = scene.levels

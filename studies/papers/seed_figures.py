@@ -8,30 +8,32 @@ elastic law nothing but R_t damps the ring, and an R_t that did so visibly would
 of a hysteretic law are of the right size. Run time: about 15 s.
 """
 
-import sys
 import time
 from collections.abc import Callable
 
 from studies.papers.seed import Seed
 from studies.papers.seed_contact import figure_6a, figure_6b, figure_7
 from studies.papers.seed_slider import figure_2, figure_5a, figure_5b
-from studies.study import Panel, StudyRecord
+from studies.study import Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run"]
 
+QUICK = {"steps": (10e-9,)}
 FEW = 25  # values of a curve: up to here they are points
 
 
-def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
+def run(*, steps: tuple[float, ...] = (), progress: Callable[[str], None] | None = None) -> StudyRecord:
     """Return the panels of the paper's figures and the findings beside its sentences.
 
     Parameters
     ----------
+    steps : tuple of float
+        Amplitudes of the bursts of Fig. 5(a) in m, 10 nm among them; the paper's when empty.
     progress : callable, optional
         Told what is being done.
     """
     begun = time.perf_counter()
-    seed = Seed(progress or (lambda text: None))
+    seed = Seed(progress or (lambda text: None), steps=steps)
     panels, findings = [], []
     for make in (figure_2, figure_5a, figure_5b, figure_6a, figure_6b, figure_7):
         seed.say(f"seed figures: {make.__doc__.split(':')[0]}")
@@ -42,6 +44,7 @@ def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
     return StudyRecord(name="seed_figures", panels=tuple(panels), findings=tuple(findings), seconds=seconds)
 
 
+@of_record
 def figure(record: Panel, ax):
     """Draw a panel: curves of the left axis, and of a second axis on the right where there are any."""
     from studies.report.figures import COLOURS
@@ -67,9 +70,3 @@ def figure(record: Panel, ax):
     ax.grid(alpha=0.3)
     ax.legend(lines, [line.get_label() for line in lines], frameon=False, fontsize="small")
     return ax
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "seed_figures", *sys.argv[1:]]))

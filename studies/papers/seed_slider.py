@@ -49,7 +49,7 @@ def figure_5a(seed: Seed):
     import contact
 
     x, curves = {}, {}
-    for amplitude in STEPS:
+    for amplitude in seed.steps or STEPS:
         seed.say(f"seed figures: Fig. 5(a), {amplitude * 1e9:g} nm")
         steady = seed.steady(amplitude).velocity
         stopping = steady * seed.slider.mass / (seed.slider.friction_coefficient * seed.slider.preload)

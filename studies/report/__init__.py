@@ -52,6 +52,8 @@ def report(record: Record) -> str:
         error=record.error,
         tolerance=record.tolerance,
         shortfall=record.shortfall,
+        warnings=record.warnings,
+        at_rest=record.at_rest,
         seconds=record.seconds,
         left_out=record.left_out,
         limits=model_limits(scene),

@@ -14,7 +14,11 @@ def answer(record: Record) -> str:
         lines += _free_wave(record.wave)
     lines += _wave(record)
     lines += _limits(record)
-    if record.error:
+    if record.at_rest:
+        known = record.wave.get("relative_error")
+        wave = "" if known is None else f"; the wave under the slider is known to {known:.1e}"
+        lines.append(f"relative error  none: no point moves{wave}, asked for {record.tolerance:.1e}")
+    elif record.error:
         parts = ", ".join(f"{name} {size:.1e}" for name, size in record.error["parts"].items())
         asked = f"asked for {record.tolerance:.1e}"
         lines.append(f"relative error  {record.error['relative']:.1e} ({parts}), {asked}")

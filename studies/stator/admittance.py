@@ -6,18 +6,18 @@ conductance that is never negative, its largest value within a factor of 2 of th
 capacitance's within a quarter at the band's edges, where hardly a wave is sent.  Run time: about 10 s.
 """
 
-import sys
 import time
 from collections.abc import Callable
 
 from studies.chain import passband
 from studies.chain.spectrum import response, spectrum
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run"]
 
 TAKES_SCENE = True
+QUICK = {"count": 9}
 COUNT = 81
 
 
@@ -97,6 +97,7 @@ def run(
     return StudyRecord(name="admittance", panels=(panel,), findings=findings, seconds=seconds)
 
 
+@of_record
 def figure(record: Panel, ax):
     """Draw conductance and susceptance, computed points and estimated lines."""
     from studies.report.figures import COLOURS
@@ -121,9 +122,3 @@ def figure(record: Panel, ax):
     ax.grid(alpha=0.3)
     ax.legend(frameon=False, fontsize="small")
     return ax
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "admittance", *sys.argv[1:]]))

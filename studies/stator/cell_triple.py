@@ -7,17 +7,17 @@ the free wave; one edge common to both where x -> -x is a symmetry; reflectiviti
 charge at weak coupling; the capacitance of conformal mapping to 1 %.  Run time: about 10 s.
 """
 
-import sys
 import time
 from collections.abc import Callable
 
 from studies.chain import passband
 from studies.scene import Scene, resolved
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run"]
 
 TAKES_SCENE = True
+QUICK = {"count": 13, "tolerance": 0.5}
 COUNT = 61
 REACH = 2.0  # widths of the stop bands shown on either side
 
@@ -137,6 +137,7 @@ def run(
     return StudyRecord(name="cell_triple", panels=(panel,), findings=tuple(findings), seconds=seconds)
 
 
+@of_record
 def figure(record: Panel, ax):
     """Draw the Bloch waves' phase and decay per finger, with the stop bands."""
     from studies.report.figures import COLOURS
@@ -170,9 +171,3 @@ def figure(record: Panel, ax):
         lines, [line.get_label() for line in lines], frameon=False, fontsize="x-small", loc="upper left"
     )
     return ax
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "cell_triple", *sys.argv[1:]]))

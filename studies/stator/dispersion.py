@@ -8,16 +8,16 @@ wavelengths thick or more (a thin plate: no such thing); every root of Rayleigh-
 about 10 s.
 """
 
-import sys
 import time
 from collections.abc import Callable
 
 from studies.scene import Scene, resolved
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "rayleigh_lamb", "run"]
 
 TAKES_SCENE = True
+QUICK = {"count": 9}
 COUNT = 60
 LOWEST, HIGHEST = 1 / 12, 1.2  # of the drive frequency
 DECAY = 0.01  # |Im k| over |Re k| below which a mode propagates
@@ -83,6 +83,7 @@ def run(
     return StudyRecord(name="dispersion", panels=panels, findings=findings, seconds=seconds)
 
 
+@of_record
 def figure(record: Panel, ax):
     """Draw wavenumbers of the modes as points and theory as a line or, of many roots, as fine dots."""
     from studies.report.figures import COLOURS
@@ -237,9 +238,3 @@ def _against_lamb(plate) -> list[Finding]:
             confirmed=worst < 1e-9,
         ),
     ]
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "dispersion", *sys.argv[1:]]))

@@ -8,18 +8,18 @@ influence), and a delay in that band, its median, of the way from the fingers' m
 Run time: about 8 s.
 """
 
-import sys
 import time
 from collections.abc import Callable
 
 from studies.chain import passband
 from studies.chain.spectrum import response, spectrum
 from studies.scene import Scene, resolved
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run"]
 
 TAKES_SCENE = True
+QUICK = {"count": 9}
 COUNT = 161
 
 
@@ -112,6 +112,7 @@ def run(
     return StudyRecord(name="frequency_response", panels=panels, findings=findings, seconds=seconds)
 
 
+@of_record
 def figure(record: Panel, ax):
     """Draw the amplitude with its estimate, or the group delay with the way's."""
     from studies.report.figures import COLOURS
@@ -167,9 +168,3 @@ def _half_power(at, size) -> tuple[float, float]:
         share = np.interp(level, [size[place], size[inner]], [0.0, 1.0]) if size[place] < level else 0.0
         edges.append(float(at[place] + share * (at[inner] - at[place])))
     return edges[0], edges[1]
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "frequency_response", *sys.argv[1:]]))

@@ -7,11 +7,10 @@ eigenproblem has it; 1e-9 within 3000 unknowns; high orders win by far.  Run tim
 """
 
 import math
-import sys
 import time
 from collections.abc import Callable
 
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run"]
 
@@ -22,14 +21,24 @@ MESHES = {1: (4, 8, 16), 2: (2, 4, 8, 16), 3: (1, 2, 4, 8), 4: (1, 2, 4), 6: (1,
 LAYERS_PER_COLUMN = 4
 FLOOR = 1e-12  # rounding: below it nothing converges any more
 REPEATS = 3
+QUICK = {"meshes": {2: (2, 4), 8: (1, 2)}, "repeats": 1}
 DEPTHS = tuple(k / 50 for k in range(101))  # wavelengths
 
 
-def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
+def run(
+    *,
+    meshes: dict[int, tuple[int, ...]] = MESHES,
+    repeats: int = REPEATS,
+    progress: Callable[[str], None] | None = None,
+) -> StudyRecord:
     """Return velocity errors, unknowns and times of every mesh, and the profile at order 8.
 
     Parameters
     ----------
+    meshes : dict
+        Columns of elements in a wavelength, from coarse to fine, for each order.
+    repeats : int
+        Of each solution; the shortest time counts.
     progress : callable, optional
         Told what is being done.
     """
@@ -44,10 +53,10 @@ def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
     for surface in SURFACES:
         exact = fem.rayleigh(solid, surface)
         table = {"order": [], "columns": [], "unknowns": [], "relative_error": [], "seconds": []}
-        for order, meshes in MESHES.items():
-            for columns in meshes:
+        for order, sizes in meshes.items():
+            for columns in sizes:
                 say(f"{surface}: order {order}, {columns} columns")
-                wave, seconds = _timed(fem.periodic_wave, solid, surface, order, columns)
+                wave, seconds = _timed(fem.periodic_wave, solid, surface, order, columns, repeats)
                 row = (order, columns, wave.unknowns, abs(wave.velocity / exact.velocity - 1), seconds)
                 for column, value in zip(table.values(), row, strict=True):
                     column.append(value)
@@ -55,7 +64,7 @@ def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
             Panel(name=f"convergence_{surface}", title=f"{MATERIAL}, {surface} surface", data=table)
         )
         findings += [*_orders(table, surface), _best(table, surface)]
-        best, _ = _timed(fem.periodic_wave, solid, surface, 8, 2)
+        best, _ = _timed(fem.periodic_wave, solid, surface, 8, 2, repeats)
         depths = np.array(DEPTHS)
         meshed, analytic = best.profile(depths)[0], exact.profile(depths)[0]
         data = {"depth_wavelengths": depths, "half_space": analytic, "cell": meshed}
@@ -84,6 +93,7 @@ def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
     )
 
 
+@of_record
 def figure(record: Panel, ax):
     """Draw the error against run time for each order, or the profile with depth."""
     if "half_space" in record.data:
@@ -92,11 +102,11 @@ def figure(record: Panel, ax):
 
     table = record.data
     colours = matplotlib.colormaps["cividis"]
-    orders = list(MESHES)
+    orders = list(dict.fromkeys(table["order"]))
     for index, order in enumerate(orders):
         rows = [row for row, p in enumerate(table["order"]) if p == order]
         x, y = ([table[key][row] for row in rows] for key in ("seconds", "relative_error"))
-        colour = colours(0.9 * index / (len(orders) - 1))
+        colour = colours(0.9 * index / max(len(orders) - 1, 1))
         ax.loglog(x, y, "o-", color=colour, markersize=4, linewidth=0.8, label=f"order {order}")
         for row in rows:
             ax.annotate(
@@ -130,10 +140,10 @@ def _profile(record: Panel, ax):
     return ax
 
 
-def _timed(solve: Callable, solid, surface: str, order: int, columns: int):
+def _timed(solve: Callable, solid, surface: str, order: int, columns: int, repeats: int):
     """Return the wave and the shortest of a few wall times in s."""
     times = []
-    for _ in range(REPEATS):
+    for _ in range(repeats):
         begun = time.perf_counter()
         layers = LAYERS_PER_COLUMN * columns
         wave = solve(solid, 1e-3, order=order, surface=surface, columns=columns, layers=layers)
@@ -144,7 +154,7 @@ def _timed(solve: Callable, solid, surface: str, order: int, columns: int):
 def _orders(table: dict, surface: str) -> list[Finding]:
     """Return the order observed on the two finest meshes above the rounding, for each element order."""
     findings = []
-    for order in MESHES:
+    for order in dict.fromkeys(table["order"]):
         rows = [
             row
             for row, p in enumerate(table["order"])
@@ -180,9 +190,3 @@ def _best(table: dict, surface: str) -> Finding:
         found=min(errors),
         confirmed=min(errors) <= 1e-9,
     )
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "rayleigh", *sys.argv[1:]]))

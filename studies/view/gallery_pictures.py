@@ -48,12 +48,14 @@ def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
         saved(folder / f"{panel.name}.png", lambda ax, module=module, panel=panel: module.figure(panel, ax))
     for diagram in folder.glob("*.png"):
         _reduce(diagram)
-    _draw_field(found, folder, progress)
+    _draw_field(found, folder, progress, films=gallery.films)
+    if not gallery.films:
+        return
     progress("contact in slow motion")
     movie.save(frames(*gallery.contact, 2 * FRAMES, dpi=DPI), folder / "contact.gif", rate=10.0)
 
 
-def _draw_field(found, folder: Path, progress) -> None:
+def _draw_field(found, folder: Path, progress, *, films: bool) -> None:
     import numpy as np
 
     from studies.view import movie
@@ -68,6 +70,8 @@ def _draw_field(found, folder: Path, progress) -> None:
         still.set_quantity(quantity)
         _write(still.image(), folder / f"{name}.png")
     still.close()
+    if not films:
+        return
     moving = Stage(found, chosen_views(found, None), size=MOVIE, smooth=False, **given)
 
     def pictures():

@@ -3,21 +3,19 @@
 import numpy as np
 import pytest
 
-from studies.report.figures import saved
-from studies.stator import cell_triple
-
 
 @pytest.fixture(scope="module")
-def record():
-    return cell_triple.run("twente-left", count=13, tolerance=0.5)
+def done(studied):
+    return studied("cell_triple")
 
 
-def test_all_is_as_expected(record):
-    assert [finding.confirmed for finding in record.findings] == [True] * 5
+def test_all_is_as_expected(done):
+    assert [finding["confirmed"] for finding in done.record["findings"]] == [True] * 5
 
 
-def test_the_wave_decays_in_its_stop_band_and_nowhere_else(record):
-    data = record.panels[0].data
+def test_the_wave_decays_in_its_stop_band_and_nowhere_else(done):
+    (data,) = done.record["panels"].values()
+    data = {key: np.array(value) for key, value in data.items()}
     at = data["frequency_Hz"]
     for name in ("shorted", "open"):
         edge = 0.1 * (data[f"{name}_upper_Hz"] - data[f"{name}_lower_Hz"])
@@ -30,6 +28,5 @@ def test_the_wave_decays_in_its_stop_band_and_nowhere_else(record):
         assert data[f"{name}_phase_rad"][outside].max() < np.pi - 1e-4
 
 
-def test_it_is_drawn(record, tmp_path):
-    saved(tmp_path / "bands.png", lambda ax: cell_triple.figure(record.panels[0], ax))
-    assert (tmp_path / "bands.png").stat().st_size > 10_000
+def test_it_is_drawn(done):
+    assert (done.folder / "stop_bands.png").stat().st_size > 10_000

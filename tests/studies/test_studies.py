@@ -1,12 +1,10 @@
 """Studies: each lists, runs, draws and is written; what they must find is found."""
 
-import json
-from pathlib import Path
-
 import pytest
 
 from studies.__main__ import main
 from studies.refusal import SceneError
+from studies.results import MANIFEST
 from studies.study import STUDIES, Finding, draw_study, module, question, run_study, study_answer
 
 
@@ -31,22 +29,15 @@ def test_the_list_names_every_study(monkeypatch, capsys):
 
 
 @pytest.fixture(scope="module")
-def seed(tmp_path_factory):
-    from studies.papers import seed_slider
-
-    folder = tmp_path_factory.mktemp("seed")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(seed_slider, "STEPS", (seed_slider.CHOSEN,))  # the other bursts are only drawn
-        record = run_study("seed_figures", None, folder, progress=quiet)
-        draw_study("seed_figures", record, folder, progress=quiet)
-        text = study_answer(record)
-    return folder, text, json.loads((folder / "study.json").read_text())
+def seed(studied):
+    done = studied("seed_figures")
+    return done.folder, done.out, done.record
 
 
 def test_all_figures_of_the_seed_are_drawn(seed):
     folder, _, _ = seed
     names = {f"fig_{name}.png" for name in ("2", "5a", "5b", "6a", "6b", "7a", "7b")}
-    assert {path.name for path in folder.iterdir()} == names | {"study.json"}
+    assert {path.name for path in folder.iterdir()} == names | {"study.json", MANIFEST}
 
 
 def test_the_paper_is_borne_out_but_for_the_damping_of_figure_7b(seed):
@@ -67,32 +58,19 @@ def test_the_numbers_of_the_seed_figures_are_those_of_the_closed_forms(seed):
     assert release == pytest.approx(4.17258, rel=1e-5)  # design.md
 
 
-@pytest.fixture(scope="module")
-def rayleigh():
-    from studies.stator import rayleigh
-
-    meshes = {2: (2, 4), 4: (1, 2), 8: (1, 2)}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(rayleigh, "MESHES", meshes)
-        patch.setattr(rayleigh, "REPEATS", 1)
-        yield rayleigh, rayleigh.run()
-
-
-def test_the_cell_gives_the_half_space_on_both_surfaces(rayleigh):
-    _, record = rayleigh
-    kinds = {}
-    for finding in record.findings:
-        kinds.setdefault(finding.statement.split("(")[1], []).append(finding)
-    assert set(kinds) == {"open).", "metallised)."}
-    best = [finding for finding in record.findings if "nine digits" in finding.statement]
-    assert all(finding.found < 1e-9 for finding in best)
-    shapes = [f for f in record.findings if "profile" in f.statement or "ratio" in f.statement]
+def test_the_cell_gives_the_half_space_on_both_surfaces(studied):
+    findings = studied("rayleigh").record["findings"]
+    assert {finding["statement"].split("(")[1] for finding in findings} == {"open).", "metallised)."}
+    best = [finding for finding in findings if "nine digits" in finding["statement"]]
+    assert all(finding["found"] < 1e-9 for finding in best)
+    shapes = [each for each in findings if "profile" in each["statement"] or "ratio" in each["statement"]]
     assert len(shapes) == 4
-    assert all(finding.found < 1e-6 for finding in shapes)
+    assert all(finding["found"] < 1e-6 for finding in shapes)
 
 
-def test_orders_are_measured_on_the_two_finest_meshes(rayleigh):
-    chosen, _ = rayleigh
+def test_orders_are_measured_on_the_two_finest_meshes():
+    from studies.stator import rayleigh as chosen
+
     table = {"order": [2, 2, 2], "columns": [1, 2, 4], "relative_error": [1.0, 1e-3, 1e-3 / 16]}
     (finding,) = chosen._orders(table, "open")
     assert finding.found == pytest.approx(4.0, rel=1e-12)
@@ -120,12 +98,6 @@ def test_a_study_of_a_scene_takes_one_and_leaves_its_run(tmp_path):
 def test_a_study_that_cannot_be_is_refused(tmp_path, name, scene, words):
     with pytest.raises(SceneError, match=words):
         run_study(name, scene, tmp_path, progress=quiet)
-
-
-def test_a_study_is_a_script_too():
-    for name in STUDIES:
-        source = Path(module(name).__file__).read_text()
-        assert f'sys.exit(main(["study", "{name}", *sys.argv[1:]]))' in source
 
 
 def test_a_finding_reads_as_a_sentence_with_its_verdict():

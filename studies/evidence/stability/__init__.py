@@ -12,19 +12,19 @@ Expected: at least 150 cases, none WRONG.  Run time: about 6 min of one processo
 import csv
 import io
 import math
-import sys
 import time
 from collections import Counter
 from collections.abc import Callable
 from importlib import import_module
 
 from studies.evidence.stability.case import VERDICTS
-from studies.study import Finding, Panel, StudyRecord
+from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["draw", "figure", "run", "tables"]
 
 PARTS = {"free wave": "free", "stator": "stator", "contact": "contact", "chain": "chain"}
 LEAST = 150
+QUICK = {"cases": 1}
 COARSE = ("contact",)  # parts whose witness is known to less than the answer
 STYLES = {
     "right": ("#0072B2", "o", 30),
@@ -46,26 +46,28 @@ COLUMNS = (
 )
 
 
-def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
+def run(*, cases: int | None = None, progress: Callable[[str], None] | None = None) -> StudyRecord:
     """Return the verdict on every case, a panel for each part.
 
     Parameters
     ----------
+    cases : int, optional
+        Of each part, evenly chosen; all without a number.
     progress : callable, optional
         Told which case is being judged.
     """
     begun = time.perf_counter()
     say = progress or (lambda text: None)
     rooms = {part: import_module(f"studies.evidence.stability.{room}") for part, room in PARTS.items()}
-    cases = [
+    chosen = [
         (rooms[part].judge, case)
         for part, room in PARTS.items()
-        for case in getattr(rooms[part], f"{room}_cases")()
+        for case in _some(getattr(rooms[part], f"{room}_cases")(), cases)
     ]
     rows = []
-    for number, (judge, case) in enumerate(cases, start=1):
+    for number, (judge, case) in enumerate(chosen, start=1):
         say(
-            f"stability: {number} of {len(cases)}, {case.part}, {case.varied} {case.value:g} {case.unit}".rstrip()
+            f"stability: {number} of {len(chosen)}, {case.part}, {case.varied} {case.value:g} {case.unit}".rstrip()
         )
         rows.append(_row(case, judge(case)))
     panels = tuple(_panel(part, [row for row in rows if row["part"] == part]) for part in PARTS)
@@ -75,6 +77,12 @@ def run(*, progress: Callable[[str], None] | None = None) -> StudyRecord:
         findings=_findings(rows),
         seconds=time.perf_counter() - begun,
     )
+
+
+def _some(cases, number: int | None):
+    """Return so many cases, evenly chosen."""
+    cases = list(cases)
+    return cases if number is None else cases[:: max(len(cases) // number, 1)][:number]
 
 
 def tables(record: StudyRecord) -> dict[str, str]:
@@ -115,6 +123,7 @@ def summary(rows: list[dict]) -> str:
     return "\n".join(lines) + "\n"
 
 
+@of_record
 def figure(record: Panel, ax):
     """Draw a part's map: a line for each quantity, its values in order, marked by verdict."""
     rows = _rows(record)
@@ -257,9 +266,3 @@ def _findings(rows: list[dict]) -> tuple[Finding, ...]:
             remark=worst,
         ),
     )
-
-
-if __name__ == "__main__":
-    from studies.__main__ import main
-
-    sys.exit(main(["study", "stability", *sys.argv[1:]]))

@@ -1,0 +1,47 @@
+"""Fixtures that the tests of studies share."""
+
+import contextlib
+import io
+import json
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from studies.__main__ import main
+from studies.study import module
+
+SMALL = Path(__file__).parent / "scenes" / "small.toml"  # a whole motor whose stator costs a second
+
+
+@dataclass(frozen=True)
+class Studied:
+    """A study that was run through its command: exit code, stdout, stderr and directory."""
+
+    status: int
+    out: str
+    err: str
+    folder: Path
+
+    @property
+    def record(self) -> dict:
+        """What study.json holds."""
+        return json.loads((self.folder / "study.json").read_text(encoding="utf-8"))
+
+
+@pytest.fixture(scope="session")
+def studied(tmp_path_factory):
+    """Give a function that runs the small version of a study through its command, once in a session."""
+
+    @cache
+    def run(name: str) -> Studied:
+        folder = tmp_path_factory.mktemp("studies") / name
+        takes_scene = getattr(module(name), "TAKES_SCENE", False)
+        words = ["study", name, *([str(SMALL)] if takes_scene else []), "--quick", "--out", str(folder)]
+        out, err = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            status = main(words)
+        return Studied(status, out.getvalue(), err.getvalue(), folder)
+
+    return run

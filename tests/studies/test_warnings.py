@@ -1,0 +1,228 @@
+"""Warnings of a run: each fires where its number passes the limit and not just below; shipped scenes give none.
+
+The stator's part of the records is made up where only numbers enter; the formulas' oracles are closed forms.
+"""
+
+import json
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import fem
+from studies.__main__ import main
+from studies.chain import run
+from studies.chain.record import Record
+from studies.chain.warnings import breakdown_voltage, hertz_pressure, warnings
+from studies.scene import Scene, read_table, shipped_scenes
+from studies.scene.override import assigned
+from studies.scene.resolved import resolved
+
+
+class Surface(SimpleNamespace):
+    """A surface wave of one mode, or of two with a given transfer length."""
+
+    def motion(self, x):
+        x = np.asarray(x)
+        return np.array([0.7j * np.ones(x.shape), np.ones(x.shape)]) * 2.4e-10
+
+
+def scene(name, *settings) -> Scene:
+    table = read_table(name)
+    for setting in settings:
+        table = assigned(table, setting)
+    return resolved(Scene.from_table("", table))
+
+
+def record(name, *settings, transfer_length=math.inf, points=(), summary=None) -> Record:
+    """A record whose stator moves by 0.24 nm per volt everywhere."""
+    chosen = scene(name, *settings)
+    if chosen.wave is not None:
+        wave = {"frequency_Hz": chosen.frequency}
+        return Record(scene=chosen, tolerance=1e-3, wave=wave, points=points, summary=summary or {})
+    velocity = 2172.0 if name.startswith("twente") else 3446.0
+    surface = Surface(frequency=chosen.frequency, phase_velocity=velocity, transfer_length=transfer_length)
+    return Record(
+        scene=chosen,
+        tolerance=1e-3,
+        wave={
+            "frequency_Hz": chosen.frequency,
+            "phase_velocity_m_per_s": velocity,
+            "standing_wave_ratio": 236.0,
+            "relative_error": 2e-4,
+        },
+        electrical={"comb_voltage_per_volt": 1.0},
+        surface={"x_m": np.zeros(1), "u_x_m_per_V": np.array([1.7e-10j])},
+        surface_wave=surface,
+        points=points,
+        summary=summary or {},
+    )
+
+
+def only(found: tuple[str, ...], *words: str) -> str:
+    assert len(found) == 1, found
+    assert all(word in found[0] for word in words), found[0]
+    return found[0]
+
+
+@pytest.mark.parametrize("name", sorted(shipped_scenes()))
+def test_shipped_scenes_give_none(name):
+    chosen = Scene.load(name)
+    if chosen.levels:
+        block, key = ("wave", "normal_amplitude") if chosen.wave is not None else ("drive", "voltage")
+        few = (min(chosen.levels), max(chosen.levels))
+        chosen = replace(chosen, **{block: replace(getattr(chosen, block), **{key: few})})
+    assert run(chosen, tolerance=5e-2).warnings == ()
+
+
+def test_the_made_up_record_gives_none():
+    assert warnings(record("twente")) == ()
+    assert warnings(record("lithium-niobate-yz")) == ()
+
+
+def test_hertz_pressure_is_hertz():
+    force, modulus, radius = 1.25, 110e9, 0.5e-3
+    approach = (3 * force / (4 * modulus * math.sqrt(radius))) ** (2 / 3)
+    slider = SimpleNamespace(effective_modulus=modulus, radius=radius)
+    expected = (6 * force * modulus**2 / (math.pi**3 * radius**2)) ** (1 / 3)
+    assert hertz_pressure(slider, approach) == pytest.approx(expected, rel=1e-12)
+    assert expected == pytest.approx(2.28e9, rel=5e-3)
+
+
+def test_pressure_on_the_balls():
+    four = ['slider.contacts=["-6 mm", "-2 mm", "2 mm", "6 mm"]', 'slider.ball="steel"', "slider.preload=5 N"]
+    said = only(
+        warnings(record("lithium-niobate-yz", *four)), "at rest", "1.5 GPa", "ISO 281", "larger balls"
+    )
+    pressure = (6 * 1.25 * 101.155e9**2 / (math.pi**3 * 0.5e-3**2)) ** (1 / 3)
+    assert f"{pressure / 1e9:.3g} GPa at rest" in said
+    assert warnings(record("lithium-niobate-yz", *four[:2], "slider.preload=1 N")) == ()
+
+
+def test_pressure_on_the_stator_and_on_the_crest():
+    """Twente's ball with 172 mN: p0 = 515 MPa at rest, more on the crest; with 300 mN more at rest."""
+    only(
+        warnings(record("twente", "slider.preload=0.172 N")),
+        "on the wave's crest",
+        "the stator",
+        "0.517 GPa",
+        "TP-226",
+    )
+    only(warnings(record("twente", "slider.preload=0.3 N")), "at rest", "the stator")
+    assert warnings(record("twente", "slider.preload=0.1 N")) == ()
+    assert warnings(record("twente", "slider.preload=0 N")) == ()
+
+
+def test_field_in_the_gaps():
+    gap = scene("twente").transducer[0].period / 4
+    above = record("twente", f"drive.voltage={1.501e6 * gap}", "stator.ends=absorbing")
+    found = [text for text in warnings(above) if "MV/m" in text]
+    only(tuple(found), "1.5 MV/m", "depoling field", f"below {1.5e6 * gap:.3g} V")
+    below = record("twente", f"drive.voltage={1.499e6 * gap}")
+    assert not [text for text in warnings(below) if "MV/m" in text]
+
+
+def test_breakdown_of_air():
+    assert breakdown_voltage(1e-3) == pytest.approx(4.5e3, rel=0.2)  # 30 kV/cm, a little more over 1 mm
+    assert breakdown_voltage(1e-6) == pytest.approx(breakdown_voltage(11e-6), rel=1e-2)
+    assert 290 < breakdown_voltage(8e-6) < 340  # Paschen's minimum in air: 327 V at 7.5 um
+    gap = 0.338e-3 / 4
+    limit = breakdown_voltage(gap)
+    found = warnings(record("lithium-niobate-yz", f"drive.voltage={1.01 * limit}"))
+    only(found, "Paschen", f"{limit:.3g} V")
+    assert warnings(record("lithium-niobate-yz", f"drive.voltage={0.99 * limit}")) == ()
+
+
+def test_stress_of_the_wave():
+    c = fem.material("PZT-8").stiffness
+    strain = 2 * np.pi * 2.2e6 / 2172.0 * 1.7e-10
+    limit = 34e6 / ((c[0, 0] - c[0, 2] ** 2 / c[2, 2]) * strain)
+    found = [text for text in warnings(record("twente", f"drive.voltage={1.01 * limit}")) if "stress" in text]
+    only(tuple(found), "34 MPa", f"below {limit:.3g} V")
+    assert not [t for t in warnings(record("twente", f"drive.voltage={0.99 * limit}")) if "stress" in t]
+
+
+def test_off_resonance():
+    found = warnings(record("lithium-niobate-yz", "transducer.0.period=auto"))
+    only(found, "31 % larger at 9.812 MHz", "drive.frequency", "scale the period by 1.019")
+    found = warnings(record("twente", "drive.frequency=2.3 MHz", "transducer.0.period=0.98736 mm"))
+    only(found, "larger at 2.1", "off the transducer's resonance")
+    assert warnings(record("twente", "drive.frequency=2.21 MHz", "transducer.0.period=0.98736 mm")) == ()
+    split = ["transducer.0.split=true", "transducer.0.period=0.9 mm"]
+    assert warnings(record("twente", *split)) == ()  # fingers that do not reflect have no such formula
+
+
+def test_lossless_stator_with_reflecting_ends():
+    said = warnings(record("lithium-niobate-yz", "stator.ends=free"))
+    only(said, "lossless", "standing-wave ratio 236", "stator.mechanical_quality")
+    assert warnings(record("lithium-niobate-yz", "stator.ends=free", "stator.mechanical_quality=5000")) == ()
+    assert warnings(record("twente", "stator.ends=free")) == ()
+
+
+def test_thin_plate():
+    said = only(
+        warnings(record("twente", transfer_length=0.15)), "150 mm of the stator's 160 mm", "5.1 wavelengths"
+    )
+    assert "absorbing" in said
+    assert warnings(record("twente", transfer_length=0.17)) == ()
+    assert warnings(record("twente", "stator.bottom=absorbing", transfer_length=0.15)) == ()
+
+
+def test_the_transfer_length_is_half_a_beat_of_the_plate_modes():
+    """Oracle: where the surface mode's amplitude is lowest along a plate of 1.3 wavelengths."""
+    chosen = scene("twente-left", "stator.thickness=1.3 mm", "drive.voltage=60")
+    reached = run(chosen, tolerance=5e-2)
+    length = reached.surface_wave.transfer_length
+    only(tuple(text for text in reached.warnings if "other face" in text), f"{length * 1e3:.3g} mm")
+    x = np.linspace(80e-3, 155e-3, 4000)
+    size = abs(reached.surface_wave.rayleigh_motion(x)[1])
+    lowest = x[1:-1][(size[1:-1] < size[:-2]) & (size[1:-1] < size[2:])]
+    assert len(lowest) == 2
+    assert lowest[1] - lowest[0] == pytest.approx(2 * length, rel=3e-3)
+
+
+def test_several_balls_at_one_place():
+    only(warnings(record("twente-contact", "slider.contacts=4")), "4 balls at one place", "offsets")
+
+
+def test_reversal_between_neighbouring_points():
+    def moving(*speeds):
+        return tuple(
+            {"voltage_V": 10.0 * k, "velocity_m_per_s": v, "tangential_amplitude_m": 1e-9, "regime": "slip"}
+            for k, v in enumerate(speeds, start=1)
+        )
+
+    found = warnings(record("twente", points=moving(-0.01, -0.02, 0.015, 0.02)))
+    only(found, "between 20 and 30 V", "-20 and 15 mm/s", "more values")
+    only(warnings(record("twente", points=moving(-0.01, 0.0, 0.02))), "between 10 and 30 V")
+    assert warnings(record("twente", points=moving(-0.01, 0.0, -0.02))) == ()
+    creeping = 0.009 * 2 * math.pi * 2.2e6 * 1e-9
+    assert warnings(record("twente", points=moving(creeping, -0.02))) == ()
+
+
+def test_all_points_stick(tmp_path, capsys):
+    words = [
+        "run",
+        "twente-contact",
+        "--set",
+        "wave.normal_amplitude=[1e-11, 2e-11]",
+        "--no-plot",
+        "--report",
+    ]
+    assert main([*words, "--out", str(tmp_path / "out")]) == 0
+    said = capsys.readouterr()
+    kept = json.loads((tmp_path / "out" / "run.json").read_text())
+    threshold = kept["summary"]["threshold_amplitude_m"] * 1e9
+    text = only(tuple(kept["warnings"]), "sticks at every point", f"{threshold:.4g} nm")
+    assert f"sawmotor: warning: {text}" in said.err
+    assert "relative error  none: no point moves" in said.out
+    page = (tmp_path / "out" / "report.html").read_text()
+    assert "Warnings" in page
+    assert text in page
+
+
+def test_a_run_without_warnings_has_no_such_block(tmp_path, capsys):
+    assert main(["run", "twente-contact", "--set", "wave.normal_amplitude=5 nm", "--json"]) == 0
+    assert "warnings" not in json.loads(capsys.readouterr().out)
