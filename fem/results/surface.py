@@ -164,7 +164,7 @@ class Surface:
         Infinite where one mode makes up the surface wave: another bottom, or a plate thinner than it.
         """
         for piece in self.pieces:
-            if isinstance(piece, Stretch) and len(piece.rayleigh) > 1:
+            if isinstance(piece, UniformSegment) and len(piece.rayleigh) > 1:
                 one, other = piece.wavenumbers[piece.rayleigh[:2]].real
                 return float(np.pi / abs(one - other)) if one != other else np.inf
         return np.inf

@@ -17,12 +17,12 @@ import time
 from dataclasses import replace
 
 import numpy as np
-from fem.solution import solved
 
 from fem.discretize.refinement import LEVELS
 from fem.geometry import Stator, Transducer
 from fem.materials import material
-from fem.results.evaluation import surface_wave
+from fem.results.evaluation import surface_of
+from fem.results.solution import solve_driven
 from fem.solve.band_setup import frequency_band
 from fem.solve.harmonic import motion_difference
 
@@ -49,27 +49,27 @@ def levels(stator: Stator) -> None:
     rows = []
     for resolution in LEVELS:
         solution, seconds = timed(
-            lambda resolution=resolution: solved(
+            lambda resolution=resolution: solve_driven(
                 stator,
                 TRANSDUCERS,
                 frequency=FREQUENCY,
                 drive="left",
-                source_impedance=0.0,
                 resolution=resolution,
             ),
             1 if resolution is LEVELS[-1] else 3,
         )
-        rows.append((resolution, surface_wave(solution), seconds))
-    reference = rows[-1][1]
+        motion = surface_of(solution).motion(PLACE)
+        rows.append((resolution, motion, solution, seconds))
+    _, exact, reference, _ = rows[-1]
     print(f"\n{stator.ends} ends\n")
     print("| order | edge layers | unknowns | error of u | error of Y | seconds |")
     print("|---|---|---|---|---|---|")
-    for resolution, wave, seconds in rows[:-1]:
-        motion = motion_difference(wave.motion(PLACE), reference.motion(PLACE))
-        admittance = abs(wave.admittance / reference.admittance - 1)
+    for resolution, motion, solution, seconds in rows[:-1]:
+        error = motion_difference(motion, exact)
+        admittance = abs(solution.circuit.admittance / reference.circuit.admittance - 1)
         print(
-            f"| {resolution.order} | {resolution.edge_layers} | {wave.unknowns} | {motion:.1e} | {admittance:.1e} "
-            f"| {seconds:.2f} |"
+            f"| {resolution.order} | {resolution.edge_layers} | {solution.fields.unknowns} | {error:.1e} "
+            f"| {admittance:.1e} | {seconds:.2f} |"
         )
 
 
@@ -82,9 +82,9 @@ def bands(stator: Stator) -> None:
         1,
     )
     sweep = np.linspace(2.1e6, 2.3e6, 21)
-    _, seconds = timed(lambda: [made.wave(float(frequency), drive="left") for frequency in sweep])
+    _, seconds = timed(lambda: [made.wave(float(frequency), "left") for frequency in sweep])
     print(
-        f"| {stator.ends} | {made.section.full.size} | {made.section.size} | {made.relative_error:.1e} "
+        f"| {stator.ends} | {made.model.section.full.size} | {made.model.section.size} | {made.relative_error:.1e} "
         f"| {made.admittance_error:.1e} | {setup:.1f} | {1e3 * seconds / len(sweep):.0f} |"
     )
 

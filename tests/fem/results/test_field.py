@@ -43,7 +43,7 @@ def test_surface_of_the_field_is_the_surface_motion(case):
 
 
 def test_fingers_are_equipotential(case):
-    """One volt between the driven electrodes, their mean zero where it is a matter of gauge; the open transducer's at what its circuit says."""
+    """One volt between the driven electrodes, their mean zero where it is a matter of gauge."""
     wave, field = case
     driven, other = wave.solution.fields.transducers
     potentials = [
