@@ -5,13 +5,11 @@ velocity positive along +x, SI units. The model is that of Feenstra and Breedvel
 Motor*, with stick and slip as a stop operator. The compiled parts are loaded when first used.
 """
 
-from contact.answers.averaged import MeanMotion, mean_motion
 from contact.answers.cross_check import SecondOpinion, second_opinion
 from contact.answers.load_line import LoadLine, blocked_thrust, load_line
-from contact.answers.population import Population, steady_population
 from contact.answers.steady import SteadyState, steady
-from contact.answers.steady_map import SteadyMap, steady_map
 from contact.answers.steps import Step, cycles_for, step
+from contact.answers.sweep import MeanMotion, Sweep, mean_motion, steady_map, steady_sweep
 from contact.answers.thresholds import (
     release_amplitude,
     release_factor,
@@ -33,12 +31,11 @@ __all__ = [
     "LoadLine",
     "MeanMotion",
     "Orbit",
-    "Population",
     "SecondOpinion",
     "Slider",
-    "SteadyMap",
     "SteadyState",
     "Step",
+    "Sweep",
     "Trajectory",
     "blocked_thrust",
     "burst",
@@ -52,7 +49,7 @@ __all__ = [
     "second_opinion",
     "steady",
     "steady_map",
-    "steady_population",
+    "steady_sweep",
     "step",
     "threshold_amplitude",
     "threshold_factor",

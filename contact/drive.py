@@ -10,8 +10,8 @@ def reference_speed(velocity: float, orbits: tuple[Orbit, ...]) -> float:
 
 
 def relative_to_reference(difference: float, velocity: float, orbits: tuple[Orbit, ...]) -> float:
-    """Return a velocity difference over the reference speed; zero if nothing moves at all."""
-    reference = reference_speed(velocity, orbits)
+    """Return a velocity difference over the reference speed, or over itself where the reference is zero."""
+    reference = reference_speed(velocity, orbits) or abs(difference)
     return float(abs(difference) / reference) if reference > 0.0 else 0.0
 
 

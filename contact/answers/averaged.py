@@ -17,8 +17,8 @@ import numpy as np
 
 from contact import scaling
 from contact.convergence import ConvergenceError
-from contact.drive import reference_speed, towards_plus
-from contact.orbit import Orbit, as_orbits
+from contact.drive import reference_speed
+from contact.orbit import Orbit
 from contact.slider import Slider
 
 # largest ratio of bounce to wave frequency, for v(t) and for the corrected steady state
@@ -32,34 +32,6 @@ COMPARED = 24
 LEFT_OF_FIRST, LEFT_OF_RATIO = 0.12, 0.1
 # velocity by the midpoint rule: half the steps, four times the error
 STEP_GAIN = 3.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class MeanMotion:
-    """Steady state of the averaged equations.
-
-    Attributes
-    ----------
-    velocity : float
-        Mean, m/s; exactly 0 when held.
-    height : float
-        Mean approach h, m.
-    regime : str
-        "stick", "slip" or "intermittent".
-    held : bool
-        Whether friction keeps the slider at rest.
-    error : float
-        Estimated error of `velocity`, m/s.
-    first_order : float
-        The velocity without the second-order correction, m/s.
-    """
-
-    velocity: float
-    height: float
-    regime: str
-    held: bool
-    error: float
-    first_order: float
 
 
 def why_not(slider: Slider, orbits: tuple[Orbit, ...], stiffest: float = STIFFEST) -> str:
@@ -79,63 +51,6 @@ def why_not(slider: Slider, orbits: tuple[Orbit, ...], stiffest: float = STIFFES
     if rate > stiffest**2:
         return f"the dampers act within {1.0 / rate:.3g} radians of the wave"
     return ""
-
-
-def mean_motion(
-    slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, harmonics: int = HARMONICS
-) -> MeanMotion:
-    """Return the steady state by averaging with the second-order correction.
-
-    Parameters
-    ----------
-    slider : Slider
-        The slider.
-    orbits : Orbit or tuple of Orbit
-        Motion of the surface under each contact.
-    harmonics : int
-        Of the slider's fast motion; 0 for first order alone.
-
-    Returns
-    -------
-    MeanMotion
-
-    Raises
-    ------
-    ConvergenceError
-        Status "not applicable", "runaway" or "not converged".
-    """
-    from contact.solve import averaged
-    from contact.solve.cycle_mean import quadrature
-
-    listed = as_orbits(orbits)
-    refuse_unless_applicable(slider, listed, STIFFEST_STEADY)
-    side, driven = towards_plus(listed)
-    problem = scaling.scaled(slider, driven, direction=1.0, start=0.0)
-    first, second, rule = np.zeros(7), np.zeros(7), quadrature(20)
-    why = averaged.balance(problem.parameters, problem.waves, rule, 0, first)
-    if first[0] < 0.0 and slider.load > 0.0 and averaged.drives_back(problem.parameters, problem.waves, rule):
-        problem = scaling.scaled(slider, driven, direction=-1.0, start=0.0)
-        why = averaged.balance(problem.parameters, problem.waves, rule, 0, first)
-    second[:] = first
-    if harmonics > 0 and why == averaged.DONE and not first[3]:
-        why = averaged.balance(problem.parameters, problem.waves, rule, harmonics, second)
-    if why == averaged.UNSETTLED and first[0] == 0.0:
-        raise ConvergenceError(
-            "runaway",
-            "friction cannot balance the load at any speed and no tangential damping bounds it; "
-            "lower slider.load or give slider.damping.tangential",
-        )
-    if why != averaged.DONE:
-        raise ConvergenceError("not converged", "the averaged motion was not reached; use method exact")
-    moved = abs(second[0] - first[0])
-    error = max(second[6], second[2], 1e-4 * moved, 1e-11 * second[0]) if harmonics > 0 else moved
-    if harmonics == 0:
-        error = 12.0 * (slider.normal_resonance(len(listed)) / listed[0].frequency) ** 2 * abs(second[0])
-    regime = "intermittent" if second[4] else "slip" if second[5] else "stick"
-    return MeanMotion(
-        velocity=float(side * second[0] * problem.speed), height=float(second[1] * problem.length), regime=regime,
-        held=bool(first[3]), error=float(error * problem.speed), first_order=float(side * first[0] * problem.speed),
-    )  # fmt: skip
 
 
 def refuse_unless_applicable(slider: Slider, orbits: tuple[Orbit, ...], stiffest: float = STIFFEST) -> None:

@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact import bounds, scaling
-from contact.answers.averaged import STIFFEST_STEADY, mean_motion, refuse_unless_applicable
+from contact.answers.averaged import STIFFEST_STEADY, refuse_unless_applicable
 from contact.answers.steady import steady
+from contact.answers.sweep import mean_motion
 from contact.convergence import ConvergenceError
 from contact.drive import towards_plus
 from contact.orbit import Orbit, as_orbits
@@ -65,14 +66,13 @@ def blocked_thrust(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[f
         Status "not applicable" where the averaged way does not apply.
     """
     from contact.solve import averaged
-    from contact.solve.cycle_mean import quadrature
 
     listed = as_orbits(orbits)
     free = replace(slider, load=0.0)
     refuse_unless_applicable(free, listed, STIFFEST_STEADY)
     _, driven = towards_plus(listed)
     problem = scaling.scaled(free, driven, direction=1.0, start=0.0)
-    low, high = averaged.rest_tractions(problem.parameters, problem.waves, quadrature(20))
+    low, high = averaged.rest_tractions(problem.parameters, problem.waves)
     unit = slider.mass * problem.omega**2 * problem.length
     # driven forwards: stalls at the lower traction, holds up to the upper; driven against its crests: mirrored
     return (

@@ -2,8 +2,9 @@ r"""The steady velocity: the periodic motion itself, found without waiting for i
 
 Two steps. *Averaged*: a slider that is heavy on the wave's time scale keeps height h and velocity v through a cycle;
 h follows from <sum P_i> = preload and v from <sum Q_i>(v) = R_t v + load, with the cycle mean between exact events.
-*Exact*: the map of one whole cycle of the full equations, (z_s, z_s', v, x_i) -> the same a cycle later, is brought to
-its fixed point by Newton's method from the averaged state. The first differs from the second by O((f_n/f)^2).
+For the elastic law this is `sweep.mean_motion`, with its second-order correction and its error; for other laws it is of
+first order. *Exact*: the map of one whole cycle of the full equations, (z_s, z_s', v, x_i) -> the same a cycle later,
+is brought to its fixed point by Newton's method from the averaged state.
 
 Held: if one contact can stick for good, the deformations that the wave drives them to (from above and from below)
 leave a whole interval of mean tractions. If load lies in it the slider stays, and its velocity is exactly zero.
@@ -15,20 +16,23 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact import bounds, scaling
+from contact.answers.averaged import STIFFEST_STEADY, why_not
 from contact.answers.closed_forms import closed_form
 from contact.answers.ledger import Ledger, ledger
+from contact.answers.sweep import MeanMotion, mean_motion
 from contact.convergence import ConvergenceError
-from contact.drive import available, relative_to_reference, towards_plus
+from contact.drive import available, reference_speed, relative_to_reference, towards_plus
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
+from contact.solve.averaged_sweep import MAX_RATIO_HELD, MAX_THRESHOLD_ERROR, THRESHOLD_ERROR
 
 METHODS = ("auto", "exact", "averaged")
 # largest ratio of contact resonance to wave for which a periodic motion is searched, and cycles to settle before
 SLOWEST_WAVE, SETTLE = 20.0, 200
 # stretches of a cycle up to which that is worth its time
 MOST_STRETCHES = 8000.0
-# largest ratio for which cycle means are an answer, and their error over its square (true: 0.1 to 1.9)
-LARGEST_AVERAGED, AVERAGING_ERROR = 0.1, 3.0
+# error of first order over (f_n/f)^2; true: 0.1 to 1.9 from 0.75 to 20 nm (`tests/benchmarks/contact_ways.py`)
+AVERAGING_ERROR = 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,33 +129,71 @@ def _closed(slider, orbits):
 
 
 def _searched(slider, orbits, tolerance, method):
-    from contact.solve.equilibrium import balanced
-
     # solved on the side on which the crests drive towards +x, so that mirrored waves give mirrored answers
     side, driven = towards_plus(orbits)
     ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
-    if method == "averaged" and ratio > LARGEST_AVERAGED:
-        raise ConvergenceError(
-            "not applicable",
-            f"the contact resonates at {ratio:.3g} of the wave's frequency, so that the slider does not ride still "
-            f"through a cycle (allowed: {LARGEST_AVERAGED}); use method exact",
-        )
-    balance = balanced(slider, driven)
-    if balance.held and ratio <= LARGEST_AVERAGED:
-        return _held(slider, driven, balance, tolerance)
-    if method == "averaged":
-        return _averaged(slider, side, balance, ratio, tolerance)
+    mean, balance = _equilibrium(slider, driven, ratio, method)
+    if method == "averaged" or (mean is not None and mean.held):
+        return _averaged(slider, side, mean, balance, tolerance)
     if balance.held or ratio > SLOWEST_WAVE:
         return _waited(slider, side, driven, balance, tolerance)
     try:
         return _repeating(slider, side, driven, balance, tolerance)
     except ConvergenceError as failed:
-        if ratio > LARGEST_AVERAGED or failed.status == "unstable" or _adhesive(balance):
+        if ratio > MAX_RATIO_HELD or failed.status == "unstable" or _adhesive(balance):
             return _waited(slider, side, driven, balance, tolerance)
         if method == "exact":
             raise
-        found = _averaged(slider, side, balance, ratio, tolerance)
+        found = _averaged(slider, side, mean, balance, tolerance)
         return found | {"message": f"{found['message']}, for the full motion was not found: {failed}"}
+
+
+def _equilibrium(slider, orbits, ratio, method):
+    """Return (averaged steady state or None where averaging is no answer, balance to start the full motion from)."""
+    from contact.solve.equilibrium import balanced, cycle_at
+
+    if not why_not(slider, orbits, STIFFEST_STEADY):
+        try:
+            mean = mean_motion(slider, orbits)
+        except ConvergenceError as failed:
+            if failed.status == "runaway" or method == "averaged":
+                raise
+        else:
+            return mean, cycle_at(
+                slider,
+                orbits,
+                height=mean.height,
+                velocity=mean.first_order,
+                held=mean.held,
+                load_sign=mean.load_sign,
+            )
+    elif method == "averaged" and ratio > MAX_RATIO_HELD:
+        raise ConvergenceError(
+            "not applicable",
+            f"the contact resonates at {ratio:.3g} of the wave's frequency, so that the slider does not ride still "
+            f"through a cycle (allowed: {MAX_RATIO_HELD}); use method exact",
+        )
+    balance = balanced(slider, orbits)
+    return (None if ratio > MAX_RATIO_HELD else _first_order(slider, orbits, balance, ratio)), balance
+
+
+def _first_order(slider, orbits, balance, ratio):
+    """Return the averaged steady state of a law that only the event-driven solver knows; of first order."""
+    from contact.solve.equilibrium import balanced
+
+    velocity, error = balance.speed * balance.problem.speed, AVERAGING_ERROR * ratio**2
+    if balance.held:
+        larger = 1.0 + min(THRESHOLD_ERROR * ratio**2, MAX_THRESHOLD_ERROR)
+        beyond = balanced(slider, tuple(orbit.scaled(larger) for orbit in orbits))
+        error = relative_to_reference(beyond.speed * beyond.problem.speed, 0.0, orbits)
+    events = balance.motion.events()
+    slips = "slip" if events["stick_to_slip"] or not balance.held else "stick"
+    return MeanMotion(
+        velocity=velocity, first_order=velocity, height=balance.height * balance.problem.length,
+        regime="intermittent" if events["release"] else slips, held=balance.held, relative_error=error,
+        error=error * reference_speed(velocity, orbits),
+        load_sign=1.0 if balance.problem.parameters[scaling.LOAD] >= 0.0 else -1.0,
+    )  # fmt: skip
 
 
 def _repeating(slider, side, orbits, balance, tolerance):
@@ -241,38 +283,18 @@ def _adhesive(balance):
     return parameters[scaling.CHI] * parameters[scaling.PRELOAD] > 1e-2
 
 
-def _averaged(slider, side, balance, ratio, tolerance):
-    """Return the averaged answer alone; its error is of order (f_n/f)^2, the factor measured at 0.75 to 20 nm."""
-    error = AVERAGING_ERROR * ratio**2
-    status, note = _judged(error, tolerance, "cycle means at constant height and velocity")
+def _averaged(slider, side, mean, balance, tolerance):
+    """Return the averaged answer; the energies are those of a cycle at constant height and velocity."""
+    note = "held by friction" if mean.held else "cycle means"
+    status, note = _judged(mean.relative_error, tolerance, note)
+    if mean.held and status != "ok":
+        note += ", for so near the threshold the slider may move"
     statistics = _counted(balance.motion, balance.work)
-    velocity = float(side * balance.speed * balance.problem.speed)
-    statistics["averaged_velocity"] = velocity
+    if not mean.held:
+        statistics["averaged_velocity"] = side * mean.first_order
     return {
-        "velocity": velocity, "regime": "intermittent" if statistics["release"] else "slip",
-        "relative_error": float(error), "height": float(balance.height * balance.problem.length), "status": status,
-        "message": note, "method": "averaged",
-        "ledger": ledger(slider, balance.motion, balance.motion.energy()), "statistics": statistics,
-    }  # fmt: skip
-
-
-def _held(slider, orbits, balance, tolerance):
-    """Return the answer of a slider that stays; its error is what the averaging may have misjudged of the edge."""
-    from contact.solve.equilibrium import balanced
-
-    ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
-    # just above the threshold the averaging error is 12 (f_n/f)^2; see the velocity at an amplitude larger by that
-    beyond = balanced(slider, tuple(orbit.scaled(1.0 + min(12.0 * ratio**2, 0.5)) for orbit in orbits))
-    error = relative_to_reference(beyond.speed * beyond.problem.speed, 0.0, orbits)
-    statistics = _counted(balance.motion, balance.work + beyond.work)
-    regime = "intermittent" if statistics["release"] else "slip" if statistics["stick_to_slip"] else "stick"
-    status, note = "ok", "held by friction"
-    if error > tolerance:
-        status = "above tolerance"
-        note += f", but so near the threshold that it may move: estimated error {error:.2g} exceeds {tolerance:.2g}"
-    return {
-        "velocity": 0.0, "regime": regime, "relative_error": float(error),
-        "height": float(balance.height * balance.problem.length), "status": status, "message": note,
+        "velocity": side * mean.velocity if mean.velocity else 0.0, "regime": mean.regime,
+        "relative_error": mean.relative_error, "height": mean.height, "status": status, "message": note,
         "method": "averaged", "ledger": ledger(slider, balance.motion, balance.motion.energy()),
         "statistics": statistics,
     }  # fmt: skip

@@ -13,10 +13,25 @@ height and velocity its fixed point is the full periodic motion but for the harm
 import numpy as np
 
 from contact.jit.compiled import compiled, native, summed
-from contact.solve.cycle_mean import STUCK, circle, cycle, respond
+from contact.solve.cycle_mean import STUCK, circle, cycle, quadrature, respond
+from contact.solve.roots import narrowed, trial
 
-# why a computation ended
-DONE, STICKS, UNSETTLED = 0, 1, 2
+# why a computation ended: reached; a contact sticks through whole cycles; not reached; no velocity balances the load;
+# held, but so near the threshold that averaging cannot tell
+DONE, STICKS, UNSETTLED, RUNAWAY, NEAR_THRESHOLD = 0, 1, 2, 3, 4
+# columns of an equilibrium: mean velocity, of first order, of first order by the coarse rule; mean approach, residual
+# velocity, held (1 or 0), contacts made, slips begun, error of the velocity by harmonics left out and by quadrature,
+# mean tangential forces of a cycle at rest (least and largest)
+V, FIRST, COARSE, H, RESIDUAL, IS_HELD, MADE_PER_CYCLE, SLIPS_PER_CYCLE = range(8)
+TAIL, QUADRATURE, LEAST_AT_REST, LARGEST_AT_REST, COLUMNS = range(8, 13)
+# Nodes per smooth piece of a cycle: those of the search, and those of the answer. The difference between the two times
+# RULE_ERROR bounds the error of the finer (true: 1/700 with 16 and 32 nodes, an elliptic orbit of general phase).
+NODES, FINE_NODES, RULE_ERROR = 16, 32, 0.05
+
+
+def rules():
+    """Return the two quadrature rules of the equilibrium: of the search, and of the answer."""
+    return quadrature(NODES), quadrature(FINE_NODES)
 
 
 @summed
@@ -107,68 +122,88 @@ def _excess(parameters, waves, h, v, fast, rule, sums, counts):
 
 
 @compiled
-def balance_row(parameters, waves, rule, out, harmonics, still, sums, fast, all_sums, counts):
-    """Fill a row of `balances`; return the reason for ending; the last arguments are of `room`."""
+def full_slip_speed(waves, c):
+    """Return the slider velocity beyond which every contact slips all the time, max |u_x| + c |u_z|, scaled."""
+    top = 0.0
+    for i in range(waves.shape[0]):
+        top = max(top, np.hypot(waves[i, 2], waves[i, 3]) + c * np.hypot(waves[i, 0], waves[i, 1]))
+    return top
+
+
+@compiled
+def way_out(least, largest, load, friction):
+    """Return (way, load) of a slider at rest: +1, -1 or 0 where it is held, and the load with its sign.
+
+    `least` and `largest` bound the mean tangential force of a cycle at rest; the load opposes the unloaded motion, so
+    its sign is turned where the wave drives against its crests. `friction` is mu times the preload.
+    """
+    rounding = 1e-13 * friction
+    if largest < 0.0 and load > 0.0:
+        load = -load
+    if least - load > rounding:
+        return 1.0, load
+    return (-1.0 if largest - load < -rounding else 0.0), load
+
+
+@compiled
+def balance_row(parameters, waves, rule, fine, out, harmonics, still, sums, fast, all_sums, counts):
+    """Fill the answer of `balance`; return the reason for ending; the last arguments are of `room`.
+
+    The sign of the load in the parameters is set so that it opposes the unloaded motion.
+    """
     for k in range(4):
         still[k, 0] = 0.0
         for m in range(fast.shape[1]):
             fast[k, m] = 0.0
-    reach_x = 0.0
-    for i in range(waves.shape[0]):
-        reach_x = max(reach_x, np.hypot(waves[i, 2], waves[i, 3]))
     h = riding(parameters[0], waves, parameters[3], rule)
     friction = parameters[6] * parameters[3]
     for k in range(out.size):
         out[k] = 0.0
-    out[1] = h
-    low = _excess(parameters, waves, h, 0.0, still, rule, sums, counts)
-    out[4], out[5] = counts[0], counts[1]
+    out[H] = h
+    least = _excess(parameters, waves, h, 0.0, still, fine, sums, counts) + parameters[5]
+    out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = counts[0], counts[1]
     sticks = counts[STUCK] > 0
-    way = 1.0
-    if low <= 1e-13 * friction:
-        high = _excess(parameters, waves, h, -1e-300, still, rule, sums, counts)
-        if high >= -1e-13 * friction:
-            out[3] = 1.0
-            return DONE
-        way, low = -1.0, high
-    a, fa, b = 0.0, low, 1.05 * way * reach_x
+    largest = least
+    if least - max(parameters[5], 0.0) <= 1e-13 * friction:
+        largest = _excess(parameters, waves, h, -1e-300, still, fine, sums, counts) + parameters[5]
+    out[LEAST_AT_REST], out[LARGEST_AT_REST] = least, largest
+    way, parameters[5] = way_out(least, largest, parameters[5], friction)
+    if way == 0.0:
+        out[IS_HELD] = 1.0
+        return DONE
+    top = full_slip_speed(waves, parameters[7])
+    a, fa, b = 0.0, (least if way > 0.0 else largest) - parameters[5], way * top
     fb = _excess(parameters, waves, h, b, still, rule, sums, counts)
-    for _ in range(60):
-        if fb * way < 0.0:
-            break
+    if fb * way >= 0.0:  # full friction does not balance the load: the damper has to
         if parameters[4] == 0.0:
-            return UNSETTLED
-        b *= 2.0
+            return RUNAWAY
+        b += 1.000001 * fb / parameters[4]
         fb = _excess(parameters, waves, h, b, still, rule, sums, counts)
-    v = b
-    top, wide = abs(b), 1e-11 if harmonics == 0 else 1e-4
+    v, top = b, abs(b)
     v_old, f_old = a, fa
     slope = (fb - fa) / (b - a)
     for count in range(100):
-        v = b - fb * (b - a) / (fb - fa)
-        if not min(a, b) < v < max(a, b) or count % 12 == 11:
-            v = 0.5 * (a + b)
+        v = trial(a, fa, b, fb, count)
         f = _excess(parameters, waves, h, v, still, rule, sums, counts)
         if v != v_old:
             slope = (f - f_old) / (v - v_old)
         moved = abs(v - v_old)
         v_old, f_old = v, f
-        if (f > 0.0) == (fb > 0.0):
-            kept = 1.0 - f / fb
-            fa *= kept if kept > 0.0 else 0.5
-            b, fb = v, f
-        else:
-            a, fa, b, fb = b, fb, v, f
-        if f == 0.0 or abs(f) < 1e-13 * friction or moved < wide * top:
+        a, fa, b, fb = narrowed(a, fa, b, fb, v, f)
+        if f == 0.0 or abs(f) < 1e-13 * friction or moved < 1e-11 * top:
             break
-    out[4], out[5] = counts[0], counts[1]
-    out[0], out[2] = v, abs(f_old / slope)
+    out[COARSE], out[RESIDUAL] = v, abs(f_old / slope)
+    f = _excess(parameters, waves, h, v, still, fine, sums, counts)
+    out[QUADRATURE] = RULE_ERROR * abs((f - f_old) / slope)
+    if slope < 0.0:
+        v -= f / slope
+    out[V], out[FIRST] = v, v
+    out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = counts[0], counts[1]
     if harmonics == 0 or not slope < 0.0:
         return DONE
-    v -= f_old / slope
     v_old, f_old, change = v, 0.0, np.inf
     for count in range(40):
-        h, change = settled(parameters, waves, h, v, fast, rule, all_sums, counts, 1)
+        h, change = settled(parameters, waves, h, v, fast, fine, all_sums, counts, 1)
         f = all_sums[1] - parameters[4] * v - parameters[5]
         if count > 1 and abs(v - v_old) > 1e-9 * top:
             new = (f - f_old) / (v - v_old)
@@ -179,24 +214,20 @@ def balance_row(parameters, waves, rule, out, harmonics, still, sums, fast, all_
         change = max(change, abs(f / slope))
         if change < 1e-12:
             break
-    out[0], out[1], out[2] = v, h, change
-    out[4], out[5] = counts[0], counts[1]
+    out[V], out[H], out[RESIDUAL] = v, h, change
+    out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = counts[0], counts[1]
     # the coefficients fall as n^-4.5 and the tail enters the mean with its own small share of the force
     last = all_sums.size - 1
-    out[6] = np.hypot(all_sums[last - 1], all_sums[last]) / (harmonics + 1.0) ** 2
+    out[TAIL] = np.hypot(all_sums[last - 1], all_sums[last]) / (harmonics + 1.0) ** 2
     if sticks and abs(v) < 1e-6 * top:
         return STICKS
     return DONE if change < 1e-7 else UNSETTLED
 
 
-@native("f2 f3 f2 f2 i1 i i f2 f1 f2 f1 i1")
-def _balances(parameters, waves, rule, out, why, first, stride, still, sums, fast, all_sums, counts):
-    """Fill a row of `out` and the reason for ending for every `stride`-th problem from `first` on; return 0."""
-    for m in range(first, parameters.shape[0], stride):
-        why[m] = balance_row(
-            parameters[m], waves[m], rule, out[m], fast.shape[1], still, sums, fast, all_sums, counts
-        )
-    return 0
+@native("f1 f2 f2 f2 f1 f2 f1 f2 f1 i1")
+def _balance(parameters, waves, rule, fine, out, still, sums, fast, all_sums, counts):
+    """Fill the answer of `balance`; return the reason for ending."""
+    return balance_row(parameters, waves, rule, fine, out, fast.shape[1], still, sums, fast, all_sums, counts)
 
 
 def room(harmonics):
@@ -210,64 +241,44 @@ def room(harmonics):
     )
 
 
-def balances(parameters, waves, rule, harmonics, out, why, first, stride):
-    """Balance every `stride`-th problem from `first` on.
+def balance(parameters, waves, harmonics):
+    """Return (reason for ending, equilibrium) of one scaled problem.
 
     Parameters
     ----------
-    parameters, waves : (k, 11), (k, contacts, 4) arrays
+    parameters, waves : (11,), (contacts, 4) arrays
         See `scaling`.
-    rule : (2, n) array
-        See `quadrature`.
     harmonics : int
         Of the fast motion; 0: first order.
-    out : (k, 7) array
-        Rows to be filled: v, h, residual, held, contacts made, slips, error of the fast motion.
-    why : (k,) int array
-        To be filled with the reasons for ending.
-    first, stride : int
-        Which problems.
+
+    Returns
+    -------
+    int, (COLUMNS,) array
+        By the names of this module.
     """
-    _balances(parameters, waves, rule, out, why, first, stride, *room(harmonics))
+    out = np.zeros(COLUMNS)
+    return _balance(parameters.copy(), waves, *rules(), out, *room(harmonics)), out
 
 
-def balance(parameters, waves, rule, harmonics, out):
-    """Fill one row of `balances`; return the reason for ending."""
-    why = np.zeros(1, np.int64)
-    balances(parameters[None], waves[None], rule, harmonics, out[None], why, 0, 1)
-    return int(why[0])
-
-
-@native("f1 f2 f f f2 f2 f1 f2 f1 i1 f1")
-def _gap(parameters, waves, v, span, rule, still, sums, fast, all_sums, counts, answer):
-    """Fill the answers of `first_order_gap` and `rest_tractions`; return 0."""
+@native("f1 f2 f2 f2 f1 i1 f1")
+def _rest_forces(parameters, waves, rule, still, sums, counts, answer):
+    """Fill the answer of `rest_tractions`; return 0."""
     h = riding(parameters[0], waves, parameters[3], rule)
-    answer[1] = _excess(parameters, waves, h, 0.0, still, rule, sums, counts) + parameters[5]
-    answer[2] = _excess(parameters, waves, h, -1e-300, still, rule, sums, counts) + parameters[5]
-    if fast.shape[1] > 0:
-        plain = _excess(parameters, waves, h, v, still, rule, sums, counts)
-        step = 1e-3 * max(abs(v), 1e-3)
-        slope = (_excess(parameters, waves, h, v + step, still, rule, sums, counts) - plain) / step
-        settled(parameters, waves, h, v, fast, rule, all_sums, counts, 6)
-        gap = abs(all_sums[1] - parameters[4] * v - parameters[5] - plain)
-        answer[0] = gap * min(span, 1.0 / max(-slope, 1e-300))
+    answer[0] = _excess(parameters, waves, h, 0.0, still, rule, sums, counts) + parameters[5]
+    answer[1] = _excess(parameters, waves, h, -1e-300, still, rule, sums, counts) + parameters[5]
     return 0
 
 
-def first_order_gap(parameters, waves, v, span, rule, harmonics):
-    """Return the error in V that first order collects by mean velocity v in a span of phase, or settles to."""
-    answer = np.zeros(3)
-    _gap(parameters, waves, v, span, rule, *room(harmonics), answer)
-    return float(answer[0])
-
-
-def rest_tractions(parameters, waves, rule):
-    """Return the least and the largest mean traction of a cycle at rest; they differ where a contact sticks."""
-    answer = np.zeros(3)
-    _gap(parameters, waves, 0.0, 0.0, rule, *room(0), answer)
-    return float(answer[1]), float(answer[2])
-
-
-def drives_back(parameters, waves, rule):
-    """Return whether the unloaded wave drives against its crests."""
-    return rest_tractions(parameters, waves, rule)[1] < 0.0
+def rest_tractions(parameters, waves):
+    """Return the least and the largest mean tangential force of a cycle at rest; they differ where a contact sticks."""
+    answer = np.zeros(2)
+    _rest_forces(
+        parameters,
+        waves,
+        quadrature(FINE_NODES),
+        np.zeros((8, 1)),
+        np.zeros(2),
+        np.zeros(4, np.int64),
+        answer,
+    )
+    return float(answer[0]), float(answer[1])

@@ -1,8 +1,10 @@
-r"""The averaged steady state: cycle means in balance at constant height and velocity.
+r"""The averaged equilibrium of any law, as a cycle that the event-driven solver can go on from.
 
 A slider that is heavy on the wave's time scale keeps height h and velocity v through a cycle. h follows from
-<sum P_i> = preload (`limits.riding_height`), v from <sum Q_i>(v) = R_t v + load, with the mean between exact events.
-Error O((f_n/f)^2) against the full motion.
+<sum P_i> = preload (`limits.riding_height`), v from <sum Q_i>(v) = R_t v + load. The elastic law's means are in closed
+form between events, and `averaged` has found h and v already (`cycle_at`); for the other laws the mean tangential force
+comes from a cycle of the event-driven solver (`balanced`). Bracket and rules are those of `averaged`. Error
+O((f_n/f)^2) against the full motion.
 
 Held: a contact that can stick for good keeps the deformation it was left with, so the wave alone leaves a whole
 interval of mean tractions, from the one it settles to from below to the one from above. If the load lies in it, v is
@@ -16,13 +18,16 @@ import numpy as np
 
 from contact import scaling
 from contact.convergence import ConvergenceError
+from contact.jit.compiled import plain
 from contact.orbit import Orbit
 from contact.slider import Slider
+from contact.solve.averaged import full_slip_speed, way_out
 from contact.solve.collocation import collocation
 from contact.solve.energy import SUPPORT, TRACTION
 from contact.solve.event_driven import TALLY
 from contact.solve.limits import riding_height
 from contact.solve.motion import Motion
+from contact.solve.roots import narrowed, trial
 
 NODES, TRUNCATION = 14, 1e-11
 
@@ -62,8 +67,7 @@ class Balance:
 
 def balanced(slider: Slider, orbits: tuple[Orbit, ...]) -> Balance:
     """Return the averaged steady state; the crests should drive towards +x (`drive.towards_plus`)."""
-    # at the trough the contact is parted or slips, and old deformation is forgotten
-    start = math.pi - float(np.angle(orbits[0].normal)) if orbits[0].normal != 0 else 0.0
+    start = _trough(orbits)
     problem = scaling.scaled(slider, orbits, direction=1.0, start=start)
     high = riding_height(slider, orbits) / problem.length
     work = np.zeros(TALLY, np.int64)
@@ -89,25 +93,58 @@ def balanced(slider: Slider, orbits: tuple[Orbit, ...]) -> Balance:
     return found
 
 
+def cycle_at(
+    slider: Slider, orbits: tuple[Orbit, ...], *, height: float, velocity: float, held: bool, load_sign: float
+) -> Balance:
+    """Return the balance at an approach in m and a velocity in m/s that are known to be in equilibrium.
+
+    `load_sign` as in `answers.sweep.MeanMotion`; the orbits as for `balanced`.
+    """
+    problem = scaling.scaled(slider, orbits, direction=load_sign, start=_trough(orbits))
+    height, work = height / problem.length, np.zeros(TALLY, np.int64)
+    if held:
+        return _held(problem, height, _rest_cycles(problem, height, work), work)
+    speed = velocity / problem.speed
+    _, motion = traction(problem, height, speed, 0.0, work)
+    return Balance(problem=problem, height=height, speed=speed, held=False, motion=motion, work=work)
+
+
+def _trough(orbits):
+    """Return the phase at which the first contact is parted or slips, so that old deformation is forgotten."""
+    return math.pi - float(np.angle(orbits[0].normal)) if orbits[0].normal != 0 else 0.0
+
+
+def _rest_cycles(problem, height, work):
+    """Return (mean tangential force, motion) at rest of the least and of the largest deformations."""
+    far = 10.0 * (1.0 + abs(height)) * (1.0 + problem.parameters[scaling.LIMIT_SLOPE])
+    return traction(problem, height, 0.0, -far, work), traction(problem, height, 0.0, far, work)
+
+
 def _at_height(slider, orbits, problem, start, height, work):
     """Return the balance of the tractions at one mean approach."""
-    far = 10.0 * (1.0 + abs(height)) * (1.0 + slider.limit_slope)
-    low, low_motion = traction(problem, height, 0.0, -far, work)
-    high, high_motion = traction(problem, height, 0.0, far, work)
-    rounding = 1e-13 * problem.parameters[scaling.MU] * problem.parameters[scaling.PRELOAD]
-    if high < 0.0 and slider.load > 0.0:  # this wave drives against its crests
+    parameters = problem.parameters
+    rest = _rest_cycles(problem, height, work)
+    (least, _), (largest, _) = rest
+    way, load = plain(way_out)(
+        least, largest, parameters[scaling.LOAD], parameters[scaling.MU] * parameters[scaling.PRELOAD]
+    )
+    if load < 0.0:  # this wave drives against its crests
         problem = scaling.scaled(slider, orbits, direction=-1.0, start=start)
-    load = problem.parameters[scaling.LOAD]
-    if low > load + rounding:
-        speed, motion = _balance(problem, height, 1.0, low, load, work)
-        return Balance(problem=problem, height=height, speed=speed, held=False, motion=motion, work=work)
-    if high < load - rounding:
-        speed, motion = _balance(problem, height, -1.0, high, load, work)
-        return Balance(problem=problem, height=height, speed=speed, held=False, motion=motion, work=work)
+    if way == 0.0:
+        return _held(problem, height, rest, work)
+    speed, motion = _balance(problem, height, way, least if way > 0.0 else largest, work)
+    return Balance(problem=problem, height=height, speed=speed, held=False, motion=motion, work=work)
+
+
+def _held(problem, height, rest, work):
+    """Return the balance of a slider at rest: deformations between the extreme ones that carry the load."""
+    (least, low_motion), (largest, high_motion) = rest
+    load, rounding = problem.parameters[scaling.LOAD], 1e-13 * problem.parameters[scaling.PRELOAD]
+    rounding *= problem.parameters[scaling.MU]
     below, above = low_motion.state[3:], high_motion.state[3:]
     motion = low_motion
     a, b = 0.0, 1.0
-    for _ in range(50 if high > low + rounding else 0):
+    for _ in range(50 if largest > least + rounding else 0):
         middle = 0.5 * (a + b)
         mean, motion = traction(problem, height, 0.0, (1.0 - middle) * below + middle * above, work)
         if abs(mean - load) < 1e3 * rounding:
@@ -122,9 +159,8 @@ def opposed(slider: Slider, orbits: tuple[Orbit, ...]) -> float:
         return 1.0
     problem = scaling.scaled(slider, orbits, direction=1.0, start=0.0)
     height = riding_height(slider, orbits) / problem.length
-    far = 10.0 * (1.0 + abs(height)) * (1.0 + slider.limit_slope)
-    highest, _ = traction(problem, height, 0.0, far, np.zeros(TALLY, np.int64))
-    return -1.0 if highest < 0.0 else 1.0
+    _, (largest, _) = _rest_cycles(problem, height, np.zeros(TALLY, np.int64))
+    return -1.0 if largest < 0.0 else 1.0
 
 
 def traction(problem, height, speed, deformations, work):
@@ -143,39 +179,32 @@ def traction(problem, height, speed, deformations, work):
     return motion.sums[TRACTION] / (2.0 * math.pi), motion
 
 
-def _balance(problem, height, way, rest_traction, load, work):
-    """Return (v, motion) at <sum Q>(v) = d_t v + load; v has the sign `way`. Regula falsi, Anderson-Bjorck."""
-    damping = problem.parameters[scaling.TANGENTIAL_DAMPING]
-    top = 1.05 * max(float(np.hypot(*wave[2:])) for wave in problem.waves)
-    a, fa = 0.0, rest_traction - load
-    b, fb, motion = way * top, fa, None
-    deformation = 0.0
-    for _ in range(60):
-        fb, motion = traction(problem, height, b, deformation, work)
-        fb -= damping * b + load
-        if fb * way < 0.0 or damping == 0.0:
-            break
-        b *= 2.0  # a load that drags the slider along is only bounded by the damper
-    if fb * way >= 0.0:
-        raise ConvergenceError(
-            "runaway",
-            "friction cannot balance the load at any speed and no tangential damping bounds it; "
-            "lower slider.load or give slider.damping.tangential",
-        )
+def _balance(problem, height, way, rest_traction, work):
+    """Return (v, motion) at <sum Q>(v) = d_t v + load; v has the sign `way`."""
+    damping, load = (problem.parameters[k] for k in (scaling.TANGENTIAL_DAMPING, scaling.LOAD))
+    top = plain(full_slip_speed)(problem.waves, problem.parameters[scaling.LIMIT_SLOPE])
+
+    def excess(v, deformation):
+        mean, motion = traction(problem, height, v, deformation, work)
+        return mean - damping * v - load, motion
+
+    a, fa, b = 0.0, rest_traction - load, way * top
+    fb, motion = excess(b, 0.0)
+    if fb * way >= 0.0:  # full friction does not balance the load: the damper has to
+        if damping == 0.0:
+            raise ConvergenceError(
+                "runaway",
+                "friction cannot balance the load at any speed and no tangential damping bounds it; "
+                "lower slider.load or give slider.damping.tangential",
+            )
+        b += 1.000001 * fb / damping
+        fb, motion = excess(b, 0.0)
     v = b
     for count in range(100):
         width = abs(b - a)
-        v = b - fb * (b - a) / (fb - fa)
-        if not min(a, b) < v < max(a, b) or count % 12 == 11:
-            v = 0.5 * (a + b)
-        f, motion = traction(problem, height, v, motion.state[3:], work)
-        f -= damping * v + load
-        if (f > 0.0) == (fb > 0.0):
-            kept = 1.0 - f / fb
-            fa *= kept if kept > 0.0 else 0.5
-            b, fb = v, f
-        else:
-            a, fa, b, fb = b, fb, v, f
+        v = plain(trial)(a, fa, b, fb, count)
+        f, motion = excess(v, motion.state[3:])
+        a, fa, b, fb = plain(narrowed)(a, fa, b, fb, v, f)
         if f == 0.0 or abs(f) < 1e-12 * abs(rest_traction) or abs(b - a) < 1e-12 * top or width == 0.0:
             break
     return v, motion

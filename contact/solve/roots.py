@@ -1,4 +1,10 @@
-r"""Roots of what is known at the nodes of a stretch: the interpolant and its first sign change.
+r"""Roots: of a scalar function between two points, and of what is known at the nodes of a segment.
+
+*Bracketed*: regula falsi with the modification of Anderson and Bjorck (BIT 13 (1973) 253) and a bisection now and then,
+as two steps that the caller's loop takes in turn: `trial` says where to evaluate next, `narrowed` takes the value.
+The function itself may be compiled or not.
+
+*Of an interpolant*: its first sign change.
 
 Values at Chebyshev-Lobatto points in sigma on [-1, 1] define a polynomial (barycentric formula, Berrut and Trefethen,
 SIAM Review 46 (2004) 501). A guard is positive until its first root; even roots and several roots between two nodes
@@ -7,6 +13,24 @@ are searched too.
 
 from contact.interpolation import interpolate
 from contact.jit.compiled import compiled
+
+
+@compiled
+def trial(a, fa, b, fb, count):
+    """Return where a bracketed root is to be tried next: the secant's zero, every twelfth time the middle."""
+    x = b - fb * (b - a) / (fb - fa)
+    if not min(a, b) < x < max(a, b) or count % 12 == 11:
+        x = 0.5 * (a + b)
+    return x
+
+
+@compiled
+def narrowed(a, fa, b, fb, x, f):
+    """Return the bracket (a, fa, b, fb) after f was found at x, which becomes b; fa may be scaled down."""
+    if (f > 0.0) == (fb > 0.0):
+        kept = 1.0 - f / fb
+        return a, fa * (kept if kept > 0.0 else 0.5), x, f
+    return b, fb, x, f
 
 
 @compiled

@@ -39,9 +39,6 @@ EXPECTED = (
 GAIN = 8.0  # a level divides the error by more: 6.7 per edge layer, and more by the order (11 to 25 seen)
 
 
-CORNER_GAIN = 2.0  # where clamped and free sides meet the stress is singular, and only the order helps
-
-
 LOSSY_GAIN = 1.5  # where a lossy layer stands for the half-space its thickness decides, squared
 
 
@@ -49,8 +46,7 @@ def level_gain(stator: Stator) -> float:
     """By how much a level divides the error, at least."""
     if stator.absorbs_below and not stretch_absorbs(stator.solid):
         return LOSSY_GAIN
-    corners = stator.ends == "clamped" or (stator.ends == "free" and stator.bottom == "clamped")
-    return CORNER_GAIN if corners else GAIN
+    return GAIN
 
 
 def first_level(tolerance: float) -> int:

@@ -25,6 +25,9 @@ from fem.materials import fields as coupled_fields
 from fem.materials.medium import Medium, medium, units, vacuum_medium
 
 LAYER_RATIO = 0.15
+# Where a clamped face meets a free one the displacement varies as r^0.6 to r^0.8 (Williams, J. Appl. Mech. 19 (1952)
+# 526), so that a layer of this ratio divides the error as much as one of LAYER_RATIO does at a finger edge (r^0.5).
+CORNER_RATIO = 0.2
 HALF_SPACE_DEPTH, MOST_DEPTH = 2.0, 8.0  # wavelengths of ordinary solid above the absorbing layer
 FINGER_SCALE = (
     0.125  # wavelengths; above it a finger's near field needs no layers of its own through the depth
@@ -208,7 +211,14 @@ class Section:
 FIELD_COLUMN = {"ux": 0, "uy": 1, "uz": 2, "phi": 3}
 
 
-def graded(length: float, layers: int, *, largest: float, smallest_first: bool = False) -> np.ndarray:
+def graded(
+    length: float,
+    layers: int,
+    *,
+    largest: float,
+    smallest_first: bool = False,
+    ratio: float = LAYER_RATIO,
+) -> np.ndarray:
     """Element sizes along a length: equal ones of at most ``largest``, the last split into geometric layers.
 
     Returns
@@ -220,8 +230,8 @@ def graded(length: float, layers: int, *, largest: float, smallest_first: bool =
     sizes = [length / count] * (count - 1)
     rest = length / count
     for _ in range(layers):
-        sizes.append(rest * (1 - LAYER_RATIO))
-        rest *= LAYER_RATIO
+        sizes.append(rest * (1 - ratio))
+        rest *= ratio
     sizes.append(rest)
     return np.array(sizes[::-1] if smallest_first else sizes)
 
@@ -262,7 +272,11 @@ def discretise(stator: Stator, resolution: Resolution, *, wavelength: float, sur
     scale = surface_scale / unit
     top = min(max(scale, FINGER_SCALE), depth / 2, largest) if layers else min(depth, largest)
     layers = edge_layers(resolution, top, min(scale, top)) if layers else 0
-    pieces = [graded(depth - top, 0, largest=largest)] if depth > top * (1 + 1e-9) else []
+    corner_layers = resolution.edge_layers if bottom_corners(stator) and layers else 0
+    pieces = []
+    if depth > top * (1 + 1e-9):
+        sizes = graded(depth - top, corner_layers, largest=largest, smallest_first=True, ratio=CORNER_RATIO)
+        pieces.append(sizes)
     pieces.append(graded(top, layers, largest=largest))
     heights = np.concatenate(pieces)
     complex_heights = heights.astype(complex) if stator.absorbs_below else heights
@@ -292,6 +306,16 @@ def discretise(stator: Stator, resolution: Resolution, *, wavelength: float, sur
         bottom=len(below) * resolution.order,
         surface_speed=_surface_speed(stator.solid),
     )
+
+
+def bottom_corners(stator: Stator) -> bool:
+    """True if a clamped face meets a free one at the lower corners, where the stress is then singular.
+
+    At the upper corners of clamped ends the layers below the surface's finger edges do the same.
+    """
+    if stator.absorbs_below or stator.ends == "absorbing":
+        return False
+    return (stator.ends == "clamped") != (stator.bottom == "clamped")
 
 
 def edge_layers(resolution: Resolution, length: float, smallest: float) -> int:

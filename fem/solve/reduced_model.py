@@ -23,7 +23,7 @@ from fem.discretize.spectral import lagrange_weights
 from fem.geometry import Stator, Transducer
 from fem.results.solution import Solution, driven_solution
 from fem.solve.reduced_basis import WALL_WIDTH, ReducedSection, even_row, finger_key, no_bare_cells
-from fem.waveguide.ends import EndPiece, Walls, end_piece
+from fem.waveguide.ends import EndPieces, Walls, end_pieces
 from fem.waveguide.modes import guided_modes
 from fem.waveguide.port_fields import PortFields, joined_fields
 
@@ -50,7 +50,7 @@ class FullPieces:
     def __init__(self, model: "ReducedModel", frequency: float):
         self.model, self.frequency = model, frequency
         self._halves: dict[tuple, tuple[Block, Block]] = {}
-        self._end: EndPiece | None = None
+        self._ends: EndPieces | None = None
 
     def half_cell(self, key: tuple[float, float], side: int, sides: np.ndarray) -> tuple[Block, np.ndarray]:
         """Return the rising (0) or falling (1) half of a finger's cell, and its sides from the reduced ones."""
@@ -68,9 +68,9 @@ class FullPieces:
     def end(self, side: int, line: np.ndarray) -> tuple[Block, np.ndarray]:
         """Return the columns beside the left (0) or right (1) end, and their sides from the reduced inner line."""
         model, full = self.model, self.model.section.full
-        if self._end is None:
-            self._end = end_piece(full, self.frequency, model.stator.ends, WALL_WIDTH)
-        return self._end.block, self._end.sides(side, model.section.lift(line))
+        if self._ends is None:
+            self._ends = end_pieces(full, self.frequency, model.stator, model.resolution, width=WALL_WIDTH)
+        return self._ends.blocks[side], self._ends.sides(side, model.section.lift(line))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,7 +15,7 @@ from fem.results.solution import Solution
 from fem.solve.reduced_basis import WALL_WIDTH, ReducedSection, bases_of, finger_key, parity_groups, snapshots
 from fem.solve.reduced_model import HalfCell, ReducedModel
 from fem.threads import side_by_side
-from fem.waveguide.ends import end_piece
+from fem.waveguide.ends import end_pieces
 
 ARRIVING = (
     1e-2  # share of the tolerance that a mode must keep over a segment to count among those that arrive
@@ -117,8 +117,8 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
             halves[key] = half_cells(section, frequency, shape, resolution)
         walls = seen = solution = None
         if stator.ends != "absorbing":
-            end = end_piece(section, frequency, stator.ends, WALL_WIDTH)
-            walls = np.stack([end.matrix(side) for side in (0, 1)])
+            ends = end_pieces(section, frequency, stator, resolution, width=WALL_WIDTH)
+            walls = np.stack([ends.matrix(side) for side in (0, 1)])
         if index in feeding:
             *seen, solution = snapshots(
                 stator, transducers, section, frequency, halves, resolution, problem.drive, arriving

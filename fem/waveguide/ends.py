@@ -6,12 +6,14 @@ that does not hold the fields at the end, a superelement of some columns of elem
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import reduce
 
 import numpy as np
 
-from fem.condense.join import repeated
+from fem.condense.join import joined
 from fem.condense.superelement import Block, condensed
-from fem.discretize.section import Section
+from fem.discretize.section import CORNER_RATIO, Resolution, Section, graded
+from fem.geometry import Stator
 from fem.waveguide.modes import GuidedModes
 
 END_COLUMNS = 2
@@ -78,21 +80,22 @@ def end_reflection(modes: GuidedModes, ends: str | Walls, side: int, arriving: n
 
 
 @dataclass(frozen=True, kw_only=True)
-class EndPiece:
-    """Columns of elements beside a free or clamped end.
+class EndPieces:
+    """Columns of elements beside the free or clamped ends.
 
     Attributes
     ----------
     section : Section
-    block : Block
+    blocks : tuple of Block
+        Of the left and the right end.
     clamped : bool
     """
 
     section: Section
-    block: Block
+    blocks: tuple[Block, Block] = field(repr=False)
     clamped: bool
 
-    def _outer(self, side: int) -> tuple[np.ndarray, np.ndarray]:
+    def _lines(self, side: int) -> tuple[np.ndarray, np.ndarray]:
         """Unknowns of the outer line that are not held, and those of the inner line, in the block's order."""
         n = self.section.size
         free = np.arange(n)
@@ -100,22 +103,46 @@ class EndPiece:
             free = np.setdiff1d(free, self.section.mechanical)
         return (free, n + np.arange(n)) if side == 0 else (n + free, np.arange(n))
 
+    def _outer(self, side: int) -> np.ndarray:
+        """Unknowns of the outer line as a function of those of the inner line."""
+        piece, (outer, inner) = self.blocks[side].matrix, self._lines(side)
+        return -np.linalg.solve(piece[np.ix_(outer, outer)], piece[np.ix_(outer, inner)])
+
     def matrix(self, side: int) -> np.ndarray:
         """Outward nodal flux on the inner line per unknown there, shape (n, n)."""
-        piece, (outer, inner) = self.block.matrix, self._outer(side)
-        back = np.linalg.solve(piece[np.ix_(outer, outer)], piece[np.ix_(outer, inner)])
-        return piece[np.ix_(inner, inner)] - piece[np.ix_(inner, outer)] @ back
+        piece, (outer, inner) = self.blocks[side].matrix, self._lines(side)
+        return piece[np.ix_(inner, inner)] + piece[np.ix_(inner, outer)] @ self._outer(side)
 
     def sides(self, side: int, line: np.ndarray) -> np.ndarray:
         """Both lines and two empty electrodes for given unknowns of the inner line, shape (2 n + 2,)."""
-        piece, (outer, inner) = self.block.matrix, self._outer(side)
-        out = np.zeros(len(piece), dtype=complex)
+        outer, inner = self._lines(side)
+        out = np.zeros(len(self.blocks[side].matrix), dtype=complex)
         out[inner] = line
-        out[outer] = -np.linalg.solve(piece[np.ix_(outer, outer)], piece[np.ix_(outer, inner)] @ line)
+        out[outer] = self._outer(side) @ line
         return out
 
 
-def end_piece(section: Section, frequency: float, ends: str, width: float) -> EndPiece:
-    """Condense the columns beside a free or clamped end, ``width`` length units of them."""
-    column = condensed(section, frequency, width=width / END_COLUMNS, comb=None)
-    return EndPiece(section=section, block=repeated(column, END_COLUMNS), clamped=ends == "clamped")
+def end_pieces(
+    section: Section, frequency: float, stator: Stator, resolution: Resolution, *, width: float
+) -> EndPieces:
+    """Condense the columns beside both ends, graded towards corners where a clamped face meets a free one.
+
+    Parameters
+    ----------
+    section : Section
+    frequency : float
+        Hz.
+    stator : Stator
+        Its ends free or clamped.
+    resolution : Resolution
+    width : float
+        Of an end piece, length units.
+    """
+    layers = resolution.edge_layers if "clamped" in (stator.ends, stator.bottom) else 0
+    widths = graded(width, layers, largest=width / END_COLUMNS, ratio=CORNER_RATIO)
+    columns = {each: condensed(section, frequency, width=each, comb=None) for each in widths}
+    return EndPieces(
+        section=section,
+        blocks=tuple(reduce(joined, [columns[each] for each in order]) for order in (widths[::-1], widths)),
+        clamped=stator.ends == "clamped",
+    )

@@ -37,6 +37,8 @@ class Record:
         What the model does without, and why.
     warnings : tuple of str
         What a user should know before trusting or building it, each with its number and a remedy.
+    measured : dict
+        Measured points beside the predicted ones, where a file of them was given.
     shortfall : str
         Why this is no answer within its tolerance; empty when it is one.
     surface : dict of str to array
@@ -57,6 +59,7 @@ class Record:
     seconds: dict = field(default_factory=dict)
     left_out: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
+    measured: dict = field(default_factory=dict)
     shortfall: str = ""
     surface: dict = field(default_factory=dict, repr=False)
     trajectories: tuple = field(default=(), repr=False)
@@ -88,6 +91,7 @@ class Record:
             "electrical": self.electrical,
             "points": self.points,
             "summary": self.summary,
+            "measured": self.measured,
             "error": self.error,
             "warnings": self.warnings,
             "seconds": self.seconds,

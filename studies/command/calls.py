@@ -5,6 +5,7 @@ import json
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 from studies.refusal import RunError, SceneError, shown
@@ -13,7 +14,7 @@ from studies.results import Origin, ResultDirectory, result_directory
 from studies.scene import Scene, SceneFile, scene_path, shipped_scenes
 from studies.scene.override import toml_value, voltages
 
-__all__ = ["check", "run", "scenes", "study", "sweep", "view", "wave"]
+__all__ = ["check", "run", "scenes", "schema", "study", "sweep", "view", "wave"]
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -22,8 +23,10 @@ def run(arguments: argparse.Namespace) -> int:
     from studies.progress import Progress
     from studies.report.answer import answer
     from studies.report.drawing import Drawing
+    from studies.report.measured import compared, read_measured
 
     wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
+    measured = None if arguments.measured is None else read_measured(arguments.measured)
     if arguments.explain:
         return _explain(scene, wanted, as_json=arguments.json)
     origin = _origin("run", arguments.scene)
@@ -45,6 +48,8 @@ def run(arguments: argparse.Namespace) -> int:
         drawing = stack.enter_context(Drawing()) if plotted else None
         with Progress() as progress:
             record = run_chain(scene, tolerance=wanted, progress=progress)
+            if measured is not None:
+                record = replace(record, measured=compared(record, measured))
             whole = record.to_dict()
             if result is not None:
                 progress("writing the results")
@@ -192,8 +197,22 @@ def view(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def schema(arguments: argparse.Namespace) -> int:
+    """Print the JSON Schema of a scene."""
+    from studies.scene.schema import schema_text
+
+    print(schema_text(), end="")
+    return 0
+
+
 def scenes(arguments: argparse.Namespace) -> int:
-    """Print the scenes that ship, a line each."""
+    """Print the scenes that ship, a line each, or copy one of them."""
+    if arguments.copy is not None:
+        from studies.scene.copy import copied
+
+        name, file = arguments.copy
+        print(f"{copied(name, Path(file))}: sawmotor check {file}, sawmotor run {file}")
+        return 0
     width = max(map(len, shipped_scenes()))
     for name in shipped_scenes():
         print(f"{name:<{width}}  {Scene.load(name).title}")

@@ -54,6 +54,11 @@ def parser() -> argparse.ArgumentParser:
     run.add_argument("--field", action="store_true", help="keep the whole wave field in field.vtu")
     run.add_argument("--no-plot", action="store_true", help="draw nothing")
     run.add_argument(
+        "--measured",
+        metavar="FILE",
+        help="CSV of measured points (voltage_V, velocity_m_per_s, perhaps error_m_per_s) to compare with",
+    )
+    run.add_argument(
         "--report",
         action="store_true",
         help="write report.html too: everything about the run on one self-contained page",
@@ -84,7 +89,11 @@ def parser() -> argparse.ArgumentParser:
     )
 
     _sweep(_call(calls, "sweep", "many points of one scene, here, on processes or on a Dask cluster"))
-    _call(calls, "scenes", "the scenes that ship")
+    scenes = _call(calls, "scenes", "the scenes that ship, or a copy of one to start from")
+    scenes.add_argument(
+        "--copy", metavar=("NAME", "FILE"), nargs=2, help="write a scene that ships into a new file"
+    )
+    _call(calls, "schema", "the JSON Schema of a scene, for completion and checks in an editor")
     check = _call(calls, "check", "a scene's text, material and layout, without running it")
     check.add_argument("scene", metavar="SCENE", help="a path or a shipped name")
     _changes(check)

@@ -174,8 +174,8 @@ def _velocities(scene, motion, way: str) -> dict:
         if way == "exact":
             velocities.append(contact.steady(slider, orbit.scaled(voltage), tolerance=1e-6).velocity)
         else:
-            order = {"harmonics": 0} if way == "first order" else {}
-            velocities.append(contact.mean_motion(slider, orbit.scaled(voltage), **order).velocity)
+            mean = contact.mean_motion(slider, orbit.scaled(voltage))
+            velocities.append(mean.first_order if way == "first order" else mean.velocity)
     return {"velocity": velocities}
 
 

@@ -1,6 +1,7 @@
 """The answer of a run as text: a table of the points, then what it is worth and what was left out."""
 
 from studies.chain.record import Record
+from studies.report.measured import comparison_lines
 
 __all__ = ["answer", "table"]
 
@@ -14,6 +15,8 @@ def answer(record: Record) -> str:
         lines += _free_wave(record.wave)
     lines += _wave(record)
     lines += _limits(record)
+    if record.measured:
+        lines += comparison_lines(record.measured)
     if record.at_rest:
         known = record.wave.get("relative_error")
         wave = "" if known is None else f"; the wave under the slider is known to {known:.1e}"

@@ -59,6 +59,8 @@ def velocity(record: Record, ax):
             ax.axvline(
                 limit * scale, color=COLOURS["line"], linestyle=style, linewidth=1, label=f"{name} (theory)"
             )
+    if record.measured:
+        _measured(record, ax, scale)
     ax.set_xlabel(unit)
     ax.set_ylabel("slider velocity (mm/s)")
     ax.set_title(record.scene.title, fontsize="medium", parse_math=False)
@@ -66,6 +68,33 @@ def velocity(record: Record, ax):
     if ax.get_legend_handles_labels()[0]:
         ax.legend(frameon=False)
     return ax
+
+
+def _measured(record: Record, ax, scale: float) -> None:
+    """Draw measured points with their errors, and a line through the prediction that they are compared with."""
+    known = sorted((p[record.level], p["velocity_m_per_s"]) for p in record.points if "velocity_m_per_s" in p)
+    at, speeds = zip(*known, strict=True)
+    ax.plot(
+        [value * scale for value in at],
+        [value * 1e3 for value in speeds],
+        color=COLOURS["line"],
+        linewidth=0.8,
+        label="predicted",
+        zorder=1,
+    )
+    points = record.measured["points"]
+    bars = [point["error_m_per_s"] * 1e3 for point in points] if "error_m_per_s" in points[0] else None
+    ax.errorbar(
+        [point[record.level] * scale for point in points],
+        [point["velocity_m_per_s"] * 1e3 for point in points],
+        yerr=bars,
+        fmt="D",
+        color=COLOURS["second"],
+        markersize=5,
+        markerfacecolor="none",
+        capsize=3,
+        label="measured",
+    )
 
 
 def trajectories(record: Record, ax):

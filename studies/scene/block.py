@@ -9,11 +9,11 @@ from dataclasses import MISSING, dataclass, fields
 from functools import cache
 from typing import ClassVar, Self
 
-from studies.refusal import Refusals, SceneError, nearest, shown
+from studies.refusal import Refusals, SceneError, nearest, shown, suggestion
 from studies.scene.rule import Rule
 from studies.scene.synonyms import meant
 
-__all__ = ["Block", "Blocks", "Key", "OneOf", "Within", "keys_of"]
+__all__ = ["Block", "Blocks", "Key", "OneOf", "Within", "block_schema", "keys_of"]
 
 
 @dataclass(frozen=True)
@@ -102,11 +102,16 @@ class Block:
         if not isinstance(table, dict):
             raise SceneError(path, f"must be a block of keys, got {shown(table)}")
         known, refusals, at = keys_of(cls), Refusals(), f"{path}." if path else ""
-        for key in table:
-            if key not in known:
-                refusals.problems.append(SceneError(f"{at}{key}", f"is no key of a scene{_hint(key, cls)}"))
+        misspelt = set()
+        for word in table:
+            if word not in known:
+                meant, hint = _meant(word, cls)
+                misspelt.add(meant)
+                refusals.problems.append(SceneError(f"{at}{word}", f"is no key of a scene{hint}"))
         missing = [key for name, key in known.items() if key.required and name not in table]
         for key in missing:
+            if key.name in misspelt:
+                continue  # said already, with the word that stands for it
             rule = f"is required and missing: give {key.rule.expected}"
             refusals.problems.append(SceneError(f"{at}{key.name}", rule))
         given = {name: table[name] for name in known if name in table}
@@ -136,6 +141,19 @@ class Block:
         return table
 
 
+def block_schema(kind: type[Block]) -> dict:
+    """Return the JSON Schema of a block: its keys with their meaning and default, no others."""
+    properties = {}
+    for name, key in keys_of(kind).items():
+        about = {"description": f"{key.meaning} Allowed: {key.rule.expected}."}
+        properties[name] = key.rule.schema() | about
+        if not key.required and key.default not in (None, ()) and not isinstance(key.default, Block):
+            properties[name]["default"] = key.rule.written(key.default)
+    required = [name for name, key in keys_of(kind).items() if key.required]
+    schema = {"type": "object", "description": kind.__doc__.splitlines()[0], "properties": properties}
+    return schema | ({"required": required} if required else {}) | {"additionalProperties": False}
+
+
 def _read_each(at: str, known: dict[str, Key], given: dict) -> None:
     """Raise what is wrong with the keys of a block that cannot be built."""
     refusals = Refusals()
@@ -145,15 +163,14 @@ def _read_each(at: str, known: dict[str, Key], given: dict) -> None:
     refusals.raise_all()
 
 
-def _hint(word: str, kind: type[Block]) -> str:
-    """Return what was probably meant by an unknown key: a key of this block, or of another one."""
-    synonym = meant(word, keys_of(kind))
-    if synonym is not None:
-        return f"; did you mean {synonym}?"
+def _meant(word: str, kind: type[Block]) -> tuple[str | None, str]:
+    """Return the key of a block that was probably meant by an unknown one, and the hint to be given."""
+    found = meant(word, keys_of(kind))
     homes = [each.block for each in Block.__subclasses__() if word in keys_of(each) and each.block]
-    if homes:
-        return f"; {word} belongs in [{'] or ['.join(homes)}]"
-    return nearest(word, keys_of(kind))
+    if found is None and homes:
+        return None, f"; {word} belongs in [{'] or ['.join(homes)}]"
+    found = found or suggestion(word, keys_of(kind))
+    return found, nearest(word, keys_of(kind)) if found is None else f"; did you mean {found}?"
 
 
 @dataclass(frozen=True)
@@ -174,6 +191,10 @@ class Within(Rule):
     def expected(self):
         """A block, by its header."""
         return f"the block [{self.kind.block}]"
+
+    def schema(self):
+        """Return the block as an object."""
+        return block_schema(self.kind)
 
 
 @dataclass(frozen=True)
@@ -196,6 +217,10 @@ class Blocks(Rule):
     def expected(self):
         """Blocks, by their header."""
         return f"one or more blocks [[{self.kind.block}]]"
+
+    def schema(self):
+        """Return the list of objects."""
+        return {"type": "array", "items": block_schema(self.kind)}
 
 
 @dataclass(frozen=True)
@@ -225,3 +250,12 @@ class OneOf(Rule):
             ", ".join(name for name, key in keys_of(kind).items() if key.required) for kind in self.kinds
         )
         return f"{self.text.expected}, or a table of {tables}"
+
+    @property
+    def range(self):
+        """The text, or a table."""
+        return f"{self.text.range}, or a table"
+
+    def schema(self):
+        """Return the text or one of the objects."""
+        return {"anyOf": [self.text.schema(), *map(block_schema, self.kinds)]}

@@ -256,13 +256,13 @@ class Damping(Block):
     contact: Annotated[
         float,
         Quantity("s/m", zero=True),
-        "Hunt-Crossley coefficient chi: a force chi P dz/dt while in contact (the seed's R_n1).",
+        "Hunt-Crossley coefficient chi: a force chi P dz/dt while in contact (R_n1 of Feenstra and Breedveld).",
     ] = 0.0
     normal: Annotated[
-        float, Quantity("N s/m", zero=True), "Viscous, on the slider's normal velocity (the seed's R_n2)."
+        float, Quantity("N s/m", zero=True), "Viscous, on the slider's normal velocity (R_n2 of the same)."
     ] = 0.0
     tangential: Annotated[
-        float, Quantity("N s/m", zero=True), "Viscous, on the slider's velocity along x (the seed's R_t)."
+        float, Quantity("N s/m", zero=True), "Viscous, on the slider's velocity along x (R_t of the same)."
     ] = 0.0
 
 
@@ -316,7 +316,7 @@ class Slider(Block):
     law: Annotated[
         str,
         Choice(("elastic", "hysteretic")),
-        "Tangential law. elastic: the seed's eq. 2; hysteretic: Mindlin-Deresiewicz, which remembers turning points.",
+        "Tangential law. elastic: eq. 2 of Feenstra and Breedveld; hysteretic: Mindlin-Deresiewicz, with memory.",
     ] = "elastic"
     reciprocal: Annotated[
         bool,
@@ -324,7 +324,9 @@ class Slider(Block):
         "true: the tangential spring acts back on the normal motion, which closes the energy balance.",
     ] = False
     stick_band: Annotated[
-        float, Quantity("m/s", zero=True), "The seed's DV: slip slower than this counts as sticking."
+        float,
+        Quantity("m/s", zero=True),
+        "Slip slower than this counts as sticking (DV of Feenstra and Breedveld).",
     ] = 0.0
     method: Annotated[
         str, Choice(("auto", "exact", "stepped", "averaged")), "How the slider's motion is integrated."

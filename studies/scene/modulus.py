@@ -49,7 +49,7 @@ def pair_moduli(ball: str, solid) -> tuple[float, float]:
     try:
         sphere = material(ball)
     except ValueError as error:
-        raise SceneError("slider.ball", str(error)) from None
+        raise SceneError("slider.ball", str(error).removeprefix("material ")) from None
     if not _is_isotropic(sphere.stiffness):
         raise SceneError("slider.ball", f'must be an isotropic solid such as "steel", got {ball!r}')
     below, above = point_load(solid.stiffness), point_load(sphere.stiffness)

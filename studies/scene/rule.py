@@ -38,6 +38,16 @@ class Rule:
         """What is allowed, as a noun: ``a length in m, positive, or a string such as "5 mm"``."""
         raise NotImplementedError
 
+    @property
+    def range(self) -> str:
+        """What is allowed, in few words, beside the unit."""
+        return self.expected
+
+    @property
+    def unit_name(self) -> str:
+        """The SI unit of a number; empty where there is none."""
+        return getattr(self, "unit", "")
+
     def schema(self) -> dict:
         """Return the JSON Schema of a value."""
         raise NotImplementedError
@@ -90,6 +100,15 @@ class Quantity(Rule):
         )
         text = f' (a number, or a string such as "{example}")' if self.unit else ""
         return " or ".join([f"{number}{sign}{text}", *(f'"{word}"' for word in self.words)])
+
+    @property
+    def range(self):
+        """The sign, the upper bound and the words."""
+        sign = "any" if self.negative else ">= 0" if self.zero else "> 0"
+        below = "" if self.below is None else f"{', ' if sign != 'any' else ''}< {self.below:g}"
+        return ", or ".join(
+            [(sign if sign != "any" or not below else "") + below, *(f'"{word}"' for word in self.words)]
+        )
 
     def schema(self):
         """Return a number or a text with one of the usual units."""
@@ -253,8 +272,19 @@ class Impedance(Rule):
     @property
     def expected(self):
         """Resistance, pair or word."""
-        words = "".join(f', "{word}"' for word in self.words)
+        words = "".join(f' or "{word}"' for word in self.words)
         return f'a resistance in ohm, a string such as "50 ohm", [resistance, reactance] in ohm{words}'
+
+    @property
+    def range(self):
+        """Resistance, pair or word."""
+        words = "".join(f', or "{word}"' for word in self.words)
+        return f"resistance >= 0, or [resistance, reactance]{words}"
+
+    @property
+    def unit_name(self):
+        """Of both numbers."""
+        return "ohm"
 
     def schema(self):
         """Return the resistance, the pair or the words."""
@@ -291,7 +321,21 @@ class Listed(Rule):
     @property
     def expected(self):
         """The single value, and the list."""
-        return f"{(self.alone or self.each).expected}; or a list of {self.each.expected}"
+        if self.alone is None:
+            return f"{self.each.expected}; one or a list"
+        return f"{self.alone.expected}; or a list, each {self.each.expected}"
+
+    @property
+    def range(self):
+        """The single value, and the list."""
+        if self.alone is None:
+            return f"{self.each.range}; one or a list"
+        return f"{self.alone.range}; or a list, {self.each.range}{', all different' if self.distinct else ''}"
+
+    @property
+    def unit_name(self):
+        """Of an entry."""
+        return self.each.unit_name
 
     def schema(self):
         """Return the single value or the list."""

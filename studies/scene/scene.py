@@ -60,7 +60,10 @@ class Scene(Block):
     def from_file(cls, file: SceneFile) -> Self:
         """Build the scene from the document of a file; refusals name file and line."""
         with file.located():
-            return cls.from_table("", file.table)
+            try:
+                return cls.from_table("", file.table)
+            except SceneError as error:
+                raise SceneError.together([error, *_unknown_solids(file.table)]) from None
 
     def contradictions(self, unread):
         """Yield what contradicts between blocks, as far as they could be read."""
@@ -132,10 +135,10 @@ class Scene(Block):
                 rule = "must be absent without a [[transducer]]: nothing is driven"
                 yield self.refusal(f"drive.{key}", rule)
             if names and not given:
-                choices = (
-                    f": one of {', '.join(map(shown, names))}" if key == "transducer" else ", peak, in V"
+                wanted = (
+                    f"one of {', '.join(map(shown, names))}" if key == "transducer" else "peak values in V"
                 )
-                rule = f"is required and missing: the scene has transducers{choices}"
+                rule = f"is required and missing: the scene has transducers; give {wanted}"
                 yield self.refusal(f"drive.{key}", rule)
         if names and drive.transducer is not None and drive.transducer not in names:
             rule = f"must name one of the transducers, got {shown(drive.transducer)}"
@@ -192,3 +195,16 @@ class Scene(Block):
                 rule = f"must keep the contacts on the stator, 0 to {self.stator.length:g} m"
                 got = f"got {self.slider.position:g} m, a contact at {place:g} m"
                 yield self.refusal("slider.position", f"{rule}, {got}")
+
+
+def _unknown_solids(table: dict) -> Iterator[SceneError]:
+    """Yield the names of solids that the catalogue lacks, to be said beside the faults of the text."""
+    from fem import material
+
+    for block, key in (("stator", "material"), ("slider", "ball")):
+        name = table[block].get(key) if isinstance(table.get(block), dict) else None
+        if isinstance(name, str):
+            try:
+                material(name)
+            except ValueError as error:
+                yield SceneError(f"{block}.{key}", str(error).removeprefix("material "))

@@ -160,7 +160,7 @@ def _mapped(question, ready: dict[int, Driven], threads) -> dict[int, dict]:
         kept = [k for k, (slider, _) in enumerate(which) if slider is not None]
         if not kept:
             continue
-        found = contact.steady_population(
+        found = contact.steady_sweep(
             sliders,
             [orbits for orbits, _ in waves],
             which=[which[k] for k in kept],

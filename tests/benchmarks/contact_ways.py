@@ -125,7 +125,7 @@ def steady_states():
     for workers in (1, 2):
         found, spent = timed(
             lambda w=workers: contact.steady_map(
-                SLIDER, orbit(1e-9), factors=factors, preloads=preloads, workers=w
+                SLIDER, orbit(1e-9), factors=factors, preloads=preloads, threads=w
             )
         )
         print(

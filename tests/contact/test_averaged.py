@@ -189,7 +189,7 @@ def test_map_of_steady_states():
             assert found.velocity[i, j] == pytest.approx(one.velocity, rel=1e-7)
             assert found.height[i, j] == pytest.approx(one.height, rel=1e-8, abs=1e-16)
             assert found.regime[i, j] == one.regime
-    other = steady_map(slider(), orbit(3e-9), factors=factors, preloads=preloads, workers=1)
+    other = steady_map(slider(), orbit(3e-9), factors=factors, preloads=preloads, threads=1)
     assert np.array_equal(found.velocity, other.velocity)
 
 

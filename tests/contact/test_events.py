@@ -204,9 +204,8 @@ def test_a_damaged_file_of_machine_code_is_not_run(tmp_path):
 def test_a_kernel_refuses_what_its_machine_code_would_misread():
     from contact.solve import averaged
 
-    out, why, rule = np.zeros((1, 7)), np.zeros(1, np.int64), np.zeros((2, 4))
-    parameters, waves = np.zeros((1, 11)), np.zeros((1, 1, 4))
-    with pytest.raises(TypeError, match="f2 expected, got int64"):
-        averaged.balances(parameters.astype(np.int64), waves, rule, 0, out, why, 0, 1)
+    parameters, waves = np.zeros(11), np.zeros((1, 4))
+    with pytest.raises(TypeError, match="f1 expected, got int64"):
+        averaged.balance(parameters.astype(np.int64), waves, 0)
     with pytest.raises(TypeError, match="f2 expected"):
-        averaged.balances(parameters[:, ::2], waves, rule, 0, out, why, 0, 1)
+        averaged.balance(parameters, np.zeros((1, 8))[:, ::2], 0)

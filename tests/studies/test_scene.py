@@ -4,7 +4,7 @@ import tomllib
 from dataclasses import replace
 
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from studies import Damping, Drive, Scene, SceneError, Slider, Stator, Transducer, Wave, shipped_scenes
@@ -87,9 +87,11 @@ SLIDERS = st.builds(
     method=st.sampled_from(["auto", "exact", "stepped", "averaged"]),
     damping=st.builds(Damping, contact=st.floats(0, 1), normal=st.floats(0, 1), tangential=st.floats(0, 1)),
 )
+AT_ANY_SPEED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 TITLES = st.text(max_size=40).filter(str.isprintable)
 
 
+@AT_ANY_SPEED
 @given(
     TITLES,
     st.builds(
@@ -106,6 +108,7 @@ def test_any_contact_scene_survives_being_written(title, wave, slider):
     assert Scene.from_table("", tomllib.loads(document(scene.to_table()))) == scene
 
 
+@AT_ANY_SPEED
 @given(
     st.one_of(
         st.sampled_from(["Z", "X", "YZ", "128YX", "ST-X"]),

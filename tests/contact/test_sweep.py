@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from contact import Orbit, blocked_thrust, mean_motion, steady, steady_population, threshold_factor
+from contact import Orbit, blocked_thrust, mean_motion, steady, steady_sweep, threshold_factor
 from studies.chain.propagation import reference_speed, velocity_error
 from tests.contact.motors import orbit, slider
 
@@ -17,7 +17,7 @@ ALL = [(s, w, f) for s in range(len(SLIDERS)) for w in range(2) for f in FACTORS
 
 
 def solved(problems=ALL, errors=(0.0, 2e-4), threads=1):
-    return steady_population(
+    return steady_sweep(
         SLIDERS,
         WAVES,
         which=[(s, w) for s, w, _ in problems],
@@ -75,19 +75,15 @@ def test_blocked_thrust_is_the_load_that_stalls():
 def test_the_wave_that_runs_the_other_way_drives_the_other_way():
     mirrored = [tuple(each.mirrored() for each in orbits) for orbits in WAVES]
     which, factors = [(0, 0), (1, 1)], [3e-9, 3e-9]
-    one = steady_population(SLIDERS, WAVES, which=which, factors=factors, wave_errors=(0.0, 0.0), threads=1)
-    other = steady_population(
-        SLIDERS, mirrored, which=which, factors=factors, wave_errors=(0.0, 0.0), threads=1
-    )
+    one = steady_sweep(SLIDERS, WAVES, which=which, factors=factors, wave_errors=(0.0, 0.0), threads=1)
+    other = steady_sweep(SLIDERS, mirrored, which=which, factors=factors, wave_errors=(0.0, 0.0), threads=1)
     assert one.velocity[0] > 0.0
     assert np.array_equal(one.velocity, -other.velocity)
 
 
-@pytest.mark.parametrize(
-    "changed", [{"law": "hysteretic"}, {"reciprocal": True}, {"friction_coefficient": 0.0}, {"mass": 1e-9}]
-)
+@pytest.mark.parametrize("changed", [{"law": "hysteretic"}, {"reciprocal": True}, {"mass": 1e-9}])
 def test_what_it_does_not_know_it_leaves(changed):
-    found = steady_population(
+    found = steady_sweep(
         [slider(**changed)], WAVES[:1], which=[(0, 0)], factors=[3e-9], wave_errors=[0.0], threads=1
     )
     assert found.regime[0] == "unknown"
@@ -101,6 +97,5 @@ def test_what_is_close_to_the_threshold_may_be_wrong_by_what_lies_beyond_it(belo
     orbits = tuple(each.scaled(factor) for each in WAVES[0])
     full = steady(SLIDERS[3], orbits, tolerance=1e-3)
     assert full.relative_error > 0.0
-    # both judge by first order; which side of the edge it stands on moves the judgement by a twentieth
-    assert found.error[0] == pytest.approx(full.relative_error, rel=0.1)
+    assert found.error[0] == full.relative_error
     assert abs(found.velocity[0] - full.velocity) <= found.error[0] * reference_speed(0.0, orbits)

@@ -1,0 +1,47 @@
+"""A JSON Schema (draft 2020-12) of a scene file, for completion and checks in an editor.
+
+It holds what the rules of the single keys say. What keys must not say together, and the geometry, only the program
+checks. Quantities may have the usual units; the program reads every unit of the right dimension.
+"""
+
+import json
+
+from studies.scene.block import block_schema
+from studies.scene.scene import Scene
+
+__all__ = ["FILE_NAME", "schema", "schema_text"]
+
+FILE_NAME = "schema.json"  # beside the shipped scenes, which name it in their first line
+
+
+def schema() -> dict:
+    """Return the JSON Schema of a scene."""
+    from fem import catalogue
+
+    solids = catalogue()
+    whole = block_schema(Scene)
+    stator, slider = (whole["properties"][name]["properties"] for name in ("stator", "slider"))
+    stator["material"]["anyOf"][0] = {"enum": list(solids)}
+    slider["ball"] = {"description": slider["ball"]["description"]} | {
+        "enum": [name for name, solid in solids.items() if not solid.coupling.any()]
+    }
+    slider_block, drive = whole["properties"]["slider"], whole["properties"]["drive"]
+    slider_block["anyOf"] = [
+        {"required": ["ball"]},
+        {"required": ["effective_modulus", "tangential_modulus"]},
+    ]
+    drive["dependentRequired"] = {"transducer": ["voltage"], "voltage": ["transducer"]}
+    computed = {"required": ["stator", "drive"], "properties": {"wave": False}}
+    absent = dict.fromkeys(("stator", "transducer", "drive"), False)
+    given = {"required": ["wave", "slider"], "properties": absent}
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "A scene of sawmotor",
+        **whole,
+        "anyOf": [computed, given],
+    }
+
+
+def schema_text() -> str:
+    """Return the schema as the text of its file."""
+    return json.dumps(schema(), indent=1, ensure_ascii=False) + "\n"

@@ -1,0 +1,126 @@
+"""A measured curve beside the predicted one.  Oracle: numbers made by hand from a straight prediction."""
+
+import json
+import math
+
+import pytest
+
+from studies.__main__ import main
+from studies.chain.record import Record
+from studies.refusal import SceneError
+from studies.report.figures import velocity
+from studies.report.measured import compared, comparison_lines, read_measured
+from studies.scene import Scene
+from studies.scene.resolved import resolved
+
+STRAIGHT = tuple(
+    {"voltage_V": v, "velocity_m_per_s": -1e-3 * v, "regime": "slip", "tangential_amplitude_m": 1e-9}
+    for v in (10.0, 20.0, 40.0)
+)
+
+
+@pytest.fixture
+def measured(tmp_path):
+    """Read a file of a text."""
+
+    def measured(text: str):
+        path = tmp_path / "lab.csv"
+        path.write_text(text)
+        return read_measured(path)
+
+    return measured
+
+
+@pytest.fixture(scope="module")
+def record():
+    """A motor that runs backwards at 1 mm/s per volt."""
+    return Record(scene=resolved(Scene.load("twente")), tolerance=1e-3, points=STRAIGHT)
+
+
+def test_deviations_are_those_worked_out_by_hand(record, measured):
+    text = "voltage_V,velocity_mm_per_s,error_mm_per_s\n10,-11,2\n15,-15,0.5\n30,-27,1\n50,-60,1\n"
+    block = compared(record, measured(text))
+    assert [point.get("predicted_m_per_s") for point in block["points"]] == pytest.approx(
+        [-0.01, -0.015, -0.03, None]
+    )
+    gaps = [-1e-3, 0.0, 3e-3]
+    assert block["compared"] == 3
+    assert block["rms_deviation_m_per_s"] == pytest.approx(math.sqrt(sum(g**2 for g in gaps) / 3))
+    assert block["mean_deviation_m_per_s"] == pytest.approx(2e-3 / 3)
+    assert block["rms_deviation_relative"] == pytest.approx(block["rms_deviation_m_per_s"] / 0.03)
+    assert block["measured_over_predicted"] == pytest.approx((110 + 225 + 810) / (100 + 225 + 900))
+    assert block["within_one_error"] == 2
+    assert block["chi_square_per_point"] == pytest.approx((0.25 + 0 + 9) / 3)
+    said = "\n".join(comparison_lines(block))
+    assert "3 of 4 points of lab.csv" in said
+    assert "1.83 mm/s rms" in said
+    assert "2 of 3 within their error" in said
+
+
+def test_speeds_without_a_sign_take_the_prediction_s(record, measured):
+    block = compared(record, measured("voltage_V;velocity_m_per_s\n10;0.011\n20;0.02\n"))
+    assert block["sign_of_prediction_given"]
+    assert block["points"][0]["velocity_m_per_s"] == -0.011
+    assert block["rms_deviation_m_per_s"] == pytest.approx(1e-3 / math.sqrt(2))
+    one_backwards = compared(record, measured("voltage_V\tvelocity_m_per_s\n10\t0.011\n20\t-0.02\n"))
+    assert not one_backwards["sign_of_prediction_given"]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "a line of names"),
+        ("voltage_V,velocity_m_per_s\n", "a line of names"),
+        ("V,v\n1,2\n", "must have the columns voltage_V"),
+        (
+            "voltage_V,velocity_m_per_s\n10,fast\n",
+            "point 1, velocity_m_per_s must be a finite number, got 'fast'",
+        ),
+        ("voltage_V;velocity_m_per_s\n10;0,01\n", "write a decimal point"),
+        ("voltage_V,velocity_m_per_s\n10\n", "point 1, velocity_m_per_s"),
+        ("voltage_V,velocity_m_per_s,error_m_per_s\n10,0.01,0\n", "error_m_per_s must be positive"),
+    ],
+)
+def test_a_file_that_is_no_measurement_is_refused(measured, text, words):
+    with pytest.raises(SceneError, match="--measured") as refusal:
+        measured(text)
+    assert words in str(refusal.value)
+
+
+def test_what_cannot_be_compared_is_refused(record, measured):
+    with pytest.raises(SceneError, match=r"no point within the run's voltage_V, 10 to 40"):
+        compared(record, measured("voltage_V,velocity_m_per_s\n50,0.01\n"))
+    with pytest.raises(SceneError, match="must have the column voltage_V for this scene"):
+        compared(record, measured("normal_amplitude_nm,velocity_m_per_s\n5,0.01\n"))
+    free = Record(scene=Scene.load("rayleigh"), tolerance=1e-3)
+    with pytest.raises(SceneError, match=r"needs a scene with a \[slider\]"):
+        compared(free, measured("voltage_V,velocity_m_per_s\n50,0.01\n"))
+
+
+def test_the_picture_shows_measured_points_with_their_errors(record, measured):
+    from dataclasses import replace
+
+    from matplotlib.figure import Figure
+
+    block = compared(record, measured("voltage_V,velocity_mm_per_s,error_mm_per_s\n10,-11,2\n30,-27,1\n"))
+    ax = velocity(replace(record, measured=block), Figure().add_subplot())
+    bars = ax.containers[0]
+    assert bars.get_label() == "measured"
+    assert bars[0].get_xydata().tolist() == [[10.0, -11.0], [30.0, -27.0]]
+    ends = [segment[:, 1].tolist() for segment in bars[2][0].get_segments()]
+    assert ends == [[-13.0, -9.0], [-28.0, -26.0]]
+
+
+def test_a_run_is_compared_with_itself(tmp_path, capsys, monkeypatch):
+    """Its own velocity.csv deviates by nothing; halved amplitudes of the file by what the curve says."""
+    monkeypatch.chdir(tmp_path)
+    words = ["run", "twente-contact", "--set", "wave.normal_amplitude=[4e-9, 8e-9]", "--no-plot"]
+    assert main([*words, "--out", "first"]) == 0
+    assert main([*words, "--out", "second", "--measured", "first/velocity.csv"]) == 0
+    assert "deviation 0 mm/s rms" in capsys.readouterr().out
+    block = json.loads((tmp_path / "second" / "run.json").read_text())["measured"]
+    assert block["compared"] == 2
+    assert block["rms_deviation_m_per_s"] == 0.0
+    assert block["measured_over_predicted"] == 1.0
+    assert main([*words, "--out", "third", "--measured", "nowhere.csv"]) == 2
+    assert not (tmp_path / "third").exists()

@@ -1,0 +1,214 @@
+"""The JSON Schema of a scene: it accepts what the program reads and refuses what it refuses, key by key.
+
+Oracle: the draft 2020-12 validator of the library ``jsonschema``; the scene's own reader.
+"""
+
+import json
+import re
+import tomllib
+from dataclasses import fields
+from pathlib import Path
+
+import jsonschema
+import pytest
+
+from studies import Scene, SceneError
+from studies.__main__ import main
+from studies.scene import read_table, shipped_scenes
+from studies.scene.block import Block, Blocks, OneOf, Within, keys_of
+from studies.scene.quantity import POWERS, si_value
+from studies.scene.reference import BLOCKS
+from studies.scene.schema import FILE_NAME, schema, schema_text
+
+SCHEMA = schema()
+VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
+GOOD = {  # a value for every key that is given in no shipped scene, by its dotted path
+    "stator.orientation": ["X", [0, 38, 0]],
+    "stator.thickness": ["half-space", "5 mm", 5e-3],
+    "stator.bottom": ["grounded", "clamped"],
+    "stator.above": ["vacuum"],
+    "stator.mechanical_quality": [700],
+    "stator.dielectric_loss": [0, 0.01],
+    "stator.material": [{"youngs_modulus": "70 GPa", "poisson_ratio": 0.3, "density": 2700, "name": "x"}],
+    "transducer.0.period": ["auto", "0.99 mm"],
+    "transducer.0.termination": ["short", "50 ohm", [50, -3]],
+    "transducer.0.pattern": ["+-" * 10],
+    "transducer.0.split": [True],
+    "drive.frequency": ["2200 kHz", 2.2e6],
+    "drive.burst": ["10 ms"],
+    "drive.source_impedance": [50, [1, 2]],
+    "slider.contacts": [2, ["-1 mm", 0, "1 mm"]],
+    "slider.preload": ["weight", "5 mN", 0],
+    "slider.gravity": [0],
+    "slider.load": ["1 uN"],
+    "slider.law": ["hysteretic"],
+    "slider.reciprocal": [True],
+    "slider.stick_band": ["1 mm/s"],
+    "slider.method": ["exact"],
+    "slider.damping.contact": [0.1],
+}
+BAD = {  # a value that no key of such a rule allows
+    "Quantity": "5 furlongs per apple",
+    "Choice": "otherwise",
+    "Text": 3,
+    "Count": 0,
+    "Flag": "yes",
+    "Impedance": "closed",
+    "Listed": [],
+    "Matrix": [[1, 2]],
+    "Orientation": "QQ",
+    "Signs": "+-?",
+    "OneOf": 3,
+    "Within": 3,
+    "Blocks": 3,
+}
+
+
+def keys_with_paths(kind=Scene, at=""):
+    """Every key of a scene with its dotted path; the first transducer stands for all, tables of constants apart."""
+    for name, key in keys_of(kind).items():
+        path = f"{at}.{name}" if at else name
+        yield path, key
+        if isinstance(key.rule, Within):
+            yield from keys_with_paths(key.rule.kind, path)
+        elif isinstance(key.rule, Blocks):
+            yield from keys_with_paths(key.rule.kind, f"{path}.0")
+
+
+PATHS = dict(keys_with_paths())
+
+
+def changed(path: str, value) -> dict:
+    """The table of a shipped scene that has the block, with one key set."""
+    table = json.loads(json.dumps(read_table("twente-contact" if path.startswith("wave") else "twente")))
+    if path == "slider.ball":
+        del table["slider"]["effective_modulus"], table["slider"]["tangential_modulus"]
+    holder = table
+    *blocks, last = [int(part) if part.isdigit() else part for part in path.split(".")]
+    for block in blocks:
+        holder = holder[block]
+    holder[last] = value
+    return table
+
+
+def test_the_schema_is_one():
+    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+
+
+def test_the_file_beside_the_shipped_scenes_is_current(capsys):
+    """It is written by ``python -m studies.scene.reference``."""
+    assert main(["schema"]) == 0
+    assert capsys.readouterr().out == schema_text()
+    assert (shipped_scenes()["twente"].parent / FILE_NAME).read_text(encoding="utf-8") == schema_text()
+
+
+@pytest.mark.parametrize("name", sorted(shipped_scenes()))
+def test_a_shipped_scene_is_valid_and_names_the_schema(name):
+    text = shipped_scenes()[name].read_text(encoding="utf-8")
+    assert text.startswith(f"#:schema {FILE_NAME}\n")
+    VALIDATOR.validate(tomllib.loads(text))
+    VALIDATOR.validate(Scene.load(name).to_table())
+
+
+def test_every_key_of_every_block_is_in_the_schema():
+    documented = {(kind, name) for kind in BLOCKS.values() for name in keys_of(kind)}
+    assert {(kind, entry.name) for kind in BLOCKS.values() for entry in fields(kind)} == documented
+    assert set(BLOCKS.values()) == {*Block.__subclasses__()}
+    for path, key in PATHS.items():
+        node = SCHEMA
+        for part in path.split("."):
+            node = node["items"] if part == "0" else node["properties"][part]
+        assert node["description"].startswith(key.meaning), path
+
+
+@pytest.mark.parametrize("path", sorted(PATHS))
+def test_a_key_takes_in_the_schema_what_the_program_reads(path):
+    values = GOOD.get(path)
+    if values is None:
+        value = _value(read_table("twente-contact" if path.startswith("wave") else "twente"), path)
+        values = [] if value is None else [value]
+    if path == "slider.ball":
+        values = ["steel"]
+    if path == "wave.burst":
+        values = ["1 ms"]
+    assert values, f"no example of {path}"
+    for value in values:
+        table = changed(path, value)
+        Scene.from_table("", table)
+        VALIDATOR.validate(table)
+
+
+@pytest.mark.parametrize("path", sorted(PATHS))
+def test_a_key_refuses_in_the_schema_what_the_program_refuses(path):
+    table = changed(path, BAD[type(PATHS[path].rule).__name__])
+    with pytest.raises(SceneError):
+        Scene.from_table("", table)
+    with pytest.raises(jsonschema.ValidationError):
+        VALIDATOR.validate(table)
+
+
+@pytest.mark.parametrize(
+    "path", [path for path, key in PATHS.items() if key.required and not isinstance(key.rule, OneOf)]
+)
+def test_a_missing_key_is_missed_by_the_schema(path):
+    table = changed(path, None)
+    *blocks, last = [int(part) if part.isdigit() else part for part in path.split(".")]
+    holder = table
+    for block in blocks:
+        holder = holder[block]
+    del holder[last]
+    with pytest.raises(jsonschema.ValidationError):
+        VALIDATOR.validate(table)
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        {},
+        {"stator": read_table("twente")["stator"]},
+        read_table("twente") | {"sliders": {}},
+        read_table("twente") | {"wave": read_table("twente-contact")["wave"]},
+        {"wave": read_table("twente-contact")["wave"]},
+    ],
+    ids=["empty", "no drive", "unknown block", "stator and wave", "wave alone"],
+)
+def test_blocks_that_do_not_go_together(table):
+    with pytest.raises(SceneError):
+        Scene.from_table("", table)
+    with pytest.raises(jsonschema.ValidationError):
+        VALIDATOR.validate(table)
+
+
+@pytest.mark.parametrize("unit", sorted(unit for unit in POWERS if unit))
+def test_the_pattern_of_a_unit_accepts_what_is_read(unit):
+    from studies.scene.rule import Quantity
+
+    pattern = Quantity(unit, negative=True).schema()["anyOf"][1]["pattern"]
+    for name in POWERS[unit]:
+        for text in (f"1 {name}", f"-2.5e-3{name}", f" .5  {name} ", f"+7. {name}"):
+            assert re.search(pattern, text), text
+            si_value("key", text, unit)
+    for text in ("1", f"1,5 {unit}", "5 apples", f"{unit} 1"):
+        assert not re.search(pattern, text), text
+
+
+def _value(table, path):
+    for part in path.split("."):
+        table = table[int(part)] if isinstance(table, list) else table.get(part) if table else None
+    return table
+
+
+def test_a_shipped_scene_is_copied_to_start_from(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["scenes", "--copy", "twente", "motor.toml"]) == 0
+    assert "sawmotor run motor.toml" in capsys.readouterr().out
+    assert Scene.load("motor.toml") == Scene.load("twente")
+    named = Path("motor.toml").read_text().splitlines()[0].removeprefix("#:schema file://")
+    assert json.loads(Path(named).read_text()) == SCHEMA
+    Path("motor.toml").write_text("mine")
+    assert main(["scenes", "--copy", "twente", "motor.toml"]) == 2
+    assert main(["scenes", "--copy", "twent", "other.toml"]) == 2
+    assert main(["scenes", "--copy", "twente", "nowhere/motor.toml"]) == 1
+    said = capsys.readouterr().err.splitlines()
+    assert Path("motor.toml").read_text() == "mine"
+    assert ["does not overwrite" in said[0], "did you mean twente?" in said[1], len(said)] == [True, True, 3]
