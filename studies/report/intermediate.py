@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from studies.chain import bridge
-from studies.chain.record import Record
+from studies.record import Record
 
 __all__ = ["Number", "intermediate_numbers", "si"]
 
