@@ -102,6 +102,15 @@ class Section:
         return int(self.dofs.max()) + 1
 
     @property
+    def full(self) -> "Section":
+        """The section itself, of which nothing is reduced to a basis."""
+        return self
+
+    def lift(self, lines: np.ndarray) -> np.ndarray:
+        """Unknowns of the full section on lines, shape (size, ...)."""
+        return lines
+
+    @property
     def solid(self) -> Medium:
         """Medium of the stator."""
         return self.media[0]

@@ -6,9 +6,21 @@ Every function takes and returns an Axes; ``saved`` makes the figure and the fil
 from collections.abc import Callable
 from pathlib import Path
 
-from studies.chain.record import Record
+from studies.record import Record
 
-__all__ = ["COLOURS", "draw_run", "errors", "profile", "saved", "surface", "trajectories", "velocity"]
+__all__ = [
+    "COLOURS",
+    "draw_run",
+    "errors",
+    "legend_below",
+    "legend_beside",
+    "logarithmic",
+    "profile",
+    "saved",
+    "surface",
+    "trajectories",
+    "velocity",
+]
 
 # Okabe and Ito's palette: told apart by the colour-blind and in grey
 COLOURS = {
@@ -18,6 +30,7 @@ COLOURS = {
     "line": "#000000",
     "second": "#009E73",
 }
+BELOW = 38  # points from the axes to a legend below them: room for ticks and label
 MARKS = {"stick": "s", "slip": "o", "intermittent": "^"}
 
 
@@ -43,6 +56,37 @@ def saved(path: Path, draw: Callable, *, size: tuple[float, float] = (7.0, 4.3))
     figure.savefig(path, dpi=150)
 
 
+def legend_below(ax, handles=None, *, columns: int = 4) -> None:
+    """Put the legend below the axes, where it covers no curve."""
+    handles = ax.get_legend_handles_labels()[0] if handles is None else handles
+    if handles:
+        from matplotlib.transforms import ScaledTranslation
+
+        below = ax.transAxes + ScaledTranslation(0.0, -BELOW / 72, ax.figure.dpi_scale_trans)
+        labels = [each.get_label() for each in handles]
+        ax.legend(
+            handles, labels, loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=below,
+            ncols=min(columns, len(handles)), frameon=False, fontsize="small", borderaxespad=0.0,
+        )  # fmt: skip
+
+
+def legend_beside(ax, **given) -> None:
+    """Put the legend at the right of the axes, where it covers no curve."""
+    ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize="small", **given)
+
+
+def logarithmic(axis) -> None:
+    """Make an axis logarithmic, with plain numbers at 1, 2 and 5, at decades alone where there are many."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    getattr(axis.axes, f"set_{axis.axis_name}scale")("log")
+    low, high = sorted(axis.get_view_interval())
+    few = high < 150 * low
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
+
+
 def velocity(record: Record, ax):
     """Draw steady velocity against voltage or amplitude, by regime, with threshold and release."""
     given = record.level == "normal_amplitude_m"
@@ -59,14 +103,17 @@ def velocity(record: Record, ax):
             ax.axvline(
                 limit * scale, color=COLOURS["line"], linestyle=style, linewidth=1, label=f"{name} (theory)"
             )
+    speeds = [point["velocity_m_per_s"] for point in record.points if "velocity_m_per_s" in point]
+    if speeds and not any(speeds) and not record.measured:
+        ax.set_ylim(-1.0, 1.0)
+        ax.text(0.5, 0.75, "at rest: the slider sticks at every level", transform=ax.transAxes, ha="center")
     if record.measured:
         _measured(record, ax, scale)
     ax.set_xlabel(unit)
     ax.set_ylabel("slider velocity (mm/s)")
     ax.set_title(record.scene.title, fontsize="medium", parse_math=False)
     ax.grid(alpha=0.3)
-    if ax.get_legend_handles_labels()[0]:
-        ax.legend(frameon=False)
+    legend_below(ax, columns=5)
     return ax
 
 
@@ -113,7 +160,7 @@ def trajectories(record: Record, ax):
     ax.set_ylabel("slider velocity (mm/s)")
     ax.set_title(record.scene.title, fontsize="medium", parse_math=False)
     ax.grid(alpha=0.3)
-    ax.legend(frameon=False)
+    legend_below(ax)
     return ax
 
 
@@ -137,7 +184,7 @@ def surface(record: Record, ax):
         parse_math=False,
     )
     ax.set_ylim(bottom=0)
-    ax.legend(frameon=False)
+    legend_below(ax)
     return ax
 
 
@@ -159,7 +206,7 @@ def profile(record: Record, ax):
         parse_math=False,
     )
     ax.grid(alpha=0.3)
-    ax.legend(frameon=False)
+    legend_below(ax)
     return ax
 
 
@@ -177,5 +224,5 @@ def errors(record: Record, ax):
     ax.set_ylabel("relative error")
     ax.set_title(record.scene.title, fontsize="medium", parse_math=False)
     ax.grid(alpha=0.3)
-    ax.legend(frameon=False)
+    legend_below(ax)
     return ax
