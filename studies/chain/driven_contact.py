@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from studies.chain import bridge
-from studies.chain.record import Record
+from studies.record import Record
 from studies.scene import Scene
 from studies.scene.resolved import resolved
 
@@ -30,7 +30,7 @@ class DrivenContact:
         Normal amplitude |u_z| under the slider's centre for a level of 1, m.
     stator_error : float
         Relative error of the orbits; 0 for a given wave.
-    record : studies.chain.record.Record or None
+    record : studies.record.Record or None
         Of the run that solved the stator; None where none was needed.
     """
 

@@ -8,7 +8,7 @@ import platform
 from datetime import UTC, datetime
 from pathlib import Path
 
-from studies.chain.record import Record, provenance
+from studies.record import Record, provenance
 from studies.report import energies, figures
 from studies.report.intermediate import intermediate_numbers, si
 from studies.report.limits import model_limits

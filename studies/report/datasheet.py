@@ -12,7 +12,7 @@ import numpy as np
 
 from studies.chain import run
 from studies.chain.driven_contact import DrivenContact
-from studies.chain.record import Record
+from studies.record import Record
 from studies.refusal import RunError
 from studies.scene import Scene
 

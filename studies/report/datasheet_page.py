@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.chain.record import provenance
+from studies.record import provenance
 from studies.report.datasheet import SETTLED, Datasheet, Row
 from studies.report.figures import COLOURS, as_svg, legend_below, velocity
 from studies.report.intermediate import si

@@ -8,7 +8,7 @@ import io
 from collections.abc import Callable
 from pathlib import Path
 
-from studies.chain.record import Record
+from studies.record import Record
 
 __all__ = [
     "COLOURS",
