@@ -12,6 +12,7 @@ from pathlib import Path
 
 import fem
 from studies.chain import bridge
+from studies.chain.neglected import driven_left_out, free_left_out
 from studies.chain.points import SliderAnswer, slider_answer
 from studies.chain.ring_up import ring_up, ring_up_left_out
 from studies.chain.warnings import warnings
@@ -119,7 +120,7 @@ def _free(scene: Scene, tolerance: float) -> Record:
         },
         error={"relative": wave.relative_error, "parts": {"stator": wave.relative_error}},
         seconds={"stator": time.perf_counter() - begun},
-        left_out=wave.left_out,
+        left_out=free_left_out(resolved.stator(scene.stator)),
         surface=columns,
     )
 
@@ -145,8 +146,7 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
                 block,
                 transducers,
                 frequency=scene.frequency,
-                driven=scene.drive.transducer,
-                source_impedance=scene.drive.source_impedance,
+                drive=resolved.drive(scene),
                 tolerance=goal,
                 places=places,
                 progress=say,
@@ -198,7 +198,8 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
             "power_residual": wave.power_residual,
             "admittance_relative_error": wave.admittance_error,
         },
-        left_out=wave.left_out + ring_up_left_out(scene, ringing, blocks.get("trajectories", ())),
+        left_out=driven_left_out(block, scene.frequency)
+        + ring_up_left_out(scene, ringing, blocks.get("trajectories", ())),
         surface=_surface_columns(wave),
         surface_wave=wave,
         **blocks,
