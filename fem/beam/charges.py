@@ -13,9 +13,9 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.condense.join import lines
-from fem.condense.recovery import ColumnField
 from fem.discretize.spectral import gll_nodes
+from fem.results.evaluation import column_fields
+from fem.results.solution import Solution
 
 SAME_NODE = 1e-9  # length units: nodes of neighbouring columns that are nearer are one
 MOMENT_ERROR = 1e-14  # of a finger's transform from its moments
@@ -92,12 +92,12 @@ def _moments(distances: np.ndarray, charges: np.ndarray, size: float) -> np.ndar
     return None
 
 
-def electrode_charges(solution, index: int) -> ElectrodeCharges:
+def electrode_charges(solution: Solution, index: int) -> ElectrodeCharges:
     """Charges on a transducer's fingers.
 
     Parameters
     ----------
-    solution : fem.solution.Solution
+    solution : Solution
     index : int
         Of the transducer, from left to right.
 
@@ -105,32 +105,26 @@ def electrode_charges(solution, index: int) -> ElectrodeCharges:
     -------
     ElectrodeCharges
     """
-    section, network = solution.section, solution.network
-    unit, order = section.length_unit, section.order
-    kinds: dict[int, tuple[ColumnField, list, list]] = {}
-    for start, part, sides in lines(
-        network.scatterers[index].block, solution.sides(index), network.places[index]
-    ):
-        entry = kinds.setdefault(id(part.column), (ColumnField(part.column), [], []))
-        entry[1].append(start)
-        entry[2].append(sides)
+    section = solution.fields.section
     places, reactions, metal = [], [], []
-    for recovery, starts, sides in kinds.values():
+    for recovery, starts, sides in column_fields(solution, index):
         column = recovery.column
-        reaction = recovery.surface_reactions(np.stack(sides, axis=-1))
-        places.append(np.add.outer(gll_nodes(order) * column.width, starts).ravel())
+        reaction = recovery.surface_reactions(sides)
+        places.append(
+            np.add.outer(gll_nodes(section.order) * column.width * section.length_unit, starts).ravel()
+        )
         reactions.append(reaction.ravel())
         metal.append(np.full(reaction.size, column.comb is not None))
     in_row = np.argsort(np.concatenate(places), kind="stable")
     place, reaction, on_metal = (np.concatenate(each)[in_row] for each in (places, reactions, metal))
-    node = np.cumsum(np.diff(place, prepend=-np.inf) > SAME_NODE) - 1
+    node = np.cumsum(np.diff(place, prepend=-np.inf) > SAME_NODE * section.length_unit) - 1
     first = np.searchsorted(node, np.arange(node[-1] + 1))
     charge = np.add.reduceat(reaction, first)
     covered = np.logical_or.reduceat(on_metal, first)
     finger = np.cumsum(np.diff(covered.astype(int), prepend=0) == 1)
     medium = section.solid
     return ElectrodeCharges(
-        x=place[first][covered] * unit,
+        x=place[first][covered],
         charge=-charge[covered] * (medium.stress_unit / medium.potential_unit),
         finger=finger[covered],
     )

@@ -19,7 +19,7 @@ import numpy as np
 from fem.beam.charges import ElectrodeCharges, electrode_charges
 from fem.beam.lateral import LateralRule, lateral_rule
 from fem.beam.line_source import LineSource, isotropic_about_normal, line_source
-from fem.results.surface import SurfaceWave
+from fem.results.surface_wave import SurfaceWave
 
 NEAREST = 0.5  # wavelengths from the fingers, within which the field is not given
 KEPT = 1e-12  # share of a mode's amplitude that must be left at the nearest point for it to count
@@ -207,17 +207,17 @@ def surface_beam(wave: SurfaceWave) -> SurfaceBeam:
         For other cuts and ends.
     """
     solution = wave.solution
-    stator = solution.stator
+    stator = solution.fields.stator
     if stator.ends != "absorbing":
         raise BeamError(f"the field in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}")
     if not isotropic_about_normal(stator.solid):
         raise BeamError(
             f"the field in three dimensions needs a solid isotropic about z, which {stator.solid.name} is not"
         )
-    transducers = solution.transducers
+    transducers = solution.fields.transducers
     return SurfaceBeam(
         wave=wave,
-        source=line_source(solution.modes),
+        source=line_source(solution.fields.modes),
         charges=tuple(electrode_charges(solution, index) for index in range(len(transducers))),
         apertures=tuple(each.aperture for each in transducers),
     )

@@ -1,6 +1,7 @@
 """How large a driven stator's discretised problem is, counted from the geometry before anything is solved.
 
-The counts follow what `fem.solution` does: equal columns are condensed once, equal runs of fingers are joined once.
+The counts follow what `fem.condense.transducer` does: equal columns are condensed once, equal runs of fingers joined
+once.
 """
 
 from dataclasses import dataclass

@@ -68,7 +68,7 @@ def half_cells(
     )
     rising = joined(row(left, None), row(metal[::-1], 0), phi=phi, comb=0)
     if section.odd is not None and shape.even:
-        return rising, mirrored(rising, section.odd, phi)
+        return rising, mirrored(rising, section.odd, bool(section.odd[phi]))
     return rising, joined(row(metal, 0), row(right[::-1], None), phi=phi, comb=0)
 
 

@@ -102,6 +102,15 @@ class Section:
         return int(self.dofs.max()) + 1
 
     @property
+    def full(self) -> "Section":
+        """The section itself, of which nothing is reduced to a basis."""
+        return self
+
+    def lift(self, lines: np.ndarray) -> np.ndarray:
+        """Unknowns of the full section on lines, shape (size, ...)."""
+        return lines
+
+    @property
     def solid(self) -> Medium:
         """Medium of the stator."""
         return self.media[0]
@@ -132,7 +141,15 @@ class Section:
     @cached_property
     def odd(self) -> np.ndarray | None:
         """Unknowns that change sign under x -> -x, shape (size,); None if the solid has no such symmetry."""
-        parity = self.solid.parity
+        return self._unknowns_of(self.solid.parity)
+
+    @cached_property
+    def lateral_odd(self) -> np.ndarray | None:
+        """As `odd`, for fields with a lateral wavenumber."""
+        return self._unknowns_of(self.solid.lateral_parity)
+
+    def _unknowns_of(self, parity: np.ndarray | None) -> np.ndarray | None:
+        """Unknowns of the fields that are odd, shape (size,)."""
         if parity is None:
             return None
         odd = np.zeros(self.size, dtype=bool)
@@ -198,6 +215,46 @@ class Section:
             )[inside]
         return second, first, zeroth
 
+    def lateral_matrices(self, frequency: float, wavenumber: float) -> tuple[np.ndarray, ...]:
+        """Matrices of a uniform segment for fields that vary as exp(-i k_y y).
+
+        Parameters
+        ----------
+        frequency : float
+            Hz.
+        wavenumber : float
+            k_y in radians per length unit.
+
+        Returns
+        -------
+        second, first, adjoint, zeroth : ndarray, shape (size, size)
+            K2, K1, its counterpart in the test functions (K1(-k_y)^T; K1^T where y -> -y is a symmetry, because the
+            odd fields are then scaled by i), and K0 - omega^2 M.
+        """
+        second, first, zeroth = self.matrices(frequency)
+        adjoint = first.T
+        reference = reference_matrices(self.order)
+        along, back, across = (np.zeros((self.size, self.size), dtype=complex) for _ in range(3))
+        for element, (height, part) in enumerate(zip(self.heights, self.media, strict=True)):
+            tables = part.lateral(wavenumber)
+            dofs, exists = self.element_dofs(element)
+            keep = dofs[exists]
+            chosen = np.flatnonzero(exists.ravel())
+            at, inside = np.ix_(keep, keep), np.ix_(chosen, chosen)
+            mass = height * reference.mass
+            along[at] += np.kron(mass, tables.xy)[inside]
+            back[at] += np.kron(mass, tables.yx)[inside]
+            across[at] += (
+                np.kron(reference.advection, tables.zy)
+                + np.kron(reference.advection.T, tables.yz)
+                + np.kron(mass, tables.yy)
+            )[inside]
+        return second, *(_real_if_real(each) for each in (first + along, adjoint + back, zeroth + across))
+
+
+def _real_if_real(matrix: np.ndarray) -> np.ndarray:
+    return matrix if np.any(matrix.imag) else matrix.real
+
 
 FIELD_COLUMN = {"ux": 0, "uy": 1, "uz": 2, "phi": 3}
 
@@ -227,7 +284,14 @@ def graded(
     return np.array(sizes[::-1] if smallest_first else sizes)
 
 
-def discretise(stator: Stator, resolution: Resolution, *, wavelength: float, surface_scale: float) -> Section:
+def discretise(
+    stator: Stator,
+    resolution: Resolution,
+    *,
+    wavelength: float,
+    surface_scale: float,
+    lateral: bool = False,
+) -> Section:
     """Elements and unknowns through the depth of a stator.
 
     Parameters
@@ -239,12 +303,14 @@ def discretise(stator: Stator, resolution: Resolution, *, wavelength: float, sur
     surface_scale : float
         Length in m over which the surface's electrodes vary (half a finger): the graded element's height; infinite
         where there is no electrode.
+    lateral : bool
+        The fields will have a lateral wavenumber: all displacements, and phi of a piezoelectric solid, take part.
 
     Returns
     -------
     Section
     """
-    names = coupled_fields(stator.solid)
+    names = lateral_fields(stator.solid) if lateral else coupled_fields(stator.solid)
     body = medium(stator.solid, names)
     unit = wavelength
     largest = resolution.element_size
@@ -297,6 +363,11 @@ def discretise(stator: Stator, resolution: Resolution, *, wavelength: float, sur
         bottom=len(below) * resolution.order,
         surface_speed=_surface_speed(stator.solid),
     )
+
+
+def lateral_fields(solid) -> tuple[str, ...]:
+    """Fields that take part where something depends on y."""
+    return ("ux", "uy", "uz", "phi") if solid.is_piezoelectric else ("ux", "uy", "uz")
 
 
 def bottom_corners(stator: Stator) -> bool:

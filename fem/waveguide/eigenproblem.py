@@ -5,18 +5,21 @@ import numpy as np
 WIDE_SPECTRUM = 1e7  # largest over typical eigenvalue above which one eigensolve cannot serve both ends
 
 
-def even_odd_modes(second, first, zeroth, odd):
-    """Eigenpairs (k, v), one of each pair k, -k, from the problem linear in k^2 (odd unknowns u_o = -i k w)."""
+def even_odd_modes(second, skew, zeroth, odd):
+    """Eigenpairs (k, v) of k^2 second + i k skew + zeroth, one of each pair k, -k, where x -> -x is a symmetry.
+
+    ``skew`` couples only odd unknowns with even ones; with u_o = -i k w for the odd ones the problem is linear in k^2.
+    """
     even = ~odd
-    across = (first - first.T)[np.ix_(odd, even)]
     odds, size = int(odd.sum()), len(odd)
-    left = np.zeros_like(second, shape=(size, size))
+    dtype = np.result_type(second, skew, zeroth)
+    left = np.zeros((size, size), dtype=dtype)
     left[:odds, :odds] = second[np.ix_(odd, odd)]
     left[odds:, odds:] = second[np.ix_(even, even)]
-    left[odds:, :odds] = -across.T
-    right = np.zeros_like(zeroth, shape=(size, size))
+    left[odds:, :odds] = skew[np.ix_(even, odd)]
+    right = np.zeros((size, size), dtype=dtype)
     right[:odds, :odds] = -zeroth[np.ix_(odd, odd)]
-    right[:odds, odds:] = across
+    right[:odds, odds:] = skew[np.ix_(odd, even)]
     right[odds:, odds:] = -zeroth[np.ix_(even, even)]
     squares, vectors = _graded_eigenpairs(left, right, (2 * np.pi) ** 2 * (-0.3 + 0.9j))
     wavenumbers = np.sqrt(squares.astype(complex))

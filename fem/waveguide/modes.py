@@ -50,6 +50,9 @@ class GuidedModes:
         Mode shapes in columns.
     right_flux, left_flux : ndarray, shape (n, n)
         Their nodal fluxes.
+    lateral_wavenumber : float
+        k_y in radians per length unit, of fields that vary as exp(-i k_y y).  Where y -> -y is a symmetry of the
+        solid, the unknowns that change sign (u_y) are u_y / i.
     """
 
     section: Section
@@ -60,20 +63,35 @@ class GuidedModes:
     left: np.ndarray = field(repr=False)
     right_flux: np.ndarray = field(repr=False)
     left_flux: np.ndarray = field(repr=False)
+    lateral_wavenumber: float = 0.0
+
+    @cached_property
+    def _symmetric_matrices(self) -> tuple[np.ndarray, ...]:
+        """K2, K1 and K0 - omega^2 M, for the radiation impedance, where the problem is complex symmetric."""
+        if not self.lateral_wavenumber:
+            return self.section.matrices(self.frequency)
+        if self.section.solid.mirror_y is None:
+            raise ValueError(
+                "the radiation impedance at a lateral wavenumber is known where y -> -y is a symmetry of the solid; "
+                "this cut has no such symmetry"
+            )
+        second, first, _, zeroth = self.section.lateral_matrices(self.frequency, self.lateral_wavenumber)
+        return second, first, zeroth
 
     @cached_property
     def right_end(self) -> np.ndarray:
         """X with f = X u where the stretch goes on to the right for ever, shape (n, n)."""
-        second, first, zeroth = self.section.matrices(self.frequency)
+        second, first, zeroth = self._symmetric_matrices
         return _end(second, first, zeroth, self.wavenumbers, self.right, self.right_flux)
 
     @cached_property
     def left_end(self) -> np.ndarray:
         """X with -f = X u where the stretch goes on to the left for ever, shape (n, n)."""
-        if self.section.odd is not None:
-            mirror = np.where(self.section.odd, -1.0, 1.0)
+        odd = _odd(self.section, self.lateral_wavenumber)
+        if odd is not None:
+            mirror = np.where(odd, -1.0, 1.0)
             return mirror[:, None] * self.right_end * mirror
-        second, first, zeroth = self.section.matrices(self.frequency)
+        second, first, zeroth = self._symmetric_matrices
         return _end(second, -first, zeroth, -self.backwards, self.left, -self.left_flux)
 
     @cached_property
@@ -116,7 +134,10 @@ class GuidedModes:
         localised = self.section.surface_share(self.right[:, moving])
         if self.section.surface_speed is not None:
             expected = 2 * np.pi * self.frequency * self.section.length_unit / self.section.surface_speed
-            localised /= 1.0 + (abs(self.wavenumbers[moving] / expected - 1.0) / NEAR_HALF_SPACE) ** 2
+            total = self.wavenumbers[moving]
+            if self.lateral_wavenumber:
+                total = np.sqrt(total**2 + self.lateral_wavenumber**2)
+            localised /= 1.0 + (abs(total / expected - 1.0) / NEAR_HALF_SPACE) ** 2
         best = int(np.argmax(localised))
         apart = abs(self.wavenumbers[moving] / self.wavenumbers[moving[best]] - 1)
         split = (apart < TWIN_MODES) & (localised > 0.4 * localised[best])
@@ -129,33 +150,45 @@ def power(displacement: np.ndarray, flux: np.ndarray, frequency: float) -> np.nd
     return -np.pi * frequency * np.imag(np.sum(flux * np.conj(displacement), axis=0))
 
 
-def guided_modes(section: Section, frequency: float) -> GuidedModes:
+def guided_modes(section: Section, frequency: float, lateral_wavenumber: float = 0.0) -> GuidedModes:
     """All modes of a uniform stretch with a bare surface.
 
     Parameters
     ----------
     section : Section
+        With all fields (``lateral=True`` in `fem.discretize.section.discretise`) for a lateral wavenumber.
     frequency : float
         Hz, positive.
+    lateral_wavenumber : float
+        k_y in radians per length unit.
 
     Returns
     -------
     GuidedModes
     """
-    second, first, zeroth = section.matrices(frequency)
-    if section.odd is not None:
-        mirror = np.where(section.odd, -1.0, 1.0)
-        wavenumbers, right = even_odd_modes(second, first, zeroth, section.odd)
+    if lateral_wavenumber:
+        second, first, adjoint, zeroth = section.lateral_matrices(frequency, lateral_wavenumber)
+        skew = first - adjoint
+    else:
+        second, first, zeroth = section.matrices(frequency)
+        skew = first - first.T
+    constant = None
+    if section.floats and not lateral_wavenumber:
+        constant = section.constant_potential / np.linalg.norm(section.constant_potential)
+    odd = _odd(section, lateral_wavenumber)
+    if odd is not None:
+        mirror = np.where(odd, -1.0, 1.0)
+        wavenumbers, right = even_odd_modes(second, skew, zeroth, odd)
         right_flux = _flux(second, first, wavenumbers, right)
         turned = ~_goes_right(wavenumbers, right, right_flux)
         wavenumbers = np.where(turned, -wavenumbers, wavenumbers)
         right = np.where(turned, mirror[:, None] * right, right)
-        wavenumbers, right = _grounded(section, wavenumbers, right)
+        wavenumbers, right = _grounded(constant, wavenumbers, right)
         right_flux = _flux(second, first, wavenumbers, right)
         backwards, left = -wavenumbers, mirror[:, None] * right
         left_flux = -mirror[:, None] * right_flux
     else:
-        (wavenumbers, right), (backwards, left) = _both_ways(section, second, first, zeroth)
+        (wavenumbers, right), (backwards, left) = _both_ways(constant, second, first, skew, zeroth)
         right_flux = _flux(second, first, wavenumbers, right)
         left_flux = _flux(second, first, backwards, left)
     return GuidedModes(
@@ -167,7 +200,13 @@ def guided_modes(section: Section, frequency: float) -> GuidedModes:
         left=left,
         right_flux=right_flux,
         left_flux=left_flux,
+        lateral_wavenumber=lateral_wavenumber,
     )
+
+
+def _odd(section: Section, lateral_wavenumber: float) -> np.ndarray | None:
+    """Unknowns that change sign under x -> -x, where that is a symmetry."""
+    return section.lateral_odd if lateral_wavenumber else section.odd
 
 
 def _flux(second, first, wavenumbers, shapes):
@@ -209,24 +248,22 @@ def _end(second, first, zeroth, wavenumbers, shapes, flux):
     return best
 
 
-def _grounded(section, wavenumbers, shapes):
+def _grounded(constant, wavenumbers, shapes):
     """Unit shapes; the constant potential, where it exists, put in exactly for the mode that stands for it."""
     shapes = shapes / np.sqrt(np.sum(abs(shapes) ** 2, axis=0))
-    if section.floats:
-        constant = section.constant_potential / np.linalg.norm(section.constant_potential)
+    if constant is not None:
         at = int(np.argmin(abs(wavenumbers) + (abs(constant @ shapes) < 0.9)))
         wavenumbers = wavenumbers.copy()
         wavenumbers[at], shapes[:, at] = 0.0, constant
     return wavenumbers, shapes
 
 
-def _both_ways(section, second, first, zeroth):
+def _both_ways(constant, second, first, skew, zeroth):
     """Modes going right and going left where no symmetry pairs them, in matching order (backwards ~ -k)."""
     size = len(second)
-    wavenumbers, shapes = companion_modes(second, 1j * (first - first.T), zeroth)
+    wavenumbers, shapes = companion_modes(second, 1j * skew, zeroth)
     rightgoing = _goes_right(wavenumbers, shapes, _flux(second, first, wavenumbers, shapes))
-    if section.floats:
-        constant = section.constant_potential / np.linalg.norm(section.constant_potential)
+    if constant is not None:
         unit = shapes / np.sqrt(np.sum(abs(shapes) ** 2, axis=0))
         pair = np.argsort(abs(wavenumbers) + (abs(constant @ unit) < 0.9))[:2]
         rightgoing[pair] = True, False
@@ -235,8 +272,8 @@ def _both_ways(section, second, first, zeroth):
             f"{int(rightgoing.sum())} of {2 * size} modes go right where {size} should: a mode without loss is at "
             "its cut-off; change the frequency slightly or give the solid a mechanical_quality"
         )
-    right = _grounded(section, wavenumbers[rightgoing], shapes[:, rightgoing])
-    left = _grounded(section, wavenumbers[~rightgoing], shapes[:, ~rightgoing])
+    right = _grounded(constant, wavenumbers[rightgoing], shapes[:, rightgoing])
+    left = _grounded(constant, wavenumbers[~rightgoing], shapes[:, ~rightgoing])
     order, free = np.empty(size, dtype=int), np.ones(size, dtype=bool)
     for index in np.argsort(abs(right[0])):
         candidates = np.flatnonzero(free)

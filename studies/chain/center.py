@@ -37,8 +37,7 @@ def center_frequency(scene: Scene, place: float, *, progress: Callable[[str], No
 
     def sizes(frequencies) -> np.ndarray:
         inside = np.clip(frequencies, *prepared.limits)
-        impedance = scene.drive.source_impedance
-        waves = prepared.waves(inside, driven=driven.name, source_impedance=impedance)
+        waves = prepared.waves(inside, resolved.drive(scene))
         at = (wave.motion if wave.covered(place) else wave.rayleigh_motion for wave in waves)
         return np.array([abs(motion(place)[1]) for motion in at])
 

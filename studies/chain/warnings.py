@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from studies.chain import bridge
-from studies.chain.record import Record
+from studies.record import Record
 from studies.scene import Scene, resolved
 
 __all__ = ["warnings"]

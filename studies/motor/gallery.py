@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from studies.chain import bridge
-from studies.chain.record import Record
+from studies.record import Record
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord
 

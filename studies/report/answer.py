@@ -1,6 +1,6 @@
 """The answer of a run as text: a table of the points, then what it is worth and what was left out."""
 
-from studies.chain.record import Record
+from studies.record import Record
 from studies.report.measured import comparison_lines
 
 __all__ = ["answer", "table"]

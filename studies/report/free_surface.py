@@ -1,6 +1,6 @@
 """``sawmotor wave``: the Rayleigh wave of a material's half-space, without a mesh and without loss."""
 
-from studies.chain.record import plain
+from studies.record import plain
 from studies.refusal import RunError, SceneError
 from studies.report.answer import table
 from studies.report.crystal import crystal_tables, tables_text

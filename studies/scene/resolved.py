@@ -122,6 +122,13 @@ def transducers(scene: Scene) -> tuple:
         )
 
 
+def drive(scene: Scene):
+    """Return the ``fem.Drive`` of a scene with transducers."""
+    from fem import Drive
+
+    return Drive(sources={scene.drive.transducer: 1.0}, impedance=scene.drive.source_impedance)
+
+
 def _with_periods(scene: Scene) -> tuple:
     if all(block.period != "auto" for block in scene.transducer):
         return scene.transducer

@@ -213,8 +213,8 @@ def solved_again(scene: Scene, record: dict, *, progress):
         Told what is being done.
     """
     from fem.discretize.refinement import LEVELS
-    from fem.results.evaluation import surface_wave
-    from fem.solution import solved
+    from fem.results.solution import solve_driven
+    from fem.results.surface_wave import surface_wave
     from fem.threads import one_blas_thread
 
     named = record["wave"].get("resolution")
@@ -224,15 +224,19 @@ def solved_again(scene: Scene, record: dict, *, progress):
 
         bare = replace(scene, slider=None)
         return run(bare, tolerance=record["tolerance"], progress=progress).surface_wave
-    found = one_blas_thread(solved)(
+    found = one_blas_thread(solve_driven)(
         resolved.stator(scene.stator),
         resolved.transducers(scene),
         frequency=scene.frequency,
-        driven=scene.drive.transducer,
-        source_impedance=scene.drive.source_impedance,
+        drive=resolved.drive(scene),
         resolution=level[0],
     )
-    return surface_wave(found)
+    return surface_wave(
+        found,
+        relative_error=record["error"]["relative"],
+        admittance_error=record["electrical"]["admittance_relative_error"],
+        seconds=0.0,
+    )
 
 
 def _free(scene: Scene, record: dict) -> RunField:

@@ -25,7 +25,7 @@ from studies.sweep.workers import Here
 
 OVER = {"slider.preload": "0.1 mN:10 mN:8:log", "wave.normal_amplitude": "0.5 nm:20 nm:6"}
 SMALL = {
-    "stator": {"material": "PZT-8", "length": 12e-3, "thickness": 0.7e-3, "width": 0.01, "ends": "absorbing"},
+    "stator": {"material": "PZT-8", "length": 12e-3, "thickness": 0.7e-3, "width": 0.025, "ends": "absorbing"},
     "transducer": [
         {"name": "left", "center": 3e-3, "finger_pairs": 2, "period": 0.98e-3, "metallisation": 0.5, "aperture": 0.02}
     ],

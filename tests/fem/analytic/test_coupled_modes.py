@@ -48,7 +48,7 @@ def test_the_frequency_and_the_height_of_the_largest_wave_are_those_of_the_drive
 
     def meshed(frequency):
         wave = fem.driven_wave(
-            stator, (transducer,), frequency=frequency, driven="a", source_impedance=0.0, tolerance=5e-2,
+            stator, (transducer,), frequency=frequency, drive="a", tolerance=5e-2,
             places=(13e-3,),
         )  # fmt: skip
         return abs(wave.rayleigh_motion(13e-3)[1])

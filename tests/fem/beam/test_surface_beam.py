@@ -7,17 +7,16 @@ import pytest
 
 from fem.beam.charges import electrode_charges
 from fem.beam.surface_beam import BeamError, surface_beam
-from fem.results.evaluation import surface_wave
 from fem.waveguide.modes import power
 from studies.evidence.peers.plate_response import PlateResponse
-from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution
+from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of
 from tests.oracles.fem_plate_beam import plate_beam
 
 
 def beam_of(solid, *, length=30.0, thickness=1.3, order=7, layers=1, aperture=5e-3, **rest):
     stator = plate(solid, length=length, thickness=thickness, **rest)
     left = comb(stator, "a", 6.0, finger_pairs=3, aperture=aperture)
-    return surface_beam(surface_wave(solution(stator, (left,), order=order, layers=layers)))
+    return surface_beam(wave_of(solution(stator, (left,), order=order, layers=layers)))
 
 
 @pytest.fixture(scope="module")
@@ -38,11 +37,11 @@ def test_infinite_aperture_is_the_section(bottom):
     left = abs(tangential - section[0])
     assert left.max() < 5e-3 * abs(section).max()
     wider = replace(beam, apertures=(2.0,)).motion(x)[0]
-    np.testing.assert_allclose(abs(wider - section[0]), left / 2, atol=2e-8 * abs(section).max())
+    np.testing.assert_allclose(abs(wider - section[0]), left / 2, rtol=1e-3)
 
 
 def test_charges_give_the_admittance():
-    wave = surface_wave(solution(plate(cut("PZT-8", "Z")), (comb(plate(cut("PZT-8", "Z")), "a", 2.0),)))
+    wave = wave_of(solution(plate(cut("PZT-8", "Z")), (comb(plate(cut("PZT-8", "Z")), "a", 2.0),)))
     charges = electrode_charges(wave.solution, 0)
     positive = charges.charge[charges.finger == 1].sum()
     assert 2j * np.pi * FREQUENCY * 0.02 * positive == pytest.approx(wave.admittance, rel=1e-10)
@@ -50,13 +49,13 @@ def test_charges_give_the_admittance():
 
 
 def test_exact_plate_response_over_the_plane_of_wave_vectors(lossy):
-    solid = lossy.wave.solution.stator.solid
+    solid = lossy.wave.solution.fields.stator.solid
     exact = PlateResponse(
         stiffness=solid.stiffness_lossy,
         coupling=solid.coupling,
         permittivity=solid.permittivity_lossy,
         density=solid.density,
-        thickness=lossy.wave.solution.stator.thickness,
+        thickness=lossy.wave.solution.fields.stator.thickness,
         frequency=FREQUENCY,
     )
     charges = lossy.charges[0]
@@ -87,8 +86,11 @@ def test_mirror_images(lossy):
 def test_far_field_follows_the_aperture():
     """At 0.2 m the surface wave alone is left; over the angle it is W sinc(k W sin / 2) T(k cos) over the axis's."""
     beam = beam_of(lossless("PZT-8", "Z"), thickness=np.inf, aperture=3e-3, length=600.0)
-    surface = beam.wave.solution.modes.rayleigh[0]
-    k = float(beam.wave.solution.modes.wavenumbers[surface].real) / beam.wave.solution.section.length_unit
+    surface = beam.wave.solution.fields.modes.rayleigh[0]
+    k = (
+        float(beam.wave.solution.fields.modes.wavenumbers[surface].real)
+        / beam.wave.solution.fields.section.length_unit
+    )
     charges = beam.charges[0]
     middle = 0.5 * (charges.x[0] + charges.x[-1])
     angles = np.radians([0.0, 3.0, 6.0, 9.0, 14.0])
@@ -128,7 +130,7 @@ def test_power_through_planes():
     The charges are prescribed, so the beam may take less than the ports of the section: 1.4 % at 20 wavelengths.
     """
     beam = beam_of(lossless("PZT-8", "Z"), thickness=2.3)
-    modes = beam.wave.solution.modes
+    modes = beam.wave.solution.fields.modes
     per_mode = power(modes.right, modes.right_flux, FREQUENCY)[modes.wavenumbers != 0]
     per_mode = per_mode * modes.section.solid.stress_unit * abs(beam.source.amplitudes) ** 2
     k = beam.source.wavenumbers
