@@ -3,7 +3,16 @@
 import os
 from pathlib import Path
 
-__all__ = ["ready"]
+__all__ = ["keeps", "ready"]
+
+
+def keeps() -> bool:
+    """Return whether compiled kernels can be kept on disk: where not, every process compiles them again."""
+    from contact.jit import compiled
+
+    folder = Path(compiled._folder())
+    nearest = next((each for each in (folder, *folder.parents) if each.exists()), None)
+    return nearest is not None and os.access(nearest, os.W_OK)
 
 
 def ready() -> bool:

@@ -16,6 +16,8 @@ SAMPLES = 2000  # instants of a trajectory: it is drawn and kept, not integrated
 STEADY_METHODS, BURST_METHODS = ("auto", "exact", "averaged"), ("auto", "exact", "stepped")
 SHAPED_METHODS = ("auto", "stepped")  # which may follow an envelope
 
+NOT_KEPT = "what is compiled cannot be kept: set NUMBA_CACHE_DIR to a directory that can be written"
+
 
 @dataclass(frozen=True, kw_only=True)
 class SliderAnswer:
@@ -68,13 +70,15 @@ def slider_answer(
     ringing : studies.chain.ring_up.RingUp, optional
         How the orbits grow during a burst.
     """
-    from contact.jit import kernels
+    from contact import kernels
 
     slider = _refusing(lambda: bridge.contact_slider(scene.slider))
     points, parts, trajectories = [], [], []
     for number, level in enumerate(scene.levels, start=1):
-        waits = number == 1 and not kernels.ready()
-        progress(f"contact: point {number} of {len(scene.levels)}{', compiling once' if waits else ''}")
+        waits = ""
+        if number == 1 and not kernels.ready():
+            waits = ", compiling once" if kernels.keeps() else f", compiling; {NOT_KEPT}"
+        progress(f"contact: point {number} of {len(scene.levels)}{waits}")
         point = {} if scene.wave is not None else {"voltage_V": level}
         for side, amplitude in zip(("normal", "tangential"), amplitudes, strict=True):
             point[f"{side}_amplitude_m"] = amplitude * level

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 from studies.chain import SHARE
 from studies.chain.neglected import driven_left_out, free_left_out
+from studies.chain.points import NOT_KEPT
 from studies.chain.ring_up import RingUp, ring_up_left_out
 from studies.report import cost
 from studies.report.equations import contact_equations, field_equations
@@ -172,7 +173,7 @@ def free_parts(scene: Scene, tolerance: float, speed: float) -> tuple[list[Part]
 
 def contact_part(scene: Scene) -> Part:
     """Return the part of a slider."""
-    from contact.jit import kernels
+    from contact import kernels
 
     slider = scene.slider
     contacts = 1 if isinstance(slider.contacts, int) else len(slider.contacts)
@@ -184,7 +185,8 @@ def contact_part(scene: Scene) -> Part:
     ]
     ready = kernels.ready()
     if not ready:
-        facts.append(f"its kernels are compiled first, once: about {cost.COMPILE:g} s")
+        once = "once" if kernels.keeps() else NOT_KEPT
+        facts.append(f"its kernels are compiled first, {once}: about {cost.COMPILE:g} s")
     seconds = cost.contact_seconds(points, slider.law, contacts, ready=ready)
     if scene.burst is not None:
         frequency = _with_frequency(scene).frequency

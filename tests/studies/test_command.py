@@ -1,5 +1,7 @@
 """The command: exit codes, what goes to stdout and stderr, what is written, what is imported."""
 
+import builtins
+import io
 import json
 import subprocess
 import sys
@@ -8,7 +10,7 @@ import pytest
 
 from studies.__main__ import main
 from studies.results import MANIFEST
-from studies.scene import shipped_scenes
+from studies.scene import Scene, shipped_scenes
 
 CONTACT = ["run", "twente-contact", "--set", "wave.normal_amplitude=[0, 3e-9]"]
 
@@ -317,3 +319,44 @@ def test_a_closed_pipe_is_no_traceback():
     script = f"{sys.executable} -m studies scenes | true"
     done = subprocess.run(["bash", "-c", script], capture_output=True, text=True)
     assert done.stderr == ""
+
+
+@pytest.mark.parametrize("words", [[], ["--json"]])
+def test_a_terminal_without_the_letters_gets_their_numbers(monkeypatch, tmp_path, words):
+    monkeypatch.chdir(tmp_path)
+    narrow = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
+    monkeypatch.setattr(sys, "stdout", narrow)
+    assert main([*CONTACT, "--set", "title=5 \u00b5m", *words, "--no-plot"]) == 0
+    text = narrow.buffer.getvalue().decode("ascii")
+    if words:
+        assert json.loads(text)["title"] == "5 \u00b5m"
+    else:
+        assert text.startswith("5 \\xb5m")
+
+
+def test_an_interrupt_of_the_first_imports_is_a_sentence(call, monkeypatch):
+    original = builtins.__import__
+
+    def interrupted(name, *arguments, **options):
+        if name == "studies.refusal":
+            raise KeyboardInterrupt
+        return original(name, *arguments, **options)
+
+    monkeypatch.setattr(builtins, "__import__", interrupted)
+    status, out, err = call("scenes")
+    monkeypatch.undo()
+    assert (status, out) == (1, "")
+    assert err == "sawmotor: interrupted, nothing was written\n"
+
+
+def test_kernels_that_cannot_be_kept_are_not_said_to_be_compiled_once(monkeypatch):
+    from contact import kernels
+    from studies.chain import run
+
+    monkeypatch.setattr(kernels, "ready", lambda: False)
+    scene = Scene.load("twente-contact").replace(wave={"normal_amplitude": [1e-9]})
+    for writable, words in ((True, "compiling once"), (False, "set NUMBA_CACHE_DIR")):
+        monkeypatch.setattr("contact.jit.kernels.os.access", lambda *_, held=writable: held)
+        said = []
+        run(scene, progress=said.append)
+        assert words in " ".join(said)
