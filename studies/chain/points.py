@@ -16,8 +16,6 @@ SAMPLES = 2000  # instants of a trajectory: it is drawn and kept, not integrated
 STEADY_METHODS, BURST_METHODS = ("auto", "exact", "averaged"), ("auto", "exact", "stepped")
 SHAPED_METHODS = ("auto", "stepped")  # which may follow an envelope
 
-NOT_KEPT = "what is compiled cannot be kept: set NUMBA_CACHE_DIR to a directory that can be written"
-
 
 @dataclass(frozen=True, kw_only=True)
 class SliderAnswer:
@@ -74,11 +72,9 @@ def slider_answer(
 
     slider = _refusing(lambda: bridge.contact_slider(scene.slider))
     points, parts, trajectories = [], [], []
+    waiting = "" if kernels.ready() else f", compiling {kernels.how_often()}"
     for number, level in enumerate(scene.levels, start=1):
-        waits = ""
-        if number == 1 and not kernels.ready():
-            waits = ", compiling once" if kernels.keeps() else f", compiling; {NOT_KEPT}"
-        progress(f"contact: point {number} of {len(scene.levels)}{waits}")
+        progress(f"contact: point {number} of {len(scene.levels)}{waiting if number == 1 else ''}")
         point = {} if scene.wave is not None else {"voltage_V": level}
         for side, amplitude in zip(("normal", "tangential"), amplitudes, strict=True):
             point[f"{side}_amplitude_m"] = amplitude * level

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 
 from studies.chain import SHARE
 from studies.chain.neglected import driven_left_out, free_left_out
-from studies.chain.points import NOT_KEPT
 from studies.chain.ring_up import RingUp, ring_up_left_out
 from studies.report import cost
 from studies.report.equations import contact_equations, field_equations
@@ -185,8 +184,7 @@ def contact_part(scene: Scene) -> Part:
     ]
     ready = kernels.ready()
     if not ready:
-        once = "once" if kernels.keeps() else NOT_KEPT
-        facts.append(f"its kernels are compiled first, {once}: about {cost.COMPILE:g} s")
+        facts.append(f"its kernels are compiled first, {kernels.how_often()}: about {cost.COMPILE:g} s")
     seconds = cost.contact_seconds(points, slider.law, contacts, ready=ready)
     if scene.burst is not None:
         frequency = _with_frequency(scene).frequency

@@ -10,7 +10,7 @@ import pytest
 
 from studies.__main__ import main
 from studies.results import MANIFEST
-from studies.scene import Scene, shipped_scenes
+from studies.scene import shipped_scenes
 
 CONTACT = ["run", "twente-contact", "--set", "wave.normal_amplitude=[0, 3e-9]"]
 
@@ -347,16 +347,3 @@ def test_an_interrupt_of_the_first_imports_is_a_sentence(call, monkeypatch):
     monkeypatch.undo()
     assert (status, out) == (1, "")
     assert err == "sawmotor: interrupted, nothing was written\n"
-
-
-def test_kernels_that_cannot_be_kept_are_not_said_to_be_compiled_once(monkeypatch):
-    from contact import kernels
-    from studies.chain import run
-
-    monkeypatch.setattr(kernels, "ready", lambda: False)
-    scene = Scene.load("twente-contact").replace(wave={"normal_amplitude": [1e-9]})
-    for writable, words in ((True, "compiling once"), (False, "set NUMBA_CACHE_DIR")):
-        monkeypatch.setattr("contact.jit.kernels.os.access", lambda *_, held=writable: held)
-        said = []
-        run(scene, progress=said.append)
-        assert words in " ".join(said)
