@@ -1,6 +1,7 @@
 """What each call of the command does, given its parsed arguments; each returns the exit code."""
 
 import argparse
+import json
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
