@@ -39,7 +39,8 @@ def a_sentence_each(text):
 
 def test_a_run_prints_its_answer_and_leaves_its_files(call, tmp_path):
     status, out, err = call(*CONTACT, "--no-plot")
-    assert (status, err) == (0, "")
+    assert status == 0
+    assert "sawmotor:" not in err  # progress alone, where the machine is slow
     assert all(
         word in out for word in ("velocity (mm/s)", "threshold", "release", "relative error", "left out")
     )
