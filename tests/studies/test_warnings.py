@@ -240,7 +240,7 @@ def test_a_second_steady_motion_is_said_with_both_velocities():
     )
     (point,) = found.points
     here, other = (f"{point[key] * 1e3:.4g}" for key in ("velocity_m_per_s", "other_velocity_m_per_s"))
-    only(warnings(found), "goes on for ever", here, other, "slider.damping.normal")
+    only(warnings_of(found), "goes on for ever", here, other, "slider.damping.normal")
     assert not any(
-        "bounce" in text for text in warnings(run(scene("twente-contact", "wave.normal_amplitude=10 nm")))
+        "bounce" in text for text in warnings_of(run(scene("twente-contact", "wave.normal_amplitude=10 nm")))
     )
