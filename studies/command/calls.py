@@ -14,7 +14,7 @@ from studies.results import Origin, ResultDirectory, result_directory
 from studies.scene import Scene, SceneFile, scene_path, shipped_scenes
 from studies.scene.override import toml_value, voltages
 
-__all__ = ["check", "run", "scenes", "schema", "study", "sweep", "view", "wave"]
+__all__ = ["check", "datasheet", "run", "scenes", "schema", "study", "sweep", "view", "wave"]
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -110,6 +110,38 @@ def _explain(scene: Scene, wanted: float, *, as_json: bool) -> int:
         print(json.dumps(planned.to_dict(), indent=1, ensure_ascii=False, allow_nan=False))
     else:
         print(explanation(planned))
+    return 0
+
+
+def datasheet(arguments: argparse.Namespace) -> int:
+    """Compute a motor's datasheet; print its table and leave its page and numbers."""
+    from studies.progress import Progress
+    from studies.report.datasheet import datasheet as computed
+    from studies.report.datasheet_page import page, table
+
+    wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
+    origin = _origin("datasheet", arguments.scene)
+    out = arguments.out
+    if out is None and not arguments.json:
+        out = Path("results") / f"{origin.name}-datasheet"
+    with ExitStack() as stack:
+        result = None
+        if out is not None:
+            result = stack.enter_context(result_directory(out, origin, chosen=arguments.out is not None))
+        with Progress() as progress:
+            sheet = computed(scene, tolerance=wanted, progress=progress)
+            text = json.dumps(sheet.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
+            if result is not None:
+                (result.folder / "datasheet.json").write_text(text + "\n", encoding="utf-8")
+                result.commit()
+                with _pictures(result):
+                    (result.folder / "datasheet.html").write_text(page(sheet), encoding="utf-8")
+    print(text if arguments.json else table(sheet))
+    if result is not None and not arguments.json:
+        print(f"results  {out}")
+    _tell(result)
+    for warning in sheet.record.warnings:
+        print(f"sawmotor: warning: {warning}", file=sys.stderr)
     return 0
 
 

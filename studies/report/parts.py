@@ -184,7 +184,7 @@ def contact_part(scene: Scene) -> Part:
     ]
     ready = kernels.ready()
     if not ready:
-        facts.append(f"its kernels are compiled first, once: about {cost.COMPILE:g} s")
+        facts.append(f"its kernels are compiled first, {kernels.how_often()}: about {cost.COMPILE:g} s")
     seconds = cost.contact_seconds(points, slider.law, contacts, ready=ready)
     if scene.burst is not None:
         frequency = _with_frequency(scene).frequency
