@@ -12,7 +12,7 @@ from studies.chain import bridge
 from studies.record import Record
 from studies.scene import Scene, resolved
 
-__all__ = ["warnings"]
+__all__ = ["warnings_of"]
 
 OFF_RESONANCE = 1.15  # largest over present amplitude from which it is said; the ripple of a plate makes 1.1
 CREEP = 0.01  # of the surface's own speed along x
@@ -20,7 +20,7 @@ PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # 1/(Pa m), V/(Pa m), 
 AIR = 101325.0  # Pa
 
 
-def warnings(record: Record) -> tuple[str, ...]:
+def warnings_of(record: Record) -> tuple[str, ...]:
     """Return every warning about a run, in the order of the chain."""
     scene, found = record.scene, []
     if scene.transducer:
@@ -33,8 +33,10 @@ def warnings(record: Record) -> tuple[str, ...]:
 
 
 def _largest_voltage(record: Record) -> float:
-    """Return the peak voltage between the driven combs at the highest level."""
-    return max(record.scene.levels) * abs(record.electrical["comb_voltage_per_volt"])
+    """Return the peak voltage between driven combs at the highest level, the largest where several are driven."""
+    electrical = record.electrical
+    several = [each["voltage_per_volt"] for each in electrical.get("sources", {}).values()]
+    return max(record.scene.levels) * max(map(abs, [electrical["comb_voltage_per_volt"], *several]))
 
 
 def _driven(scene: Scene):
