@@ -79,7 +79,7 @@ def nominal_frequency(scene: Scene) -> float:
     """Return the drive's frequency in Hz; for "center" that of the half-space's wave with the driven period."""
     if scene.frequency != "center":
         return scene.frequency
-    from fem.analytic.half_space import rayleigh
+    from fem import rayleigh
 
     driven = next(each for each in scene.transducer if each.name == scene.drive.transducer)
     return rayleigh(solid(scene.stator), "open").velocity / driven.period
