@@ -3,8 +3,9 @@
 Conventions: exp(+i omega t), complex peak amplitudes, SI; x along the propagation, z out of the surface, body at
 z < 0; Voigt order 11 22 33 23 13 12 with engineering shear.  The folders are the steps of the method: materials -
 geometry - analytic (answers without a mesh) - discretize (elements through the depth) - condense (superelements) -
-waveguide (guided modes, ends, network) - circuit - results - solve (error estimate, bands, bursts).  Two checks stand
-beside them: direct (the whole stator as one sparse matrix) and cell_wave (a meshed cell of one wavelength).
+waveguide (guided modes, ends, network) - circuit - results - solve (error estimate, bands, bursts) - beam (a finite
+aperture in three dimensions).  Two checks stand beside them: direct (the whole stator as one sparse matrix) and
+cell_wave (a meshed cell of one wavelength).
 """
 
 from importlib import import_module
@@ -13,6 +14,7 @@ _HOME = {
     "anisotropic": "materials",
     "automatic_period": "analytic.half_space",
     "Band": "solve.band",
+    "BeamError": "beam.surface_beam",
     "blas_on_one_thread": "threads",
     "bulk_velocities": "analytic.lamb",
     "burst_response": "solve.burst",
@@ -20,6 +22,7 @@ _HOME = {
     "catalogue": "materials",
     "cell_triple": "waveguide.cell_parameters",
     "CellTriple": "waveguide.cell_parameters",
+    "check_layout": "geometry",
     "ConvergenceError": "convergence",
     "coupling": "analytic.half_space",
     "Densities": "results.densities",
@@ -64,10 +67,12 @@ _HOME = {
     "stator_size": "condense.size",
     "Strength": "materials.strength",
     "strength": "materials.strength",
+    "surface_beam": "beam.surface_beam",
     "surface_named": "analytic.half_space",
     "surface_of": "results.evaluation",
     "surface_permittivity": "analytic.quasistatic",
     "surface_wave": "results.surface_wave",
+    "SurfaceBeam": "beam.surface_beam",
     "SurfaceWave": "results.surface_wave",
     "Transducer": "geometry",
     "transducer_estimate": "analytic.quasistatic",
