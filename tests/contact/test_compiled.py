@@ -131,6 +131,8 @@ def test_a_file_that_cannot_be_used_is_made_anew(places, tmp_path, damage):
         )
         file.write_bytes(hashlib.sha256(code).digest() + code)
     assert answer()[0] == RIGHT
+    content = file.read_bytes()
+    assert hashlib.sha256(content[32:]).digest() == content[:32]
     places.setattr(compiler, "machine_code", None)  # what was made anew serves
     assert answer()[0] == RIGHT
     assert not compiled.ORDINARY
@@ -182,7 +184,7 @@ def read_off(sigma, bary, values, at):
 
 def test_kernels_that_call_others_are_the_same_by_numbas_ordinary_compiler(places):
     table = collocation(12)
-    found = []
+    found, lowered = [], interpolate.inner
     for broken in (False, True):
         if broken:
             places.setattr(compiler, "_optimised", gone)
@@ -190,6 +192,7 @@ def test_kernels_that_call_others_are_the_same_by_numbas_ordinary_compiler(place
         compiled.Native(read_off, ("f1", "f1", "f1", "f1"))(table.sigma, table.bary, np.cos(table.sigma), at)
         found.append(at[0])
         assert ("read_off" in compiled.ORDINARY) == broken
+    assert interpolate.inner is not lowered, "what was made for the machine code is not used again"
     assert found[0] == pytest.approx(np.cos(0.3), rel=1e-10)  # truncation of twelve points
     assert found[1] == pytest.approx(found[0], rel=1e-13)
 
