@@ -24,7 +24,7 @@ from fem.discretize.section import Resolution, Section, discretise
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.materials.christoffel import slowest_wavelength
 from fem.waveguide.ends import Walls
-from fem.waveguide.modes import GuidedModes, guided_modes
+from fem.waveguide.modes import PROPAGATING, GuidedModes, guided_modes
 from fem.waveguide.network import Network, Scatterer
 
 CUT_OFF = 1e-3  # rad per slowest wavelength: a mode's wavenumber below which its square, all that is known, is rounding
@@ -87,9 +87,9 @@ class PortFields:
     def amplification(self, swing: float) -> tuple[float, float]:
         """Resonant amplification of small errors, here and near here.
 
-        Between reflecting ends the amplitudes are (1 - M)^-1 times what the transducers send (M: ``coupling``), and so
-        is the effect of a small error of a phase: it grows as 1 / |1 - mu|, mu the eigenvalue of M nearest to 1.  With
-        the frequency the mu turn; their sizes hardly change.
+        Between reflecting ends the amplitudes are (1 - M)^-1 times what the transducers send (M: ``coupling`` of the
+        propagating modes), and so is the effect of a small error of a phase: it grows as 1 / |1 - mu|, mu the
+        eigenvalue of M nearest to 1.  With the frequency the mu turn; their sizes hardly change.
 
         Parameters
         ----------
@@ -101,7 +101,10 @@ class PortFields:
         here, worst : float
             At this frequency, and the largest within the range.
         """
-        factors = np.linalg.eigvals(self.coupling)
+        k = self.modes.wavenumbers
+        travels = np.flatnonzero(abs(k.imag) < PROPAGATING * abs(k.real))  # evanescent ones do not turn
+        mine = np.isin(self.waves, travels)
+        factors = np.linalg.eigvals(self.coupling[np.ix_(mine, mine)])
         if not len(factors):
             return 1.0, 1.0
         angles = abs(np.angle(factors))
