@@ -15,7 +15,7 @@ from studies.chain import bridge
 from studies.chain.neglected import driven_left_out, free_left_out
 from studies.chain.points import SliderAnswer, slider_answer
 from studies.chain.ring_up import ring_up, ring_up_left_out
-from studies.chain.warnings import warnings
+from studies.chain.warnings import warnings_of
 from studies.record import Record
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene, resolved
@@ -80,7 +80,7 @@ def _run(scene: Scene, tolerance: float, progress: Callable[[str], None] | None)
         record = _driven(scene, tolerance, say)
     else:
         record = _free(scene, tolerance)
-    return replace(record, left_out=record.left_out + slider_left_out(scene), warnings=warnings(record))
+    return replace(record, left_out=record.left_out + slider_left_out(scene), warnings=warnings_of(record))
 
 
 def _given(scene: Scene, tolerance: float, say) -> Record:

@@ -12,7 +12,7 @@ from studies.chain import bridge
 from studies.record import Record
 from studies.scene import Scene, resolved
 
-__all__ = ["warnings"]
+__all__ = ["warnings_of"]
 
 OFF_RESONANCE = 1.15  # largest over present amplitude from which it is said; the ripple of a plate makes 1.1
 CREEP = 0.01  # of the surface's own speed along x
@@ -20,21 +20,23 @@ PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # 1/(Pa m), V/(Pa m), 
 AIR = 101325.0  # Pa
 
 
-def warnings(record: Record) -> tuple[str, ...]:
+def warnings_of(record: Record) -> tuple[str, ...]:
     """Return every warning about a run, in the order of the chain."""
     scene, found = record.scene, []
     if scene.transducer:
         for each in (_field, _breakdown, _stress, _off_resonance, _lossless, _thin_plate):
             found += each(record)
     if scene.slider is not None:
-        for each in (_same_place, _pressure, _reversal, _all_stick):
+        for each in (_same_place, _pressure, _reversal, _other_motion, _all_stick):
             found += each(record)
     return tuple(found)
 
 
 def _largest_voltage(record: Record) -> float:
-    """Return the peak voltage between the driven combs at the highest level."""
-    return max(record.scene.levels) * abs(record.electrical["comb_voltage_per_volt"])
+    """Return the peak voltage between driven combs at the highest level, the largest where several are driven."""
+    electrical = record.electrical
+    several = [each["voltage_per_volt"] for each in electrical.get("sources", {}).values()]
+    return max(record.scene.levels) * max(map(abs, [electrical["comb_voltage_per_volt"], *several]))
 
 
 def _driven(scene: Scene):
@@ -151,7 +153,7 @@ def _lossless(record: Record) -> Iterator[str]:
 
 
 def _thin_plate(record: Record) -> Iterator[str]:
-    """Yield a warning where the surface wave passes to the other face within the stator's length."""
+    """Yield a warning where the surface wave passes to the other face, or the plate is too thin for one."""
     stator, wave = record.scene.stator, record.surface_wave
     if isinstance(stator.thickness, str) or stator.bottom == "absorbing":
         return
@@ -161,6 +163,11 @@ def _thin_plate(record: Record) -> Iterator[str]:
             f"the plate is thin, {thickness:.2g} wavelengths: the wave passes to its other face and back, fully after "
             f"{wave.transfer_length * 1e3:.3g} mm of the stator's {stator.length * 1e3:.3g} mm; "
             'take a thicker plate, or bottom = "absorbing" if it is glued to a lossy base'
+        )
+    elif thickness < 1:
+        yield (
+            f"the plate is {thickness:.2g} wavelengths thick: what runs in it is a plate wave that moves both faces, "
+            "no surface wave; take a thicker plate or a higher frequency"
         )
 
 
@@ -223,6 +230,27 @@ def _reversal(record: Record) -> Iterator[str]:
                 f"({one['velocity_m_per_s'] * 1e3:.3g} and {other['velocity_m_per_s'] * 1e3:.3g} mm/s): "
                 f"give {key} more values between them"
             )
+
+
+def _other_motion(record: Record) -> Iterator[str]:
+    """Yield a warning where a second steady motion is known: the one that a start from rest misses or goes on with."""
+    several = [point for point in record.points if "other_velocity_m_per_s" in point]
+    if not several:
+        return
+    point, damping = several[-1], record.scene.slider.damping
+    level = f"{point[record.level]:.3g} {'m' if record.scene.wave is not None else 'V'}"
+    here, other = (f"{point[key] * 1e3:.4g}" for key in ("velocity_m_per_s", "other_velocity_m_per_s"))
+    where = f"at {len(several)} of {len(record.points)} points (at {level}: {here} and {other} mm/s)"
+    if damping is None or damping.normal == damping.contact == 0:
+        yield (
+            f"nothing damps the slider's bounce, so that after a start from rest it goes on for ever and changes the "
+            f"mean velocity {where}: give slider.damping.normal or slider.damping.contact"
+        )
+    else:
+        yield (
+            f"a second steady motion exists {where}, the first of them being that of a start from rest: raise "
+            "slider.damping.normal, or the wave's frequency above the contact's resonance"
+        )
 
 
 def _moves(point: dict, omega: float) -> bool:

@@ -98,6 +98,17 @@ def parser() -> argparse.ArgumentParser:
     check.add_argument("scene", metavar="SCENE", help="a path or a shipped name")
     _changes(check)
 
+    sheet = _call(
+        calls, "datasheet", "a motor's datasheet: one page with speed, force, steps, power and limits"
+    )
+    sheet.add_argument("scene", metavar="SCENE", help="a path or a shipped name")
+    _changes(sheet)
+    sheet.add_argument(
+        "--tolerance", metavar="T", help="bound of the relative error of the slider velocity (1e-3)"
+    )
+    sheet.add_argument("--out", metavar="DIR", help="where the results go (results/NAME-datasheet)")
+    sheet.add_argument("--json", action="store_true", help="the numbers on stdout; files only with --out")
+
     study = _call(calls, "study", "a study, or without a name the list of them")
     study.add_argument("name", metavar="NAME", nargs="?", help="which study")
     study.add_argument(

@@ -3,8 +3,6 @@
 Everything is inside the file: pictures are data, there is no script, and nothing is fetched.
 """
 
-import base64
-import io
 import os
 import platform
 from datetime import UTC, datetime
@@ -128,20 +126,10 @@ def _pictures(record: Record) -> list[dict]:
         drawn.append((figures.profile, "The wave against depth."))
     if len([point for point in record.points if point.get("relative_error")]) > 1:
         drawn.append((figures.errors, "Estimated error of each point, and what was asked for."))
-    return [{"data": _svg(record, draw), "caption": caption} for draw, caption in drawn]
-
-
-def _svg(record: Record, draw) -> str:
-    """Return a picture as a data URI."""
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7.0, 4.3), layout="constrained")
-    FigureCanvasSVG(figure)
-    draw(record, figure.add_subplot())
-    file = io.BytesIO()
-    figure.savefig(file, format="svg", metadata={"Date": None})
-    return "data:image/svg+xml;base64," + base64.b64encode(file.getvalue()).decode("ascii")
+    return [
+        {"data": figures.as_svg(lambda ax, draw=draw: draw(record, ax)), "caption": caption}
+        for draw, caption in drawn
+    ]
 
 
 def _machine() -> str:

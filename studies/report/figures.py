@@ -3,6 +3,8 @@
 Every function takes and returns an Axes; ``saved`` makes the figure and the file, off screen.
 """
 
+import base64
+import io
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,6 +12,7 @@ from studies.record import Record
 
 __all__ = [
     "COLOURS",
+    "as_svg",
     "draw_run",
     "errors",
     "legend_below",
@@ -54,6 +57,19 @@ def saved(path: Path, draw: Callable, *, size: tuple[float, float] = (7.0, 4.3))
     FigureCanvasAgg(figure)
     draw(figure.add_subplot())
     figure.savefig(path, dpi=150)
+
+
+def as_svg(draw: Callable, *, size: tuple[float, float] = (7.0, 4.3)) -> str:
+    """Make a figure with one Axes, let it be drawn and return it as a data URI."""
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=size, layout="constrained")
+    FigureCanvasSVG(figure)
+    draw(figure.add_subplot())
+    file = io.BytesIO()
+    figure.savefig(file, format="svg", metadata={"Date": None})
+    return "data:image/svg+xml;base64," + base64.b64encode(file.getvalue()).decode("ascii")
 
 
 def legend_below(ax, handles=None, *, columns: int = 4) -> None:
@@ -113,7 +129,7 @@ def velocity(record: Record, ax):
     ax.set_ylabel("slider velocity (mm/s)")
     ax.set_title(record.scene.title, fontsize="medium", parse_math=False)
     ax.grid(alpha=0.3)
-    legend_below(ax, columns=5)
+    legend_below(ax, columns=3)
     return ax
 
 

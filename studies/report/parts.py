@@ -63,7 +63,7 @@ class Part:
 
 def driven_parts(scene: Scene, tolerance: float, speed: float) -> tuple[list[Part], list[str]]:
     """Return the parts of a driven stator on a machine of a speed, and what they leave out."""
-    from fem.condense.size import stator_size
+    from fem import stator_size
     from fem.discretize import refinement
 
     about = _with_frequency(scene)
@@ -127,8 +127,7 @@ def free_parts(scene: Scene, tolerance: float, speed: float) -> tuple[list[Part]
     """Return the part of a free wave, and what it leaves out."""
     import numpy as np
 
-    from fem.discretize.section import Resolution, discretise
-    from fem.materials.christoffel import slowest_wavelength
+    from fem import Resolution, discretise, slowest_wavelength
     from fem.solve import free
 
     block = resolved.stator(scene.stator)
@@ -172,7 +171,7 @@ def free_parts(scene: Scene, tolerance: float, speed: float) -> tuple[list[Part]
 
 def contact_part(scene: Scene) -> Part:
     """Return the part of a slider."""
-    from contact.jit import kernels
+    from contact import kernels
 
     slider = scene.slider
     contacts = 1 if isinstance(slider.contacts, int) else len(slider.contacts)
@@ -184,7 +183,7 @@ def contact_part(scene: Scene) -> Part:
     ]
     ready = kernels.ready()
     if not ready:
-        facts.append(f"its kernels are compiled first, once: about {cost.COMPILE:g} s")
+        facts.append(f"its kernels are compiled first, {kernels.how_often()}: about {cost.COMPILE:g} s")
     seconds = cost.contact_seconds(points, slider.law, contacts, ready=ready)
     if scene.burst is not None:
         frequency = _with_frequency(scene).frequency

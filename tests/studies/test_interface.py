@@ -26,15 +26,8 @@ def record(contact):
 
 
 @pytest.fixture(scope="module")
-def driven(small):
-    return run(small.replace(drive={"burst": "0.05 ms"}), tolerance=1e-2)
-
-
-@pytest.fixture(scope="module")
-def small():
-    from tests.studies.conftest import SMALL
-
-    return Scene.load(SMALL)
+def driven(small_run):
+    return small_run
 
 
 def test_a_scene_is_changed_by_its_keys():

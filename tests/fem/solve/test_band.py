@@ -15,7 +15,7 @@ from fem.results.solution import solve_driven
 from fem.solve.band_setup import frequency_band
 from fem.solve.harmonic import motion_difference
 from fem.solve.reduction import BandProblem, project, solve_at_nodes
-from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, wave_of
+from tests.fem.stators import FREQUENCY, comb, cut, plate, wave_of
 
 PLACES = np.array([0.011])
 CASES = {
