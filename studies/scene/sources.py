@@ -6,7 +6,8 @@ import re
 from dataclasses import dataclass
 
 from studies.refusal import Refusals, SceneError, shown
-from studies.scene.rule import MAX_SIZE, Rule
+from studies.scene.rule import Rule
+from studies.scene.rule.numbers import MAX_SIZE
 
 __all__ = ["Sources"]
 
