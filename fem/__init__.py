@@ -3,14 +3,16 @@
 Conventions: exp(+i omega t), complex peak amplitudes, SI; x along the propagation, z out of the surface, body at
 z < 0; Voigt order 11 22 33 23 13 12 with engineering shear.  The folders are the steps of the method: materials -
 geometry - analytic (answers without a mesh) - discretize (elements through the depth) - condense (superelements) -
-waveguide (guided modes, ends, network) - circuit - results - solve (error estimate, bands, bursts).  Two checks stand
-beside them: direct (the whole stator as one sparse matrix) and cell_wave (a meshed cell of one wavelength).
+waveguide (guided modes, ends, network) - circuit - results - solve (error estimate, bands, bursts) - beam (a finite
+aperture in three dimensions).  Two checks stand beside them: direct (the whole stator as one sparse matrix) and
+cell_wave (a meshed cell of one wavelength).
 """
 
 from importlib import import_module
 
 _HOME = {
     "Band": "solve.band",
+    "BeamError": "beam.surface_beam",
     "BurstEnvelope": "solve.burst",
     "CellTriple": "waveguide.cell_parameters",
     "ConvergenceError": "convergence",
@@ -24,6 +26,7 @@ _HOME = {
     "Solid": "materials",
     "Strength": "materials.strength",
     "Stator": "geometry",
+    "SurfaceBeam": "beam.surface_beam",
     "SurfaceWave": "results.surface_wave",
     "Transducer": "geometry",
     "TransducerEstimate": "analytic.quasistatic",
@@ -52,6 +55,7 @@ _HOME = {
     "relative_amplitude": "analytic.coupled_modes",
     "rotated": "materials",
     "strength": "materials.strength",
+    "surface_beam": "beam.surface_beam",
     "transducer_estimate": "analytic.quasistatic",
     "wave_field": "results.field",
     "write_instant": "results.files",

@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.materials import VACUUM_PERMITTIVITY, Solid
+from fem.materials.solids import VACUUM_PERMITTIVITY, Solid
 
 # Generalised strain: Voigt strain 11 22 33 23 13 12, then grad phi; rows that d/dx, d/dy and d/dz of a field feed.
 _D_DX = {"ux": (0,), "uy": (5,), "uz": (4,), "phi": (6,)}
@@ -60,6 +60,11 @@ class Medium:
     inertia: np.ndarray
     stress_unit: float
     potential_unit: float
+
+    @property
+    def displaced(self) -> np.ndarray:
+        """Which fields are displacements, shape (fields,), bool."""
+        return np.array([name != "phi" for name in self.fields])
 
     @property
     def parity(self) -> np.ndarray | None:
@@ -162,8 +167,7 @@ def damped(body: Medium, factor: complex) -> Medium:
 
     Passive for any cut, which a stretched depth is not; the piezoelectric and dielectric tables stay.
     """
-    moves = np.array([name != "phi" for name in body.fields])
-    both = moves[:, None] & moves[None, :]
+    both = body.displaced[:, None] & body.displaced[None, :]
     tables = {
         name: np.where(both, getattr(body, name) / factor, getattr(body, name))
         for name in ("xx", "xz", "zz", "xy", "zy", "yy")

@@ -1,13 +1,13 @@
 """What the stator's problem is solved without, and why: lines of ``left_out``."""
 
-from fem import ConvergenceError, Stator, fields, rayleigh
+import fem
 
 
-def driven_left_out(stator: Stator, frequency: float) -> tuple[str, ...]:
+def driven_left_out(stator: "fem.Stator", frequency: float) -> tuple[str, ...]:
     """Return what a driven stator is solved without at a frequency in Hz, and why."""
     from fem.materials.medium import medium
 
-    names, reasons = fields(stator.solid), []
+    names, reasons = fem.fields(stator.solid), []
     if "uy" not in names:
         reasons.append("out-of-plane displacement: uncoupled in this orientation")
     if medium(stator.solid, names).parity is not None:
@@ -23,9 +23,9 @@ def driven_left_out(stator: Stator, frequency: float) -> tuple[str, ...]:
     return tuple(reasons)
 
 
-def free_left_out(stator: Stator) -> tuple[str, ...]:
+def free_left_out(stator: "fem.Stator") -> tuple[str, ...]:
     """Return what the free wave is solved without, and why."""
-    names = fields(stator.solid)
+    names = fem.fields(stator.solid)
     reasons = [
         "electrodes: the scene has no transducer",
         "elements along x: the wave is a mode of the section",
@@ -37,9 +37,9 @@ def free_left_out(stator: Stator) -> tuple[str, ...]:
     return tuple(reasons)
 
 
-def _surface_speed(stator: Stator) -> float:
+def _surface_speed(stator: "fem.Stator") -> float:
     """Velocity of the half-space's Rayleigh wave, m/s; 0 where the cut has none."""
     try:
-        return rayleigh(stator.solid, "open").velocity
-    except ConvergenceError:
+        return fem.rayleigh(stator.solid, "open").velocity
+    except fem.ConvergenceError:
         return 0.0

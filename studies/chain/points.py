@@ -68,7 +68,7 @@ def slider_answer(
     ringing : studies.chain.ring_up.RingUp, optional
         How the orbits grow during a burst.
     """
-    from contact.jit import kernels
+    from contact import kernels
 
     slider = _refusing(lambda: bridge.contact_slider(scene.slider))
     points, parts, trajectories = [], [], []

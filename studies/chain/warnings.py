@@ -27,7 +27,7 @@ def warnings_of(record: Record) -> tuple[str, ...]:
         for each in (_field, _breakdown, _stress, _off_resonance, _lossless, _thin_plate):
             found += each(record)
     if scene.slider is not None:
-        for each in (_same_place, _pressure, _reversal, _all_stick):
+        for each in (_same_place, _pressure, _reversal, _other_motion, _all_stick):
             found += each(record)
     return tuple(found)
 
@@ -225,6 +225,27 @@ def _reversal(record: Record) -> Iterator[str]:
                 f"({one['velocity_m_per_s'] * 1e3:.3g} and {other['velocity_m_per_s'] * 1e3:.3g} mm/s): "
                 f"give {key} more values between them"
             )
+
+
+def _other_motion(record: Record) -> Iterator[str]:
+    """Yield a warning where a second steady motion is known: the one that a start from rest misses or goes on with."""
+    several = [point for point in record.points if "other_velocity_m_per_s" in point]
+    if not several:
+        return
+    point, damping = several[-1], record.scene.slider.damping
+    level = f"{point[record.level]:.3g} {'m' if record.scene.wave is not None else 'V'}"
+    here, other = (f"{point[key] * 1e3:.4g}" for key in ("velocity_m_per_s", "other_velocity_m_per_s"))
+    where = f"at {len(several)} of {len(record.points)} points (at {level}: {here} and {other} mm/s)"
+    if damping is None or damping.normal == damping.contact == 0:
+        yield (
+            f"nothing damps the slider's bounce, so that after a start from rest it goes on for ever and changes the "
+            f"mean velocity {where}: give slider.damping.normal or slider.damping.contact"
+        )
+    else:
+        yield (
+            f"a second steady motion exists {where}, the first of them being that of a start from rest: raise "
+            "slider.damping.normal, or the wave's frequency above the contact's resonance"
+        )
 
 
 def _moves(point: dict, omega: float) -> bool:

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from studies.refusal import RunError, SceneError, shown
+from studies.report.answer import print_json
 from studies.report.files import write_run
 from studies.results import Origin, ResultDirectory, result_directory
 from studies.scene import Scene, SceneFile, scene_path, shipped_scenes
@@ -67,7 +68,7 @@ def run(arguments: argparse.Namespace) -> int:
                     if drawing is not None:
                         drawing.draw(record, result.folder)
     if arguments.json:
-        print(json.dumps(whole, indent=1, ensure_ascii=False, allow_nan=False))
+        print_json(whole)
     else:
         print(answer(record))
         print(f"results         {out}")
@@ -113,7 +114,7 @@ def _explain(scene: Scene, wanted: float, *, as_json: bool) -> int:
 
     planned = plan(scene, tolerance=wanted)
     if as_json:
-        print(json.dumps(planned.to_dict(), indent=1, ensure_ascii=False, allow_nan=False))
+        print_json(planned.to_dict())
     else:
         print(explanation(planned))
     return 0
@@ -160,7 +161,7 @@ def wave(arguments: argparse.Namespace) -> int:
         orientation = toml_value(f"[{orientation.strip('[]')}]")
     answer = half_space_wave(arguments.material, orientation=orientation, surface=arguments.surface)
     if arguments.json:
-        print(json.dumps(answer, indent=1, ensure_ascii=False, allow_nan=False))
+        print_json(answer)
     else:
         print(half_space_answer(answer))
     if arguments.plot is not None:

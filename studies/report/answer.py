@@ -1,9 +1,19 @@
 """The answer of a run as text: a table of the points, then what it is worth and what was left out."""
 
+import codecs
+import json
+import sys
+
 from studies.record import Record
 from studies.report.measured import comparison_lines
 
-__all__ = ["answer", "table"]
+__all__ = ["answer", "print_json", "table"]
+
+
+def print_json(value: dict) -> None:
+    """Print JSON on stdout, in letters that its encoding has."""
+    ascii_only = codecs.lookup(sys.stdout.encoding or "ascii").name != "utf-8"
+    print(json.dumps(value, indent=1, ensure_ascii=ascii_only, allow_nan=False))
 
 
 def answer(record: Record) -> str:

@@ -232,3 +232,15 @@ def test_all_points_stick(tmp_path, capsys):
 def test_a_run_without_warnings_has_no_such_block(tmp_path, capsys):
     assert main(["run", "twente-contact", "--set", "wave.normal_amplitude=5 nm", "--json"]) == 0
     assert "warnings" not in json.loads(capsys.readouterr().out)
+
+
+def test_a_second_steady_motion_is_said_with_both_velocities():
+    found = run(
+        scene("twente-contact", "wave.normal_amplitude=10 nm", "slider.damping.normal=0"), tolerance=1e-3
+    )
+    (point,) = found.points
+    here, other = (f"{point[key] * 1e3:.4g}" for key in ("velocity_m_per_s", "other_velocity_m_per_s"))
+    only(warnings_of(found), "goes on for ever", here, other, "slider.damping.normal")
+    assert not any(
+        "bounce" in text for text in warnings_of(run(scene("twente-contact", "wave.normal_amplitude=10 nm")))
+    )

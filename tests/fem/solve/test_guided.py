@@ -29,6 +29,7 @@ CUTS = {
     "ST-X": lossless("quartz (Bechmann)", "ST-X"),
     "no symmetry": cut("LiNbO3 (Ogi)", (17.0, 31.0, 49.0), quality=300.0),
     "steel": cut("steel", "Z", quality=500.0),
+    "X-cut quartz": lossless("quartz (Bechmann)", (90.0, 90.0, 30.0)),  # a twofold axis along the normal
 }
 
 
@@ -86,6 +87,39 @@ def test_zero_lateral_wavenumber_is_the_limit(name):
     straight, near = (modes_of_section(depth, FREQUENCY, lateral) for lateral in (0.0, 1e-5))
     surface = straight.wavenumbers[straight.rayleigh[0]]
     assert abs(near.wavenumbers - surface).min() < 2e-5 * abs(surface)
+
+
+@pytest.mark.parametrize("name", CUTS)
+def test_modes_solve_the_quadratic_eigenvalue_problem(name):
+    """Residual of [k^2 K2 + i k (K1 - K1t) + K0 - omega^2 M] v for slow modes of both directions."""
+    depth = line(CUTS[name])
+    modes = modes_of_section(depth, FREQUENCY, 1.7)
+    second, first, adjoint, zeroth = depth.lateral_matrices(FREQUENCY, 1.7)
+    for wavenumbers, shapes in ((modes.wavenumbers, modes.right), (modes.backwards, modes.left)):
+        slow = abs(wavenumbers) < 15
+        k, v = wavenumbers[slow], shapes[:, slow]
+        residual = (second @ v) * k**2 + 1j * ((first - adjoint) @ v) * k + zeroth @ v
+        assert abs(residual).max() < 1e-8 * abs(zeroth).max()
+        assert slow.sum() > 8
+
+
+def test_all_modes_of_the_answer_are_known_and_turn_with_the_axes():
+    """A thick plate of z-poled ceramic at 75 degrees: the surface wave is recognised, every mode is one at k_y = 0."""
+    stator = plate(CUTS["PZT-8 Z"], thickness=2.6)
+    straight = guided_modes(stator, frequency=FREQUENCY, tolerance=1e-4)
+    lateral = abs(straight.surface_wavenumber) * np.sin(np.radians(75))
+    oblique = guided_modes(stator, frequency=FREQUENCY, lateral_wavenumber=lateral, tolerance=1e-4)
+    assert oblique.surface_angle == pytest.approx(np.radians(75), rel=1e-4)
+    assert oblique.surface_velocity == pytest.approx(straight.surface_velocity, rel=1e-4)
+    assert len(straight.surface) == len(oblique.surface)
+    assert 10 < len(oblique.wavenumbers) < 0.5 * oblique.unknowns
+    squares = oblique.wavenumbers**2 + lateral**2
+    for square in straight.wavenumbers[straight.wavenumbers != 0] ** 2:
+        if abs(square) < (20 * lateral) ** 2:
+            assert abs(squares - square).min() < 1e-3 * (abs(square) + lateral**2)
+    assert np.all(oblique.wavenumbers.imag < 1e-6 * lateral)
+    assert np.all(np.diff(oblique.wavenumbers.imag) <= 1e-6 * lateral)
+    assert abs(oblique.shapes[..., :3]).max(axis=(1, 2)) == pytest.approx(np.ones(len(squares)), rel=1e-12)
 
 
 def test_modes_that_travel_carry_power_and_do_not_exchange_it():
