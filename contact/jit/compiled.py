@@ -23,14 +23,19 @@ import struct
 import tempfile
 import threading
 import weakref
+from collections.abc import Mapping
 from functools import cache, cached_property
 from pathlib import Path
+
+from contact.jit.shapes import check_shapes
 
 HERE = Path(__file__).parents[1]  # the package, with all its kernels
 PACKAGE_CACHE = HERE / "__pycache__"
 _FROZEN = ("collocation.py", "scaling.py", "compiled.py", "compiler.py")
 _PLAIN = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 _LOCK = threading.RLock()
+# shapes of calls that a kernel remembers as fitting
+MAX_KEPT_SHAPES = 1000
 _DTYPES = {"f": "float64", "i": "int64", "c": "complex128"}
 
 
@@ -44,7 +49,7 @@ def summed(function):
     return function if _PLAIN else Kernel(function, {"reassoc", "nsz"})
 
 
-def native(types: str):
+def native(types: str, shapes: Mapping[str, str] | None = None):
     """Return a decorator for a kernel that is called from Python often or first.
 
     Parameters
@@ -53,8 +58,10 @@ def native(types: str):
         One word per argument: f or i for a number, f1, i2, c1 ... for contiguous arrays of doubles, integers or complex
         numbers with so many axes, and m for a named tuple of arrays or None.  The kernel returns an integer, a
         truth value or nothing.
+    shapes : mapping of str to str, optional
+        Shapes of arrays by argument, see `contact.jit.shapes`.
     """
-    return lambda function: function if _PLAIN else Native(function, tuple(types.split()))
+    return lambda function: function if _PLAIN else Native(function, tuple(types.split()), shapes)
 
 
 def plain(kernel):
@@ -102,13 +109,14 @@ class Kernel:
 class Native(Kernel):
     """A kernel that is kept as machine code."""
 
-    def __init__(self, function, types):
+    def __init__(self, function, types, shapes=None):
         super().__init__(function)
         self.types, self._loaded = types, {}
+        self.shapes, self._fitting = shapes or {}, set()
 
     def __call__(self, *arguments):
         """Run the machine code; arrays must have the types that the kernel was declared with."""
-        words, values = [], []
+        words, values, lengths = [], [], []
         for kind, argument in zip(self.types, arguments, strict=True):
             for word, part in _parts(kind, argument):
                 words.append(word)
@@ -124,6 +132,9 @@ class Native(Kernel):
                         raise TypeError(f"{self.__name__}: {word} expected, got {part.dtype} {part.shape}")
                     values.append(face["data"][0])
                     values.extend(part.shape)
+                    lengths.append(part.shape)
+        if self.shapes and tuple(lengths) not in self._fitting:
+            self._check(arguments, tuple(lengths))
         if len(words) not in self._loaded:
             self._load(words, arguments)
         loaded = self._loaded[len(words)]
@@ -134,6 +145,13 @@ class Native(Kernel):
         if entry(ctypes.byref(answer), ctypes.byref(ctypes.c_void_p()), table, table) != 0:
             raise RuntimeError(f"{self.__name__} has failed")  # kernels raise nothing: not reached
         return answer.value
+
+    def _check(self, arguments, lengths):
+        """Refuse arrays whose shapes do not fit; keep shapes that do, so that they are looked at once."""
+        names = self.function.__code__.co_varnames[: len(arguments)]
+        check_shapes(self.__name__, self.shapes, dict(zip(names, arguments, strict=True)))
+        if len(self._fitting) < MAX_KEPT_SHAPES:
+            self._fitting.add(lengths)
 
     def _load(self, words, arguments):
         """Keep (function, layout of its table of arguments), from a file that is made if there is none.

@@ -1,14 +1,16 @@
-"""The section through the depth: which elements, which unknowns, and the matrices of a uniform stretch.
+"""The section through the depth: its elements and unknowns, and the matrices of a uniform segment.
 
 Nodes run upwards, from the bottom (z = -thickness) to the surface (z = 0) and, where the scene asks for it, on
 through the vacuum.  Elements are graded geometrically towards the surface, where the charge of a finger edge is
-singular (r^-1/2), by a fixed ratio per layer.  An absorbing bottom is a layer whose depth is continued into the
-complex plane (perfectly matched layer, Berenger 1994); being a complex length of the element it needs no change
-of the form.  Lengths here are in ``length_unit``.
+singular (r^-1/2), by a fixed ratio per layer, and towards the bottom where a clamped face meets a free one.  An
+absorbing bottom is described in absorber.py; the complex coordinate stretching of a perfectly matched layer is a
+complex height of the element and needs no change of the weak form.  Lengths here are in ``length_unit``.
 
-A stretch of the stator that is uniform in x obeys (semi-analytical finite elements; Kausel 1981; Kiefer 2022)
+A segment of the stator that is uniform in x obeys (semi-analytical finite elements; Kausel 1981; Kiefer 2022)
 
-    - d/dx (K2 u' + K1 u) + K1^T u' + (K0 - omega^2 M) u = 0,    nodal flux f = K2 u' + K1 u.
+    - d/dx (K2 u' + K1 u) + K1t u' + (K0 - omega^2 M) u = 0,    nodal flux f = K2 u' + K1 u,
+
+with K1t = K1^T where nothing depends on y; with a lateral wavenumber K1t(k_y) = K1(-k_y)^T.
 """
 
 from dataclasses import dataclass, field
@@ -28,14 +30,13 @@ LAYER_RATIO = 0.15
 # Where a clamped face meets a free one the displacement varies as r^0.6 to r^0.8 (Williams, J. Appl. Mech. 19 (1952)
 # 526), so that a layer of this ratio divides the error as much as one of LAYER_RATIO does at a finger edge (r^0.5).
 CORNER_RATIO = 0.2
-HALF_SPACE_DEPTH, MOST_DEPTH = 2.0, 8.0  # wavelengths of ordinary solid above the absorbing layer
-FINGER_SCALE = (
-    0.125  # wavelengths; above it a finger's near field needs no layers of its own through the depth
-)
-MOST_UNKNOWNS, USUAL_ORDER, MINUTES = 2000, 7, 10  # on a line, and what a driven stator takes with as many
-VACUUM_HEIGHT = (
-    64.0  # length units; the field of a transducer without net charge decays as the distance squared
-)
+HALF_SPACE_DEPTH, MAX_DEPTH = 2.0, 8.0  # wavelengths of ordinary solid above the absorbing layer
+# Wavelengths; the near field of a wider finger needs no layers of its own through the depth.
+FINGER_SCALE = 0.125
+MAX_UNKNOWNS, TYPICAL_ORDER = 2000, 7  # of a line; a driven stator with as many takes
+MINUTES_AT_MAX = 10
+# Length units; the field of a transducer without net charge decays as the square of the distance.
+VACUUM_HEIGHT = 64.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,8 +52,8 @@ class Resolution:
     element_size : float
         Largest element in wavelengths of the slowest bulk wave.
     lossy_elements : int
-        Wavelengths of ever more lossy solid below, in cuts whose waves a stretched depth does not absorb; its error
-        falls as the square.
+        Wavelengths of viscous solid below, of increasing loss, in cuts where a perfectly matched layer is unstable;
+        its error falls as the square of their number.
     """
 
     order: int
@@ -82,8 +83,8 @@ class Section:
     bottom : int
         Node of the solid's lower end: 0, or where an absorbing layer begins.
     surface_speed : float or None
-        Velocity of the half-space's Rayleigh wave in m/s, by which the surface wave is told from the other modes;
-        None where the cut has none.
+        Velocity of the half-space's Rayleigh wave in m/s, used to identify the surface wave among the modes; None
+        where the cut has none.
     """
 
     heights: np.ndarray
@@ -127,13 +128,13 @@ class Section:
 
     @cached_property
     def surface_rows(self) -> np.ndarray:
-        """What picks u_x and u_z at the surface out of a line's unknowns, shape (2, size)."""
+        """Matrix that selects u_x and u_z at the surface from a line's unknowns, shape (2, size)."""
         rows = np.zeros((2, self.size))
         rows[[0, 1], [self.surface_dofs["ux"], self.surface_dofs["uz"]]] = 1.0
         return rows
 
     def surface_share(self, shapes: np.ndarray) -> np.ndarray:
-        """Motion at the surface, squared, over its integral through the depth; shapes (size, m) -> (m,)."""
+        """Squared motion at the surface over its integral through the depth; shapes (size, m) -> (m,)."""
         return np.sum(abs(self.surface_rows @ shapes) ** 2, axis=0) / (
             self._motion_weights @ abs(shapes) ** 2
         )
@@ -178,7 +179,7 @@ class Section:
 
     @property
     def floats(self) -> bool:
-        """Whether nothing fixes the potential: adding a constant to phi changes nothing in a uniform stretch."""
+        """True if the potential floats: adding a constant to phi changes nothing in a uniform segment."""
         return "phi" in self.solid.fields and self.dofs[0, FIELD_COLUMN["phi"]] >= 0
 
     @cached_property
@@ -197,7 +198,7 @@ class Section:
         return dofs, dofs >= 0
 
     def matrices(self, frequency: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """K2, K1 and K0 - omega^2 M of a uniform stretch at a frequency in Hz, each (size, size), scaled."""
+        """K2, K1 and K0 - omega^2 M of a uniform segment at a frequency in Hz, each (size, size), scaled."""
         reference = reference_matrices(self.order)
         factor = (2 * np.pi * frequency * self.length_unit) ** 2
         dtype = np.result_type(self.heights, *(part.xx for part in self.media))
@@ -314,18 +315,19 @@ def discretise(
     body = medium(stator.solid, names)
     unit = wavelength
     largest = resolution.element_size
-    unknowns = stator.thickness / unit / largest * USUAL_ORDER * len(names)
-    if unknowns > MOST_UNKNOWNS and not stator.absorbs_below:
+    unknowns = stator.thickness / unit / largest * TYPICAL_ORDER * len(names)
+    if unknowns > MAX_UNKNOWNS and not stator.absorbs_below:
+        minutes = MINUTES_AT_MAX * (unknowns / MAX_UNKNOWNS) ** 3
         raise ConvergenceError(
             f"a section of {stator.thickness / unit:.3g} wavelengths of thickness, {stator.thickness:g} m, has "
-            f"about {unknowns:.3g} unknowns on a line, takes {MINUTES * (unknowns / MOST_UNKNOWNS) ** 3:.2g} minutes "
+            f"about {unknowns:.3g} unknowns on a line, takes {minutes:.2g} minutes "
             'or more and is not begun: take a thinner one, or bottom = "absorbing" where the bottom does not matter'
         )
     layers = resolution.edge_layers if np.isfinite(surface_scale) else 0
     depth = stator.thickness / unit if np.isfinite(stator.thickness) else HALF_SPACE_DEPTH
     if stator.absorbs_below:
         # Any thickness is the same half-space; too near the surface the layer errs by 1e-4.
-        depth = min(max(depth, HALF_SPACE_DEPTH), MOST_DEPTH)
+        depth = min(max(depth, HALF_SPACE_DEPTH), MAX_DEPTH)
     scale = surface_scale / unit
     top = min(max(scale, FINGER_SCALE), depth / 2, largest) if layers else min(depth, largest)
     layers = edge_layers(resolution, top, min(scale, top)) if layers else 0

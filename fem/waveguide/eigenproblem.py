@@ -1,4 +1,4 @@
-"""Eigenpairs of the section's quadratic problem where x -> -x is a symmetry, all digits of slow and fast modes."""
+"""Quadratic eigenvalue problem of the guided modes: all wavenumbers, slow and strongly evanescent ones alike."""
 
 import numpy as np
 
@@ -42,18 +42,18 @@ def companion_modes(second, skew, zeroth):
 def _graded_eigenpairs(left, right, shift):
     """All eigenpairs of right v = s left v whose s span many decades (fine layers: s = k^2 up to 1e14).
 
-    The inverted problem gives small ones to all digits and the direct one large ones; each is asked for its half.
+    The shift-inverted problem gives the small eigenvalues to all digits and the direct one the large ones.
     """
     from scipy.linalg import lu_factor, lu_solve
 
-    def over(matrix, load):  # ill-conditioned by nature, where every half is asked only for what it knows
+    def over(matrix, load):  # the matrix is ill-conditioned; only the accurate half of the spectrum is used
         return lu_solve(lu_factor(matrix, check_finite=False), load, check_finite=False)
 
     def sorted_pairs(values, vectors):
         order = np.argsort(abs(values))
         return values[order], vectors[:, order]
 
-    # numpy's eigensolver leaves the interpreter's lock to other threads, scipy's does not
+    # numpy's eigensolver releases the global interpreter lock, scipy's does not
     values, vectors = np.linalg.eig(over(right - shift * left, left))
     small, small_vectors = sorted_pairs(shift + 1.0 / values, vectors)
     if abs(small[-1]) < WIDE_SPECTRUM * abs(shift):

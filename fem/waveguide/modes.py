@@ -1,14 +1,15 @@
-"""Guided modes of a uniform stretch, and the ends they make possible.
+"""Guided modes of a uniform segment, and the radiation impedance of a semi-infinite one.
 
-In a stretch that is uniform in x the section's unknowns are sums of modes v exp(-i k x) with (section.py)
+In a segment that is uniform in x the unknowns of a line are sums of modes v exp(-i k x) with (section.py)
 
-    [k^2 K2 + i k (K1 - K1^T) + K0 - omega^2 M] v = 0,    nodal flux f = (K1 - i k K2) v.
+    [k^2 K2 + i k (K1 - K1t) + K0 - omega^2 M] v = 0,    nodal flux f = (K1 - i k K2) v.
 
-All modes of the discretised section are kept, the evanescent ones too, so that they span every line: a stretch
-that goes on for ever is then the exact relation f = X u, X = F V^-1, whatever arrives (no reflection, no layer to
-tune).  A mode goes right if it decays to the right or, without loss, carries power to the right; the power flux
-along +x of a field is -(omega/2) Im(f^H* u), mechanical and electric alike.  The constant potential, which exists
-where nothing grounds the section, is an outgoing mode without flux of D: the section's far ends are not charged.
+All modes of the discretised section are kept, evanescent ones included, so that they span every line.  With their
+shapes V and fluxes F as columns, a semi-infinite segment is the exact relation f = X u with the radiation impedance
+(Dirichlet-to-Neumann map) X = F V^-1: nothing is reflected and no absorbing layer has to be tuned.  A mode goes right
+if it decays to the right or, without loss, carries power to the right; the mean power along +x of a field is
+-(omega/2) Im(u^H f), its mechanical and its electric part together.  The constant potential, which is a mode where
+the section is not grounded, is counted as outgoing and has no flux of D: the far ends carry no charge.
 
 Where x -> -x is a symmetry the eigenproblem is linear in k^2 and of half the size (u_x, or u_x and phi, odd).
 """
@@ -25,19 +26,18 @@ from fem.waveguide.eigenproblem import companion_modes, even_odd_modes
 POLISHING_STEPS = 6
 RICCATI_TOLERANCE = 5e-11  # ordinary sections reach 1e-15; at 1e-10 the motion has been seen wrong by 5e-4
 PROPAGATING = 0.3  # a mode whose |Im k| is below this share of |Re k| counts as propagating
-NEAR_HALF_SPACE = (
-    0.02  # relative distance of k from the half-space's that halves a mode's claim to be the surface wave
+# Relative distance of k from the half-space's at which a mode's localisation counts half.
+NEAR_HALF_SPACE = 0.02
+NEARLY_REAL = (
+    3e-3  # |Im k| / |Re k| below which the power flux decides the direction of a mode that carries power
 )
-NEARLY_REAL = 3e-3  # |Im k| over |Re k| below which a mode that carries power is told by its flux
-ONE_WAVE = (
-    1e-3  # relative distance of k within which two modes are one wave however localised each of them is
-)
-TWIN_MODES = 3e-2  # relative distance of k within which two localised modes are one wave
+# Relative distance of k within which two modes are one surface wave: whatever their shapes, and if both are localised.
+ONE_WAVE, TWIN_MODES = 1e-3, 3e-2
 
 
 @dataclass(frozen=True, kw_only=True)
 class GuidedModes:
-    """Modes of a uniform stretch at one frequency, as many to the right as a line has unknowns.
+    """Modes of a uniform segment at one frequency, as many to the right as a line has unknowns.
 
     Attributes
     ----------
@@ -80,19 +80,19 @@ class GuidedModes:
 
     @cached_property
     def right_end(self) -> np.ndarray:
-        """X with f = X u where the stretch goes on to the right for ever, shape (n, n)."""
+        """Radiation impedance X of a segment that extends to the right without end, f = X u, shape (n, n)."""
         second, first, zeroth = self._symmetric_matrices
-        return _end(second, first, zeroth, self.wavenumbers, self.right, self.right_flux)
+        return _radiation_impedance(second, first, zeroth, self.wavenumbers, self.right, self.right_flux)
 
     @cached_property
     def left_end(self) -> np.ndarray:
-        """X with -f = X u where the stretch goes on to the left for ever, shape (n, n)."""
+        """Radiation impedance X of a segment that extends to the left without end, -f = X u, shape (n, n)."""
         odd = _odd(self.section, self.lateral_wavenumber)
         if odd is not None:
             mirror = np.where(odd, -1.0, 1.0)
             return mirror[:, None] * self.right_end * mirror
         second, first, zeroth = self._symmetric_matrices
-        return _end(second, -first, zeroth, -self.backwards, self.left, -self.left_flux)
+        return _radiation_impedance(second, -first, zeroth, -self.backwards, self.left, -self.left_flux)
 
     @cached_property
     def _factors(self):
@@ -121,10 +121,11 @@ class GuidedModes:
     def rayleigh(self) -> np.ndarray:
         """Indices of the surface wave's modes, the most localised first.
 
-        A mode is as localised as its motion at the surface, squared, is large against the mean over the depth.  In a
-        block whose two faces are alike the surface wave is the sum of a symmetric and an antisymmetric mode of
-        nearly one velocity, each with half its motion at the bottom: both count.  The nearer they are the less the
-        eigensolver keeps them apart: two of one velocity count whatever each looks like.
+        Localisation is the squared motion at the surface over its integral through the depth, reduced where the
+        wavenumber is far from that of the half-space.  In a plate whose two faces are alike the surface wave is the
+        sum of a symmetric and an antisymmetric mode of nearly the same velocity, each with half of its motion at
+        the bottom: both are returned.  The eigensolver may return any mixture of two modes of the same velocity, so
+        that such a pair is returned whatever their shapes.
         """
         moving = np.flatnonzero(abs(self.wavenumbers.imag) < PROPAGATING * abs(self.wavenumbers.real))
         if len(moving) == 0:
@@ -151,7 +152,7 @@ def power(displacement: np.ndarray, flux: np.ndarray, frequency: float) -> np.nd
 
 
 def guided_modes(section: Section, frequency: float, lateral_wavenumber: float = 0.0) -> GuidedModes:
-    """All modes of a uniform stretch with a bare surface.
+    """All modes of a uniform segment with a bare surface.
 
     Parameters
     ----------
@@ -180,9 +181,9 @@ def guided_modes(section: Section, frequency: float, lateral_wavenumber: float =
         mirror = np.where(odd, -1.0, 1.0)
         wavenumbers, right = even_odd_modes(second, skew, zeroth, odd)
         right_flux = _flux(second, first, wavenumbers, right)
-        turned = ~_goes_right(wavenumbers, right, right_flux)
-        wavenumbers = np.where(turned, -wavenumbers, wavenumbers)
-        right = np.where(turned, mirror[:, None] * right, right)
+        reversed_ones = ~_goes_right(wavenumbers, right, right_flux)
+        wavenumbers = np.where(reversed_ones, -wavenumbers, wavenumbers)
+        right = np.where(reversed_ones, mirror[:, None] * right, right)
         wavenumbers, right = _grounded(constant, wavenumbers, right)
         right_flux = _flux(second, first, wavenumbers, right)
         backwards, left = -wavenumbers, mirror[:, None] * right
@@ -213,11 +214,11 @@ def _flux(second, first, wavenumbers, shapes):
     return first @ shapes - 1j * (second @ shapes) * wavenumbers
 
 
-def _end(second, first, zeroth, wavenumbers, shapes, flux):
-    """X = F V^-1, polished by Newton's method on (X - K1^T) K2^-1 (X - K1) = K0 - omega^2 M.
+def _radiation_impedance(second, first, zeroth, wavenumbers, shapes, flux):
+    """X = F V^-1, improved by Newton's method on the Riccati equation (X - K1^T) K2^-1 (X - K1) = K0 - omega^2 M.
 
-    Fast evanescent modes come out of the eigensolver with few digits.  The correction Z obeys G^T Z + Z G = -R with
-    G = K2^-1 (X - K1) = V (-i k) V^-1, so in the modes it is one division.
+    The eigensolver gives strongly evanescent modes to few digits.  The correction Z obeys G^T Z + Z G = -R with
+    G = K2^-1 (X - K1) = V (-i k) V^-1, so that in the basis of the modes it is one division.
     """
     from scipy.linalg import lu_factor, lu_solve
 
@@ -242,14 +243,14 @@ def _end(second, first, zeroth, wavenumbers, shapes, flux):
         ends = _symmetric(ends + lu_solve(factor, half.T, trans=1, check_finite=False).T)
     if not before < RICCATI_TOLERANCE:
         raise ConvergenceError(
-            f"the guided modes leave a residual of {before:.1e} in the open ends' equation: "
+            f"the guided modes leave a residual of {before:.1e} in the equation of the radiation impedance: "
             "ask for a looser tolerance, or take less extreme fingers"
         )
     return best
 
 
 def _grounded(constant, wavenumbers, shapes):
-    """Unit shapes; the constant potential, where it exists, put in exactly for the mode that stands for it."""
+    """Shapes of unit norm; the mode that approximates the constant potential is replaced by it where it exists."""
     shapes = shapes / np.sqrt(np.sum(abs(shapes) ** 2, axis=0))
     if constant is not None:
         at = int(np.argmin(abs(wavenumbers) + (abs(constant @ shapes) < 0.9)))
@@ -259,7 +260,7 @@ def _grounded(constant, wavenumbers, shapes):
 
 
 def _both_ways(constant, second, first, skew, zeroth):
-    """Modes going right and going left where no symmetry pairs them, in matching order (backwards ~ -k)."""
+    """Modes going right and left where x -> -x is no symmetry, ordered so that their wavenumbers are about opposite."""
     size = len(second)
     wavenumbers, shapes = companion_modes(second, 1j * skew, zeroth)
     rightgoing = _goes_right(wavenumbers, shapes, _flux(second, first, wavenumbers, shapes))
@@ -283,16 +284,16 @@ def _both_ways(constant, second, first, skew, zeroth):
 
 
 def _goes_right(wavenumbers, shapes, flux):
-    """By the sign of the power flux where a mode carries any and hardly decays, by its decay elsewhere.
+    """Direction by the sign of the power flux where a mode carries power and hardly decays, by its decay elsewhere.
 
-    With loss the two agree.  An absorbing layer's error may give a surface wave a growth of 1e-4 or less in the
-    direction in which it runs: there only the flux is right.
+    With loss the two agree.  The error of an absorbing layer may let a surface wave grow by 1e-4 or less in the
+    direction in which it propagates: there only the flux is right.
     """
     carried = -np.imag(np.sum(flux * np.conj(shapes), axis=0))
-    most = np.sum(abs(flux * shapes), axis=0)
-    straight = abs(wavenumbers.imag) < NEARLY_REAL * abs(wavenumbers.real)
+    apparent = np.sum(abs(flux * shapes), axis=0)
+    nearly_real = abs(wavenumbers.imag) < NEARLY_REAL * abs(wavenumbers.real)
     lossless = abs(wavenumbers.imag) <= 1e-9 * (1.0 + abs(wavenumbers))
-    by_flux = lossless | (straight & (abs(carried) > 1e-6 * most))
+    by_flux = lossless | (nearly_real & (abs(carried) > 1e-6 * apparent))
     return np.where(by_flux, carried > 0, wavenumbers.imag < 0)
 
 

@@ -27,7 +27,7 @@ def center_frequency(scene: Scene, place: float, *, progress: Callable[[str], No
     import numpy as np
     from scipy.optimize import minimize_scalar
 
-    from fem.analytic.half_space import rayleigh
+    from fem import rayleigh
 
     driven = next(each for each in scene.transducer if each.name == scene.drive.transducer)
     middle = rayleigh(resolved.solid(scene.stator), "open").velocity / driven.period

@@ -56,7 +56,7 @@ class Response:
 
         if not self.bands:
             return [wave(frequency) for frequency in frequencies]
-        from fem.threads import side_by_side
+        from fem import side_by_side
 
         return side_by_side(wave, frequencies)
 
@@ -167,7 +167,7 @@ def spectrum(scene: Scene, prepared: Response, frequencies, place: float) -> Spe
 
 def _takes_bands(block, transducers, places) -> bool:
     """Return whether bands serve: whole gaps everywhere, no finger left out, no place under a transducer."""
-    from fem.geometry import outer_gaps
+    from fem import outer_gaps
 
     row = tuple(sorted(transducers, key=lambda each: each.center))
     for each, gaps in zip(row, outer_gaps(block, row), strict=True):

@@ -153,7 +153,7 @@ def _lossless(record: Record) -> Iterator[str]:
 
 
 def _thin_plate(record: Record) -> Iterator[str]:
-    """Yield a warning where the surface wave passes to the other face within the stator's length."""
+    """Yield a warning where the surface wave passes to the other face, or the plate is too thin for one."""
     stator, wave = record.scene.stator, record.surface_wave
     if isinstance(stator.thickness, str) or stator.bottom == "absorbing":
         return
@@ -163,6 +163,11 @@ def _thin_plate(record: Record) -> Iterator[str]:
             f"the plate is thin, {thickness:.2g} wavelengths: the wave passes to its other face and back, fully after "
             f"{wave.transfer_length * 1e3:.3g} mm of the stator's {stator.length * 1e3:.3g} mm; "
             'take a thicker plate, or bottom = "absorbing" if it is glued to a lossy base'
+        )
+    elif thickness < 1:
+        yield (
+            f"the plate is {thickness:.2g} wavelengths thick: what runs in it is a plate wave that moves both faces, "
+            "no surface wave; take a thicker plate or a higher frequency"
         )
 
 

@@ -61,9 +61,7 @@ def _motor(**solid):
 
 def _solved(motor, level: int = 2) -> Answered:
     """Admittance and motion of one discretisation."""
-    from fem.discretize.refinement import LEVELS
-    from fem.results.evaluation import surface_of
-    from fem.results.solution import solve_driven
+    from fem import LEVELS, solve_driven, surface_of
 
     solution = solve_driven(
         motor.stator,

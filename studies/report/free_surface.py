@@ -31,7 +31,7 @@ def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") 
         ``material``, ``crystal`` with the rotated tensors and the cut's axes.
     """
     import fem
-    from fem.analytic.half_space import surface_named
+    from fem import surface_named
 
     orientation = Orientation().read("--orientation", orientation)
     try:

@@ -145,8 +145,7 @@ def _mode_errors(record: Record) -> tuple[float, float]:
 
     import numpy as np
 
-    from fem.discretize.section import discretise
-    from fem.threads import one_blas_thread
+    from fem import discretise, one_blas_thread
     from fem.waveguide.modes import guided_modes
 
     fine = record.surface_wave

@@ -63,7 +63,7 @@ class Part:
 
 def driven_parts(scene: Scene, tolerance: float, speed: float) -> tuple[list[Part], list[str]]:
     """Return the parts of a driven stator on a machine of a speed, and what they leave out."""
-    from fem.condense.size import stator_size
+    from fem import stator_size
     from fem.discretize import refinement
 
     about = _with_frequency(scene)
@@ -127,8 +127,7 @@ def free_parts(scene: Scene, tolerance: float, speed: float) -> tuple[list[Part]
     """Return the part of a free wave, and what it leaves out."""
     import numpy as np
 
-    from fem.discretize.section import Resolution, discretise
-    from fem.materials.christoffel import slowest_wavelength
+    from fem import Resolution, discretise, slowest_wavelength
     from fem.solve import free
 
     block = resolved.stator(scene.stator)

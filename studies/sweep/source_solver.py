@@ -42,7 +42,7 @@ def solved_sources(
     question: Question, names: tuple[str, ...], step: int, threads: int | None
 ) -> tuple[list[Source], float]:
     """Return the stator's answers of these names, and the seconds that they took."""
-    from fem.threads import one_blas_thread
+    from fem import one_blas_thread
 
     keep_to(threads)
     begun = time.perf_counter()

@@ -76,7 +76,7 @@ def balls(found: RunField) -> tuple[Ball, ...]:
 
 def crystal_axes(found: RunField) -> tuple[tuple[str, float, float], ...]:
     """Return name and x and z components of the crystal axes that lie in the section, at least in part."""
-    from fem.materials.rotation import rotation_matrix
+    from fem import rotation_matrix
     from studies.report.crystal import SEEN
 
     columns = rotation_matrix(found.scene.stator.orientation).T

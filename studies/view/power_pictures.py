@@ -122,7 +122,7 @@ def depth_weights(z: np.ndarray, order: int) -> np.ndarray:
     -------
     ndarray, shape (elements * order + 1,)
     """
-    from fem.discretize.spectral import reference_matrices
+    from fem import reference_matrices
 
     lumped = reference_matrices(order).mass.sum(axis=1)
     weights = np.zeros(len(z))

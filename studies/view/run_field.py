@@ -212,10 +212,7 @@ def solved_again(scene: Scene, record: dict, *, progress):
     progress : callable
         Told what is being done.
     """
-    from fem.discretize.refinement import LEVELS
-    from fem.results.solution import solve_driven
-    from fem.results.surface_wave import surface_wave
-    from fem.threads import one_blas_thread
+    from fem import LEVELS, one_blas_thread, solve_driven, surface_wave
 
     named = record["wave"].get("resolution")
     level = [each for each in LEVELS if named == f"order {each.order}, {each.edge_layers} edge layers"]

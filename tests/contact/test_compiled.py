@@ -194,3 +194,10 @@ def test_kernels_that_call_others_are_the_same_by_numbas_ordinary_compiler(place
         assert ("located" in compiled.ORDINARY) == broken
     assert found[0] == pytest.approx(0.5 * np.pi - 1.2, abs=1e-9)  # closed form
     assert found[1] == pytest.approx(found[0], rel=1e-13)
+
+
+def test_shapes_that_a_kernel_declares_are_looked_at_before_it_runs(places):
+    kernel = compiled.Native(count, ("f1", "f"), {"values": "4"})
+    assert kernel(np.arange(4.0), 2.5) == kernel(np.arange(4.0), 2.5) == 3
+    with pytest.raises(ValueError, match=r"count: values has the shape \(3,\), but \(4\) is expected"):
+        kernel(np.arange(3.0), 2.5)

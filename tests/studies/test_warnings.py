@@ -174,6 +174,8 @@ def test_thin_plate():
     assert "absorbing" in said
     assert warnings_of(record("twente", transfer_length=0.17)) == ()
     assert warnings_of(record("twente", "stator.bottom=absorbing", transfer_length=0.15)) == ()
+    only(warnings_of(record("twente", "stator.thickness=0.9 mm")), "0.91 wavelengths", "plate wave")
+    assert warnings_of(record("twente", "stator.thickness=1.1 mm")) == ()
 
 
 def test_the_transfer_length_is_half_a_beat_of_the_plate_modes():

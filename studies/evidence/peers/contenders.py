@@ -54,10 +54,7 @@ def _uniform(problem: Problem, *, per_wavelength: int, triangles: bool):
 
 
 def _direct(problem: Problem, *, order: int, edge_layers: int):
-    from fem.circuit import solve_circuit
-    from fem.direct import direct_solution
-    from fem.discretize.section import Resolution
-    from fem.materials.christoffel import slowest_wavelength
+    from fem import Resolution, direct_solution, slowest_wavelength, solve_circuit
 
     def once():
         solution = direct_solution(
@@ -77,10 +74,7 @@ def _direct(problem: Problem, *, order: int, edge_layers: int):
 
 
 def _structured(problem: Problem, *, level: int):
-    from fem.discretize.refinement import LEVELS
-    from fem.results.evaluation import surface_of
-    from fem.results.solution import solve_driven
-    from fem.threads import one_blas_thread
+    from fem import LEVELS, one_blas_thread, solve_driven, surface_of
 
     @one_blas_thread
     def once():
@@ -98,8 +92,7 @@ def _structured(problem: Problem, *, level: int):
 
 
 def _band(problem: Problem, *, tolerance: float):
-    from fem import frequency_band
-    from fem.threads import one_blas_thread
+    from fem import frequency_band, one_blas_thread
 
     driven = problem.transducers[0].name
     band = frequency_band(

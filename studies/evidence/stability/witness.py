@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.convergence import ConvergenceError
+from fem import ConvergenceError
 from studies.evidence.stability.verdict import NoWitness
 
 __all__ = ["compared"]
@@ -87,10 +87,7 @@ def _strips(motor, _) -> tuple[complex, np.ndarray]:
 
 def _direct(motor, _) -> tuple[complex, np.ndarray]:
     """The whole section as one sparse matrix, one level finer than the answer."""
-    from fem.circuit import solve_circuit
-    from fem.direct import direct_solution
-    from fem.discretize.section import Resolution
-    from fem.materials.christoffel import slowest_wavelength
+    from fem import Resolution, direct_solution, slowest_wavelength, solve_circuit
 
     solution = direct_solution(
         motor.stator,
@@ -107,9 +104,7 @@ def _direct(motor, _) -> tuple[complex, np.ndarray]:
 
 def _finer(motor, answer) -> tuple[complex, np.ndarray]:
     """The next level of the discretisation; beyond the last, one of higher order."""
-    from fem.discretize.refinement import LEVELS
-    from fem.results.evaluation import surface_of
-    from fem.results.solution import solve_driven
+    from fem import LEVELS, solve_driven, surface_of
 
     level = LEVELS.index(answer.solution.fields.resolution)
     finest = replace(LEVELS[-1], order=12)
