@@ -65,6 +65,8 @@ class Record:
         What the model does without, and why.
     warnings : tuple of str
         What a user should know before trusting or building it, each with its number and a remedy.
+    model_error : tuple of dict
+        Effects that the model leaves out, each with its estimated ``size`` for this scene; apart from ``error``.
     measured : dict
         Measured points beside the predicted ones, where a file of them was given.
     shortfall : str
@@ -99,6 +101,7 @@ class Record:
     seconds: dict = field(default_factory=dict)
     left_out: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
+    model_error: tuple[dict, ...] = ()
     measured: dict = field(default_factory=dict)
     shortfall: str = ""
     surface: dict = field(default_factory=dict, repr=False)
@@ -134,6 +137,7 @@ class Record:
             "summary": self.summary,
             "measured": self.measured,
             "error": self.error,
+            "model_error": self.model_error,
             "warnings": self.warnings,
             "seconds": self.seconds,
             "left_out": self.left_out,

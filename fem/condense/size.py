@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.condense.superelement import PORTS
-from fem.discretize.section import Resolution, Section, discretise, edge_layers, graded
+from fem.discretize.grading import Resolution, edge_layers, graded
+from fem.discretize.section import Section, discretise
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.materials.christoffel import slowest_wavelength
 

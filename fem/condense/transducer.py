@@ -11,7 +11,8 @@ import numpy as np
 
 from fem.condense.join import joined, mirrored, opened, repeated, swapped
 from fem.condense.superelement import Block, condensed
-from fem.discretize.section import Resolution, Section, edge_layers, graded
+from fem.discretize.grading import Resolution, edge_layers, graded
+from fem.discretize.section import Section
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,7 +11,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from fem.convergence import ConvergenceError
-from fem.discretize.section import Resolution
+from fem.discretize.grading import Resolution
 from fem.geometry import Stator
 from fem.materials.christoffel import stretch_absorbs
 

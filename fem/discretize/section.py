@@ -21,15 +21,12 @@ import numpy as np
 from fem.analytic.half_space import rayleigh
 from fem.convergence import ConvergenceError
 from fem.discretize.absorber import absorber
+from fem.discretize.grading import CORNER_RATIO, Resolution, bottom_corners, edge_layers, graded
 from fem.discretize.spectral import line_nodes, reference_matrices
 from fem.geometry import Stator
 from fem.materials import fields as coupled_fields
 from fem.materials.medium import Medium, medium, units, vacuum_medium
 
-LAYER_RATIO = 0.15
-# Where a clamped face meets a free one the displacement varies as r^0.6 to r^0.8 (Williams, J. Appl. Mech. 19 (1952)
-# 526), so that a layer of this ratio divides the error as much as one of LAYER_RATIO does at a finger edge (r^0.5).
-CORNER_RATIO = 0.2
 HALF_SPACE_DEPTH, MAX_DEPTH = 2.0, 8.0  # wavelengths of ordinary solid above the absorbing layer
 # Wavelengths; the near field of a wider finger needs no layers of its own through the depth.
 FINGER_SCALE = 0.125
@@ -37,29 +34,6 @@ MAX_UNKNOWNS, TYPICAL_ORDER = 2000, 7  # of a line; a driven stator with as many
 MINUTES_AT_MAX = 10
 # Length units; the field of a transducer without net charge decays as the square of the distance.
 VACUUM_HEIGHT = 64.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class Resolution:
-    """How finely a stator is discretised.
-
-    Attributes
-    ----------
-    order : int
-        Polynomial order of every element.
-    edge_layers : int
-        Geometric layers towards finger edges and the surface, ratio 0.15 each.
-    element_size : float
-        Largest element in wavelengths of the slowest bulk wave.
-    lossy_elements : int
-        Wavelengths of viscous solid below, of increasing loss, in cuts where a perfectly matched layer is unstable;
-        its error falls as the square of their number.
-    """
-
-    order: int
-    edge_layers: int
-    element_size: float = 1.0
-    lossy_elements: int = 8
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -260,31 +234,6 @@ def _real_if_real(matrix: np.ndarray) -> np.ndarray:
 FIELD_COLUMN = {"ux": 0, "uy": 1, "uz": 2, "phi": 3}
 
 
-def graded(
-    length: float,
-    layers: int,
-    *,
-    largest: float,
-    smallest_first: bool = False,
-    ratio: float = LAYER_RATIO,
-) -> np.ndarray:
-    """Element sizes along a length: equal ones of at most ``largest``, the last split into geometric layers.
-
-    Returns
-    -------
-    ndarray
-        Sizes that sum to the length; the smallest last, or first on request.
-    """
-    count = max(1, int(np.ceil(length / largest - 1e-9)))
-    sizes = [length / count] * (count - 1)
-    rest = length / count
-    for _ in range(layers):
-        sizes.append(rest * (1 - ratio))
-        rest *= ratio
-    sizes.append(rest)
-    return np.array(sizes[::-1] if smallest_first else sizes)
-
-
 def discretise(
     stator: Stator,
     resolution: Resolution,
@@ -370,22 +319,6 @@ def discretise(
 def lateral_fields(solid) -> tuple[str, ...]:
     """Fields that take part where something depends on y."""
     return ("ux", "uy", "uz", "phi") if solid.is_piezoelectric else ("ux", "uy", "uz")
-
-
-def bottom_corners(stator: Stator) -> bool:
-    """True if a clamped face meets a free one at the lower corners, where the stress is then singular.
-
-    At the upper corners of clamped ends the layers below the surface's finger edges do the same.
-    """
-    if stator.absorbs_below or stator.ends == "absorbing":
-        return False
-    return (stator.ends == "clamped") != (stator.bottom == "clamped")
-
-
-def edge_layers(resolution: Resolution, length: float, smallest: float) -> int:
-    """Layers for a length so that its last element is as fine as those of the smallest length beside it."""
-    more = np.log(length / smallest) / np.log(1 / LAYER_RATIO)
-    return resolution.edge_layers + (max(0, int(np.ceil(more - 0.5))) if resolution.edge_layers else 0)
 
 
 def _surface_speed(solid) -> float | None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.circuit import Circuit, Drive, solve_circuit
-from fem.discretize.section import Resolution
+from fem.discretize.grading import Resolution
 from fem.geometry import Stator, Transducer
 from fem.waveguide.port_fields import PortFields, solve_ports
 

@@ -10,8 +10,9 @@ import time
 import numpy as np
 
 from fem.convergence import ConvergenceError
+from fem.discretize.grading import Resolution
 from fem.discretize.refinement import refine
-from fem.discretize.section import FIELD_COLUMN, Resolution, Section, discretise
+from fem.discretize.section import FIELD_COLUMN, Section, discretise
 from fem.geometry import Stator
 from fem.materials.christoffel import slowest_wavelength, stretch_absorbs
 from fem.results.free_wave import FreeWave

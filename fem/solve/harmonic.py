@@ -11,8 +11,8 @@ import numpy as np
 
 from fem.circuit import Drive
 from fem.convergence import ConvergenceError
+from fem.discretize.grading import Resolution
 from fem.discretize.refinement import LEVELS, first_level, level_gain, refine
-from fem.discretize.section import Resolution
 from fem.geometry import Stator, Transducer, check_layout
 from fem.materials import fields
 from fem.results.evaluation import surface_of

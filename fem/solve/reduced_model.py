@@ -18,7 +18,7 @@ from fem.circuit import Drive
 from fem.condense.join import joined, mirrored
 from fem.condense.superelement import Block
 from fem.condense.transducer import FingerShape, half_cells
-from fem.discretize.section import Resolution
+from fem.discretize.grading import Resolution
 from fem.discretize.spectral import lagrange_weights
 from fem.geometry import Stator, Transducer
 from fem.results.solution import Solution, driven_solution

@@ -10,8 +10,8 @@ import numpy as np
 
 from fem.analytic.half_space import rayleigh
 from fem.convergence import ConvergenceError
+from fem.discretize.grading import Resolution
 from fem.discretize.refinement import LEVELS, refine
-from fem.discretize.section import Resolution
 from fem.materials import Solid
 from fem.waveguide.grating import Grating, StopBand, grating
 

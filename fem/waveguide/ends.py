@@ -12,7 +12,8 @@ import numpy as np
 
 from fem.condense.join import joined
 from fem.condense.superelement import Block, condensed
-from fem.discretize.section import CORNER_RATIO, Resolution, Section, graded
+from fem.discretize.grading import CORNER_RATIO, Resolution, graded
+from fem.discretize.section import Section
 from fem.geometry import Stator
 from fem.waveguide.modes import GuidedModes
 

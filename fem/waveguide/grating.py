@@ -28,7 +28,8 @@ from fem.condense.join import joined, opened
 from fem.condense.superelement import Block
 from fem.condense.transducer import FingerShape, finger_cell, half_cells
 from fem.convergence import ConvergenceError
-from fem.discretize.section import Resolution, Section, discretise
+from fem.discretize.grading import Resolution
+from fem.discretize.section import Section, discretise
 from fem.discretize.spectral import chebyshev_nodes, lagrange_weights
 from fem.geometry import Stator
 from fem.materials import Solid, fields

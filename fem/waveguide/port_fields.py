@@ -20,7 +20,8 @@ from fem.condense.join import widths
 from fem.condense.superelement import Block
 from fem.condense.transducer import transducer_block
 from fem.convergence import ConvergenceError
-from fem.discretize.section import Resolution, Section, discretise
+from fem.discretize.grading import Resolution
+from fem.discretize.section import Section, discretise
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.materials.christoffel import slowest_wavelength
 from fem.waveguide.ends import Walls

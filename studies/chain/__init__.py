@@ -12,6 +12,7 @@ from pathlib import Path
 
 import fem
 from studies.chain import bridge
+from studies.chain.model_error import model_error
 from studies.chain.neglected import driven_left_out, free_left_out
 from studies.chain.points import SliderAnswer, slider_answer
 from studies.chain.ring_up import ring_up, ring_up_left_out
@@ -80,7 +81,12 @@ def _run(scene: Scene, tolerance: float, progress: Callable[[str], None] | None)
         record = _driven(scene, tolerance, say)
     else:
         record = _free(scene, tolerance)
-    return replace(record, left_out=record.left_out + slider_left_out(scene), warnings=warnings_of(record))
+    return replace(
+        record,
+        left_out=record.left_out + slider_left_out(scene),
+        model_error=model_error(record),
+        warnings=warnings_of(record),
+    )
 
 
 def _given(scene: Scene, tolerance: float, say) -> Record:

@@ -8,6 +8,7 @@ import platform
 from datetime import UTC, datetime
 from pathlib import Path
 
+from studies.chain.model_error import sentences
 from studies.record import Record, provenance
 from studies.report import energies, figures
 from studies.report.intermediate import intermediate_numbers, si
@@ -54,7 +55,7 @@ def report(record: Record) -> str:
         at_rest=record.at_rest,
         seconds=record.seconds,
         left_out=record.left_out,
-        limits=model_limits(scene),
+        limits=(*model_limits(scene), *(f"Estimated model error - {each}." for each in sentences(record))),
         provenance=provenance() | {"machine": _machine()},
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         scene=document(scene.to_table()),

@@ -4,6 +4,7 @@ import codecs
 import json
 import sys
 
+from studies.chain.model_error import sentences
 from studies.record import Record
 from studies.report.measured import comparison_lines
 
@@ -35,6 +36,8 @@ def answer(record: Record) -> str:
         parts = ", ".join(f"{name} {size:.1e}" for name, size in record.error["parts"].items())
         asked = f"asked for {record.tolerance:.1e}"
         lines.append(f"relative error  {record.error['relative']:.1e} ({parts}), {asked}")
+    if record.model_error:
+        lines.append("model error     " + "\n                ".join(sentences(record)))
     seconds = ", ".join(f"{name} {size:.2f}" for name, size in record.seconds.items() if name != "total")
     lines.append(f"seconds         {record.seconds['total']:.2f} ({seconds})")
     lines.append("left out        " + "\n                ".join(record.left_out))

@@ -44,7 +44,7 @@ def read_run(folder: Path) -> dict:
     for block, names in COMPLEX.items():
         values = whole.get(block, {})
         fields[block] = values | {name: complex(*values[name]) for name in names if name in values}
-    for key in ("points", "left_out", "warnings"):
+    for key in ("points", "left_out", "model_error", "warnings"):
         fields[key] = tuple(whole.get(key, ()))
     fields |= {"scene": scene, "versions": whole.get("provenance", {})}
     for name in ("surface.csv", "profile.csv"):

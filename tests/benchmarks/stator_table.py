@@ -25,8 +25,8 @@ from fem import coupling, frequency_band, material, periodic_wave, rayleigh, rot
 from fem.condense.join import repeated
 from fem.condense.superelement import condensed
 from fem.direct import direct_solution
+from fem.discretize.grading import Resolution
 from fem.discretize.refinement import LEVELS
-from fem.discretize.section import Resolution
 from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.evaluation import surface_of

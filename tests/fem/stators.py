@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.discretize.section import Resolution, Section, discretise
+from fem.discretize.grading import Resolution
+from fem.discretize.section import Section, discretise
 from fem.geometry import Stator, Transducer
 from fem.materials import Solid, material, rotated
 from fem.materials.christoffel import slowest_wavelength

@@ -7,7 +7,7 @@ import pytest
 
 from fem.circuit import Drive
 from fem.direct import direct_solution
-from fem.discretize.section import Resolution
+from fem.discretize.grading import Resolution
 from fem.materials import VACUUM_PERMITTIVITY
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.power_balance import power_balance

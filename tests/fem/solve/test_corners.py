@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from fem.direct import direct_solution
+from fem.discretize.grading import CORNER_RATIO
 from fem.discretize.refinement import LEVELS
-from fem.discretize.section import CORNER_RATIO
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.evaluation import surface_of
 from fem.results.solution import solve_driven

@@ -6,7 +6,7 @@ import pytest
 from fem.condense.join import joined
 from fem.condense.transducer import FingerShape, half_cells
 from fem.convergence import ConvergenceError
-from fem.discretize.section import Resolution
+from fem.discretize.grading import Resolution
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, section, solution, wave_of
 
 PZT = cut("PZT-8", "Z")
