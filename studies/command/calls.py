@@ -32,6 +32,10 @@ def run(arguments: argparse.Namespace) -> int:
     measured = None if arguments.measured is None else read_measured(arguments.measured)
     if arguments.explain:
         return _explain(scene, wanted, as_json=arguments.json)
+    if arguments.plot:
+        from studies.report.window import refuse_without_toolkit, show
+
+        refuse_without_toolkit()
     origin = _origin("run", arguments.scene)
     out = arguments.out
     if out is None and not arguments.json:
@@ -75,6 +79,8 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"sawmotor: warning: {warning}", file=sys.stderr)
     if record.shortfall:
         print(f"sawmotor: {record.shortfall}", file=sys.stderr)
+    if arguments.plot:
+        show(record)
     return 1 if record.shortfall else 0
 
 
