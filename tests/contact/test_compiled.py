@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from contact.interpolation import interpolate
 from contact.jit import compiled, compiler, kernels
 from contact.solve.collocation import collocation
-from contact.solve.roots import first_root
 
 NOWHERE = Path("/proc/nowhere")  # where nobody can write, not even the superuser
 
@@ -131,6 +131,8 @@ def test_a_file_that_cannot_be_used_is_made_anew(places, tmp_path, damage):
         )
         file.write_bytes(hashlib.sha256(code).digest() + code)
     assert answer()[0] == RIGHT
+    content = file.read_bytes()
+    assert hashlib.sha256(content[32:]).digest() == content[:32]
     places.setattr(compiler, "machine_code", None)  # what was made anew serves
     assert answer()[0] == RIGHT
     assert not compiled.ORDINARY
@@ -174,25 +176,24 @@ def test_without_what_llvmlite_says_of_the_processor_nothing_is_kept(places, tmp
     assert not files(tmp_path)
 
 
-def located(sigma, bary, rates, values, place):
-    """Fill the place of the first root: a kernel that calls others."""
-    place[0] = first_root(sigma, bary, rates, values)
+def read_off(sigma, bary, values, at):
+    """Replace a place by the interpolant there: a kernel that calls another."""
+    at[0] = interpolate(at[0], sigma, bary, values)
     return 0
 
 
 def test_kernels_that_call_others_are_the_same_by_numbas_ordinary_compiler(places):
     table = collocation(12)
-    found = []
+    found, lowered = [], interpolate.inner
     for broken in (False, True):
         if broken:
             places.setattr(compiler, "_optimised", gone)
-        place = np.zeros(1)
-        compiled.Native(located, ("f1", "f1", "f2", "f1", "f1"))(
-            table.sigma, table.bary, table.rates, np.cos(table.sigma + 1.2), place
-        )
-        found.append(place[0])
-        assert ("located" in compiled.ORDINARY) == broken
-    assert found[0] == pytest.approx(0.5 * np.pi - 1.2, abs=1e-9)  # closed form
+        at = np.array([0.3])
+        compiled.Native(read_off, ("f1", "f1", "f1", "f1"))(table.sigma, table.bary, np.cos(table.sigma), at)
+        found.append(at[0])
+        assert ("read_off" in compiled.ORDINARY) == broken
+    assert interpolate.inner is not lowered, "what was made for the machine code is not used again"
+    assert found[0] == pytest.approx(np.cos(0.3), rel=1e-10)  # truncation of twelve points
     assert found[1] == pytest.approx(found[0], rel=1e-13)
 
 

@@ -423,7 +423,8 @@ def test_processes_that_do_not_start_are_said_to(tmp_path):
 
 @pytest.mark.slow
 def test_an_interrupt_from_the_terminal_stops_processes_and_keeps_points(tmp_path):
-    over = {"slider.preload": "0.1 mN:10 mN:400:log", "wave.normal_amplitude": "0.5 nm:20 nm:100:log"}
+    # so many points that no machine is done with them before the interrupt
+    over = {"slider.preload": "0.1 mN:10 mN:1000:log", "wave.normal_amplitude": "0.5 nm:20 nm:1000:log"}
     words = [part for key, text in over.items() for part in ("--over", f"{key}={text}")]
     process = command(
         "twente-contact", *words, "--workers", "2", "--out", str(tmp_path / "s"), start_new_session=True
@@ -431,11 +432,11 @@ def test_an_interrupt_from_the_terminal_stops_processes_and_keeps_points(tmp_pat
     while not seen(tmp_path / "s"):
         time.sleep(0.1)
     os.killpg(process.pid, signal.SIGINT)
-    _, err = process.communicate(timeout=30)
+    _, err = process.communicate(timeout=300)
     assert process.returncode == 1
     assert "points are kept and the same command goes on" in err.splitlines()[-1]
     assert "Traceback" not in err
-    assert 0 < len(rows(tmp_path / "s")) < 40_000
+    assert 0 < len(rows(tmp_path / "s")) < 1_000_000
 
 
 @pytest.mark.slow

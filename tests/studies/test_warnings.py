@@ -14,7 +14,8 @@ import pytest
 import fem
 from studies.__main__ import main
 from studies.chain import run
-from studies.chain.warnings import breakdown_voltage, hertz_pressure, warnings_of
+from studies.chain.stator_warnings import breakdown_voltage
+from studies.chain.warnings import hertz_pressure, warnings_of
 from studies.record import Record
 from studies.scene import Scene, read_table, shipped_scenes
 from studies.scene.override import assigned
