@@ -1,4 +1,4 @@
-"""The driven stator's error against run time, level by level, and a band of frequencies: prints tables of studies/evidence/README.md.
+"""The driven stator's error against run time, level by level, and a band of frequencies: prints its tables.
 
     python tests/benchmarks/stator.py
 
