@@ -48,6 +48,8 @@ _HOME = {
     "plate_wavenumbers": "analytic.lamb",
     "point_load": "analytic.point_load",
     "PointLoad": "analytic.point_load",
+    "port_admittance": "solve.port_admittance",
+    "PortAdmittance": "solve.port_admittance",
     "rayleigh": "analytic.half_space",
     "rayleigh_velocity": "analytic.lamb",
     "read_vtu": "results.files",

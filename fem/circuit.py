@@ -78,6 +78,12 @@ class Circuit:
         return complex(self.currents[self.sources[0]] / self.voltages[self.sources[0]])
 
     @property
+    def source_admittances(self) -> np.ndarray:
+        """Current over voltage of every source's transducer whose voltage is not 0, in S."""
+        on = [at for at in self.sources if self.voltages[at] != 0]
+        return self.currents[on] / self.voltages[on]
+
+    @property
     def voltage(self) -> complex:
         """Between the electrodes of the first source's transducer."""
         return complex(self.voltages[self.sources[0]])

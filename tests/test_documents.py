@@ -95,8 +95,11 @@ def test_the_blocks_of_a_document_run(document, tmp_path, monkeypatch, capsys):
             exec(compile(block.text, f"{document.name}, line {block.line}", "exec"), space)
         elif block.language == "toml":
             if "part of a scene" not in block.remark:
-                (tmp_path / "scene of a document.toml").write_text(block.text, encoding="utf-8")
-                Scene.load(tmp_path / "scene of a document.toml")
+                # a first line such as "# my-motor.toml" tells the reader, and the later blocks, the file's name
+                named = re.match(r"# ([\w-]+\.toml)$", block.text.splitlines()[0])
+                file = tmp_path / (named[1] if named else "scene of a document.toml")
+                file.write_text(block.text, encoding="utf-8")
+                Scene.load(file)
         elif is_shell(block):
             for words in commands(block.text):
                 run_command(words)

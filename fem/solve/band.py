@@ -35,6 +35,11 @@ class Band:
         """Lowest and highest frequency in Hz."""
         return self.model.limits
 
+    @property
+    def port_names(self) -> tuple[str, ...]:
+        """Transducers that are ports, from left to right."""
+        return tuple(each.name for each in self.model.transducers if {"+", "-"} <= set(each.signs))
+
     def wave(self, frequency: float, drive: str | Drive) -> SurfaceWave:
         """Surface motion at a frequency of the band (Hz).
 

@@ -125,9 +125,8 @@ def solution_differences(
 ) -> tuple[float, float]:
     """Relative differences of the motion at the places and of the admittances that the sources see."""
     ours, theirs = fine[0].circuit, coarse[0].circuit
-    at = list(ours.sources)
-    admittances = [circuit.currents[at] / circuit.voltages[at] for circuit in (ours, theirs)]
-    return motion_difference(fine[1], coarse[1]), float(np.max(abs(admittances[0] / admittances[1] - 1)))
+    of_admittance = np.max(abs(ours.source_admittances / theirs.source_admittances - 1))
+    return motion_difference(fine[1], coarse[1]), float(of_admittance)
 
 
 def motion_difference(ours: np.ndarray, theirs: np.ndarray) -> float:

@@ -25,7 +25,7 @@ from fem.discretize.section import Section, discretise
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.materials.christoffel import slowest_wavelength
 from fem.waveguide.ends import Walls
-from fem.waveguide.modes import GuidedModes, guided_modes
+from fem.waveguide.modes import PROPAGATING, GuidedModes, guided_modes
 from fem.waveguide.network import Network, Scatterer
 
 CUT_OFF = 1e-3  # rad per slowest wavelength: a mode's wavenumber below which its square, all that is known, is rounding
@@ -86,28 +86,31 @@ class PortFields:
         return columns * self.resolution.order * self.section.size
 
     def amplification(self, swing: float) -> tuple[float, float]:
-        """Resonant amplification of an error of the surface wave's phase, here and near here.
+        """Resonant amplification of small errors, here and near here.
 
-        Between reflecting ends the surface wave is 1 / det(1 - M) times what the transducers send (M: ``coupling`` of
-        its amplitudes), and so is the effect of a small error of its phase.
+        Between reflecting ends the amplitudes are (1 - M)^-1 times what the transducers send (M: ``coupling`` of the
+        propagating modes), and so is the effect of a small error of a phase: it grows as 1 / |1 - mu|, mu the
+        eigenvalue of M nearest to 1.  With the frequency the mu turn; their sizes hardly change.
 
         Parameters
         ----------
         swing : float
-            Phase, rad, by which each entry of M may turn in the range of frequencies that is meant.
+            Angle, rad, by which an eigenvalue may turn in the range of frequencies that is meant.
 
         Returns
         -------
         here, worst : float
             At this frequency, and the largest within the range.
         """
-        surface = self.modes.rayleigh
-        mine = np.isin(self.waves, surface)
+        k = self.modes.wavenumbers
+        travels = np.flatnonzero(abs(k.imag) < PROPAGATING * abs(k.real))  # evanescent ones do not turn
+        mine = np.isin(self.waves, travels)
         factors = np.linalg.eigvals(self.coupling[np.ix_(mine, mine)])
-        turns = np.concatenate([[0.0], np.linspace(-swing, swing, 181), -np.angle(factors)])
-        turns = turns[abs(turns) <= swing]
-        sizes = np.prod(abs(1 - np.exp(1j * turns)[:, None] * factors), axis=1) ** (-1 / len(surface))
-        return float(sizes[0]), float(sizes.max())
+        if not len(factors):
+            return 1.0, 1.0
+        angles = abs(np.angle(factors))
+        turned = abs(factors) * np.exp(1j * np.maximum(angles - swing, 0.0))
+        return tuple(float(1 / abs(1 - each).min()) for each in (factors, turned))
 
 
 def electrode_potentials(transducer: Transducer, floats: bool) -> np.ndarray:

@@ -203,7 +203,8 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
             "power_radiated_W_per_V2": wave.power_radiated,
             "power_residual": wave.power_residual,
             "admittance_relative_error": wave.admittance_error,
-        },
+        }
+        | _several_sources(wave),
         left_out=driven_left_out(block, scene.frequency)
         + ring_up_left_out(scene, ringing, blocks.get("trajectories", ())),
         surface=_surface_columns(wave),
@@ -212,6 +213,21 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
     )
     seconds = {"stator": time.perf_counter() - begun - contact_seconds}
     return replace(record, seconds=seconds if slider is None else seconds | {"contact": contact_seconds})
+
+
+def _several_sources(wave) -> dict:
+    """Return voltage and current of each driven transducer, per volt, where there are several."""
+    circuit = wave.circuit
+    if len(circuit.sources) < 2:
+        return {}
+    ports = {
+        circuit.names[at]: {
+            "voltage_per_volt": complex(circuit.voltages[at]),
+            "current_A_per_V": complex(circuit.currents[at]),
+        }
+        for at in sorted(circuit.sources)
+    }
+    return {"sources": ports}
 
 
 def _places(place: float, slider) -> tuple[float, ...]:

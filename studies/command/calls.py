@@ -1,7 +1,9 @@
 """What each call of the command does, given its parsed arguments; each returns the exit code."""
 
 import argparse
+import cmath
 import json
+import math
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -30,6 +32,10 @@ def run(arguments: argparse.Namespace) -> int:
     measured = None if arguments.measured is None else read_measured(arguments.measured)
     if arguments.explain:
         return _explain(scene, wanted, as_json=arguments.json)
+    if arguments.plot:
+        from studies.report.window import refuse_without_toolkit, show
+
+        refuse_without_toolkit()
     origin = _origin("run", arguments.scene)
     out = arguments.out
     if out is None and not arguments.json:
@@ -73,6 +79,8 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"sawmotor: warning: {warning}", file=sys.stderr)
     if record.shortfall:
         print(f"sawmotor: {record.shortfall}", file=sys.stderr)
+    if arguments.plot:
+        show(record)
     return 1 if record.shortfall else 0
 
 
@@ -299,6 +307,13 @@ def tolerance(text: str | None) -> float:
     return float(value)
 
 
+def _source(amplitude: complex) -> str:
+    """Return how a transducer is driven, in words."""
+    if amplitude == 1:
+        return "driven"
+    return f"driven by {abs(amplitude):g} at {math.degrees(cmath.phase(amplitude)):g} deg"
+
+
 def _contents(scene: Scene) -> list[str]:
     from studies.scene.modulus import direction_dependence
     from studies.scene.resolved import solid
@@ -312,8 +327,8 @@ def _contents(scene: Scene) -> list[str]:
     for transducer in scene.transducer:
         period = "auto" if transducer.period == "auto" else f"{transducer.period * 1e3:.6g} mm"
         driven = (
-            "driven"
-            if transducer.name == scene.drive.transducer
+            _source(scene.drive.driven[transducer.name])
+            if transducer.name in scene.drive.driven
             else f"not driven ({transducer.termination})"
         )
         kind = transducer.pattern or ("split fingers" if transducer.split else "plain")

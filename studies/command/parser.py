@@ -54,6 +54,9 @@ def parser() -> argparse.ArgumentParser:
     run.add_argument("--field", action="store_true", help="keep the whole wave field in field.vtu")
     run.add_argument("--no-plot", action="store_true", help="draw nothing")
     run.add_argument(
+        "--plot", action="store_true", help="show the pictures in windows when the run has ended"
+    )
+    run.add_argument(
         "--measured",
         metavar="FILE",
         help="CSV of measured points (voltage_V, velocity_m_per_s, perhaps error_m_per_s) to compare with",

@@ -18,6 +18,7 @@ __all__ = [
     "legend_below",
     "legend_beside",
     "logarithmic",
+    "pictures",
     "profile",
     "saved",
     "surface",
@@ -37,15 +38,20 @@ BELOW = 38  # points from the axes to a legend below them: room for ticks and la
 MARKS = {"stick": "s", "slip": "o", "intermittent": "^"}
 
 
+def pictures(record: Record) -> dict[str, Callable]:
+    """Return the functions that draw what a run found, by the name of their file."""
+    found = {"velocity": velocity} if record.scene.slider is not None else {}
+    if record.trajectories:
+        found["trajectory"] = trajectories
+    if record.surface:
+        found["surface"] = surface if record.scene.transducer else profile
+    return found
+
+
 def draw_run(record: Record, folder: Path) -> None:
     """Draw the pictures that a record has, into a directory."""
-    if record.scene.slider is not None:
-        saved(folder / "velocity.png", lambda ax: velocity(record, ax))
-    if record.trajectories:
-        saved(folder / "trajectory.png", lambda ax: trajectories(record, ax))
-    if record.surface:
-        drawn = surface if record.scene.transducer else profile
-        saved(folder / "surface.png", lambda ax: drawn(record, ax))
+    for name, draw in pictures(record).items():
+        saved(folder / f"{name}.png", lambda ax, draw=draw: draw(record, ax))
 
 
 def saved(path: Path, draw: Callable, *, size: tuple[float, float] = (7.0, 4.3)) -> None:

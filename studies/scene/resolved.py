@@ -126,7 +126,7 @@ def drive(scene: Scene):
     """Return the ``fem.Drive`` of a scene with transducers."""
     from fem import Drive
 
-    return Drive(sources={scene.drive.transducer: 1.0}, impedance=scene.drive.source_impedance)
+    return Drive(sources=scene.drive.driven, impedance=scene.drive.source_impedance)
 
 
 def _with_periods(scene: Scene) -> tuple:

@@ -172,7 +172,7 @@ class Scene(Block):
         names = [transducer.name for transducer in self.transducer]
         for key in ("transducer", "voltage"):
             given = getattr(drive, key) is not None
-            if given and not names:
+            if given and not names and not (key == "transducer" and drive.sources is not None):
                 rule = "must be absent without a [[transducer]]: nothing is driven"
                 yield self.refusal(f"drive.{key}", rule)
             if names and not given:
@@ -181,11 +181,15 @@ class Scene(Block):
                 )
                 rule = f"is required and missing: the scene has transducers; give {wanted}"
                 yield self.refusal(f"drive.{key}", rule)
-        if names and drive.transducer is not None and drive.transducer not in names:
-            rule = f"must name one of the transducers, got {shown(drive.transducer)}"
-            yield self.refusal("drive.transducer", rule + nearest(drive.transducer, names))
+        key = "drive.transducer" if drive.sources is None else "drive.sources"
+        if drive.sources is not None and not names:
+            yield self.refusal(key, "must be absent without a [[transducer]]: nothing is driven")
+        for name in drive.driven if names else ():
+            if name not in names:
+                rule = f"must name one of the transducers, got {shown(name)}"
+                yield self.refusal(key, rule + nearest(name, names))
         for index, transducer in enumerate(self.transducer):
-            if transducer.name == drive.transducer and not transducer.has_two_combs:
+            if transducer.name in drive.driven and not transducer.has_two_combs:
                 rule = f"must have + and - fingers on the driven transducer, got {shown(transducer.pattern)}"
                 yield self.refusal(f"transducer.{index}.pattern", rule)
         if drive.frequency != "center":

@@ -90,7 +90,9 @@ class RunField:
     @property
     def drive(self) -> str:
         """What drives the field, and what its numbers refer to."""
-        return "free wave" if self.free else f"{self.scene.drive.transducer!r} driven, per volt"
+        return (
+            "free wave" if self.free else f"{', '.join(map(repr, self.scene.drive.driven))} driven, per volt"
+        )
 
     def enlarged(self, factor: float) -> str:
         """How a displacement that is enlarged by a factor is drawn, for a reader."""

@@ -216,3 +216,25 @@ def test_the_picture_of_the_velocity_says_when_nothing_moves(levels):
     stuck = "at rest: the slider sticks at every level" in [text.get_text() for text in ax.texts]
     assert stuck == (levels[-1] < 0.6e-9)
     assert not stuck or ax.get_ylim() == (-1.0, 1.0)
+
+
+def test_run_plot_shows_what_the_run_draws(tmp_path, monkeypatch, capsys):
+    """Windows are opened after the numbers are saved; where none can be, the run is refused before it begins."""
+    from matplotlib import pyplot
+
+    from studies.__main__ import main
+
+    words = ["run", "twente-contact", "--set", "wave.normal_amplitude=[3e-9, 10e-9]", "--plot", "--no-plot"]
+    monkeypatch.setattr("sys.argv", ["sawmotor", *words, "--out", str(tmp_path / "a")])
+    monkeypatch.setattr(pyplot, "get_backend", lambda: "agg")
+    assert main() == 1
+    assert "pip install PySide6" in capsys.readouterr().err
+    assert not (tmp_path / "a").exists()
+    monkeypatch.setattr(pyplot, "get_backend", lambda: "qtagg")
+    shown = []
+    monkeypatch.setattr(pyplot, "show", lambda: shown.append((tmp_path / "a" / "run.json").exists()))
+    assert main() == 0
+    assert shown == [True]
+    (ax,) = pyplot.gcf().axes
+    assert ax.get_ylabel() == "slider velocity (mm/s)"
+    pyplot.close("all")
