@@ -33,6 +33,7 @@ STUDIES = {
     "rayleigh": "stator",
     "seed_figures": "papers",
     "admittance": "stator",
+    "beam": "stator",
     "frequency_response": "stator",
     "dispersion": "stator",
     "regime_map": "motor",

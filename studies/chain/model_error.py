@@ -16,7 +16,7 @@ from dataclasses import asdict, dataclass
 from studies.record import Record
 from studies.scene import resolved
 
-__all__ = ["NeglectedEffect", "model_error", "sentences"]
+__all__ = ["NeglectedEffect", "fresnel_ratio", "model_error", "sentences", "slit_ratio"]
 
 FINGER_END = 0.0745  # periods that each end adds to the aperture: static, endless comb, no busbar
 POINT_ADMITTANCE = 0.93  # of Re(v / F) 2 pi mu c_T / omega^2, all waves together, nu = 1/4
@@ -111,22 +111,32 @@ def _aperture(record: Record) -> Iterator[NeglectedEffect]:
 
 
 def fresnel_ratio(record: Record, place: float) -> float:
-    """Return the amplitude on the axis of a uniform aperture over that of a plane wave, isotropic surface.
+    """Return `slit_ratio` on the axis of the driven transducer at a place in m from the stator's left end."""
+    driven = _driven(record)
+    wavelength = record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
+    return slit_ratio(driven.aperture, wavelength, abs(place - driven.center))
+
+
+def slit_ratio(aperture: float, wavelength: float, distance: float, lateral: float = 0.0) -> float:
+    """Return the amplitude behind a uniform aperture over that of a plane wave, by Fresnel's integral.
 
     Parameters
     ----------
-    record : Record
-        Of a driven stator.
-    place : float
-        m from the stator's left end.
+    aperture, wavelength, distance, lateral : float
+        m; the last from the axis.
+
+    Examples
+    --------
+    >>> round(slit_ratio(20e-3, 0.99e-3, 1e-6), 2)  # at the aperture
+    1.0
     """
     from scipy.special import fresnel
 
-    driven = _driven(record)
-    wavelength = record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
-    distance = abs(place - driven.center)
-    sine, cosine = fresnel(driven.aperture / 2 * math.sqrt(2 / (wavelength * distance)))
-    return math.sqrt(2) * math.hypot(sine, cosine)
+    scale = math.sqrt(2 / (wavelength * distance))
+    (below_sine, below_cosine), (above_sine, above_cosine) = (
+        fresnel(scale * (edge - lateral)) for edge in (-aperture / 2, aperture / 2)
+    )
+    return math.hypot(above_sine - below_sine, above_cosine - below_cosine) / math.sqrt(2)
 
 
 def _finger_ends(record: Record) -> Iterator[NeglectedEffect]:
@@ -155,7 +165,7 @@ def _vacuum(record: Record) -> Iterator[NeglectedEffect]:
 
 
 def _amplitude_per_power(record: Record) -> float | None:
-    """Return C of u_z = C (P / (W f))^(1/2) in SI; None where the ends send waves back.
+    """Return C of u_z = C (P / (W f))^(1/2) in SI; None where ends send waves back or others drive.
 
     P is half of the power taken in, u_z the surface mode's half a wavelength beside the driven fingers.
     """
@@ -169,7 +179,8 @@ def _amplitude_per_power(record: Record) -> float | None:
     )
     wave, power = record.surface_wave, record.electrical["power_W_per_V2"]
     within = 0 <= beside <= wave.length and not wave.covered(beside)
-    if record.scene.stator.ends != "absorbing" or not within or not power > 0:
+    several = "sources" in record.electrical
+    if several or record.scene.stator.ends != "absorbing" or not within or not power > 0:
         return None
     per_width = power / 2 / driven.aperture
     return float(abs(wave.rayleigh_motion(beside)[1])) / math.sqrt(per_width / record.wave["frequency_Hz"])
