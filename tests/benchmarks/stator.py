@@ -1,4 +1,4 @@
-"""The driven stator's error against run time, level by level, and a band of frequencies: prints the README's tables.
+"""The driven stator's error against run time, level by level, and a band of frequencies: prints its tables.
 
     python tests/benchmarks/stator.py
 
