@@ -20,6 +20,7 @@ from contact.answers.transient import Trajectory, burst
 from contact.answers.waveforms import History, contact_history
 from contact.convergence import ConvergenceError
 from contact.envelope import Envelope
+from contact.jit import kernels
 from contact.orbit import Orbit
 from contact.slider import Slider
 from contact.solve.limits import riding_height
@@ -41,6 +42,7 @@ __all__ = [
     "burst",
     "contact_history",
     "cycles_for",
+    "kernels",
     "load_line",
     "mean_motion",
     "release_amplitude",

@@ -1,18 +1,11 @@
-"""Charges and currents of the combs, and the circuit they are part of.
+"""The electrical circuit of a stator: sources, terminations and impedances at the ports of its admittance matrix.
 
-Every transducer, driven or not, is one port in the sense of network theory (Pozar, *Microwave Engineering*, 2012,
-section 4.2): its two electrodes are a terminal pair, and the current into one is the current out of the other, so
-that a transducer as a whole carries no net charge.  The field problem is solved for the voltage between the electrodes
-(potentials +V/2 and -V/2) and, where the section is grounded, also for their common mean potential; the mean is then
-the one at which the net charge vanishes.  Source and terminations see the same N ports, so that their admittance
-matrix is symmetric.  A mean held at zero for the driven transducer alone would be another constraint than that of
-the passive ones (Y12 differs from Y21 by 10 % on a grounded plate), and over a half-space it would make the answer
-depend on the depth at which the potential is fixed.
-
-The reactions q of the field problem are minus the charges per metre of aperture; I = i omega Q.  Two transducers of
-different aperture share the narrower beam.
+With I = Y V (currents into the positive electrodes), a source of voltage S behind an impedance Z obeys V + Z I = S, a
+loaded transducer V + Z I = 0, a short one V = 0, an open one I = 0.  This is the only module that knows which
+transducers are driven: everything below it solves for unit voltage at every port.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -21,107 +14,107 @@ from fem.geometry import Transducer
 
 
 @dataclass(frozen=True, kw_only=True)
-class Ports:
-    """Basis of the potentials of a transducer's electrodes.
+class Drive:
+    """Sources at one or several transducers.
 
     Attributes
     ----------
-    kinds : tuple of str
-        "voltage" between two combs, "mean" of all there are.
-    potentials : ndarray, shape (2, ports)
-        Of the positive and the negative comb, per unit of each port.
+    sources : mapping of str to complex
+        By name of the transducer: amplitude and phase of its source relative to the drive voltage.
+    impedance : complex
+        Of each source, ohm.
+
+    Examples
+    --------
+    >>> Drive(sources={"left": 1.0, "right": 0.5j}, impedance=50.0).sources["right"]
+    0.5j
     """
 
-    kinds: tuple[str, ...]
-    potentials: np.ndarray = field(repr=False)
+    sources: Mapping[str, complex]
+    impedance: complex = 0.0
+
+    def __post_init__(self):
+        if not self.sources:
+            raise ValueError("sources must name at least one transducer, got none")
+        for name, amplitude in self.sources.items():
+            if not np.isfinite(amplitude):
+                raise ValueError(f"sources.{name} must be finite, got {amplitude!r}")
+        if not any(self.sources.values()):
+            raise ValueError("sources must have at least one amplitude that is not 0")
+        if not np.isfinite(self.impedance):
+            raise ValueError(f"the source impedance must be finite, got {self.impedance!r} ohm")
 
 
-def ports_of(transducer: Transducer, floats: bool) -> Ports:
-    """Independent potentials of a transducer's electrodes; the mean has no effect where the section ``floats``."""
-    combs = [sign in transducer.signs for sign in "+-"]
-    found = []
-    if all(combs):
-        found.append(("voltage", (0.5, -0.5)))
-    if any(combs) and not floats:
-        found.append(("mean", tuple(map(float, combs))))
-    potentials = np.array([potentials for _, potentials in found]).reshape(-1, 2).T
-    return Ports(kinds=tuple(kind for kind, _ in found), potentials=potentials)
+def as_drive(drive: "str | Drive") -> Drive:
+    """Return a drive; a transducer's name stands for a source of the full voltage there, without impedance."""
+    return Drive(sources={drive: 1.0}) if isinstance(drive, str) else drive
 
 
 @dataclass(frozen=True, kw_only=True)
 class Circuit:
-    """Port voltages per volt of the source.
+    """Voltages and currents of all ports, per volt of the drive (peak).
 
     Attributes
     ----------
-    voltages : ndarray, shape (ports,)
-        Complex, V per V.
-    currents : ndarray, shape (ports,)
-        Into the positive combs, A per V.
-    driven : int
-        Port of the driven transducer's voltage.
+    names : tuple of str
+        Transducers that are ports.
+    voltages, currents : ndarray, shape (ports,)
+        Between the electrodes (V per V), and into the positive ones (A per V).
+    sources : tuple of int
+        Ports with a source, those of amplitude 0 last; the first is that of ``admittance`` and ``voltage``.
+    aperture : float
+        Of its transducer, m.
     """
 
+    names: tuple[str, ...]
     voltages: np.ndarray = field(repr=False)
     currents: np.ndarray = field(repr=False)
-    driven: int
+    sources: tuple[int, ...]
+    aperture: float
 
     @property
     def admittance(self) -> complex:
-        """Of the driven transducer, the others terminated as they are, in S."""
-        return complex(self.currents[self.driven] / self.voltages[self.driven])
+        """Current over voltage of the first source's transducer, all sources on and the others terminated, in S."""
+        return complex(self.currents[self.sources[0]] / self.voltages[self.sources[0]])
+
+    @property
+    def source_admittances(self) -> np.ndarray:
+        """Current over voltage of every source's transducer whose voltage is not 0, in S."""
+        on = [at for at in self.sources if self.voltages[at] != 0]
+        return self.currents[on] / self.voltages[on]
+
+    @property
+    def voltage(self) -> complex:
+        """Between the electrodes of the first source's transducer."""
+        return complex(self.voltages[self.sources[0]])
 
     @property
     def power(self) -> float:
-        """Mean power into the driven combs in W per V^2 of the source (peak)."""
-        return float(0.5 * np.real(self.voltages[self.driven] * np.conj(self.currents[self.driven])))
+        """Mean power from all sources into the stator in W per V^2."""
+        at = list(self.sources)
+        return float(0.5 * np.sum(np.real(self.voltages[at] * np.conj(self.currents[at]))))
+
+    @property
+    def apparent_power(self) -> float:
+        """Sum of |V I| / 2 over the sources in W per V^2."""
+        at = list(self.sources)
+        return float(0.5 * np.sum(abs(self.voltages[at] * self.currents[at])))
 
 
-def port_admittances(
-    charges: np.ndarray, transducers: tuple[Transducer, ...], ports: list[Ports], frequency: float
-) -> np.ndarray:
-    """Short-circuit admittance matrix of all ports.
-
-    Parameters
-    ----------
-    charges : ndarray, shape (n, n)
-        Reactions q per unit port voltage, C/m per V.
-    transducers : tuple of Transducer
-    ports : list of Ports
-        One each.
-    frequency : float
-        Hz.
-
-    Returns
-    -------
-    ndarray, shape (n, n)
-        S.
-    """
-    counts = [len(each.kinds) for each in ports]
-    apertures = np.repeat([transducer.aperture for transducer in transducers], counts)
-    shared = np.minimum(apertures[:, None], apertures[None, :])
-    return -2j * np.pi * frequency * shared * charges
-
-
-def circuit(
-    admittances: np.ndarray,
-    transducers: tuple[Transducer, ...],
-    ports: list[Ports],
-    *,
-    driven: str,
-    source_impedance: complex,
+def solve_circuit(
+    admittances: np.ndarray, names: tuple[str, ...], transducers: tuple[Transducer, ...], drive: str | Drive
 ) -> Circuit:
-    """Solve the circuit of one source and the other transducers' terminations.
+    """Solve for the voltages of all ports.
 
     Parameters
     ----------
-    admittances : ndarray, shape (n, n)
-        S, of `port_admittances`.
+    admittances : ndarray, shape (ports, ports)
+        S.
+    names : tuple of str
+        Transducers that are ports, in the matrix's order.
     transducers : tuple of Transducer
-    ports : list of Ports
-        One each.
-    driven : str
-        Name of the driven transducer: a source of 1 V behind ``source_impedance`` (ohm) between its two electrodes.
+        All of them, with the terminations of those that are not driven.
+    drive : str or Drive
 
     Returns
     -------
@@ -130,32 +123,32 @@ def circuit(
     Raises
     ------
     ValueError
-        If no transducer has that name, or it has one comb only.
+        If a source's transducer does not exist or has one electrode only, or all voltages are zero.
     """
-    names = [transducer.name for transducer in transducers]
-    if driven not in names:
-        raise ValueError(f"drive.transducer must be one of {', '.join(names)}, got {driven!r}")
-    size = len(admittances)
-    system, source = np.zeros((size, size), dtype=complex), np.zeros(size, dtype=complex)
-    scale = abs(np.diag(admittances))
-    unit = np.eye(size)
-    row, port = 0, None
-    for transducer, own in zip(transducers, ports, strict=True):
-        lit = transducer.name == driven
-        for kind in own.kinds:
-            if kind == "mean":  # no net charge on the transducer
-                system[row] = admittances[row] / scale[row]
-            elif lit:
-                port = row
-                system[row] = unit[row] + source_impedance * admittances[row]
-                source[row] = 1.0
-            elif transducer.termination == "open":
-                system[row] = admittances[row] / scale[row]
-            else:
-                load = 0.0 if transducer.termination == "short" else transducer.termination
-                system[row] = unit[row] + load * admittances[row]
-            row += 1
-    if port is None:
-        raise ValueError(f"drive.transducer must have two combs, but {driven!r} has not")
+    drive = as_drive(drive)
+    everyone = {transducer.name: transducer for transducer in transducers}
+    for name in drive.sources:
+        if name not in everyone:
+            raise ValueError(f"the driven transducer must be one of {', '.join(everyone)}, got {name!r}")
+        if name not in names:
+            raise ValueError(f"the driven transducer must have two combs, but {name!r} has not")
+    size = len(names)
+    system, source = np.eye(size, dtype=complex), np.zeros(size, dtype=complex)
+    for row, name in enumerate(names):
+        termination = everyone[name].termination
+        if name in drive.sources:
+            system[row] += drive.impedance * admittances[row]
+            source[row] = drive.sources[name]
+        elif termination == "open":
+            system[row] = admittances[row] / abs(admittances[row, row])
+        elif termination != "short":
+            system[row] += termination * admittances[row]
     voltages = np.linalg.solve(system, source)
-    return Circuit(voltages=voltages, currents=admittances @ voltages, driven=port)
+    by_amplitude = sorted(drive.sources, key=lambda name: drive.sources[name] == 0)
+    return Circuit(
+        names=names,
+        voltages=voltages,
+        currents=admittances @ voltages,
+        sources=tuple(names.index(name) for name in by_amplitude),
+        aperture=everyone[by_amplitude[0]].aperture,
+    )

@@ -10,13 +10,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fem.circuit import ports_of
 from fem.discretize.forms import scikit_fem_derivatives
-from fem.discretize.section import FIELD_COLUMN, Resolution, Section, discretise, edge_layers, graded
+from fem.discretize.grading import Resolution, edge_layers, graded
+from fem.discretize.section import FIELD_COLUMN, Section, discretise
 from fem.geometry import Stator, Transducer, check_layout, outer_gaps
 from fem.materials import fields
 from fem.materials.medium import Medium, medium, units
 from fem.waveguide.modes import guided_modes
+from fem.waveguide.port_fields import charge_admittances, electrode_potentials
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,16 +26,28 @@ class DirectSolution:
 
     Attributes
     ----------
-    charges : ndarray, shape (ports, ports)
-        Reactions int grad psi . D per volt, C/m: minus the charges per metre of aperture.
+    names : tuple of str
+        Transducers that are ports, from left to right.
+    admittances : ndarray, shape (ports, ports)
+        Short-circuit admittance matrix, S.
     unknowns : int
     surface : callable
         Places x (m) -> u_x and u_z in m per V at each port, shape (2, places, ports).
     """
 
-    charges: np.ndarray
+    names: tuple[str, ...]
+    admittances: np.ndarray
     unknowns: int
     surface: object = field(repr=False)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Strips:
+    """The same with each electrode and each open strip for itself; reactions int grad psi . D, C/m per volt."""
+
+    charges: np.ndarray
+    unknowns: int
+    surface: object
 
 
 def direct_solution(
@@ -94,20 +107,20 @@ def direct_solution(
     combs = _comb_dofs(basis, transducers, wavelength, len(names), names.index("phi"))
     held = _held_dofs(basis, stator, names, section.breakpoints[0], across[[0, -1]])
     reduced = _reduced_solution(system, basis, names, combs, held, wavelength, units(stator.solid))
-    return _by_port(reduced, transducers, section.floats)
+    return _by_port(reduced, transducers, frequency)
 
 
-def _by_port(by_strip: DirectSolution, transducers: tuple[Transducer, ...], floats: bool) -> DirectSolution:
-    """Strips to ports: open strips, and where the section floats also each transducer's mean, take no charge."""
+def _by_port(by_strip: _Strips, transducers: tuple[Transducer, ...], frequency: float) -> DirectSolution:
+    """Strips to ports: open strips, and the two electrodes of a transducer together, take no charge."""
     total, columns, uncharged = len(by_strip.charges), [], []
     at = 0
     for transducer in transducers:
-        own = ports_of(transducer, floats)
-        column = np.zeros((total, own.potentials.shape[1]))
-        column[at : at + 2] = own.potentials
+        own = electrode_potentials(transducer, floats=True)
+        column = np.zeros((total, own.shape[1]))
+        column[at : at + 2] = own
         columns.append(column)
         combs = [float(sign in transducer.signs) for sign in "+-"]
-        if floats and any(combs):
+        if any(combs):
             uncharged.append(np.eye(total)[:, at : at + 2] @ combs)
         strips = transducer.signs.count("o")
         uncharged += list(np.eye(total)[at + 2 : at + 2 + strips])
@@ -117,8 +130,11 @@ def _by_port(by_strip: DirectSolution, transducers: tuple[Transducer, ...], floa
         free = np.stack(uncharged, axis=1)
         among = free.T @ by_strip.charges @ free
         ports = ports - free @ np.linalg.pinv(among, rcond=1e-8) @ (free.T @ by_strip.charges @ ports)
+    two = [each for each in transducers if {"+", "-"} <= set(each.signs)]
+    charges = ports.T @ by_strip.charges @ ports
     return DirectSolution(
-        charges=ports.T @ by_strip.charges @ ports,
+        names=tuple(each.name for each in two),
+        admittances=charge_admittances(charges, [each.aperture for each in two], frequency),
         unknowns=by_strip.unknowns,
         surface=lambda places: by_strip.surface(places) @ ports,
     )
@@ -225,7 +241,7 @@ def _held_dofs(basis, stator, names, depth, ends) -> np.ndarray:
     return np.unique(np.concatenate(held))
 
 
-def _reduced_solution(system, basis, names, combs, held, wavelength, unit_pair) -> DirectSolution:
+def _reduced_solution(system, basis, names, combs, held, wavelength, unit_pair) -> _Strips:
     from scipy.sparse import csr_matrix
 
     stress, potential = unit_pair
@@ -255,7 +271,7 @@ def _reduced_solution(system, basis, names, combs, held, wavelength, unit_pair) 
         probes = basis.probes(points)
         return np.stack([probes @ nodal[names.index(name) :: len(names)] for name in ("ux", "uz")])
 
-    return DirectSolution(charges=charges, unknowns=len(free), surface=surface)
+    return _Strips(charges=charges, unknowns=len(free), surface=surface)
 
 
 def sparse_solution(matrix, load: np.ndarray) -> np.ndarray:

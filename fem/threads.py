@@ -5,8 +5,11 @@ process, make it several times slower than one (69 s against 5 s were seen); fre
 """
 
 import os
-from collections.abc import Callable, Iterable
+import sys
+import threading
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from functools import wraps
 
 WORKERS = 2  # threads over frequencies; the linear algebra of each runs outside the interpreter's lock
@@ -15,15 +18,69 @@ VARIABLE = (
 )
 
 
+class _Limit:
+    """The limit of this process: set by the first who asks for it, lifted when the last has left.
+
+    The number of BLAS threads belongs to the process.  Two threads of a user that each saved and restored it would
+    restore it in the other's midst, or leave the limit behind for good.
+    """
+
+    def __init__(self):
+        self._lock, self._users, self._limits, self._seen = threading.Lock(), 0, [], False
+
+    def enter(self) -> None:
+        """Count one more user; set the limit where it is not set yet, also on a BLAS that was loaded since."""
+        from threadpoolctl import threadpool_limits
+
+        with self._lock:
+            loaded = "scipy.linalg" in sys.modules  # its BLAS is another than numpy's
+            if self._users == 0 or (loaded and not self._seen):
+                _take_control()
+                self._limits.append(threadpool_limits(limits=1, user_api="blas"))
+                self._seen = loaded
+            self._users += 1
+
+    def leave(self) -> None:
+        """Count one user less; the last restores what was before the first."""
+        with self._lock:
+            self._users -= 1
+            while self._users == 0 and self._limits:
+                _take_control()
+                self._limits.pop().restore_original_limits()
+
+
+def _take_control() -> None:
+    """Let this thread set the limit: threadpoolctl (3.8) heeds only the thread that set it first."""
+    from threadpoolctl import OpenBLASController
+
+    clear = getattr(OpenBLASController, "clear_controlling_thread", None)
+    if clear is not None:
+        clear(force=True)
+
+
+_limit = _Limit()
+
+
+@contextmanager
+def blas_on_one_thread() -> Iterator[None]:
+    """Limit BLAS to one thread within a block; safe in several threads at once, and nested."""
+    import numpy  # noqa: F401  only a loaded BLAS can be limited
+
+    _limit.enter()
+    try:
+        yield
+    finally:
+        _limit.leave()
+
+
 def one_blas_thread(work: Callable) -> Callable:
     """Return the function, run with one BLAS thread whatever the process allows."""
 
     @wraps(work)
     def limited(*args, **kwargs):
-        import scipy.linalg  # noqa: F401  its BLAS is another than numpy's, and only a loaded one can be limited
-        from threadpoolctl import threadpool_limits
+        import scipy.linalg  # noqa: F401  so that its BLAS is limited too
 
-        with threadpool_limits(limits=1, user_api="blas"):
+        with blas_on_one_thread():
             return work(*args, **kwargs)
 
     return limited

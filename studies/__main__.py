@@ -8,18 +8,28 @@ it.
 import os
 import sys
 
-from studies.refusal import RunError, SceneError
-
 __all__ = ["main"]
 
 
 def main(words: list[str] | None = None) -> int:
     """Run the command in ``sys.argv``, or of these words, and return its exit code."""
+    try:  # nothing is imported before: an interrupt meanwhile is a sentence too
+        return _guarded(sys.argv[1:] if words is None else words)
+    except KeyboardInterrupt:
+        return _said("interrupted, nothing was written", 1)
+
+
+def _guarded(words: list[str]) -> int:
     # many small dense problems: two threads of BLAS that wait for each other take ten times as long as one
     os.environ.setdefault("OMP_NUM_THREADS", "1")
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")  # a letter that the terminal's encoding lacks
+    from studies.refusal import RunError, SceneError
+
     try:
         try:
-            status = _dispatch(sys.argv[1:] if words is None else words)
+            status = _dispatch(words)
         finally:
             sys.stdout.flush()
         return status
@@ -31,8 +41,6 @@ def main(words: list[str] | None = None) -> int:
         # whoever read stdout has left; keep the interpreter from flushing into the closed pipe at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
-    except KeyboardInterrupt:
-        return _said("interrupted, nothing was written", 1)
     except MemoryError:
         return _said(
             "the run needs more memory than this machine gives it; a looser --tolerance needs less", 1

@@ -11,7 +11,7 @@ from functools import wraps
 from importlib import import_module
 from pathlib import Path
 
-from studies.chain.record import Record, plain, provenance
+from studies.record import Record, plain, provenance
 from studies.refusal import SceneError, nearest
 
 __all__ = [
@@ -33,6 +33,7 @@ STUDIES = {
     "rayleigh": "stator",
     "seed_figures": "papers",
     "admittance": "stator",
+    "beam": "stator",
     "frequency_response": "stator",
     "dispersion": "stator",
     "regime_map": "motor",

@@ -11,7 +11,7 @@ leave a whole interval of mean tractions. If load lies in it the slider stays, a
 """
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from contact.answers.sweep import MeanMotion, mean_motion
 from contact.convergence import ConvergenceError
 from contact.drive import available, reference_speed, relative_to_reference, towards_plus
 from contact.orbit import Orbit, as_orbits
+from contact.problem import scaled
 from contact.slider import Slider
 from contact.solve.averaged_sweep import MAX_RATIO_HELD, MAX_THRESHOLD_ERROR, THRESHOLD_ERROR
 
@@ -57,6 +58,9 @@ class SteadyState:
         What was used: "exact" or "averaged".
     ledger : Ledger
         Energies over one cycle; all zero where a closed form answers.
+    other_velocity : float or None
+        m/s, mean velocity of a second steady motion where one is known: the motion that repeats with the wave's period
+        but is not reached from rest, or the one that a start from rest goes on with where nothing damps the bounce.
     statistics : dict
         Events by kind in one cycle, smallest gap between two in s (inf: fewer), chatter (whether events crowded at
         one instant); stretches, sweeps and cycles computed; growth per cycle.
@@ -74,6 +78,7 @@ class SteadyState:
     message: str
     method: str
     ledger: Ledger
+    other_velocity: float | None = None
     statistics: dict
     seconds: float
 
@@ -138,7 +143,7 @@ def _searched(slider, orbits, tolerance, method):
     if balance.held or ratio > SLOWEST_WAVE:
         return _waited(slider, side, driven, balance, tolerance)
     try:
-        return _repeating(slider, side, driven, balance, tolerance)
+        return _reached(slider, side, driven, balance, tolerance)
     except ConvergenceError as failed:
         if ratio > MAX_RATIO_HELD or failed.status == "unstable" or _adhesive(balance):
             return _waited(slider, side, driven, balance, tolerance)
@@ -146,6 +151,64 @@ def _searched(slider, orbits, tolerance, method):
             raise
         found = _averaged(slider, side, mean, balance, tolerance)
         return found | {"message": f"{found['message']}, for the full motion was not found: {failed}"}
+
+
+def _reached(slider, side, orbits, balance, tolerance):
+    """Return the motion that repeats with the wave's period, or the one that a slider from rest reaches instead."""
+    answer, periodic_motion = _repeating(slider, side, orbits, balance, tolerance)
+    if slider.normal_resonance(len(orbits)) / orbits[0].frequency > MAX_RATIO_HELD:
+        return _from_rest(slider, side, orbits, balance, tolerance, answer, periodic_motion)
+    if slider.normal_damping == 0.0 and slider.contact_damping == 0.0 and answer["velocity"] != 0.0:
+        return _bouncing(slider, side, orbits, balance, tolerance, answer)
+    return answer
+
+
+def _from_rest(slider, side, orbits, balance, tolerance, answer, periodic_motion):
+    """Return the answer if a slider from rest comes to it, else the motion that it does come to."""
+    from contact.solve.settling import reached_instead
+
+    try:
+        run = reached_instead(slider, orbits, balance, periodic_motion)
+    except ConvergenceError as failed:
+        note = f"; whether a slider from rest comes to it was not seen: {failed}"
+        return answer | {"message": answer["message"] + note}
+    if run is None:
+        return answer
+    found = _settled(slider, side, orbits, balance, run, tolerance)
+    note = (
+        f"; a motion that repeats every cycle has {answer['velocity']:.4g} m/s, but is not reached from rest"
+    )
+    return found | {"message": found["message"] + note, "other_velocity": answer["velocity"]}
+
+
+def _bouncing(slider, side, orbits, balance, tolerance, answer):
+    """Return the answer with the bounce that no damper ends as a part of its error.
+
+    For the laws that the cycle means do not know the difference in velocity is that of the elastic law.
+    """
+    from contact.solve.bounce import speed_lost
+
+    elastic = replace(slider, law="elastic", reciprocal=False)
+    problem = scaled(elastic, orbits, direction=balance.load_sign, start=0.0)
+    heights = slider.rest_approach(len(orbits)) / problem.length, answer["height"] / problem.length
+    ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
+    lost = speed_lost(problem, heights, ratio, side * answer["velocity"] / problem.speed) * problem.speed
+    if not np.isfinite(lost):
+        return answer
+    other = answer["velocity"] + side * lost
+    apart = relative_to_reference(lost, answer["velocity"], orbits)
+    error = answer["relative_error"] + apart
+    note = (
+        "periodic motion of the full equations; without normal damping a start from rest goes on bouncing, "
+        f"at {other:.4g} m/s in the mean: give slider.damping.normal or slider.damping.contact"
+    )
+    status, note = _judged(error, tolerance, note)
+    return answer | {
+        "relative_error": error,
+        "status": status,
+        "message": note,
+        "other_velocity": float(other),
+    }
 
 
 def _equilibrium(slider, orbits, ratio, method):
@@ -197,7 +260,7 @@ def _first_order(slider, orbits, balance, ratio):
 
 
 def _repeating(slider, side, orbits, balance, tolerance):
-    """Return the answer of the full equations, a stable motion that repeats with the wave's period."""
+    """Return (answer of the full equations, the motion): stable, and repeating with the wave's period."""
     from contact.law import elastic
     from contact.solve.shooting import periodic
 
@@ -214,8 +277,8 @@ def _repeating(slider, side, orbits, balance, tolerance):
         settle = int(min(SETTLE, 5.0 + 5000.0 * balance.problem.longest))
         fine = periodic(balance, nodes=16, truncation=1e-12, settle=settle)
     coarse = periodic(balance, nodes=10, truncation=1e-8, near=fine)
-    growth = float(np.max(np.abs(np.linalg.eigvals(fine.jacobian))))
-    if growth > 1.0 + 1e-6:
+    growth = fine.growth
+    if not fine.stable:
         raise ConvergenceError(
             "unstable",
             f"the motion that repeats with the wave's period grows by {growth:.6g} per cycle: the slider hops",
@@ -224,8 +287,6 @@ def _repeating(slider, side, orbits, balance, tolerance):
     missed = abs(fine.speed - coarse.speed) + fine.step + fine.rounding
     error = relative_to_reference(missed * unit, velocity, orbits)
     status, note = _judged(error, tolerance, "periodic motion of the full equations")
-    if slider.normal_damping == 0.0 and slider.contact_damping == 0.0:
-        note += "; without normal damping the bounce of a real start would not die out"
     statistics = _counted(fine.motion, balance.work + fine.work + coarse.work)
     sticks = not any(statistics[name] for name in ("contact", "release", "stick_to_slip", "slip_to_stick"))
     sticks = sticks and fine.motion.memory is None and bool(np.all(fine.motion.regime == elastic.STICK))
@@ -234,20 +295,25 @@ def _repeating(slider, side, orbits, balance, tolerance):
     moving = "intermittent" if statistics["release"] else "slip"
     statistics["averaged_velocity"] = float(side * balance.speed * unit)
     statistics["growth_per_cycle"] = growth
-    return {
+    answer = {
         "velocity": float(side * velocity), "regime": "stick" if sticks else moving,
         "relative_error": float(error), "height": float(-fine.state[0] * balance.problem.length), "status": status,
         "message": note, "method": "exact", "statistics": statistics,
         "ledger": ledger(slider, fine.motion, fine.before),
     }  # fmt: skip
+    return answer, fine
 
 
 def _waited(slider, side, orbits, balance, tolerance):
     """Return the answer of a long run from rest: the slider hops, or is carried by a slow wave."""
     from contact.solve.settling import long_run
 
-    load = balance.problem.load
-    found = long_run(slider, orbits, -1.0 if load < 0.0 else 1.0)
+    run = long_run(slider, orbits, balance.load_sign)
+    return _settled(slider, side, orbits, balance, run, tolerance)
+
+
+def _settled(slider, side, orbits, balance, found, tolerance):
+    """Return the answer that a long run gives."""
     unit = found.problem.speed
     error = relative_to_reference(found.error * unit, found.speed * unit, orbits)
     if found.sticks:

@@ -11,9 +11,11 @@ import numpy as np
 
 from contact import bounds
 from contact.answers.methods import rest, rest_problem, silence
+from contact.convergence import ConvergenceError
 from contact.drive import available, towards_plus
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
+from contact.solve.averaged_sweep import MAX_RATIO_HELD
 
 STAGES = ("start", "steady", "after")
 # in the order of the numbers in `elastic`; an annulus that slips is "partial", a growing contact sticks
@@ -98,10 +100,8 @@ def contact_history(
         problem = rest_problem(slider, driven)
         motion = rest(slider, driven, problem, nodes=16, truncation=1e-12)
     else:
-        # at the trough of the first contact; a quarter later u_z passes zero upwards
         motion = _steady_motion(slider, driven)
-        motion.move(0.0, 0.25 * turn, np.empty(0))
-        motion.problem = problem = rest_problem(slider, driven)
+        problem = motion.problem
         if stage == "after":
             motion = silence(motion)
     if stage != "after":
@@ -128,8 +128,39 @@ def contact_history(
 
 
 def _steady_motion(slider, orbits):
-    """Return the periodic motion at the trough of the first contact; a held slider's has the mean velocity zero."""
+    """Return the steady motion where u_z of the first contact passes zero upwards.
+
+    It is the motion that `steady` answers with: the one that repeats with the wave's period if it is stable and, where
+    the contact resonates near the wave's frequency, if a slider from rest comes to it; else what it does come to.
+    """
     from contact.solve.equilibrium import balanced
+    from contact.solve.settling import long_run, reached_instead
     from contact.solve.shooting import periodic
 
-    return periodic(balanced(slider, orbits), nodes=16, truncation=1e-12).motion
+    balance = balanced(slider, orbits)
+    ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
+    try:
+        found = periodic(balance, nodes=16, truncation=1e-12)
+    except ConvergenceError:
+        if ratio <= MAX_RATIO_HELD:
+            raise
+        return long_run(slider, orbits, balance.load_sign).motion
+    if not found.stable:
+        return long_run(slider, orbits, balance.load_sign).motion
+    instead = reached_instead(slider, orbits, balance, found) if ratio > MAX_RATIO_HELD else None
+    if instead is not None:
+        return instead.motion
+    motion, problem = found.motion, rest_problem(slider, orbits)
+    motion.move(0.0, _phase_between(motion.problem.waves[0], problem.waves[0]), np.empty(0))
+    motion.problem = problem
+    return motion
+
+
+def _phase_between(first, second):
+    """Return the phase in [0, 2 pi) after which a contact's wave (a, b of u_z, a, b of u_x) is the other one."""
+    normal, tangential = (
+        complex(*second[k : k + 2]) / complex(*first[k : k + 2]) if np.any(first[k : k + 2]) else 0.0
+        for k in (0, 2)
+    )
+    # u = a cos phi + b sin phi: a + i b turns backwards
+    return float(-np.angle(normal or tangential) % (2.0 * math.pi))

@@ -5,22 +5,37 @@ calls it.  `native` marks the few kernels that do the work.  Such a kernel alloc
 machine code stands alone: it is optimised once, as a whole, and kept in a file that llvmlite loads without numba, whose
 import alone costs more than a sweep.  `NUMBA_DISABLE_JIT=1` leaves all of them plain Python.
 
-The files lie in a folder named after a digest of every source that holds kernels or constants that they freeze, of the
-compilers' versions and of the processor, so a change in any of them compiles anew and nothing stale is ever run.
+Where a file cannot be read, made, linked or understood, numba's ordinary compiler compiles the kernel instead: that
+costs seconds and changes no answer (`ORDINARY` names such kernels).
+
+The files lie in the first folder that can be written to: NUMBA_CACHE_DIR, the package's __pycache__, the user's cache,
+a folder of the user's own among the temporary files.  There they lie in a folder named after a digest of every source
+that holds kernels or constants that they freeze, of the compilers' versions and of the processor, so a change in any of
+them compiles anew and nothing stale is ever run.
 """
 
 import ctypes
+import getpass
 import hashlib
 import os
+import stat
 import struct
+import tempfile
 import threading
+import weakref
+from collections.abc import Mapping
 from functools import cache, cached_property
 from pathlib import Path
 
+from contact.jit.shapes import check_shapes
+
 HERE = Path(__file__).parents[1]  # the package, with all its kernels
+PACKAGE_CACHE = HERE / "__pycache__"
 _FROZEN = ("collocation.py", "problem.py", "compiled.py", "compiler.py")
 _PLAIN = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 _LOCK = threading.RLock()
+# shapes of calls that a kernel remembers as fitting
+MAX_KEPT_SHAPES = 1000
 _DTYPES = {"f": "float64", "i": "int64", "c": "complex128"}
 
 
@@ -34,7 +49,7 @@ def summed(function):
     return function if _PLAIN else Kernel(function, {"reassoc", "nsz"})
 
 
-def native(types: str):
+def native(types: str, shapes: Mapping[str, str] | None = None):
     """Return a decorator for a kernel that is called from Python often or first.
 
     Parameters
@@ -43,13 +58,18 @@ def native(types: str):
         One word per argument: f or i for a number, f1, i2, c1 ... for contiguous arrays of doubles, integers or complex
         numbers with so many axes, and t for a named tuple of numbers, arrays and further named tuples, or None.  The
         kernel returns an integer, a truth value or nothing.
+    shapes : mapping of str to str, optional
+        Shapes of arrays by argument, see `contact.jit.shapes`.
     """
-    return lambda function: function if _PLAIN else Native(function, tuple(types.split()))
+    return lambda function: function if _PLAIN else Native(function, tuple(types.split()), shapes)
 
 
 def plain(kernel):
     """Return a kernel's function itself: for a few numbers it is quicker than waking numba."""
     return getattr(kernel, "function", kernel)
+
+
+_KERNELS = weakref.WeakSet()
 
 
 class Kernel:
@@ -59,6 +79,7 @@ class Kernel:
         self.freedom = set(freedom)
         self.function, self.__doc__, self.__name__ = function, function.__doc__, function.__name__
         self.__module__, self.__wrapped__ = function.__module__, function
+        _KERNELS.add(self)
 
     def __call__(self, *arguments):
         """Run what numba has compiled."""
@@ -67,13 +88,13 @@ class Kernel:
     @cached_property
     def dispatcher(self):
         """Numba's own, for calls from Python; cached on disk."""
-        numba = _numba()
+        numba, folder = _numba(), _folder()
         usual = numba.config.CACHE_DIR
-        numba.config.CACHE_DIR = _folder()
+        numba.config.CACHE_DIR = folder or usual
         try:
-            return numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=self.freedom)(
-                self.function
-            )
+            return numba.njit(
+                cache=folder is not None, nogil=True, error_model="numpy", fastmath=self.freedom
+            )(self.function)
         finally:
             numba.config.CACHE_DIR = usual
 
@@ -88,13 +109,14 @@ class Kernel:
 class Native(Kernel):
     """A kernel that is kept as machine code."""
 
-    def __init__(self, function, types):
+    def __init__(self, function, types, shapes=None):
         super().__init__(function)
         self.types, self._loaded = types, {}
+        self.shapes, self._fitting = shapes or {}, set()
 
     def __call__(self, *arguments):
         """Run the machine code; arrays must have the types that the kernel was declared with."""
-        words, values = [], []
+        words, values, lengths = [], [], []
         for kind, argument in zip(self.types, arguments, strict=True):
             for word, part in _parts(kind, argument):
                 words.append(word)
@@ -110,24 +132,71 @@ class Native(Kernel):
                         raise TypeError(f"{self.__name__}: {word} expected, got {part.dtype} {part.shape}")
                     values.append(face["data"][0])
                     values.extend(part.shape)
-        entry, layout = self._loaded.get(len(words)) or self._load(words, arguments)
+                    lengths.append(part.shape)
+        if self.shapes and tuple(lengths) not in self._fitting:
+            self._check(arguments, tuple(lengths))
+        if len(words) not in self._loaded:
+            self._load(words, arguments)
+        loaded = self._loaded[len(words)]
+        if loaded is None:
+            return int(self.dispatcher(*arguments) or 0)
+        entry, layout = loaded
         table, answer = struct.pack(layout, *values), ctypes.c_int64()
         if entry(ctypes.byref(answer), ctypes.byref(ctypes.c_void_p()), table, table) != 0:
             raise RuntimeError(f"{self.__name__} has failed")  # kernels raise nothing: not reached
         return answer.value
 
+    def _check(self, arguments, lengths):
+        """Refuse arrays whose shapes do not fit; keep shapes that do, so that they are looked at once."""
+        names = self.function.__code__.co_varnames[: len(arguments)]
+        check_shapes(self.__name__, self.shapes, dict(zip(names, arguments, strict=True)))
+        if len(self._fitting) < MAX_KEPT_SHAPES:
+            self._fitting.add(lengths)
+
     def _load(self, words, arguments):
-        """Return (function, layout of its table of arguments) from the file, which is made if it is not there."""
+        """Keep (function, layout of its table of arguments), from a file that is made if there is none.
+
+        Whatever fails here - a file that the installed llvmlite does not load, a private part of numba that is gone -
+        leaves the kernel to numba's ordinary compiler; an error of the kernel itself is raised again by that.
+        """
+        name = f"{self.__module__}-{self.__name__}-{len(words)}.o"
+        layout = "".join("d" if w == "f" else "q" * (1 + int(w[1:] or 0)) for w in words)
         with _LOCK:
-            path = Path(_folder()) / f"{self.__module__}-{self.__name__}-{len(words)}.o"
-            code = _read(path)
-            if code is None:
-                code = _machine_code(self, words, arguments)
-                _write(path, code)
-            entry = _entry(code)
-            layout = "".join("d" if w == "f" else "q" * (1 + int(w[1:] or 0)) for w in words)
-            self._loaded[len(words)] = entry, layout
-            return self._loaded[len(words)]
+            try:
+                entry = _kept(name) or _made(name, lambda: _machine_code(self, words, arguments))
+            except Exception as failed:
+                ORDINARY[self.__name__] = f"{type(failed).__name__}: {failed}"
+                self._loaded[len(words)] = None
+                for kernel in _KERNELS:  # what was half compiled for the machine code is compiled afresh
+                    vars(kernel).pop("inner", None)
+            else:
+                self._loaded[len(words)] = entry, layout
+
+
+# kernels that numba's ordinary compiler compiles, and why
+ORDINARY: dict[str, str] = {}
+
+
+def _kept(name):
+    """Return the function of a file in any of the folders, None if there is none that is whole and can be loaded."""
+    for folder in _folders():
+        code = _read(Path(folder) / name)
+        if code is not None:
+            try:
+                return _entry(code)
+            except Exception:  # whatever the installed llvmlite makes of it, it is made anew
+                continue
+    return None
+
+
+def _made(name, compiled_now):
+    """Return the function compiled now, and keep its machine code where that is possible."""
+    code = compiled_now()
+    entry = _entry(code)
+    folder = _folder()
+    if folder is not None:
+        _write(Path(folder) / name, code)
+    return entry
 
 
 def _parts(kind, argument):
@@ -178,12 +247,16 @@ def _llvm():
     return llvm
 
 
+# how object files begin: ELF, Mach-O, COFF
+OBJECT_FILES = (b"\x7fELF", b"\xcf\xfa\xed\xfe", b"\x64\x86")
 _ENGINES = []  # what holds the code that is in use
 
 
 def _entry(code):
     """Return the C function in the machine code; calls let other threads run."""
     llvm = _llvm()
+    if not code.startswith(OBJECT_FILES):  # llvmlite ends the process over what is no object file
+        raise ValueError("no object file")
     machine = llvm.Target.from_default_triple().create_target_machine(jit=True)
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine)
     engine.add_object_file(llvm.ObjectFileRef.from_data(code))
@@ -191,17 +264,76 @@ def _entry(code):
     _ENGINES.append(engine)
     pointer = ctypes.c_void_p
     kind = ctypes.CFUNCTYPE(ctypes.c_int32, pointer, pointer, ctypes.c_char_p, ctypes.c_char_p)
-    return kind(engine.get_function_address("kernel"))
+    address = engine.get_function_address("kernel")
+    if not address:
+        raise RuntimeError("the machine code has no entry")
+    return kind(address)
+
+
+@cache
+def _folders():
+    """Return the folders in which machine code is looked for, that of the user's choice first."""
+    try:
+        digest = _digest()
+    except Exception:  # whatever is strange about the compilers or the processor: nothing is kept
+        return ()
+    chosen, user = os.environ.get("NUMBA_CACHE_DIR"), os.environ.get("XDG_CACHE_HOME")
+    home = Path(user) if user else _home() and _home() / ".cache"
+    places = [Path(chosen) if chosen else None, PACKAGE_CACHE, home and home / "sawmotor"]
+    places.append(_temporary() if _is_own(_temporary()) else None)
+    return tuple(str(place / f"kernels-{digest}") for place in places if place is not None)
 
 
 @cache
 def _folder():
-    usual = os.environ.get("NUMBA_CACHE_DIR")
-    if not usual:
-        # where the package may not be written to, the user's own cache serves
-        own = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "sawmotor"
-        usual = HERE / "__pycache__" if os.access(HERE, os.W_OK) else own
-    return str(Path(usual) / f"kernels-{_digest()}")
+    """Return the first folder that can be written to, None if there is none."""
+    for folder in _folders():
+        if _is_writable(Path(folder)):
+            return folder
+    try:
+        _temporary().mkdir(mode=0o700)
+    except OSError:
+        return None
+    _folders.cache_clear()
+    return next((folder for folder in _folders() if _is_writable(Path(folder))), None)
+
+
+def _home():
+    """Return the user's home, None without one."""
+    try:
+        return Path.home()
+    except (RuntimeError, KeyError):
+        return None
+
+
+def _is_writable(folder):
+    """Return whether a file can be made in a folder, which is made if need be."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+
+
+def _temporary():
+    """Return the user's folder among the temporary files: what serves without a home."""
+    user = os.getuid() if hasattr(os, "getuid") else getpass.getuser()
+    return Path(tempfile.gettempdir()) / f"sawmotor-{user}"
+
+
+def _is_own(folder):
+    """Return whether a folder is there, the user's own and closed to all others.
+
+    Machine code is run as it is found, so nobody else may be able to put any there.
+    """
+    try:
+        found = folder.lstat()
+    except OSError:
+        return False
+    if not hasattr(os, "getuid"):
+        return stat.S_ISDIR(found.st_mode)
+    return stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o077
 
 
 def _digest():

@@ -1,9 +1,9 @@
-"""Whether the compiled kernels lie on disk already, or the next motion has to wait for their compiler, once."""
+"""Whether the compiled kernels lie on disk already, or the next motion has to wait for their compiler."""
 
 import os
 from pathlib import Path
 
-__all__ = ["ready"]
+__all__ = ["how_often", "ready"]
 
 
 def ready() -> bool:
@@ -12,4 +12,11 @@ def ready() -> bool:
 
     if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):
         return True
-    return any(Path(compiled._folder()).glob("*.o"))
+    return any(True for folder in compiled._folders() for _ in Path(folder).glob("*.o"))
+
+
+def how_often() -> str:
+    """Return how often the kernels are compiled that are not there yet, in words."""
+    from contact.jit import compiled
+
+    return "once" if compiled._folder() is not None else "at every start, for no folder can be written to"

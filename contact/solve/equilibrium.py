@@ -60,6 +60,11 @@ class Balance:
     work: np.ndarray
 
     @property
+    def load_sign(self) -> float:
+        """+1 or -1: the direction of motion that the load opposes."""
+        return -1.0 if self.problem.load < 0.0 else 1.0
+
+    @property
     def support(self) -> float:
         """Mean of the normal forces over the cycle, scaled."""
         return float(self.motion.sums[SUPPORT]) / (2.0 * math.pi)

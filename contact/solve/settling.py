@@ -13,17 +13,24 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact.convergence import ConvergenceError
+from contact.drive import relative_to_reference
 from contact.law import elastic
 from contact.orbit import Orbit
 from contact.problem import Problem, scaled
 from contact.slider import Slider
 from contact.solve.collocation import collocation
 from contact.solve.energy import DISPLACEMENT
+from contact.solve.equilibrium import Balance
 from contact.solve.event_driven import HALVINGS, STRETCHES
 from contact.solve.motion import Motion
+from contact.solve.shooting import Periodic
 
 # cycles after which a motion may repeat, and how closely (of the units of the problem)
 PERIODS, REPEATS = 12, 1e-9
+# distance (of the units of the problem) at which a stable periodic motion is taken to be reached
+CLOSE = 1e-5
+# largest difference of two velocities, over the reference speed, that are those of one motion
+SAME = 1e-3
 # stretches that a run may take (some seconds), and cycles
 BUDGET, MOST_CYCLES = 600_000, 30_000
 MEMORY = 10.0  # how much dearer a stretch is with the hysteretic law
@@ -71,7 +78,9 @@ class LongRun:
     before: np.ndarray
 
 
-def long_run(slider: Slider, orbits: tuple[Orbit, ...], direction: float) -> LongRun:
+def long_run(
+    slider: Slider, orbits: tuple[Orbit, ...], direction: float, near: np.ndarray | None = None
+) -> LongRun:
     """Return the mean of the motion from rest, once it repeats, sticks or has gone on for long enough.
 
     Parameters
@@ -80,6 +89,8 @@ def long_run(slider: Slider, orbits: tuple[Orbit, ...], direction: float) -> Lon
         The slider, and one orbit per contact.
     direction : float
         +1 or -1: the direction of motion that the load opposes.
+    near : array, optional
+        Phase-0 state z_s, z_s', v, ... of a stable periodic motion: a run that comes close to it ends there.
 
     Raises
     ------
@@ -91,16 +102,33 @@ def long_run(slider: Slider, orbits: tuple[Orbit, ...], direction: float) -> Lon
     rate = _relaxation(problem)
     _refuse_unless_affordable(problem, rate)
     begin = np.array(_rest(slider, orbits, problem))
-    first = _followed(problem, begin, rate)
+    first = _followed(problem, begin, rate, near)
     if first.period or first.sticks:
         return first
     # a push too small to matter to anything but an irregular motion
-    second = _followed(problem, begin + np.array([0.0, 1e-6, 0.0, 0.0]), rate)
+    second = _followed(problem, begin + np.array([0.0, 1e-6, 0.0, 0.0]), rate, near)
     other = second if second.period or second.sticks else first
     return replace(other, error=max(first.error, second.error, abs(first.speed - second.speed)), starts=2)
 
 
-def _followed(problem, begin, rate):
+def reached_instead(
+    slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, found: Periodic
+) -> LongRun | None:
+    """Return the motion that a slider from rest comes to, None if it is the periodic one that was found.
+
+    Raises
+    ------
+    ConvergenceError
+        As `long_run`.
+    """
+    target = found.motion.copy()
+    target.move(0.0, 0.5 * math.pi, np.empty(0))  # from the trough of u_z to its upward zero
+    run = long_run(slider, orbits, balance.load_sign, near=target.state)
+    apart = (abs(run.speed - found.speed) + run.error) * balance.problem.speed
+    return None if relative_to_reference(apart, found.speed * balance.problem.speed, orbits) <= SAME else run
+
+
+def _followed(problem, begin, rate, near):
     """Return the mean of the motion from one start."""
     motion = Motion(problem, table=collocation(14), truncation=1e-11)
     motion.place(*begin)
@@ -117,6 +145,8 @@ def _followed(problem, begin, rate):
         if quiet > 1:
             return _found(problem, motion, before, 0.0, 0.0, 0, True, block, passed)
         period, gap = _period(rows)
+        if near is not None and _arrived(rows, near):
+            period, gap = 1, 0.0
         if period:
             return _repeating(problem, motion, period, gap, passed)
         if spent > 0.25 * budget or passed > MOST_CYCLES // 4:
@@ -165,6 +195,12 @@ def _stuck(motion):
     """Return whether every contact stuck through the last block."""
     events = (elastic.CONTACT, elastic.RELEASE, elastic.STICK_TO_SLIP, elastic.SLIP_TO_STICK)
     return bool(np.all(motion.regime == elastic.STICK)) and not np.any(motion.tally[list(events)])
+
+
+def _arrived(rows, near):
+    """Return whether the last cycles ended within `CLOSE` of a stable motion."""
+    late = rows[-4:, :2] - np.array([near[2], near[0]])
+    return len(late) == 4 and bool(np.max(np.abs(late)) < CLOSE * (1.0 + np.max(np.abs(near[:3]))))
 
 
 def _period(rows):

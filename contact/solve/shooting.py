@@ -19,6 +19,8 @@ from contact.solve.motion import Motion
 
 # no motion that is worth searching leaves this many length units
 BOUND = 1e6
+# of a Floquet multiplier, from differences of the cycle map
+MULTIPLIER_ERROR = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,6 +55,16 @@ class Periodic:
     motion: Motion
     before: np.ndarray
     work: np.ndarray
+
+    @property
+    def growth(self) -> float:
+        """Largest magnitude of a Floquet multiplier: above one the motion is unstable."""
+        return float(np.max(np.abs(np.linalg.eigvals(self.jacobian))))
+
+    @property
+    def stable(self) -> bool:
+        """Whether no multiplier is above one, but for the error of the Jacobian's differences."""
+        return self.growth <= 1.0 + MULTIPLIER_ERROR
 
     @property
     def rounding(self) -> float:

@@ -24,6 +24,7 @@ import numpy as np
 
 from fem.convergence import ConvergenceError
 from fem.materials import VACUUM_PERMITTIVITY
+from fem.materials.christoffel import christoffel
 from fem.materials.medium import Medium
 
 _SIGN_STEPS = 60  # near the limit each step doubles the angle of p
@@ -42,7 +43,7 @@ class SurfaceImpedance:
 
     def __init__(self, body: Medium, surface: str):
         # The softest modulus as the unit keeps N of order one for a nearly incompressible solid too.
-        displaced = _displaced(body)
+        displaced = body.displaced
         softest = np.diag(body.zz)[displaced].min()
         xx, xz, zz = body.xx / softest, body.xz / softest, body.zz / softest
         inverse = np.linalg.inv(zz)
@@ -116,16 +117,9 @@ def limiting_velocity(body: Medium) -> float:
     float
         In sqrt(stress_unit / rho).
     """
-    displaced = _displaced(body)
 
     def trace_velocity_squared(theta):
-        c, s = np.cos(theta)[:, None, None], np.sin(theta)[:, None, None]
-        christoffel = c * c * body.xx + c * s * (body.xz + body.xz.T) + s * s * body.zz
-        acoustic = christoffel[:, displaced][:, :, displaced]
-        if not displaced.all():
-            across = christoffel[:, displaced][:, :, ~displaced]
-            acoustic = acoustic - across @ across.transpose(0, 2, 1) / christoffel[:, -1:, -1:]
-        return np.linalg.eigvalsh(acoustic)[:, 0] / np.cos(theta) ** 2
+        return np.linalg.eigvalsh(christoffel(body, theta))[:, 0] / np.cos(theta) ** 2
 
     centre, half = 0.0, np.pi / 2 * 0.99
     for points in (91, 21, 21, 21, 21):
@@ -133,8 +127,3 @@ def limiting_velocity(body: Medium) -> float:
         values = trace_velocity_squared(theta)
         centre, half = theta[np.argmin(values)], theta[1] - theta[0]
     return float(np.sqrt(values.min()))
-
-
-def _displaced(body: Medium) -> np.ndarray:
-    """Which fields are displacements, shape (fields,)."""
-    return np.array([name != "phi" for name in body.fields])

@@ -75,7 +75,7 @@ def swapped(block: Block) -> Block:
     return replace(block, matrix=block.matrix[np.ix_(order, order)], turned=not block.turned)
 
 
-def mirrored(block: Block, odd: np.ndarray, phi: int) -> Block:
+def mirrored(block: Block, odd: np.ndarray, phi_odd: bool) -> Block:
     """The piece seen in a mirror x -> -x that is a symmetry of the solid.
 
     Parameters
@@ -83,27 +83,30 @@ def mirrored(block: Block, odd: np.ndarray, phi: int) -> Block:
     block : Block
     odd : ndarray, shape (n,)
         Unknowns of a line that change sign.
-    phi : int
-        The surface's potential: if it changes sign, so do the combs'.
+    phi_odd : bool
+        Whether the potential changes sign, those of the electrodes included.
 
     Returns
     -------
     Block
         A single column is its own mirror image.
     """
-    if not block.parts:
+    if block.column is not None:
         return block
     n = block.size
     signs = np.where(odd, -1.0, 1.0)
     order = np.r_[n : 2 * n, 0:n, 2 * n : 2 * n + PORTS]
-    all_signs = np.concatenate([signs, signs, np.full(PORTS, signs[phi])])
-    left, right, back = block.parts
-    turned = signs[:, None] * back[:, order] * all_signs
+    all_signs = np.concatenate([signs, signs, np.full(PORTS, -1.0 if phi_odd else 1.0)])
+    parts: tuple = ()
+    if block.parts:
+        left, right, back = block.parts
+        turned = signs[:, None] * back[:, order] * all_signs
+        parts = mirrored(right, odd, phi_odd), mirrored(left, odd, phi_odd), turned
     return Block(
         size=n,
         matrix=all_signs[:, None] * block.matrix[np.ix_(order, order)] * all_signs,
         width=block.width,
-        parts=(mirrored(right, odd, phi), mirrored(left, odd, phi), turned),
+        parts=parts,
     )
 
 
@@ -142,6 +145,8 @@ def lines(
         sides = np.concatenate([sides[:first], sides[first:][::-1]])
     if block.floating is not None:
         sides = np.concatenate([sides[:first], block.floating[None] @ sides, sides[first + 1 :]])
+    if block.expand is not None:
+        block, sides = block.expand(sides)
     if not block.parts or block.width <= finest:
         yield start, block, sides
         return

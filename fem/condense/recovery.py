@@ -22,13 +22,14 @@ class ColumnField:
     def __init__(self, column: Column):
         self.column = column
 
-    def _elements(self, sides: np.ndarray):
-        """Values of every element, in its own order of nodes and fields, for places along the last axis."""
+    def _elements(self, sides: np.ndarray, first: int = 0):
+        """Values of every element from the ``first`` up, in its own order of nodes and fields; places last."""
         section, column = self.column.section, self.column
         values = np.concatenate([sides, column.faces_from @ sides])
         if column.comb is not None:
             values[electrode_dofs(section, column.faces)] = sides[2 * section.size + column.comb]
-        for element, (height, medium) in enumerate(zip(section.heights, section.media, strict=True)):
+        for element in range(first, len(section.media)):
+            height, medium = section.heights[element], section.media[element]
             dofs = element_dofs(section, element, column.faces)
             sets = ElementSets(section.order, len(medium.fields))
             rim = np.where((dofs >= 0)[:, None], values[dofs], 0.0)
@@ -60,3 +61,21 @@ class ColumnField:
             shaped = values.reshape(order + 1, order + 1, len(columns), -1)
             out[:, element * order : (element + 1) * order + 1, columns] = shaped
         return out
+
+    def surface_reactions(self, sides: np.ndarray) -> np.ndarray:
+        """Reactions of the potential at the surface's nodes, scaled (minus the charge), shape (order + 1, places)."""
+        column, section = self.column, self.column.section
+        order = section.order
+        below = section.surface // order - 1
+        angular = 2 * np.pi * column.frequency * section.length_unit
+        total = np.zeros((order + 1, sides.shape[-1]), dtype=complex)
+        for element, height, medium, values in self._elements(sides, first=below):
+            nodes = np.arange((order + 1) ** 2).reshape(order + 1, order + 1)[
+                :, order if element == below else 0
+            ]
+            rows = nodes * len(medium.fields) + medium.fields.index("phi")
+            whole = element_matrix(medium, column.width, height, order, angular)
+            total += whole[rows] @ values
+            if element > below:
+                break
+        return total

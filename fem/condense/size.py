@@ -1,6 +1,7 @@
 """How large a driven stator's discretised problem is, counted from the geometry before anything is solved.
 
-The counts follow what `fem.solution` does: equal columns are condensed once, equal runs of fingers are joined once.
+The counts follow what `fem.condense.transducer` does: equal columns are condensed once, equal runs of fingers joined
+once.
 """
 
 from dataclasses import dataclass
@@ -8,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.condense.superelement import PORTS
-from fem.discretize.section import Resolution, Section, discretise, edge_layers, graded
+from fem.discretize.grading import Resolution, edge_layers, graded
+from fem.discretize.section import Section, discretise
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.materials.christoffel import slowest_wavelength
 

@@ -11,6 +11,7 @@ g is the outward nodal flux (-f on the left, +f on the right) and q = int grad p
 turned.  A finger is equipotential: phi on its surface nodes, corners included, is the potential of its comb.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -44,6 +45,8 @@ class Block:
         Whether the parts and the column know the two combs the other way round.
     floating : ndarray or None, shape (2 n + 2,)
         For an open strip: its potential, in the place of comb 0, as a function of the sides.
+    expand : callable or None
+        For a superelement on lines reduced to a basis: its sides -> the same piece on full lines, and its sides.
     """
 
     size: int
@@ -53,6 +56,7 @@ class Block:
     column: "Column | None" = field(default=None, repr=False)
     turned: bool = False
     floating: np.ndarray | None = field(default=None, repr=False)
+    expand: Callable[[np.ndarray], tuple["Block", np.ndarray]] | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -11,7 +11,8 @@ import numpy as np
 
 from fem.condense.join import joined, mirrored, opened, repeated, swapped
 from fem.condense.superelement import Block, condensed
-from fem.discretize.section import Resolution, Section, edge_layers, graded
+from fem.discretize.grading import Resolution, edge_layers, graded
+from fem.discretize.section import Section
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,7 +69,7 @@ def half_cells(
     )
     rising = joined(row(left, None), row(metal[::-1], 0), phi=phi, comb=0)
     if section.odd is not None and shape.even:
-        return rising, mirrored(rising, section.odd, phi)
+        return rising, mirrored(rising, section.odd, bool(section.odd[phi]))
     return rising, joined(row(metal, 0), row(right[::-1], None), phi=phi, comb=0)
 
 

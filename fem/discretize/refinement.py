@@ -1,8 +1,17 @@
-"""Levels of discretisation, from coarse to fine, and by how much each divides the error."""
+"""Levels of discretisation, and the one loop that refines until two of them agree.
+
+With the answers a_h of a level and a_H of the level before, and a gain g by which a level divides the error at least,
+|a_h - a| <= |a_h - a_H| / (g - 1): that is the error stated with every answer.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 import numpy as np
 
-from fem.discretize.section import Resolution
+from fem.convergence import ConvergenceError
+from fem.discretize.grading import Resolution
 from fem.geometry import Stator
 from fem.materials.christoffel import stretch_absorbs
 
@@ -52,3 +61,100 @@ def planned_levels(stator: Stator, tolerance: float) -> range:
     slower = (GAIN - 1) / (level_gain(stator) - 1)
     enough = [level for level, error in enumerate(EXPECTED) if error * slower <= tolerance]
     return range(first, max(first + 1, enough[0] if enough else len(LEVELS) - 1) + 1)
+
+
+Answer = TypeVar("Answer")
+Level = TypeVar("Level")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Refined(Generic[Answer]):
+    """Finest answer that was reached, with its errors.
+
+    Attributes
+    ----------
+    answer : object
+        Of ``at_level``.
+    level : int
+        Of the answer.
+    errors : tuple of float
+        One for each of the differences; the first is the one that the tolerance bounds.
+    obstacle : str
+        Why no finer level was solved; empty if the tolerance is met or the levels ended.
+    """
+
+    answer: Answer
+    level: int
+    errors: tuple[float, ...]
+    obstacle: str
+
+
+def refine(
+    at_level: Callable[[Level], Answer],
+    levels: Sequence[Level],
+    *,
+    start: int = 0,
+    differences: Callable[[Answer, Answer], tuple[float, ...]],
+    gain: float,
+    tolerance: float,
+) -> Refined[Answer]:
+    """Solve at finer and finer levels until the estimated error meets the tolerance, or as far as they go.
+
+    Parameters
+    ----------
+    at_level : callable
+        Level -> answer.
+    levels : sequence
+        From coarse to fine, at least two.
+    start : int
+        Coarser of the two levels to begin with; if the finer one of them has no answer, begin one lower.
+    differences : callable
+        Finer answer, coarser answer -> relative differences, the first of which is bounded.
+    gain : float
+        Least factor, above 1, by which a level divides the error.
+    tolerance : float
+
+    Returns
+    -------
+    Refined
+
+    Raises
+    ------
+    ConvergenceError
+        If no two neighbouring levels have an answer.
+
+    Examples
+    --------
+    The trapezoidal rule for the integral of exp(x) from 0 to 1, whose error is divided by four:
+
+    >>> import numpy as np
+    >>> def integral(points):
+    ...     x = np.linspace(0, 1, points)
+    ...     return np.trapezoid(np.exp(x), x)
+    >>> found = refine(
+    ...     integral, (3, 5, 9, 17, 33), differences=lambda a, b: (abs(a - b),), gain=4.0, tolerance=1e-3
+    ... )
+    >>> found.level, bool(found.errors[0] < 1e-3), bool(abs(found.answer - np.e + 1) < 1.01 * found.errors[0])
+    (3, True, True)
+    """
+    coarse = reached = None
+    for level in range(start, len(levels)):
+        try:
+            answer = at_level(levels[level])
+        except ConvergenceError as error:
+            if reached is not None:
+                return Refined(
+                    answer=reached.answer, level=reached.level, errors=reached.errors, obstacle=str(error)
+                )
+            if start == 0:
+                raise
+            return refine(  # a coarser pair says how far it got
+                at_level, levels, start=start - 1, differences=differences, gain=gain, tolerance=tolerance
+            )
+        if coarse is not None:
+            errors = tuple(float(each) / (gain - 1) for each in differences(answer, coarse))
+            reached = Refined(answer=answer, level=level, errors=errors, obstacle="")
+            if errors[0] <= tolerance:
+                break
+        coarse = answer
+    return reached

@@ -1,14 +1,16 @@
-"""The section through the depth: which elements, which unknowns, and the matrices of a uniform stretch.
+"""The section through the depth: its elements and unknowns, and the matrices of a uniform segment.
 
 Nodes run upwards, from the bottom (z = -thickness) to the surface (z = 0) and, where the scene asks for it, on
 through the vacuum.  Elements are graded geometrically towards the surface, where the charge of a finger edge is
-singular (r^-1/2), by a fixed ratio per layer.  An absorbing bottom is a layer whose depth is continued into the
-complex plane (perfectly matched layer, Berenger 1994); being a complex length of the element it needs no change
-of the form.  Lengths here are in ``length_unit``.
+singular (r^-1/2), by a fixed ratio per layer, and towards the bottom where a clamped face meets a free one.  An
+absorbing bottom is described in absorber.py; the complex coordinate stretching of a perfectly matched layer is a
+complex height of the element and needs no change of the weak form.  Lengths here are in ``length_unit``.
 
-A stretch of the stator that is uniform in x obeys (semi-analytical finite elements; Kausel 1981; Kiefer 2022)
+A segment of the stator that is uniform in x obeys (semi-analytical finite elements; Kausel 1981; Kiefer 2022)
 
-    - d/dx (K2 u' + K1 u) + K1^T u' + (K0 - omega^2 M) u = 0,    nodal flux f = K2 u' + K1 u.
+    - d/dx (K2 u' + K1 u) + K1t u' + (K0 - omega^2 M) u = 0,    nodal flux f = K2 u' + K1 u,
+
+with K1t = K1^T where nothing depends on y; with a lateral wavenumber K1t(k_y) = K1(-k_y)^T.
 """
 
 from dataclasses import dataclass, field
@@ -19,46 +21,19 @@ import numpy as np
 from fem.analytic.half_space import rayleigh
 from fem.convergence import ConvergenceError
 from fem.discretize.absorber import absorber
+from fem.discretize.grading import CORNER_RATIO, Resolution, bottom_corners, edge_layers, graded
 from fem.discretize.spectral import line_nodes, reference_matrices
 from fem.geometry import Stator
 from fem.materials import fields as coupled_fields
 from fem.materials.medium import Medium, medium, units, vacuum_medium
 
-LAYER_RATIO = 0.15
-# Where a clamped face meets a free one the displacement varies as r^0.6 to r^0.8 (Williams, J. Appl. Mech. 19 (1952)
-# 526), so that a layer of this ratio divides the error as much as one of LAYER_RATIO does at a finger edge (r^0.5).
-CORNER_RATIO = 0.2
-HALF_SPACE_DEPTH, MOST_DEPTH = 2.0, 8.0  # wavelengths of ordinary solid above the absorbing layer
-FINGER_SCALE = (
-    0.125  # wavelengths; above it a finger's near field needs no layers of its own through the depth
-)
-MOST_UNKNOWNS, USUAL_ORDER, MINUTES = 2000, 7, 10  # on a line, and what a driven stator takes with as many
-VACUUM_HEIGHT = (
-    64.0  # length units; the field of a transducer without net charge decays as the distance squared
-)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Resolution:
-    """How finely a stator is discretised.
-
-    Attributes
-    ----------
-    order : int
-        Polynomial order of every element.
-    edge_layers : int
-        Geometric layers towards finger edges and the surface, ratio 0.15 each.
-    element_size : float
-        Largest element in wavelengths of the slowest bulk wave.
-    lossy_elements : int
-        Wavelengths of ever more lossy solid below, in cuts whose waves a stretched depth does not absorb; its error
-        falls as the square.
-    """
-
-    order: int
-    edge_layers: int
-    element_size: float = 1.0
-    lossy_elements: int = 8
+HALF_SPACE_DEPTH, MAX_DEPTH = 2.0, 8.0  # wavelengths of ordinary solid above the absorbing layer
+# Wavelengths; the near field of a wider finger needs no layers of its own through the depth.
+FINGER_SCALE = 0.125
+MAX_UNKNOWNS, TYPICAL_ORDER = 2000, 7  # of a line; a driven stator with as many takes
+MINUTES_AT_MAX = 10
+# Length units; the field of a transducer without net charge decays as the square of the distance.
+VACUUM_HEIGHT = 64.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,8 +57,8 @@ class Section:
     bottom : int
         Node of the solid's lower end: 0, or where an absorbing layer begins.
     surface_speed : float or None
-        Velocity of the half-space's Rayleigh wave in m/s, by which the surface wave is told from the other modes;
-        None where the cut has none.
+        Velocity of the half-space's Rayleigh wave in m/s, used to identify the surface wave among the modes; None
+        where the cut has none.
     """
 
     heights: np.ndarray
@@ -102,6 +77,15 @@ class Section:
         return int(self.dofs.max()) + 1
 
     @property
+    def full(self) -> "Section":
+        """The section itself, of which nothing is reduced to a basis."""
+        return self
+
+    def lift(self, lines: np.ndarray) -> np.ndarray:
+        """Unknowns of the full section on lines, shape (size, ...)."""
+        return lines
+
+    @property
     def solid(self) -> Medium:
         """Medium of the stator."""
         return self.media[0]
@@ -118,13 +102,13 @@ class Section:
 
     @cached_property
     def surface_rows(self) -> np.ndarray:
-        """What picks u_x and u_z at the surface out of a line's unknowns, shape (2, size)."""
+        """Matrix that selects u_x and u_z at the surface from a line's unknowns, shape (2, size)."""
         rows = np.zeros((2, self.size))
         rows[[0, 1], [self.surface_dofs["ux"], self.surface_dofs["uz"]]] = 1.0
         return rows
 
     def surface_share(self, shapes: np.ndarray) -> np.ndarray:
-        """Motion at the surface, squared, over its integral through the depth; shapes (size, m) -> (m,)."""
+        """Squared motion at the surface over its integral through the depth; shapes (size, m) -> (m,)."""
         return np.sum(abs(self.surface_rows @ shapes) ** 2, axis=0) / (
             self._motion_weights @ abs(shapes) ** 2
         )
@@ -132,7 +116,15 @@ class Section:
     @cached_property
     def odd(self) -> np.ndarray | None:
         """Unknowns that change sign under x -> -x, shape (size,); None if the solid has no such symmetry."""
-        parity = self.solid.parity
+        return self._unknowns_of(self.solid.parity)
+
+    @cached_property
+    def lateral_odd(self) -> np.ndarray | None:
+        """As `odd`, for fields with a lateral wavenumber."""
+        return self._unknowns_of(self.solid.lateral_parity)
+
+    def _unknowns_of(self, parity: np.ndarray | None) -> np.ndarray | None:
+        """Unknowns of the fields that are odd, shape (size,)."""
         if parity is None:
             return None
         odd = np.zeros(self.size, dtype=bool)
@@ -161,7 +153,7 @@ class Section:
 
     @property
     def floats(self) -> bool:
-        """Whether nothing fixes the potential: adding a constant to phi changes nothing in a uniform stretch."""
+        """True if the potential floats: adding a constant to phi changes nothing in a uniform segment."""
         return "phi" in self.solid.fields and self.dofs[0, FIELD_COLUMN["phi"]] >= 0
 
     @cached_property
@@ -180,7 +172,7 @@ class Section:
         return dofs, dofs >= 0
 
     def matrices(self, frequency: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """K2, K1 and K0 - omega^2 M of a uniform stretch at a frequency in Hz, each (size, size), scaled."""
+        """K2, K1 and K0 - omega^2 M of a uniform segment at a frequency in Hz, each (size, size), scaled."""
         reference = reference_matrices(self.order)
         factor = (2 * np.pi * frequency * self.length_unit) ** 2
         dtype = np.result_type(self.heights, *(part.xx for part in self.media))
@@ -198,36 +190,58 @@ class Section:
             )[inside]
         return second, first, zeroth
 
+    def lateral_matrices(self, frequency: float, wavenumber: float) -> tuple[np.ndarray, ...]:
+        """Matrices of a uniform segment for fields that vary as exp(-i k_y y).
+
+        Parameters
+        ----------
+        frequency : float
+            Hz.
+        wavenumber : float
+            k_y in radians per length unit.
+
+        Returns
+        -------
+        second, first, adjoint, zeroth : ndarray, shape (size, size)
+            K2, K1, its counterpart in the test functions (K1(-k_y)^T; K1^T where y -> -y is a symmetry, because the
+            odd fields are then scaled by i), and K0 - omega^2 M.
+        """
+        second, first, zeroth = self.matrices(frequency)
+        adjoint = first.T
+        reference = reference_matrices(self.order)
+        along, back, across = (np.zeros((self.size, self.size), dtype=complex) for _ in range(3))
+        for element, (height, part) in enumerate(zip(self.heights, self.media, strict=True)):
+            tables = part.lateral(wavenumber)
+            dofs, exists = self.element_dofs(element)
+            keep = dofs[exists]
+            chosen = np.flatnonzero(exists.ravel())
+            at, inside = np.ix_(keep, keep), np.ix_(chosen, chosen)
+            mass = height * reference.mass
+            along[at] += np.kron(mass, tables.xy)[inside]
+            back[at] += np.kron(mass, tables.yx)[inside]
+            across[at] += (
+                np.kron(reference.advection, tables.zy)
+                + np.kron(reference.advection.T, tables.yz)
+                + np.kron(mass, tables.yy)
+            )[inside]
+        return second, *(_real_if_real(each) for each in (first + along, adjoint + back, zeroth + across))
+
+
+def _real_if_real(matrix: np.ndarray) -> np.ndarray:
+    return matrix if np.any(matrix.imag) else matrix.real
+
 
 FIELD_COLUMN = {"ux": 0, "uy": 1, "uz": 2, "phi": 3}
 
 
-def graded(
-    length: float,
-    layers: int,
+def discretise(
+    stator: Stator,
+    resolution: Resolution,
     *,
-    largest: float,
-    smallest_first: bool = False,
-    ratio: float = LAYER_RATIO,
-) -> np.ndarray:
-    """Element sizes along a length: equal ones of at most ``largest``, the last split into geometric layers.
-
-    Returns
-    -------
-    ndarray
-        Sizes that sum to the length; the smallest last, or first on request.
-    """
-    count = max(1, int(np.ceil(length / largest - 1e-9)))
-    sizes = [length / count] * (count - 1)
-    rest = length / count
-    for _ in range(layers):
-        sizes.append(rest * (1 - ratio))
-        rest *= ratio
-    sizes.append(rest)
-    return np.array(sizes[::-1] if smallest_first else sizes)
-
-
-def discretise(stator: Stator, resolution: Resolution, *, wavelength: float, surface_scale: float) -> Section:
+    wavelength: float,
+    surface_scale: float,
+    lateral: bool = False,
+) -> Section:
     """Elements and unknowns through the depth of a stator.
 
     Parameters
@@ -239,27 +253,30 @@ def discretise(stator: Stator, resolution: Resolution, *, wavelength: float, sur
     surface_scale : float
         Length in m over which the surface's electrodes vary (half a finger): the graded element's height; infinite
         where there is no electrode.
+    lateral : bool
+        The fields will have a lateral wavenumber: all displacements, and phi of a piezoelectric solid, take part.
 
     Returns
     -------
     Section
     """
-    names = coupled_fields(stator.solid)
+    names = lateral_fields(stator.solid) if lateral else coupled_fields(stator.solid)
     body = medium(stator.solid, names)
     unit = wavelength
     largest = resolution.element_size
-    unknowns = stator.thickness / unit / largest * USUAL_ORDER * len(names)
-    if unknowns > MOST_UNKNOWNS and not stator.absorbs_below:
+    unknowns = stator.thickness / unit / largest * TYPICAL_ORDER * len(names)
+    if unknowns > MAX_UNKNOWNS and not stator.absorbs_below:
+        minutes = MINUTES_AT_MAX * (unknowns / MAX_UNKNOWNS) ** 3
         raise ConvergenceError(
             f"a section of {stator.thickness / unit:.3g} wavelengths of thickness, {stator.thickness:g} m, has "
-            f"about {unknowns:.3g} unknowns on a line, takes {MINUTES * (unknowns / MOST_UNKNOWNS) ** 3:.2g} minutes "
+            f"about {unknowns:.3g} unknowns on a line, takes {minutes:.2g} minutes "
             'or more and is not begun: take a thinner one, or bottom = "absorbing" where the bottom does not matter'
         )
     layers = resolution.edge_layers if np.isfinite(surface_scale) else 0
     depth = stator.thickness / unit if np.isfinite(stator.thickness) else HALF_SPACE_DEPTH
     if stator.absorbs_below:
         # Any thickness is the same half-space; too near the surface the layer errs by 1e-4.
-        depth = min(max(depth, HALF_SPACE_DEPTH), MOST_DEPTH)
+        depth = min(max(depth, HALF_SPACE_DEPTH), MAX_DEPTH)
     scale = surface_scale / unit
     top = min(max(scale, FINGER_SCALE), depth / 2, largest) if layers else min(depth, largest)
     layers = edge_layers(resolution, top, min(scale, top)) if layers else 0
@@ -299,20 +316,9 @@ def discretise(stator: Stator, resolution: Resolution, *, wavelength: float, sur
     )
 
 
-def bottom_corners(stator: Stator) -> bool:
-    """True if a clamped face meets a free one at the lower corners, where the stress is then singular.
-
-    At the upper corners of clamped ends the layers below the surface's finger edges do the same.
-    """
-    if stator.absorbs_below or stator.ends == "absorbing":
-        return False
-    return (stator.ends == "clamped") != (stator.bottom == "clamped")
-
-
-def edge_layers(resolution: Resolution, length: float, smallest: float) -> int:
-    """Layers for a length so that its last element is as fine as those of the smallest length beside it."""
-    more = np.log(length / smallest) / np.log(1 / LAYER_RATIO)
-    return resolution.edge_layers + (max(0, int(np.ceil(more - 0.5))) if resolution.edge_layers else 0)
+def lateral_fields(solid) -> tuple[str, ...]:
+    """Fields that take part where something depends on y."""
+    return ("ux", "uy", "uz", "phi") if solid.is_piezoelectric else ("ux", "uy", "uz")
 
 
 def _surface_speed(solid) -> float | None:

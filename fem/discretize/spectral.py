@@ -70,6 +70,18 @@ def lagrange(order: int, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return values, 2.0 * np.linalg.solve(vandermonde.T, slopes.T).T
 
 
+def chebyshev_nodes(low: float, high: float, count: int) -> np.ndarray:
+    """Chebyshev nodes of an interval, from high to low, shape (count,)."""
+    return (low + high) / 2 + (high - low) / 2 * np.cos(np.pi * (np.arange(count) + 0.5) / count)
+
+
+def lagrange_weights(nodes: np.ndarray, at: float) -> np.ndarray:
+    """Weights of the values at distinct nodes in the polynomial's value at a place."""
+    return np.array(
+        [np.prod((at - np.delete(nodes, k)) / (node - np.delete(nodes, k))) for k, node in enumerate(nodes)]
+    )
+
+
 @dataclass(frozen=True, kw_only=True)
 class LineMatrices:
     """Matrices of the reference element [0, 1], each of shape (order + 1, order + 1).

@@ -8,19 +8,27 @@ Auld, *Acoustic Fields and Waves in Solids*, vol. 1, 1973, section 8; Allik and 
 symmetric in (u, phi), complex symmetric with loss.  With d/dy = 0 it needs only d/dx and d/dz of the fields, so
 a medium is three small tables, C_xx, C_xz and C_zz, of which every matrix of the package is made.
 
+Fields that vary as exp(-i k_y y) add the tables C_xy, C_zy and C_yy.  Test functions vary as exp(+i k_y y), so that
+the integrand does not depend on y: d/dy is -i k_y on the fields and +i k_y on the test functions, and a matrix of the
+weak form obeys K(k_y)^T = K(-k_y).  Where y -> -y maps solutions to solutions, the fields that change sign (u_y) are
+scaled by i, and K(k_y) is complex symmetric again, real without loss.
+
 Scaling: stress by ``stress_unit`` c0 = c_33-like modulus, phi by ``potential_unit`` = sqrt(c0/eps): without it
 the condition number is 1e20 instead of 1e8 and sparse solvers fill in.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 
-from fem.materials import VACUUM_PERMITTIVITY, Solid
+from fem.materials.solids import VACUUM_PERMITTIVITY, Solid
 
-# Generalised strain: Voigt strain 11 22 33 23 13 12, then grad phi; rows that d/dx and d/dz of a field feed.
+# Generalised strain: Voigt strain 11 22 33 23 13 12, then grad phi; rows that d/dx, d/dy and d/dz of a field feed.
 _D_DX = {"ux": (0,), "uy": (5,), "uz": (4,), "phi": (6,)}
+_D_DY = {"ux": (5,), "uy": (1,), "uz": (3,), "phi": (7,)}
 _D_DZ = {"ux": (4,), "uy": (3,), "uz": (2,), "phi": (8,)}
 
 
@@ -34,6 +42,8 @@ class Medium:
         Of "ux", "uy", "uz", "phi".
     xx, xz, zz : ndarray, shape (fields, fields)
         Factors of (d_x v)(d_x u), (d_x v)(d_z u), (d_z v)(d_z u); (d_z v)(d_x u) takes ``xz.T``.
+    xy, zy, yy : ndarray, shape (fields, fields)
+        Factors of (d_x v)(d_y u), (d_z v)(d_y u), (d_y v)(d_y u); `lateral` multiplies them by the wavenumber.
     inertia : ndarray, shape (fields,)
         rho / stress_unit in s^2/m^2; 0 for phi.
     stress_unit, potential_unit : float
@@ -44,9 +54,17 @@ class Medium:
     xx: np.ndarray
     xz: np.ndarray
     zz: np.ndarray
+    xy: np.ndarray
+    zy: np.ndarray
+    yy: np.ndarray
     inertia: np.ndarray
     stress_unit: float
     potential_unit: float
+
+    @property
+    def displaced(self) -> np.ndarray:
+        """Which fields are displacements, shape (fields,), bool."""
+        return np.array([name != "phi" for name in self.fields])
 
     @property
     def parity(self) -> np.ndarray | None:
@@ -55,16 +73,55 @@ class Medium:
         Shape (fields,), bool.  u_x is odd and u_z even; u_y and phi are what the tables allow (phi is even for
         poling along z, odd for poling along x).
         """
+        return self._odd_fields("ux", same=(self.xx, self.zz), opposite=(self.xz,))
+
+    @cached_property
+    def lateral_parity(self) -> np.ndarray | None:
+        """As `parity`, for fields with a lateral wavenumber."""
+        return self._odd_fields("ux", same=(self.xx, self.zz, self.yy, self.zy), opposite=(self.xz, self.xy))
+
+    @cached_property
+    def mirror_y(self) -> np.ndarray | None:
+        """As `parity`, but fields that change sign under y -> -y: u_y, or u_y and phi."""
+        return self._odd_fields("uy", same=(self.xx, self.xz, self.zz, self.yy), opposite=(self.xy, self.zy))
+
+    def _odd_fields(self, odd_one: str, *, same: tuple, opposite: tuple) -> np.ndarray | None:
+        """Signs for which ``same`` couples only fields of one sign and ``opposite`` only those of different sign."""
         size = max(abs(self.xx).max(), abs(self.zz).max())
-        free = [name for name in ("uy", "phi") if name in self.fields]
+        fixed = {"ux": False, "uz": False} | {odd_one: True}
+        free = [name for name in self.fields if name not in fixed]
         for choice in product((False, True), repeat=len(free)):
-            signs = {"ux": True, "uz": False} | dict(zip(free, choice, strict=True))
+            signs = fixed | dict(zip(free, choice, strict=True))
             odd = np.array([signs[name] for name in self.fields])
             across = odd[:, None] != odd[None, :]
-            leaks = (self.xx[across], self.zz[across], self.xz[~across])
+            leaks = [table[across] for table in same] + [table[~across] for table in opposite]
             if max(abs(leak).max(initial=0.0) for leak in leaks) <= 1e-12 * size:
                 return odd
         return None
+
+    def lateral(self, wavenumber: float) -> "LateralTables":
+        """Return the terms of a lateral wavenumber in radians per length unit."""
+        if self.mirror_y is None:
+            xy, zy = -1j * wavenumber * self.xy, -1j * wavenumber * self.zy
+            return LateralTables(xy=xy, yx=-xy.T, zy=zy, yz=-zy.T, yy=wavenumber**2 * self.yy)
+        # -i conj(t_a) t_b with t = i for odd fields and 1 for even ones, where one of the two is odd
+        signs = wavenumber * np.where(self.mirror_y[:, None], -1.0, 1.0)
+        xy, zy = signs * self.xy, signs * self.zy
+        return LateralTables(xy=xy, yx=xy.T, zy=zy, yz=zy.T, yy=wavenumber**2 * self.yy)
+
+
+class LateralTables(NamedTuple):
+    """Terms of the weak form with a lateral wavenumber, scaled by i where y -> -y is a symmetry.
+
+    ``xy`` multiplies (d_x v) u, ``yx`` v (d_x u), ``zy`` (d_z v) u, ``yz`` v (d_z u), ``yy`` v u; shape
+    (fields, fields) each, in the length unit of the wavenumber to the power -1, for ``yy`` -2.
+    """
+
+    xy: np.ndarray
+    yx: np.ndarray
+    zy: np.ndarray
+    yz: np.ndarray
+    yy: np.ndarray
 
 
 def units(solid: Solid) -> tuple[float, float]:
@@ -110,19 +167,12 @@ def damped(body: Medium, factor: complex) -> Medium:
 
     Passive for any cut, which a stretched depth is not; the piezoelectric and dielectric tables stay.
     """
-    moves = np.array([name != "phi" for name in body.fields])
-    both = moves[:, None] & moves[None, :]
-    tables = (np.where(both, table / factor, table) for table in (body.xx, body.xz, body.zz))
-    xx, xz, zz = tables
-    return Medium(
-        fields=body.fields,
-        xx=xx,
-        xz=xz,
-        zz=zz,
-        inertia=body.inertia * factor,
-        stress_unit=body.stress_unit,
-        potential_unit=body.potential_unit,
-    )
+    both = body.displaced[:, None] & body.displaced[None, :]
+    tables = {
+        name: np.where(both, getattr(body, name) / factor, getattr(body, name))
+        for name in ("xx", "xz", "zz", "xy", "zy", "yy")
+    }
+    return replace(body, inertia=body.inertia * factor, **tables)
 
 
 def vacuum_medium(stress_unit: float, potential_unit: float) -> Medium:
@@ -133,15 +183,19 @@ def vacuum_medium(stress_unit: float, potential_unit: float) -> Medium:
 
 
 def _tabulated(law, fields, inertia, stress, potential) -> Medium:
-    d_dx, d_dz = (np.zeros((9, len(fields))) for _ in range(2))
+    d_dx, d_dy, d_dz = (np.zeros((9, len(fields))) for _ in range(3))
     for column, field in enumerate(fields):
         d_dx[_D_DX[field], column] = 1.0
+        d_dy[_D_DY[field], column] = 1.0
         d_dz[_D_DZ[field], column] = 1.0
     return Medium(
         fields=tuple(fields),
         xx=d_dx.T @ law @ d_dx,
         xz=d_dx.T @ law @ d_dz,
         zz=d_dz.T @ law @ d_dz,
+        xy=d_dx.T @ law @ d_dy,
+        zy=d_dz.T @ law @ d_dy,
+        yy=d_dy.T @ law @ d_dy,
         inertia=inertia,
         stress_unit=stress,
         potential_unit=potential,

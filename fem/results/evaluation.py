@@ -1,140 +1,142 @@
-"""The surface read off a solution: amplitudes of the modes in the stretches, nodal values under the fingers."""
+"""Evaluation of a solution: amplitudes of the modes in the segments, nodal values in the columns of elements."""
 
-from functools import partial
+from collections.abc import Callable
 
 import numpy as np
 
-from fem.condense.join import lines, widths
+from fem.condense.join import lines
 from fem.condense.recovery import ColumnField
-from fem.discretize.section import Section
-from fem.geometry import Stator
-from fem.results.surface import Covered, Stretch, SurfaceWave
-from fem.solution import Solution
+from fem.condense.superelement import Block
+from fem.results.solution import Solution
+from fem.results.surface import MeshedPiece, Surface, UniformSegment
+from fem.waveguide.ends import Walls
+
+ENDS = (-1, -2)  # "transducer" numbers of the left and the right end where they are columns of elements
 
 
-def surface_wave(solution: Solution) -> SurfaceWave:
-    """Surface motion of a solution; its errors and powers are yet to be found (infinite and NaN)."""
-    modes, section, wired = solution.modes, solution.section, solution.circuit
+def surface_of(solution: Solution, solve: Callable[[], Solution] | None = None) -> Surface:
+    """Motion of the surface; ``solve`` returns the solution again, for the columns, if it is not to be kept."""
+    fields = solution.fields
+    modes, section = fields.modes, fields.section
     surface = modes.rayleigh
     shape = section.surface_rows @ modes.right[:, surface]
-    frequency = modes.frequency
-    speed = 2 * np.pi * frequency * section.length_unit / np.mean(modes.wavenumbers[surface].real)
-    resolution = solution.resolution
-    columns = sum(1 for each in solution.network.scatterers for _ in widths(each.block))
-    driven = solution.circuit.driven
-    return SurfaceWave(
-        frequency=frequency,
-        length=solution.stator.length,
-        pieces=surface_pieces(solution),
+    speed = 2 * np.pi * modes.frequency * section.length_unit / np.mean(modes.wavenumbers[surface].real)
+    return Surface(
+        frequency=modes.frequency,
+        length=fields.stator.length,
+        pieces=_pieces(solution, solve or (lambda: solution)),
         phase_velocity=float(speed),
         surface_ratio=float(abs(np.mean(shape[0] / shape[1]))),
-        admittance=wired.admittance,
-        comb_voltage_per_volt=complex(wired.voltages[driven]),
-        power_input=wired.power,
-        power_dissipated=float("nan"),
-        power_radiated=float("nan"),
-        power_residual=float("nan"),
-        relative_error=float("inf"),
-        admittance_error=float("inf"),
-        unknowns=columns * resolution.order * section.size,
-        resolution=f"order {resolution.order}, {resolution.edge_layers} edge layers",
-        seconds=0.0,
-        left_out=left_out(solution.stator, section, frequency),
-        solution=solution,
     )
 
 
-def surface_pieces(solution: Solution) -> tuple:
-    """Stretches and covered parts of the surface from left to right, in m and m per volt."""
-    modes, section, network = solution.modes, solution.section, solution.network
-    unit, n = section.length_unit, section.size
-    pieces: list = []
-    last = len(network.scatterers)
-    stretches = network.stretches
-    nothing = np.zeros(n, dtype=complex)
-    for index, (start, stop) in enumerate(stretches):
-        right = left = nothing
-        if index > 0:
-            out = solution.sides(index - 1)[n : 2 * n] - solution.incoming(index - 1)[n:]
-            right = modes.right_amplitudes(out)
-        if index < last:
-            out = solution.sides(index)[:n] - solution.incoming(index)[:n]
-            left = modes.left_amplitudes(out)
-        if network.ends != "absorbing" and index == 0:
-            right = _returned(network, 0, left * np.exp(1j * modes.backwards * (stop - start)))
-        if network.ends != "absorbing" and index == last:
-            left = _returned(network, 1, right * np.exp(-1j * modes.wavenumbers * (stop - start)))
-        pieces.append(
-            Stretch(
-                start=start * unit,
-                stop=stop * unit,
-                right=right,
-                left=left,
-                wavenumbers=modes.wavenumbers / unit,
-                backwards=modes.backwards / unit,
-                right_shapes=section.surface_rows @ modes.right,
-                left_shapes=section.surface_rows @ modes.left,
-                rayleigh=modes.rayleigh,
-            )
+def _pieces(solution: Solution, solve: Callable[[], Solution]) -> tuple:
+    """Pieces of the surface from left to right, in m and m per volt."""
+    network = solution.fields.network
+    unit = solution.fields.section.length_unit
+    segments = [_segment(solution, index) for index in range(len(network.scatterers) + 1)]
+
+    def meshed(start: float, stop: float, index: int, beside: UniformSegment | None = None) -> MeshedPiece:
+        return MeshedPiece(
+            start=start, stop=stop, beside=beside, recover=lambda: _surface_columns(solve(), index)
         )
-        if index < last:
-            pieces.append(
-                Covered(edges=_column_edges(solution, index), recover=partial(_covered, solution, index))
-            )
+
+    pieces: list = []
+    for index, segment in enumerate(segments):
+        if index:
+            pieces.append(meshed(segments[index - 1].stop, segment.start, index - 1))
+        pieces.append(segment)
+    if isinstance(network.ends, Walls):
+        width = network.ends.width * unit
+        pieces.insert(0, meshed(0.0, width, ENDS[0], segments[0]))
+        length = solution.fields.stator.length
+        pieces.append(meshed(length - width, length, ENDS[1], segments[-1]))
     return tuple(pieces)
 
 
-def _returned(network, side, at_end):
+def _segment(solution: Solution, index: int) -> UniformSegment:
+    fields = solution.fields
+    modes, section, unit = fields.modes, fields.section, fields.section.length_unit
+    start, stop = fields.network.segments[index]
+    right, left = _amplitudes(solution, index)
+    return UniformSegment(
+        start=start * unit,
+        stop=stop * unit,
+        right=right,
+        left=left,
+        wavenumbers=modes.wavenumbers / unit,
+        backwards=modes.backwards / unit,
+        right_shapes=section.surface_rows @ modes.right,
+        left_shapes=section.surface_rows @ modes.left,
+        rayleigh=modes.rayleigh,
+    )
+
+
+def _amplitudes(solution: Solution, index: int) -> tuple[np.ndarray, np.ndarray]:
+    """Amplitudes of a segment's modes: going right at its start, going left at its stop."""
+    modes, network, n = solution.fields.modes, solution.fields.network, solution.fields.section.size
+    length = np.diff(network.segments[index])[0]
+    last = len(network.scatterers)
+    right = left = np.zeros(n, dtype=complex)
+    if index > 0:
+        out = solution.sides(index - 1)[n : 2 * n] - solution.incoming(index - 1)[n:]
+        right = modes.right_amplitudes(out)
+    if index < last:
+        out = solution.sides(index)[:n] - solution.incoming(index)[:n]
+        left = modes.left_amplitudes(out)
+    if network.ends != "absorbing" and index == 0:
+        right = _reflected(network, 0, left * np.exp(1j * modes.backwards * length))
+    if network.ends != "absorbing" and index == last:
+        left = _reflected(network, 1, right * np.exp(-1j * modes.wavenumbers * length))
+    return right, left
+
+
+def _reflected(network, side, at_end):
     arriving, sent = network.reflections[side]
     return sent @ at_end[arriving]
 
 
+def _superelement(solution: Solution, index: int) -> tuple[Block, np.ndarray, float]:
+    """Superelement of a transducer or of an end (`ENDS`), its sides, and where it begins in length units."""
+    modes, network = solution.fields.modes, solution.fields.network
+    if index not in ENDS:
+        return network.scatterers[index].block, solution.sides(index), network.places[index]
+    side = ENDS.index(index)
+    right, left = _amplitudes(solution, len(network.scatterers) if side else 0)
+    here, stop = network.segments[-side]
+    if side:
+        right, left = right * np.exp(-1j * modes.wavenumbers * (stop - here)), left.copy()
+    else:
+        right, left = right.copy(), left * np.exp(1j * modes.backwards * (stop - here))
+    (left if side else right)[modes.wavenumbers == 0] = (
+        0.0  # a matter of gauge: the potential refers to the transducer
+    )
+    line = modes.right @ right + modes.left @ left
+    block, sides = network.ends.recover(side, line)
+    return block, sides, stop if side else 0.0
+
+
 def column_fields(solution: Solution, index: int):
-    """Columns of a transducer by kind: (recovery, left edges in m, sides (2 n + 2, places))."""
-    unit = solution.section.length_unit
+    """Columns of a transducer or of an end by kind: (recovery, left edges in m, sides (2 n + 2, places))."""
+    unit = solution.fields.section.length_unit
+    block, sides, begin = _superelement(solution, index)
     kinds: dict[tuple, tuple] = {}
-    for start, part, sides in _columns(solution, index):
+    for start, part, own in lines(block, sides, begin):
         column, starts, found = kinds.setdefault((part.width, part.column.comb), (part.column, [], []))
         starts.append(start * unit)
-        found.append(sides)
-    for column, starts, sides in kinds.values():
-        yield ColumnField(column), np.array(starts), np.stack(sides, axis=-1)
+        found.append(own)
+    for column, starts, found in kinds.values():
+        yield ColumnField(column), np.array(starts), np.stack(found, axis=-1)
 
 
-def _columns(solution: Solution, index: int):
-    block = solution.network.scatterers[index].block
-    return lines(block, solution.sides(index), solution.network.places[index])
-
-
-def _column_edges(solution: Solution, index: int) -> np.ndarray:
-    block, unit = solution.network.scatterers[index].block, solution.section.length_unit
-    return (solution.network.places[index] + np.append(0.0, np.cumsum(list(widths(block))))) * unit
-
-
-def _covered(solution: Solution, index: int) -> np.ndarray:
-    """Surface values under a transducer, shape (columns, order + 1, 2), from left to right."""
-    section = solution.section
-    starts, values = [], []
+def _surface_columns(solution: Solution, index: int) -> tuple[np.ndarray, np.ndarray]:
+    """Edges of the columns of a transducer or an end (m), and u_x and u_z at their surface nodes, left to right."""
+    full = solution.fields.section.full
+    starts, widths, values = [], [], []
     for recovery, left, sides in column_fields(solution, index):
         starts.append(left)
-        values.append(np.moveaxis(recovery.values(sides)[:, section.surface][:, [0, 2]], -1, 0))
-    return np.concatenate(values)[np.argsort(np.concatenate(starts))]
-
-
-def left_out(stator: Stator, section: Section, frequency: float) -> tuple[str, ...]:
-    """What a driven stator is solved without at a frequency in Hz, and why."""
-    reasons = []
-    if "uy" not in section.solid.fields:
-        reasons.append("out-of-plane displacement: uncoupled in this orientation")
-    if section.odd is not None:
-        reasons.append("half of the guided-mode problem: x -> -x is a symmetry of this orientation")
-    if stator.above == "none":
-        reasons.append("field in the vacuum above: D_n = 0 on the bare surface")
-    speed = section.surface_speed
-    if speed is not None and stator.thickness < speed / frequency:
-        reasons.append(
-            "a Rayleigh wave: the plate is thinner than a wavelength, what is named so is a plate mode"
-        )
-    reasons.append("elements in the uniform stretches: sums of guided modes instead")
-    reasons.append("interior field: only the surface was asked for")
-    return tuple(reasons)
+        widths.append(np.full(len(left), recovery.column.width * full.length_unit))
+        values.append(np.moveaxis(recovery.values(sides)[:, full.surface][:, [0, 2]], -1, 0))
+    start, width, value = (np.concatenate(each) for each in (starts, widths, values))
+    in_row = np.argsort(start)
+    return np.append(start[in_row], start[in_row[-1]] + width[in_row[-1]]), value[in_row]

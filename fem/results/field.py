@@ -11,17 +11,18 @@ import numpy as np
 
 from fem.discretize.spectral import gll_nodes, lagrange
 from fem.results.densities import Densities, densities, shared, upward_slope
-from fem.results.evaluation import column_fields
+from fem.results.evaluation import ENDS, column_fields
 from fem.results.free_wave import FreeWave
-from fem.results.surface import Covered, SurfaceWave
-from fem.solution import Solution
+from fem.results.solution import Solution
+from fem.results.surface import MeshedPiece
+from fem.results.surface_wave import SurfaceWave
 
 HAIR = 1e-6  # of the lines' distance: places nearer than this are one
 
 
 @dataclass(frozen=True, kw_only=True)
 class WaveField:
-    """Complex field per volt of the source on a grid of the section.
+    """Complex field per volt of the drive on a grid of the section.
 
     Attributes
     ----------
@@ -97,30 +98,33 @@ def wave_field(
     -------
     WaveField
     """
-    solution: Solution = wave.solution
-    section = solution.section
+    solution = wave.solution
+    section = solution.fields.section.full
     body = slice(section.bottom, section.surface + 1)
     step = wave.phase_velocity / wave.frequency / per_wavelength
     hair = HAIR * step
     low, high = (0.0, wave.length) if span is None else span
-    lines, values, slopes, offset = [], [], [], 0.0
+    lines, values, slopes, offset, step_in_mean = [], [], [], 0.0, 0.0
     transducer = 0
     for piece in wave.pieces:
         start, stop = max(piece.start, low), min(piece.stop, high)
         seen = start < stop
-        if isinstance(piece, Covered):
+        if isinstance(piece, MeshedPiece):
+            end = piece.beside is not None
             if seen:
-                x, part, slope = _under(solution, transducer, body, slopes=energies)
+                which = ENDS[transducer > 0] if end else transducer
+                x, part, slope = _in_columns(solution, which, body, slopes=energies)
                 inside = (x > start - hair) & (x < stop + hair)
                 x, part, slope = x[inside], part[inside], slope[inside] if energies else None
+            offset += 0.0 if end else step_in_mean
+            transducer += not end
             shift = offset
-            transducer += 1
         else:
             if seen:
                 x = _lines(start, stop, step, places)
                 part, slope = _between(solution, piece, x, body, first=not transducer, slopes=energies)
-            shift = offset if transducer else 0.0
-            offset = offset + _gauge_step(solution, piece) if transducer else offset
+            shift = offset
+            step_in_mean = _gauge_step(solution, piece) if transducer else 0.0
         if not seen:
             continue
         part[:, :, 3] += shift
@@ -136,7 +140,7 @@ def wave_field(
         heights = section.heights[layers].real * section.length_unit
         upward = upward_slope(everything, section.order, heights)
         along = np.concatenate(slopes) * units
-        found = densities(solution.stator.solid, wave.frequency, everything, along, upward)
+        found = densities(solution.fields.stator.solid, wave.frequency, everything, along, upward)
     return WaveField(
         x=np.concatenate(lines),
         z=section.nodes[body],
@@ -202,12 +206,13 @@ def _lines(start: float, stop: float, step: float, places) -> np.ndarray:
 
 def _constant_shape(solution: Solution) -> tuple[int, complex, complex] | None:
     """Index of the mode of constant potential, its potential going right and left; None where it is grounded."""
-    modes = solution.modes
+    modes = solution.fields.modes
     constant = np.flatnonzero(modes.wavenumbers == 0)
     if not len(constant):
         return None
-    index, surface = int(constant[0]), solution.section.surface_dofs["phi"]
-    return index, complex(modes.right[surface, index]), complex(modes.left[surface, index])
+    index, surface = int(constant[0]), solution.fields.section.full.surface_dofs["phi"]
+    lift = solution.fields.section.lift
+    return index, *(complex(lift(shapes[:, index])[surface]) for shapes in (modes.right, modes.left))
 
 
 def _gauge_step(solution: Solution, piece) -> complex:
@@ -221,7 +226,7 @@ def _gauge_step(solution: Solution, piece) -> complex:
 
 def _between(solution: Solution, piece, x: np.ndarray, body: slice, *, first: bool, slopes: bool):
     """Fields of a stretch at lines x, (lines, nodes, 4), and their x derivatives per m if asked for."""
-    modes = solution.modes
+    modes = solution.fields.modes
     right, left = piece.right.copy(), piece.left.copy()
     constant = _constant_shape(solution)
     if constant is not None:
@@ -243,16 +248,18 @@ def _between(solution: Solution, piece, x: np.ndarray, body: slice, *, first: bo
 
 def _on_nodes(solution: Solution, lines: np.ndarray, body: slice) -> np.ndarray:
     """Unknowns of lines, (size, lines), as fields at the nodes, (lines, nodes, 4)."""
-    dofs = solution.section.dofs
+    section = solution.fields.section
+    lines, dofs = section.lift(lines), section.full.dofs
     out = np.zeros((lines.shape[1], len(dofs), 4), dtype=complex)
     exists = dofs >= 0
     out[:, exists] = np.moveaxis(lines[dofs[exists]], 0, 1)
     return out[:, body]
 
 
-def _under(solution: Solution, index: int, body: slice, *, slopes: bool):
-    """Lines under a transducer in m, fields there (lines, nodes, 4), and x derivatives per m if asked for."""
-    unit, order = solution.section.length_unit, solution.section.order
+def _in_columns(solution: Solution, index: int, body: slice, *, slopes: bool):
+    """Lines of a transducer's or an end's columns in m, fields there (lines, nodes, 4), and x derivatives per m."""
+    section = solution.fields.section.full
+    unit, order = section.length_unit, section.order
     starts, widths, parts = [], [], []
     for recovery, left, sides in column_fields(solution, index):
         starts.append(left)

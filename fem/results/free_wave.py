@@ -33,7 +33,6 @@ class FreeWave:
         Of the velocity, from two orders.
     unknowns : int
     seconds : float
-    left_out : tuple of str
     """
 
     frequency: float
@@ -47,4 +46,3 @@ class FreeWave:
     relative_error: float
     unknowns: int
     seconds: float
-    left_out: tuple[str, ...]

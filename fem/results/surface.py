@@ -1,8 +1,8 @@
-"""Motion of the surface: complex u_x and u_z per volt of the source, anywhere along the stator.
+"""Motion of the surface: complex u_x and u_z per volt of the drive, anywhere along the stator.
 
-Under a transducer the motion is a polynomial in every column; between transducers it is a sum of modes, so that it
-is known at once at any x.  The Rayleigh part is the surface mode's share of that sum.  With exp(+i omega t) a
-wave that runs to +x has u_x = +i r u_z: retrograde, at the crest the surface moves against the wave.
+Under a transducer the motion is a polynomial in every column of elements; between transducers it is a sum of guided
+modes, so that it is known at once at any x.  The Rayleigh part is the surface mode's share of that sum.  With
+exp(+i omega t) a wave that runs to +x has u_x = +i r u_z: retrograde, at the crest the surface moves against the wave.
 """
 
 from collections.abc import Callable
@@ -11,14 +11,18 @@ from functools import cached_property
 
 import numpy as np
 
+from fem.convergence import ConvergenceError
 from fem.discretize.spectral import lagrange
 
-MOST_SAMPLES = 50_000  # along the whole surface
+MAX_SAMPLES = 50_000  # along the whole surface
+MAX_MOTION_PER_VOLT = (
+    1e-6  # m per V; a resonant PZT stator reaches 1e-8: beyond this an answer is a numerical artefact
+)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stretch:
-    """A uniform stretch: amplitudes of the modes.
+class UniformSegment:
+    """A uniform segment: amplitudes of the guided modes.
 
     Attributes
     ----------
@@ -45,7 +49,7 @@ class Stretch:
     rayleigh: np.ndarray
 
     def motion(self, x: np.ndarray, *, only: np.ndarray | None = None) -> np.ndarray:
-        """u_x and u_z at places in the stretch (m), shape (2, places), of all modes or of some."""
+        """u_x and u_z at places in the segment (m), shape (2, places), of all modes or of some."""
         chosen = slice(None) if only is None else only
         total = np.zeros((2, len(x)), dtype=complex)
         if np.any(self.right):
@@ -58,46 +62,42 @@ class Stretch:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Covered:
-    """The surface under a transducer: nodal values column by column.
+class MeshedPiece:
+    """A part of the surface with columns of elements: under a transducer, or an end of the stator.
 
     Attributes
     ----------
-    edges : ndarray, shape (columns + 1,)
+    start, stop : float
         m.
     recover : callable
-        Finds the values when they are first asked for.
+        Returns the columns' edges (m), shape (columns + 1,), and u_x and u_z at their nodes, shape (columns,
+        order + 1, 2); called when they are first asked for.
+    beside : UniformSegment or None
+        For an end: the segment whose surface mode goes on in it.  None under a transducer.
     """
 
-    edges: np.ndarray = field(repr=False)
-    recover: Callable[[], np.ndarray] = field(repr=False)
+    start: float
+    stop: float
+    recover: Callable[[], tuple[np.ndarray, np.ndarray]] = field(repr=False)
+    beside: UniformSegment | None = field(default=None, repr=False)
 
     @cached_property
-    def values(self) -> np.ndarray:
-        """u_x and u_z at the columns' nodes, shape (columns, order + 1, 2)."""
+    def columns(self) -> tuple[np.ndarray, np.ndarray]:
+        """Edges of the columns (m) and nodal values."""
         return self.recover()
 
-    @property
-    def start(self) -> float:
-        """Left edge in m."""
-        return float(self.edges[0])
-
-    @property
-    def stop(self) -> float:
-        """Right edge in m."""
-        return float(self.edges[-1])
-
     def motion(self, x: np.ndarray) -> np.ndarray:
-        """u_x and u_z at places under the transducer (m), shape (2, places)."""
-        columns = np.clip(np.searchsorted(self.edges, x, side="right") - 1, 0, len(self.values) - 1)
-        local = (x - self.edges[columns]) / (self.edges[columns + 1] - self.edges[columns])
-        basis, _ = lagrange(self.values.shape[1] - 1, local)
-        return np.einsum("pi,pif->fp", basis, self.values[columns])
+        """u_x and u_z at places in the piece (m), shape (2, places)."""
+        edges, values = self.columns
+        columns = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(values) - 1)
+        local = (x - edges[columns]) / (edges[columns + 1] - edges[columns])
+        basis, _ = lagrange(values.shape[1] - 1, local)
+        return np.einsum("pi,pif->fp", basis, values[columns])
 
 
 @dataclass(frozen=True, kw_only=True)
-class SurfaceWave:
-    """The driven stator's answer at one frequency, per volt of the source (peak).
+class Surface:
+    """Motion of the whole surface at one frequency, per volt of the drive (peak).
 
     Attributes
     ----------
@@ -105,31 +105,12 @@ class SurfaceWave:
         Hz.
     length : float
         Of the stator, m.
-    pieces : tuple of Stretch and Covered, from left to right
+    pieces : tuple of UniformSegment and MeshedPiece
+        From left to right.
     phase_velocity : float
         Of the surface mode on the bare surface, m/s.
     surface_ratio : float
         Its |u_x / u_z|.
-    admittance : complex
-        Of the driven transducer, S.
-    comb_voltage_per_volt : complex
-        Between the driven combs.
-    power_input, power_dissipated, power_radiated : float
-        W per V^2 of the source (peak), over the aperture of the driven transducer: given, sent out through the
-        ends, and the rest, lost in the solid (and to an absorbing bottom and the other transducers' loads).
-    power_residual : float
-        Worst imbalance of a transducer's audit over the source's apparent power.
-    relative_error : float
-        Of the surface motion at the places asked for, from two discretisations.
-    admittance_error : float
-        Relative, likewise.
-    unknowns : int
-        Of the discretised problem that was condensed.
-    resolution : str
-    seconds : float
-    left_out : tuple of str
-    solution : object
-        What `fem.field` needs to rebuild the interior.
     """
 
     frequency: float
@@ -137,22 +118,17 @@ class SurfaceWave:
     pieces: tuple = field(repr=False)
     phase_velocity: float
     surface_ratio: float
-    admittance: complex
-    comb_voltage_per_volt: complex
-    power_input: float
-    power_dissipated: float
-    power_radiated: float
-    power_residual: float
-    relative_error: float
-    admittance_error: float
-    unknowns: int
-    resolution: str
-    seconds: float
-    left_out: tuple[str, ...]
-    solution: object = field(repr=False, compare=False)
 
     def motion(self, x: float | np.ndarray) -> np.ndarray:
-        """u_x and u_z in m per V at places x (m, from the left end), shape (2, *x.shape)."""
+        """u_x and u_z in m per V at places x (m, from the left end), shape (2, *x.shape).
+
+        Raises
+        ------
+        ValueError
+            For a place beside the stator.
+        ConvergenceError
+            For an amplitude that no stator reaches.
+        """
         return self._gather(x, lambda piece, at: piece.motion(at))
 
     def rayleigh_motion(self, x: float | np.ndarray) -> np.ndarray:
@@ -165,17 +141,21 @@ class SurfaceWave:
         """
 
         def part(piece, at):
-            if isinstance(piece, Covered):
+            segment = piece.beside if isinstance(piece, MeshedPiece) else piece
+            if segment is None:
                 raise ValueError(
                     f"x = {at[0]:g} m lies under a transducer: the Rayleigh part is not defined there"
                 )
-            return piece.motion(at, only=piece.rayleigh)
+            return segment.motion(at, only=segment.rayleigh)
 
         return self._gather(x, part)
 
     def covered(self, x: float) -> bool:
         """Whether a place lies under a transducer."""
-        return any(isinstance(piece, Covered) and piece.start <= x <= piece.stop for piece in self.pieces)
+        return any(
+            isinstance(piece, MeshedPiece) and piece.beside is None and piece.start <= x <= piece.stop
+            for piece in self.pieces
+        )
 
     @property
     def transfer_length(self) -> float:
@@ -184,7 +164,7 @@ class SurfaceWave:
         Infinite where one mode makes up the surface wave: another bottom, or a plate thinner than it.
         """
         for piece in self.pieces:
-            if isinstance(piece, Stretch) and len(piece.rayleigh) > 1:
+            if isinstance(piece, UniformSegment) and len(piece.rayleigh) > 1:
                 one, other = piece.wavenumbers[piece.rayleigh[:2]].real
                 return float(np.pi / abs(one - other)) if one != other else np.inf
         return np.inf
@@ -206,7 +186,7 @@ class SurfaceWave:
 
     def samples(self, per_wavelength: int = 12) -> tuple[np.ndarray, np.ndarray]:
         """Places along the whole surface (m), fewer on a very long one, and the motion there: (n,) and (2, n)."""
-        step = max(self.phase_velocity / self.frequency / per_wavelength, self.length / MOST_SAMPLES)
+        step = max(self.phase_velocity / self.frequency / per_wavelength, self.length / MAX_SAMPLES)
         places = []
         for piece in self.pieces:
             start, stop = max(piece.start, 0.0), min(piece.stop, self.length)
@@ -227,4 +207,10 @@ class SurfaceWave:
         for index in np.unique(owner):
             here = owner == index
             out[:, here] = part(self.pieces[index], flat[here])
+        largest = abs(out).max(initial=0.0)
+        if not largest <= MAX_MOTION_PER_VOLT:
+            raise ConvergenceError(
+                f"the surface would move by {largest:.3g} m per V, more than {MAX_MOTION_PER_VOLT:g} m per V: "
+                "give the solid a mechanical_quality, or change the frequency slightly"
+            )
         return out.reshape(2, *x.shape)

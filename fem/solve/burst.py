@@ -21,8 +21,9 @@ from typing import Protocol
 
 import numpy as np
 
+from fem.circuit import Drive
 from fem.convergence import ConvergenceError
-from fem.results.surface import SurfaceWave
+from fem.results.surface_wave import SurfaceWave
 
 FLAT = 0.5  # of the way from the drive's frequency to either end of the band: up to here G = 1
 NARROWER = 0.5
@@ -38,7 +39,7 @@ class Response(Protocol):
 
     limits: tuple[float, float]
 
-    def waves(self, frequencies, *, driven: str, source_impedance: complex) -> list[SurfaceWave]:
+    def waves(self, frequencies, drive: str | Drive) -> list[SurfaceWave]:
         """Surface motion at frequencies in Hz, in their order."""
 
 
@@ -152,11 +153,10 @@ def burst_response(
     band: Response,
     place: float,
     *,
-    driven: str,
+    drive: str | Drive,
     frequency: float,
     duration: float,
     tolerance: float,
-    source_impedance: complex = 0.0,
     phase: float = 0.0,
     most: int = MOST,
 ) -> BurstEnvelope:
@@ -168,16 +168,14 @@ def burst_response(
         For instance of `fem.frequency_band`; the wider, the sharper the corners.
     place : float
         m from the left end.
-    driven : str
-        Name of the driven transducer.
+    drive : str or Drive
+        Name of the driven transducer, or sources at several.
     frequency : float
         Hz, well inside the band.
     duration : float
         s.
     tolerance : float
         Of what is folded back in time, over the steady amplitude.
-    source_impedance : complex
-        Ohm.
     phase : float
         Of the voltage's cosine at the beginning, rad.
     most : int
@@ -205,9 +203,7 @@ def burst_response(
 
     def motions(frequencies: np.ndarray) -> np.ndarray:
         new = [float(at) for at in frequencies if float(at) not in known]
-        for at, wave in zip(
-            new, band.waves(new, driven=driven, source_impedance=source_impedance), strict=True
-        ):
+        for at, wave in zip(new, band.waves(new, drive), strict=True):
             tangential, normal = wave.motion(place)
             known[at] = (complex(normal), complex(tangential), wave.relative_error)
         return np.array([known[float(at)] for at in frequencies])

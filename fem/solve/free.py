@@ -10,12 +10,14 @@ import time
 import numpy as np
 
 from fem.convergence import ConvergenceError
-from fem.discretize.section import FIELD_COLUMN, Resolution, Section, discretise
+from fem.discretize.grading import Resolution
+from fem.discretize.refinement import refine
+from fem.discretize.section import FIELD_COLUMN, Section, discretise
 from fem.geometry import Stator
 from fem.materials.christoffel import slowest_wavelength, stretch_absorbs
 from fem.results.free_wave import FreeWave
 from fem.threads import one_blas_thread
-from fem.waveguide.modes import guided_modes
+from fem.waveguide.modes import GuidedModes, guided_modes
 
 ORDERS = (4, 6, 8, 10, 12)
 GAIN = 10.0  # two orders more divide the error of the velocity by far more than this
@@ -47,10 +49,8 @@ def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave
         raise ValueError(f"tolerance must be positive and finite, got {tolerance!r}")
     begun = time.perf_counter()
     unit = slowest_wavelength(stator.solid, frequency)
-    before = None
-    error = np.inf
-    gain = LOSSY_GAIN if stator.absorbs_below and not stretch_absorbs(stator.solid) else GAIN
-    for order in ORDERS:
+
+    def at_order(order: int) -> tuple[GuidedModes, complex]:
         section = discretise(
             stator,
             Resolution(order=order, edge_layers=0, lossy_elements=order + 2),
@@ -58,14 +58,18 @@ def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave
             surface_scale=np.inf,
         )
         modes = guided_modes(section, frequency)
-        wavenumber = np.mean(modes.wavenumbers[modes.rayleigh]) / unit
-        velocity = 2 * np.pi * frequency / wavenumber.real
-        if before is not None:
-            error = abs(velocity / before - 1) / (gain - 1)
-            if error <= tolerance:
-                break
-        before = velocity
-    else:
+        return modes, complex(np.mean(modes.wavenumbers[modes.rayleigh]) / unit)
+
+    refined = refine(
+        at_order,
+        ORDERS,
+        differences=lambda fine, coarse: (abs(coarse[1].real / fine[1].real - 1),),
+        gain=LOSSY_GAIN if stator.absorbs_below and not stretch_absorbs(stator.solid) else GAIN,
+        tolerance=tolerance,
+    )
+    modes, wavenumber = refined.answer
+    section, error = modes.section, refined.errors[0]
+    if error > tolerance:
         raise ConvergenceError(
             f"the free wave's velocity is known to {error:.1e} only, {tolerance:.1e} was asked for: ask for less"
         )
@@ -78,7 +82,7 @@ def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave
     body = slice(section.bottom, section.surface + 1)
     return FreeWave(
         frequency=frequency,
-        velocity=float(velocity),
+        velocity=2 * np.pi * frequency / wavenumber.real,
         attenuation=float(-wavenumber.imag),
         surface_ratio=float(abs(profile[section.surface, FIELD_COLUMN["ux"]])),
         depth=section.nodes[body],
@@ -88,7 +92,6 @@ def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave
         relative_error=float(error),
         unknowns=section.size,
         seconds=time.perf_counter() - begun,
-        left_out=left_out(section),
     )
 
 
@@ -102,16 +105,3 @@ def _at_the_upper_face(twins: np.ndarray, section: Section) -> np.ndarray:
     moved = twins[section.mechanical]
     towards = np.linalg.solve(moved.conj().T @ moved, top.conj())
     return twins @ (towards / (top @ towards))
-
-
-def left_out(section: Section) -> tuple[str, ...]:
-    """What the free wave is solved without, and why."""
-    reasons = [
-        "electrodes: the scene has no transducer",
-        "elements along x: the wave is a mode of the section",
-    ]
-    if "uy" not in section.solid.fields:
-        reasons.append("out-of-plane displacement: uncoupled in this orientation")
-    if "phi" not in section.solid.fields:
-        reasons.append("electric potential: the solid is not piezoelectric in this orientation")
-    return tuple(reasons)

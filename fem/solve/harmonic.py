@@ -6,19 +6,19 @@ level is sure to bring, is the error reported.
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
+from fem.circuit import Drive
 from fem.convergence import ConvergenceError
-from fem.discretize.refinement import LEVELS, first_level, level_gain
-from fem.discretize.section import Resolution
+from fem.discretize.grading import Resolution
+from fem.discretize.refinement import LEVELS, first_level, level_gain, refine
 from fem.geometry import Stator, Transducer, check_layout
 from fem.materials import fields
-from fem.results.evaluation import surface_wave
-from fem.results.power_balance import audit
-from fem.results.surface import SurfaceWave
-from fem.solution import solved
+from fem.results.evaluation import surface_of
+from fem.results.power_balance import power_balance
+from fem.results.solution import Solution, solve_driven
+from fem.results.surface_wave import SurfaceWave, surface_wave
 from fem.threads import one_blas_thread
 
 
@@ -28,13 +28,12 @@ def driven_wave(
     transducers: tuple[Transducer, ...],
     *,
     frequency: float,
-    driven: str,
-    source_impedance: complex = 0.0,
+    drive: str | Drive,
     tolerance: float,
     places: tuple[float, ...] = (),
     progress: Callable[[str], None] | None = None,
 ) -> SurfaceWave:
-    """Surface motion, admittance and power of the driven stator, per volt of the source.
+    """Surface motion, admittance and power of the driven stator, per volt of the drive.
 
     Parameters
     ----------
@@ -42,10 +41,8 @@ def driven_wave(
     transducers : tuple of Transducer
     frequency : float
         Hz.
-    driven : str
-        Name of the driven transducer.
-    source_impedance : complex
-        Ohm.
+    drive : str or Drive
+        Name of the driven transducer, or sources at several.
     tolerance : float
         Relative, of the surface motion at ``places``.
     places : tuple of float
@@ -56,6 +53,7 @@ def driven_wave(
     Returns
     -------
     SurfaceWave
+        With its power balance.
 
     Raises
     ------
@@ -64,6 +62,54 @@ def driven_wave(
     ConvergenceError
         If the finest discretisation does not reach the tolerance; what was reached comes with it.
     """
+    check_driven(stator, transducers, frequency, tolerance)
+    begun = time.perf_counter()
+    at = np.array(places or (stator.length / 2,))
+    say = progress or (lambda text: None)
+
+    def at_level(resolution: Resolution) -> tuple[Solution, np.ndarray]:
+        say(f"stator: order {resolution.order}, {resolution.edge_layers} edge layers")
+        solution = solve_driven(stator, transducers, frequency=frequency, drive=drive, resolution=resolution)
+        return solution, surface_of(solution).motion(at)
+
+    refined = refine(
+        at_level,
+        LEVELS,
+        start=first_level(tolerance),
+        differences=solution_differences,
+        gain=level_gain(stator),
+        tolerance=tolerance,
+    )
+    solution, _ = refined.answer
+    say("stator: power balance")
+    power = power_balance(solution)
+    wave = surface_wave(
+        solution,
+        relative_error=refined.errors[0],
+        admittance_error=refined.errors[1],
+        seconds=time.perf_counter() - begun,
+        balance=lambda: power,
+    )
+    if wave.relative_error > tolerance:
+        advice = f"finer, {refined.obstacle}" if refined.obstacle else "make the fingers less extreme"
+        raise ConvergenceError(
+            f"the stator's surface motion is known to {wave.relative_error:.1e} only, {tolerance:.1e} was asked for: "
+            f"ask for less, or {advice}",
+            reached=wave,
+        )
+    return wave
+
+
+def check_driven(
+    stator: Stator, transducers: tuple[Transducer, ...], frequency: float, tolerance: float
+) -> None:
+    """Refuse a layout, a solid, a frequency (Hz) or a tolerance that no driven stator can have.
+
+    Raises
+    ------
+    ValueError
+        Names the parameter, its value and what it must be.
+    """
     check_layout(stator, transducers)
     if "phi" not in fields(stator.solid):
         why = "uncouples phi in this orientation" if stator.solid.is_piezoelectric else "is not piezoelectric"
@@ -71,78 +117,16 @@ def driven_wave(
     if not (np.isfinite(tolerance) and tolerance > 0):
         raise ValueError(f"tolerance must be positive and finite, got {tolerance!r}")
     if not (np.isfinite(frequency) and frequency > 0):
-        raise ValueError(f"drive.frequency must be positive and finite, got {frequency!r} Hz")
-    begun = time.perf_counter()
-    at = np.array(places or (stator.length / 2,))
-    say = progress or (lambda text: None)
-
-    def at_level(resolution: Resolution) -> SurfaceWave:
-        say(f"stator: order {resolution.order}, {resolution.edge_layers} edge layers")
-        return surface_wave(
-            solved(
-                stator,
-                transducers,
-                frequency=frequency,
-                driven=driven,
-                source_impedance=source_impedance,
-                resolution=resolution,
-            )
-        )
-
-    wave, refusal = _climbed(at_level, first_level(tolerance), tolerance, at, level_gain(stator))
-    wave = _audited(wave, begun, say)
-    if wave.relative_error > tolerance:
-        raise ConvergenceError(
-            f"the stator's surface motion is known to {wave.relative_error:.1e} only, {tolerance:.1e} was asked for: "
-            f"ask for less, or {refusal}",
-            reached=wave,
-        )
-    return wave
+        raise ValueError(f"frequency must be positive and finite, got {frequency!r} Hz")
 
 
-def _climbed(
-    at_level: Callable[[Resolution], SurfaceWave], level: int, tolerance: float, at: np.ndarray, gain: float
-) -> tuple[SurfaceWave, str]:
-    """Climb the levels to the tolerance, or as far as they go; return the wave and why it went no further."""
-    coarse = reached = None
-    for resolution in LEVELS[level:]:
-        try:
-            wave = at_level(resolution)
-        except ConvergenceError as error:
-            if reached is not None:
-                return reached, f"finer, {error}"
-            if level == 0:
-                raise
-            return _climbed(at_level, level - 1, tolerance, at, gain)  # a coarser pair says how far it got
-        if coarse is not None:
-            wave = reached = replace(
-                wave,
-                relative_error=orbit_difference(wave, coarse, at) / (gain - 1),
-                admittance_error=abs(wave.admittance / coarse.admittance - 1) / (gain - 1),
-            )
-            if wave.relative_error <= tolerance:
-                break
-        coarse = wave
-    return reached, "make the fingers less extreme"
-
-
-def _audited(wave: SurfaceWave, begun: float, say: Callable[[str], None]) -> SurfaceWave:
-    """Return a wave with its powers and the time since it was begun."""
-    say("stator: power balance")
-    powers = audit(wave.solution)
-    return replace(
-        wave,
-        power_input=powers.input,
-        power_dissipated=powers.dissipated,
-        power_radiated=powers.radiated,
-        power_residual=powers.residual,
-        seconds=time.perf_counter() - begun,
-    )
-
-
-def orbit_difference(wave: SurfaceWave, other: SurfaceWave, at: np.ndarray) -> float:
-    """Largest relative difference of the orbits at places; a common phase, which moves nothing, does not count."""
-    return motion_difference(wave.motion(at), other.motion(at))
+def solution_differences(
+    fine: tuple[Solution, np.ndarray], coarse: tuple[Solution, np.ndarray]
+) -> tuple[float, float]:
+    """Relative differences of the motion at the places and of the admittances that the sources see."""
+    ours, theirs = fine[0].circuit, coarse[0].circuit
+    of_admittance = np.max(abs(ours.source_admittances / theirs.source_admittances - 1))
+    return motion_difference(fine[1], coarse[1]), float(of_admittance)
 
 
 def motion_difference(ours: np.ndarray, theirs: np.ndarray) -> float:

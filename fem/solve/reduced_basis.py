@@ -15,9 +15,10 @@ from fem.condense.superelement import PORTS, Block
 from fem.condense.transducer import fingers_in_row
 from fem.discretize.section import Section
 from fem.geometry import Transducer
-from fem.solution import assembled
+from fem.results.solution import driven_solution
 from fem.waveguide.ends import end_reflection
 from fem.waveguide.modes import GuidedModes, guided_modes
+from fem.waveguide.port_fields import joined_fields
 
 WALL_WIDTH = (
     0.2  # wavelengths of a free or clamped end that are condensed: too narrow for a resonance in the band
@@ -42,6 +43,10 @@ class ReducedSection:
     full: Section
     basis: np.ndarray = field(repr=False)
     odd: np.ndarray | None = field(repr=False)
+
+    def lift(self, lines: np.ndarray) -> np.ndarray:
+        """Unknowns of the full section on lines, shape (full size, ...)."""
+        return self.basis @ lines
 
     @property
     def size(self) -> int:
@@ -169,7 +174,7 @@ def _end_fields(modes: GuidedModes, ends: str, kept: float) -> list[np.ndarray]:
     return found
 
 
-def snapshots(stator, transducers, section, frequency, halves, resolution, driven, kept):
+def snapshots(stator, transducers, section, frequency, halves, resolution, drive, kept):
     """Fields on the lines in mid-gap and in mid-finger, of every port and every mode that may arrive; the solution."""
     modes = guided_modes(section, frequency)
     phi = section.surface_dofs["phi"]
@@ -180,29 +185,24 @@ def snapshots(stator, transducers, section, frequency, halves, resolution, drive
             cell = joined(*halves[finger_key(each)], phi=phi, comb=0)
             rows[key] = even_row(each, lambda cell=cell: cell, no_bare_cells)
     blocks = [rows[(*finger_key(each), each.signs)] for each in transducers]
-    solution = assembled(
-        stator, transducers, blocks, modes=modes, driven=driven, source_impedance=0.0, resolution=resolution
-    )
+    fields_of_ports = joined_fields(stator, transducers, blocks, modes=modes, resolution=resolution)
+    network, volt = fields_of_ports.network, section.solid.potential_unit
     n = section.size
     gaps, fingers = _end_fields(modes, stator.ends, kept), []
-    nearest = np.diff(solution.network.stretches, axis=1).min()
+    nearest = np.diff(network.segments, axis=1).min()
     arriving = np.flatnonzero(abs(np.exp(-1j * modes.wavenumbers * nearest)) > ARRIVING * kept)
     gaps += [modes.right[:, arriving], modes.left[:, arriving]]
-    for index, scatterer in enumerate(solution.network.scatterers):
+    for index, scatterer in enumerate(network.scatterers):
         quarter = halves[finger_key(transducers[index])][0].width
         incoming = np.zeros((2 * n, 2 * len(arriving)), dtype=complex)
         incoming[:n, : len(arriving)] = modes.right[:, arriving]
         incoming[n:, len(arriving) :] = modes.left[:, arriving]
         quiet = np.zeros((PORTS, incoming.shape[1]))
         scattered = np.concatenate([scatterer.sides(incoming, quiet), quiet])
-        lit = np.zeros((PORTS, solution.network.ports))
-        before = sum(other.potentials.shape[1] for other in solution.network.scatterers[:index])
-        lit[:, before : before + scatterer.potentials.shape[1]] = scatterer.potentials
-        sent = np.concatenate([solution.ports.sides[index], lit])
-        together = np.hstack([scattered, sent])
+        together = np.hstack([scattered, volt * fields_of_ports.sides[index]])
         for count, (_, _, sides) in enumerate(lines(scatterer.block, together, finest=1.001 * quarter)):
             (fingers if count % 2 else gaps).append(sides[:n])
         gaps.append(together[n : 2 * n])
     dead = np.hstack(fingers)
     dead[phi] = 0.0
-    return np.hstack(gaps), dead, solution
+    return np.hstack(gaps), dead, driven_solution(fields_of_ports, drive)

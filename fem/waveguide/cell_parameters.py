@@ -10,9 +10,10 @@ import numpy as np
 
 from fem.analytic.half_space import rayleigh
 from fem.convergence import ConvergenceError
-from fem.discretize.refinement import LEVELS
+from fem.discretize.grading import Resolution
+from fem.discretize.refinement import LEVELS, refine
 from fem.materials import Solid
-from fem.waveguide.grating import StopBand, grating
+from fem.waveguide.grating import Grating, StopBand, grating
 
 GAIN = 6.0  # a level divides the error of the edges by more than this: 8 to 10 seen, by 40 from the first
 
@@ -84,18 +85,14 @@ def cell_triple(
     """
     surface = "open" if above == "none" else "vacuum"
     free, metallised = (rayleigh(solid, each).velocity for each in (surface, "metallised"))
-    before, error = None, np.inf
-    for resolution in LEVELS:
+
+    def at_level(resolution: Resolution) -> tuple[Grating, list[StopBand]]:
         cells = grating(solid, period=period, metallisation=metallisation, above=above, resolution=resolution)
-        bands = [cells.stop_band(open_fingers=each) for each in (False, True)]
-        edges = np.array([(band.lower, band.upper) for band in bands])
-        if before is not None:
-            width = max(band.upper - band.lower for band in bands)
-            error = float(abs(edges - before).max() / width / (GAIN - 1))
-            if error <= tolerance:
-                break
-        before = edges
-    else:
+        return cells, [cells.stop_band(open_fingers=each) for each in (False, True)]
+
+    refined = refine(at_level, LEVELS, differences=_edges_apart, gain=GAIN, tolerance=tolerance)
+    (cells, bands), error = refined.answer, refined.errors[0]
+    if error > tolerance:
         raise ConvergenceError(
             f"the stop bands' edges are known to {error:.1e} of their width only, "
             f"{tolerance:.1e} was asked for: ask for less"
@@ -112,3 +109,11 @@ def cell_triple(
         capacitance=cells.capacitance(),
         relative_error=error,
     )
+
+
+def _edges_apart(
+    fine: tuple[Grating, list[StopBand]], coarse: tuple[Grating, list[StopBand]]
+) -> tuple[float]:
+    """Largest difference of the stop bands' edges, over the wider band's width."""
+    edges, before = (np.array([(band.lower, band.upper) for band in bands]) for _, bands in (fine, coarse))
+    return (float(abs(edges - before).max() / np.diff(edges).max()),)

@@ -1,22 +1,25 @@
-"""Eigenpairs of the section's quadratic problem where x -> -x is a symmetry, all digits of slow and fast modes."""
+"""Quadratic eigenvalue problem of the guided modes: all wavenumbers, slow and strongly evanescent ones alike."""
 
 import numpy as np
 
 WIDE_SPECTRUM = 1e7  # largest over typical eigenvalue above which one eigensolve cannot serve both ends
 
 
-def even_odd_modes(second, first, zeroth, odd):
-    """Eigenpairs (k, v), one of each pair k, -k, from the problem linear in k^2 (odd unknowns u_o = -i k w)."""
+def even_odd_modes(second, skew, zeroth, odd):
+    """Eigenpairs (k, v) of k^2 second + i k skew + zeroth, one of each pair k, -k, where x -> -x is a symmetry.
+
+    ``skew`` couples only odd unknowns with even ones; with u_o = -i k w for the odd ones the problem is linear in k^2.
+    """
     even = ~odd
-    across = (first - first.T)[np.ix_(odd, even)]
     odds, size = int(odd.sum()), len(odd)
-    left = np.zeros_like(second, shape=(size, size))
+    dtype = np.result_type(second, skew, zeroth)
+    left = np.zeros((size, size), dtype=dtype)
     left[:odds, :odds] = second[np.ix_(odd, odd)]
     left[odds:, odds:] = second[np.ix_(even, even)]
-    left[odds:, :odds] = -across.T
-    right = np.zeros_like(zeroth, shape=(size, size))
+    left[odds:, :odds] = skew[np.ix_(even, odd)]
+    right = np.zeros((size, size), dtype=dtype)
     right[:odds, :odds] = -zeroth[np.ix_(odd, odd)]
-    right[:odds, odds:] = across
+    right[:odds, odds:] = skew[np.ix_(odd, even)]
     right[odds:, odds:] = -zeroth[np.ix_(even, even)]
     squares, vectors = _graded_eigenpairs(left, right, (2 * np.pi) ** 2 * (-0.3 + 0.9j))
     wavenumbers = np.sqrt(squares.astype(complex))
@@ -39,18 +42,18 @@ def companion_modes(second, skew, zeroth):
 def _graded_eigenpairs(left, right, shift):
     """All eigenpairs of right v = s left v whose s span many decades (fine layers: s = k^2 up to 1e14).
 
-    The inverted problem gives small ones to all digits and the direct one large ones; each is asked for its half.
+    The shift-inverted problem gives the small eigenvalues to all digits and the direct one the large ones.
     """
     from scipy.linalg import lu_factor, lu_solve
 
-    def over(matrix, load):  # ill-conditioned by nature, where every half is asked only for what it knows
+    def over(matrix, load):  # the matrix is ill-conditioned; only the accurate half of the spectrum is used
         return lu_solve(lu_factor(matrix, check_finite=False), load, check_finite=False)
 
     def sorted_pairs(values, vectors):
         order = np.argsort(abs(values))
         return values[order], vectors[:, order]
 
-    # numpy's eigensolver leaves the interpreter's lock to other threads, scipy's does not
+    # numpy's eigensolver releases the global interpreter lock, scipy's does not
     values, vectors = np.linalg.eig(over(right - shift * left, left))
     small, small_vectors = sorted_pairs(shift + 1.0 / values, vectors)
     if abs(small[-1]) < WIDE_SPECTRUM * abs(shift):

@@ -1,23 +1,42 @@
-"""Ends of the stator: the modes that an end sends back for each that arrives there."""
+"""Ends of the stator: the modes that an end sends back for each that arrives there.
 
-from dataclasses import dataclass
+A free or clamped end is either the condition on the guided modes themselves, or, where the lines are reduced to a basis
+that does not hold the fields at the end, a superelement of some columns of elements.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import reduce
 
 import numpy as np
 
+from fem.condense.join import joined
+from fem.condense.superelement import Block, condensed
+from fem.discretize.grading import CORNER_RATIO, Resolution, graded
+from fem.discretize.section import Section
+from fem.geometry import Stator
 from fem.waveguide.modes import GuidedModes
+
+END_COLUMNS = 2
 
 
 @dataclass(frozen=True, kw_only=True)
 class Walls:
-    """Ends of the stator as condensed pieces: their matrices on the lines where they begin.
+    """Ends of the stator as superelements.
 
     Attributes
     ----------
     matrices : tuple of ndarray, shape (n, n)
         Outward nodal flux of the left piece on its right line, of the right piece on its left line, per unknown.
+    width : float
+        Of a piece, length units.
+    recover : callable
+        Side (0 left, 1 right) and unknowns of the inner line -> superelement of the end and its sides.
     """
 
     matrices: tuple[np.ndarray, np.ndarray]
+    width: float
+    recover: Callable[[int, np.ndarray], tuple[Block, np.ndarray]] = field(repr=False)
 
     def sent_back(self, modes: GuidedModes, side: int, arriving: np.ndarray) -> np.ndarray:
         """Amplitudes of all modes sent back for each that arrives at the line: (E - X_back) q = -(E + X_on) p."""
@@ -59,3 +78,72 @@ def end_reflection(modes: GuidedModes, ends: str | Walls, side: int, arriving: n
         leave = leave.copy()
         leave[:, constant] = modes.section.constant_potential[:, None]
     return -np.linalg.solve(leave, arrive[:, arriving])
+
+
+@dataclass(frozen=True, kw_only=True)
+class EndPieces:
+    """Columns of elements beside the free or clamped ends.
+
+    Attributes
+    ----------
+    section : Section
+    blocks : tuple of Block
+        Of the left and the right end.
+    clamped : bool
+    """
+
+    section: Section
+    blocks: tuple[Block, Block] = field(repr=False)
+    clamped: bool
+
+    def _lines(self, side: int) -> tuple[np.ndarray, np.ndarray]:
+        """Unknowns of the outer line that are not held, and those of the inner line, in the block's order."""
+        n = self.section.size
+        free = np.arange(n)
+        if self.clamped:
+            free = np.setdiff1d(free, self.section.mechanical)
+        return (free, n + np.arange(n)) if side == 0 else (n + free, np.arange(n))
+
+    def _outer(self, side: int) -> np.ndarray:
+        """Unknowns of the outer line as a function of those of the inner line."""
+        piece, (outer, inner) = self.blocks[side].matrix, self._lines(side)
+        return -np.linalg.solve(piece[np.ix_(outer, outer)], piece[np.ix_(outer, inner)])
+
+    def matrix(self, side: int) -> np.ndarray:
+        """Outward nodal flux on the inner line per unknown there, shape (n, n)."""
+        piece, (outer, inner) = self.blocks[side].matrix, self._lines(side)
+        return piece[np.ix_(inner, inner)] + piece[np.ix_(inner, outer)] @ self._outer(side)
+
+    def sides(self, side: int, line: np.ndarray) -> np.ndarray:
+        """Both lines and two empty electrodes for given unknowns of the inner line, shape (2 n + 2,)."""
+        outer, inner = self._lines(side)
+        out = np.zeros(len(self.blocks[side].matrix), dtype=complex)
+        out[inner] = line
+        out[outer] = self._outer(side) @ line
+        return out
+
+
+def end_pieces(
+    section: Section, frequency: float, stator: Stator, resolution: Resolution, *, width: float
+) -> EndPieces:
+    """Condense the columns beside both ends, graded towards corners where a clamped face meets a free one.
+
+    Parameters
+    ----------
+    section : Section
+    frequency : float
+        Hz.
+    stator : Stator
+        Its ends free or clamped.
+    resolution : Resolution
+    width : float
+        Of an end piece, length units.
+    """
+    layers = resolution.edge_layers if "clamped" in (stator.ends, stator.bottom) else 0
+    widths = graded(width, layers, largest=width / END_COLUMNS, ratio=CORNER_RATIO)
+    columns = {each: condensed(section, frequency, width=each, comb=None) for each in widths}
+    return EndPieces(
+        section=section,
+        blocks=tuple(reduce(joined, [columns[each] for each in order]) for order in (widths[::-1], widths)),
+        clamped=stator.ends == "clamped",
+    )

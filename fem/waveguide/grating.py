@@ -28,7 +28,9 @@ from fem.condense.join import joined, opened
 from fem.condense.superelement import Block
 from fem.condense.transducer import FingerShape, finger_cell, half_cells
 from fem.convergence import ConvergenceError
-from fem.discretize.section import Resolution, Section, discretise
+from fem.discretize.grading import Resolution
+from fem.discretize.section import Section, discretise
+from fem.discretize.spectral import chebyshev_nodes, lagrange_weights
 from fem.geometry import Stator
 from fem.materials import Solid, fields
 from fem.materials.christoffel import slowest_wavelength
@@ -101,7 +103,7 @@ class Grating:
     def _halves(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Nodes in omega^2 and the matrices of both half cells there, shape (nodes, 2 n + 2, 2 n + 2)."""
         low, high = ((2 * np.pi * self.middle * (1 + side * REACH)) ** 2 for side in (-1, 1))
-        squares = (low + high) / 2 + (high - low) / 2 * np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)
+        squares = chebyshev_nodes(low, high, NODES)
         pairs = [
             half_cells(self.section, float(np.sqrt(square)) / (2 * np.pi), self.shape, self.resolution)
             for square in squares
@@ -228,13 +230,6 @@ class Grating:
         reaction = block.matrix[2 * n, 2 * n] + load @ lines
         medium = self.section.solid
         return float(-0.5 * reaction.real * medium.stress_unit / medium.potential_unit**2)
-
-
-def lagrange_weights(nodes: np.ndarray, at: float) -> np.ndarray:
-    """Weights of the values at distinct nodes in the polynomial's value at a place."""
-    return np.array(
-        [np.prod((at - np.delete(nodes, k)) / (node - np.delete(nodes, k))) for k, node in enumerate(nodes)]
-    )
 
 
 def grating(

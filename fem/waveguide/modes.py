@@ -1,14 +1,15 @@
-"""Guided modes of a uniform stretch, and the ends they make possible.
+"""Guided modes of a uniform segment, and the radiation impedance of a semi-infinite one.
 
-In a stretch that is uniform in x the section's unknowns are sums of modes v exp(-i k x) with (section.py)
+In a segment that is uniform in x the unknowns of a line are sums of modes v exp(-i k x) with (section.py)
 
-    [k^2 K2 + i k (K1 - K1^T) + K0 - omega^2 M] v = 0,    nodal flux f = (K1 - i k K2) v.
+    [k^2 K2 + i k (K1 - K1t) + K0 - omega^2 M] v = 0,    nodal flux f = (K1 - i k K2) v.
 
-All modes of the discretised section are kept, the evanescent ones too, so that they span every line: a stretch
-that goes on for ever is then the exact relation f = X u, X = F V^-1, whatever arrives (no reflection, no layer to
-tune).  A mode goes right if it decays to the right or, without loss, carries power to the right; the power flux
-along +x of a field is -(omega/2) Im(f^H* u), mechanical and electric alike.  The constant potential, which exists
-where nothing grounds the section, is an outgoing mode without flux of D: the section's far ends are not charged.
+All modes of the discretised section are kept, evanescent ones included, so that they span every line.  With their
+shapes V and fluxes F as columns, a semi-infinite segment is the exact relation f = X u with the radiation impedance
+(Dirichlet-to-Neumann map) X = F V^-1: nothing is reflected and no absorbing layer has to be tuned.  A mode goes right
+if it decays to the right or, without loss, carries power to the right; the mean power along +x of a field is
+-(omega/2) Im(u^H f), its mechanical and its electric part together.  The constant potential, which is a mode where
+the section is not grounded, is counted as outgoing and has no flux of D: the far ends carry no charge.
 
 Where x -> -x is a symmetry the eigenproblem is linear in k^2 and of half the size (u_x, or u_x and phi, odd).
 """
@@ -25,19 +26,18 @@ from fem.waveguide.eigenproblem import companion_modes, even_odd_modes
 POLISHING_STEPS = 6
 RICCATI_TOLERANCE = 5e-11  # ordinary sections reach 1e-15; at 1e-10 the motion has been seen wrong by 5e-4
 PROPAGATING = 0.3  # a mode whose |Im k| is below this share of |Re k| counts as propagating
-NEAR_HALF_SPACE = (
-    0.02  # relative distance of k from the half-space's that halves a mode's claim to be the surface wave
+# Relative distance of k from the half-space's at which a mode's localisation counts half.
+NEAR_HALF_SPACE = 0.02
+NEARLY_REAL = (
+    3e-3  # |Im k| / |Re k| below which the power flux decides the direction of a mode that carries power
 )
-NEARLY_REAL = 3e-3  # |Im k| over |Re k| below which a mode that carries power is told by its flux
-ONE_WAVE = (
-    1e-3  # relative distance of k within which two modes are one wave however localised each of them is
-)
-TWIN_MODES = 3e-2  # relative distance of k within which two localised modes are one wave
+# Relative distance of k within which two modes are one surface wave: whatever their shapes, and if both are localised.
+ONE_WAVE, TWIN_MODES = 1e-3, 3e-2
 
 
 @dataclass(frozen=True, kw_only=True)
 class GuidedModes:
-    """Modes of a uniform stretch at one frequency, as many to the right as a line has unknowns.
+    """Modes of a uniform segment at one frequency, as many to the right as a line has unknowns.
 
     Attributes
     ----------
@@ -50,6 +50,9 @@ class GuidedModes:
         Mode shapes in columns.
     right_flux, left_flux : ndarray, shape (n, n)
         Their nodal fluxes.
+    lateral_wavenumber : float
+        k_y in radians per length unit, of fields that vary as exp(-i k_y y).  Where y -> -y is a symmetry of the
+        solid, the unknowns that change sign (u_y) are u_y / i.
     """
 
     section: Section
@@ -60,21 +63,36 @@ class GuidedModes:
     left: np.ndarray = field(repr=False)
     right_flux: np.ndarray = field(repr=False)
     left_flux: np.ndarray = field(repr=False)
+    lateral_wavenumber: float = 0.0
+
+    @cached_property
+    def _symmetric_matrices(self) -> tuple[np.ndarray, ...]:
+        """K2, K1 and K0 - omega^2 M, for the radiation impedance, where the problem is complex symmetric."""
+        if not self.lateral_wavenumber:
+            return self.section.matrices(self.frequency)
+        if self.section.solid.mirror_y is None:
+            raise ValueError(
+                "the radiation impedance at a lateral wavenumber is known where y -> -y is a symmetry of the solid; "
+                "this cut has no such symmetry"
+            )
+        second, first, _, zeroth = self.section.lateral_matrices(self.frequency, self.lateral_wavenumber)
+        return second, first, zeroth
 
     @cached_property
     def right_end(self) -> np.ndarray:
-        """X with f = X u where the stretch goes on to the right for ever, shape (n, n)."""
-        second, first, zeroth = self.section.matrices(self.frequency)
-        return _end(second, first, zeroth, self.wavenumbers, self.right, self.right_flux)
+        """Radiation impedance X of a segment that extends to the right without end, f = X u, shape (n, n)."""
+        second, first, zeroth = self._symmetric_matrices
+        return _radiation_impedance(second, first, zeroth, self.wavenumbers, self.right, self.right_flux)
 
     @cached_property
     def left_end(self) -> np.ndarray:
-        """X with -f = X u where the stretch goes on to the left for ever, shape (n, n)."""
-        if self.section.odd is not None:
-            mirror = np.where(self.section.odd, -1.0, 1.0)
+        """Radiation impedance X of a segment that extends to the left without end, -f = X u, shape (n, n)."""
+        odd = _odd(self.section, self.lateral_wavenumber)
+        if odd is not None:
+            mirror = np.where(odd, -1.0, 1.0)
             return mirror[:, None] * self.right_end * mirror
-        second, first, zeroth = self.section.matrices(self.frequency)
-        return _end(second, -first, zeroth, -self.backwards, self.left, -self.left_flux)
+        second, first, zeroth = self._symmetric_matrices
+        return _radiation_impedance(second, -first, zeroth, -self.backwards, self.left, -self.left_flux)
 
     @cached_property
     def _factors(self):
@@ -103,10 +121,11 @@ class GuidedModes:
     def rayleigh(self) -> np.ndarray:
         """Indices of the surface wave's modes, the most localised first.
 
-        A mode is as localised as its motion at the surface, squared, is large against the mean over the depth.  In a
-        block whose two faces are alike the surface wave is the sum of a symmetric and an antisymmetric mode of
-        nearly one velocity, each with half its motion at the bottom: both count.  The nearer they are the less the
-        eigensolver keeps them apart: two of one velocity count whatever each looks like.
+        Localisation is the squared motion at the surface over its integral through the depth, reduced where the
+        wavenumber is far from that of the half-space.  In a plate whose two faces are alike the surface wave is the
+        sum of a symmetric and an antisymmetric mode of nearly the same velocity, each with half of its motion at
+        the bottom: both are returned.  The eigensolver may return any mixture of two modes of the same velocity, so
+        that such a pair is returned whatever their shapes.
         """
         moving = np.flatnonzero(abs(self.wavenumbers.imag) < PROPAGATING * abs(self.wavenumbers.real))
         if len(moving) == 0:
@@ -116,7 +135,10 @@ class GuidedModes:
         localised = self.section.surface_share(self.right[:, moving])
         if self.section.surface_speed is not None:
             expected = 2 * np.pi * self.frequency * self.section.length_unit / self.section.surface_speed
-            localised /= 1.0 + (abs(self.wavenumbers[moving] / expected - 1.0) / NEAR_HALF_SPACE) ** 2
+            total = self.wavenumbers[moving]
+            if self.lateral_wavenumber:
+                total = np.sqrt(total**2 + self.lateral_wavenumber**2)
+            localised /= 1.0 + (abs(total / expected - 1.0) / NEAR_HALF_SPACE) ** 2
         best = int(np.argmax(localised))
         apart = abs(self.wavenumbers[moving] / self.wavenumbers[moving[best]] - 1)
         split = (apart < TWIN_MODES) & (localised > 0.4 * localised[best])
@@ -129,33 +151,45 @@ def power(displacement: np.ndarray, flux: np.ndarray, frequency: float) -> np.nd
     return -np.pi * frequency * np.imag(np.sum(flux * np.conj(displacement), axis=0))
 
 
-def guided_modes(section: Section, frequency: float) -> GuidedModes:
-    """All modes of a uniform stretch with a bare surface.
+def guided_modes(section: Section, frequency: float, lateral_wavenumber: float = 0.0) -> GuidedModes:
+    """All modes of a uniform segment with a bare surface.
 
     Parameters
     ----------
     section : Section
+        With all fields (``lateral=True`` in `fem.discretize.section.discretise`) for a lateral wavenumber.
     frequency : float
         Hz, positive.
+    lateral_wavenumber : float
+        k_y in radians per length unit.
 
     Returns
     -------
     GuidedModes
     """
-    second, first, zeroth = section.matrices(frequency)
-    if section.odd is not None:
-        mirror = np.where(section.odd, -1.0, 1.0)
-        wavenumbers, right = even_odd_modes(second, first, zeroth, section.odd)
+    if lateral_wavenumber:
+        second, first, adjoint, zeroth = section.lateral_matrices(frequency, lateral_wavenumber)
+        skew = first - adjoint
+    else:
+        second, first, zeroth = section.matrices(frequency)
+        skew = first - first.T
+    constant = None
+    if section.floats and not lateral_wavenumber:
+        constant = section.constant_potential / np.linalg.norm(section.constant_potential)
+    odd = _odd(section, lateral_wavenumber)
+    if odd is not None:
+        mirror = np.where(odd, -1.0, 1.0)
+        wavenumbers, right = even_odd_modes(second, skew, zeroth, odd)
         right_flux = _flux(second, first, wavenumbers, right)
-        turned = ~_goes_right(wavenumbers, right, right_flux)
-        wavenumbers = np.where(turned, -wavenumbers, wavenumbers)
-        right = np.where(turned, mirror[:, None] * right, right)
-        wavenumbers, right = _grounded(section, wavenumbers, right)
+        reversed_ones = ~_goes_right(wavenumbers, right, right_flux)
+        wavenumbers = np.where(reversed_ones, -wavenumbers, wavenumbers)
+        right = np.where(reversed_ones, mirror[:, None] * right, right)
+        wavenumbers, right = _grounded(constant, wavenumbers, right)
         right_flux = _flux(second, first, wavenumbers, right)
         backwards, left = -wavenumbers, mirror[:, None] * right
         left_flux = -mirror[:, None] * right_flux
     else:
-        (wavenumbers, right), (backwards, left) = _both_ways(section, second, first, zeroth)
+        (wavenumbers, right), (backwards, left) = _both_ways(constant, second, first, skew, zeroth)
         right_flux = _flux(second, first, wavenumbers, right)
         left_flux = _flux(second, first, backwards, left)
     return GuidedModes(
@@ -167,18 +201,24 @@ def guided_modes(section: Section, frequency: float) -> GuidedModes:
         left=left,
         right_flux=right_flux,
         left_flux=left_flux,
+        lateral_wavenumber=lateral_wavenumber,
     )
+
+
+def _odd(section: Section, lateral_wavenumber: float) -> np.ndarray | None:
+    """Unknowns that change sign under x -> -x, where that is a symmetry."""
+    return section.lateral_odd if lateral_wavenumber else section.odd
 
 
 def _flux(second, first, wavenumbers, shapes):
     return first @ shapes - 1j * (second @ shapes) * wavenumbers
 
 
-def _end(second, first, zeroth, wavenumbers, shapes, flux):
-    """X = F V^-1, polished by Newton's method on (X - K1^T) K2^-1 (X - K1) = K0 - omega^2 M.
+def _radiation_impedance(second, first, zeroth, wavenumbers, shapes, flux):
+    """X = F V^-1, improved by Newton's method on the Riccati equation (X - K1^T) K2^-1 (X - K1) = K0 - omega^2 M.
 
-    Fast evanescent modes come out of the eigensolver with few digits.  The correction Z obeys G^T Z + Z G = -R with
-    G = K2^-1 (X - K1) = V (-i k) V^-1, so in the modes it is one division.
+    The eigensolver gives strongly evanescent modes to few digits.  The correction Z obeys G^T Z + Z G = -R with
+    G = K2^-1 (X - K1) = V (-i k) V^-1, so that in the basis of the modes it is one division.
     """
     from scipy.linalg import lu_factor, lu_solve
 
@@ -203,30 +243,28 @@ def _end(second, first, zeroth, wavenumbers, shapes, flux):
         ends = _symmetric(ends + lu_solve(factor, half.T, trans=1, check_finite=False).T)
     if not before < RICCATI_TOLERANCE:
         raise ConvergenceError(
-            f"the guided modes leave a residual of {before:.1e} in the open ends' equation: "
+            f"the guided modes leave a residual of {before:.1e} in the equation of the radiation impedance: "
             "ask for a looser tolerance, or take less extreme fingers"
         )
     return best
 
 
-def _grounded(section, wavenumbers, shapes):
-    """Unit shapes; the constant potential, where it exists, put in exactly for the mode that stands for it."""
+def _grounded(constant, wavenumbers, shapes):
+    """Shapes of unit norm; the mode that approximates the constant potential is replaced by it where it exists."""
     shapes = shapes / np.sqrt(np.sum(abs(shapes) ** 2, axis=0))
-    if section.floats:
-        constant = section.constant_potential / np.linalg.norm(section.constant_potential)
+    if constant is not None:
         at = int(np.argmin(abs(wavenumbers) + (abs(constant @ shapes) < 0.9)))
         wavenumbers = wavenumbers.copy()
         wavenumbers[at], shapes[:, at] = 0.0, constant
     return wavenumbers, shapes
 
 
-def _both_ways(section, second, first, zeroth):
-    """Modes going right and going left where no symmetry pairs them, in matching order (backwards ~ -k)."""
+def _both_ways(constant, second, first, skew, zeroth):
+    """Modes going right and left where x -> -x is no symmetry, ordered so that their wavenumbers are about opposite."""
     size = len(second)
-    wavenumbers, shapes = companion_modes(second, 1j * (first - first.T), zeroth)
+    wavenumbers, shapes = companion_modes(second, 1j * skew, zeroth)
     rightgoing = _goes_right(wavenumbers, shapes, _flux(second, first, wavenumbers, shapes))
-    if section.floats:
-        constant = section.constant_potential / np.linalg.norm(section.constant_potential)
+    if constant is not None:
         unit = shapes / np.sqrt(np.sum(abs(shapes) ** 2, axis=0))
         pair = np.argsort(abs(wavenumbers) + (abs(constant @ unit) < 0.9))[:2]
         rightgoing[pair] = True, False
@@ -235,8 +273,8 @@ def _both_ways(section, second, first, zeroth):
             f"{int(rightgoing.sum())} of {2 * size} modes go right where {size} should: a mode without loss is at "
             "its cut-off; change the frequency slightly or give the solid a mechanical_quality"
         )
-    right = _grounded(section, wavenumbers[rightgoing], shapes[:, rightgoing])
-    left = _grounded(section, wavenumbers[~rightgoing], shapes[:, ~rightgoing])
+    right = _grounded(constant, wavenumbers[rightgoing], shapes[:, rightgoing])
+    left = _grounded(constant, wavenumbers[~rightgoing], shapes[:, ~rightgoing])
     order, free = np.empty(size, dtype=int), np.ones(size, dtype=bool)
     for index in np.argsort(abs(right[0])):
         candidates = np.flatnonzero(free)
@@ -246,16 +284,16 @@ def _both_ways(section, second, first, zeroth):
 
 
 def _goes_right(wavenumbers, shapes, flux):
-    """By the sign of the power flux where a mode carries any and hardly decays, by its decay elsewhere.
+    """Direction by the sign of the power flux where a mode carries power and hardly decays, by its decay elsewhere.
 
-    With loss the two agree.  An absorbing layer's error may give a surface wave a growth of 1e-4 or less in the
-    direction in which it runs: there only the flux is right.
+    With loss the two agree.  The error of an absorbing layer may let a surface wave grow by 1e-4 or less in the
+    direction in which it propagates: there only the flux is right.
     """
     carried = -np.imag(np.sum(flux * np.conj(shapes), axis=0))
-    most = np.sum(abs(flux * shapes), axis=0)
-    straight = abs(wavenumbers.imag) < NEARLY_REAL * abs(wavenumbers.real)
+    apparent = np.sum(abs(flux * shapes), axis=0)
+    nearly_real = abs(wavenumbers.imag) < NEARLY_REAL * abs(wavenumbers.real)
     lossless = abs(wavenumbers.imag) <= 1e-9 * (1.0 + abs(wavenumbers))
-    by_flux = lossless | (straight & (abs(carried) > 1e-6 * most))
+    by_flux = lossless | (nearly_real & (abs(carried) > 1e-6 * apparent))
     return np.where(by_flux, carried > 0, wavenumbers.imag < 0)
 
 

@@ -110,8 +110,8 @@ class Network:
         return sum(scatterer.potentials.shape[1] for scatterer in self.scatterers)
 
     @property
-    def stretches(self) -> np.ndarray:
-        """Ends of the uniform stretches before, between and after the scatterers, shape (scatterers + 1, 2)."""
+    def segments(self) -> np.ndarray:
+        """Ends of the uniform segments before, between and after the scatterers, shape (scatterers + 1, 2)."""
         edges = [self.start]
         for place, scatterer in zip(self.places, self.scatterers, strict=True):
             edges += [place, place + scatterer.block.width]
@@ -130,7 +130,7 @@ class Network:
         PortSolution
         """
         modes, n = self.modes, self.modes.section.size
-        lengths = np.diff(self.stretches, axis=1)[:, 0]
+        lengths = np.diff(self.segments, axis=1)[:, 0]
         kept = [self.survivors(length) for length in lengths]
         walls = self.ends != "absorbing"
         # unknowns: in every stretch, amplitudes going right at its left edge and going left at its right edge
@@ -174,14 +174,18 @@ class Network:
         if walls:
             self._reflect(system, slots, kept, lengths)
         amplitudes = np.linalg.solve(system, load) if total else load
-        return self._gathered(amplitudes, answers)
+        labels = [
+            keep for keep, slot in zip(kept, slots, strict=True) for one in slot if one.stop > one.start
+        ]
+        waves = np.concatenate(labels) if labels else np.empty(0, dtype=int)
+        return self._gathered(amplitudes, answers, np.eye(total) - system, waves)
 
     @cached_property
     def reflections(self) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
         """Of the left and the right end: the modes that arrive, and all modes sent back for each, (n, arriving)."""
         found = []
         for stretch, side in ((0, 0), (-1, 1)):
-            start, stop = self.stretches[stretch]
+            start, stop = self.segments[stretch]
             arriving = self.survivors(stop - start)
             found.append((arriving, end_reflection(self.modes, self.ends, side, arriving)))
         return tuple(found)
@@ -199,7 +203,7 @@ class Network:
                 decay = np.exp(-1j * self.modes.wavenumbers[keep] * lengths[stretch])
                 system[going_left, going_right] -= reflected * decay
 
-    def _gathered(self, amplitudes, answers) -> "PortSolution":
+    def _gathered(self, amplitudes, answers, coupling, waves) -> "PortSolution":
         ports = self.ports
         sides, incoming, charges = [], [], np.zeros((ports, ports), dtype=complex)
         for scatterer, (own, potentials, arriving, mine, from_left, from_right) in zip(
@@ -214,7 +218,9 @@ class Network:
             sides.append(own @ weights)
             incoming.append(arriving @ weights)
             charges[mine] = scatterer.charge(sides[-1], potentials @ weights)
-        return PortSolution(network=self, sides=tuple(sides), incoming=tuple(incoming), charges=charges)
+        return PortSolution(
+            sides=tuple(sides), incoming=tuple(incoming), charges=charges, coupling=coupling, waves=waves
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -223,14 +229,19 @@ class PortSolution:
 
     Attributes
     ----------
-    network : Network
     sides, incoming : tuple of ndarray, shape (2 n, ports)
         Of each scatterer: its lines, and the part of them that comes in.
     charges : ndarray, shape (ports, ports)
         Reactions q, scaled; symmetric.
+    coupling : ndarray, shape (waves, waves)
+        M of (1 - M) a = a_sent: amplitudes that leave scatterers and ends from those that left the ones beside them.
+        The stator resonates where an eigenvalue of M is near 1.
+    waves : ndarray of int, shape (waves,)
+        Number of the mode of each of these amplitudes.
     """
 
-    network: Network
     sides: tuple[np.ndarray, ...] = field(repr=False)
     incoming: tuple[np.ndarray, ...] = field(repr=False)
     charges: np.ndarray
+    coupling: np.ndarray = field(repr=False)
+    waves: np.ndarray = field(repr=False)

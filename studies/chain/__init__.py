@@ -8,13 +8,17 @@ by 20), the stator is solved again, better.
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
+import fem
 from studies.chain import bridge
+from studies.chain.model_error import model_error
+from studies.chain.neglected import driven_left_out, free_left_out
 from studies.chain.points import SliderAnswer, slider_answer
-from studies.chain.record import Record
 from studies.chain.ring_up import ring_up, ring_up_left_out
-from studies.chain.warnings import warnings
-from studies.refusal import RunError
+from studies.chain.warnings import warnings_of
+from studies.record import Record
+from studies.refusal import RunError, SceneError
 from studies.scene import Scene, resolved
 
 __all__ = ["run", "slider_left_out"]
@@ -23,12 +27,18 @@ SHARE = 0.25  # of the tolerance, for the stator at first and for the contact
 ROUNDS = 3  # of the stator, each with the tolerance that the one before found to be needed
 
 
-def run(scene: Scene, *, tolerance: float, progress: Callable[[str], None] | None = None) -> Record:
+def run(
+    scene: Scene | str | Path = "twente",
+    *,
+    tolerance: float = 1e-3,
+    progress: Callable[[str], None] | None = None,
+) -> Record:
     """Run the chain that a scene needs.
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, str or Path
+        A scene, its file, or the name of one that ships.
     tolerance : float
         Bound of the error of the last quantity: slider velocity over max(|v|, omega |u_x| / 10); without a
         slider surface amplitude, relative; for the free wave its velocity, relative.
@@ -43,11 +53,26 @@ def run(scene: Scene, *, tolerance: float, progress: Callable[[str], None] | Non
     Raises
     ------
     SceneError
-        If the scene is refused by the physics.
+        If the scene cannot be read, or is refused by the physics.
     RunError
         If there is nothing to record.
+
+    Examples
+    --------
+    >>> run("rayleigh").wave["phase_velocity_m_per_s"]  # doctest: +ELLIPSIS
+    2181...
     """
+    if not 0 < tolerance < 1:
+        raise SceneError("tolerance", f"must be a number above 0 and below 1, got {tolerance!r}")
     begun = time.perf_counter()
+    with fem.blas_on_one_thread():
+        record = _run(scene if isinstance(scene, Scene) else Scene.load(scene), tolerance, progress)
+    total = time.perf_counter() - begun
+    parts = record.seconds | {"other": total - sum(record.seconds.values())}
+    return replace(record, seconds={"total": total, **parts})
+
+
+def _run(scene: Scene, tolerance: float, progress: Callable[[str], None] | None) -> Record:
     say = progress or (lambda text: None)
     scene = resolved.resolved(scene)
     if scene.wave is not None:
@@ -56,8 +81,12 @@ def run(scene: Scene, *, tolerance: float, progress: Callable[[str], None] | Non
         record = _driven(scene, tolerance, say)
     else:
         record = _free(scene, tolerance)
-    record = replace(record, left_out=record.left_out + slider_left_out(scene), warnings=warnings(record))
-    return replace(record, seconds={"total": time.perf_counter() - begun} | record.seconds)
+    return replace(
+        record,
+        left_out=record.left_out + slider_left_out(scene),
+        model_error=model_error(record),
+        warnings=warnings_of(record),
+    )
 
 
 def _given(scene: Scene, tolerance: float, say) -> Record:
@@ -78,8 +107,6 @@ def _given(scene: Scene, tolerance: float, say) -> Record:
 
 
 def _free(scene: Scene, tolerance: float) -> Record:
-    import fem
-
     begun = time.perf_counter()
     try:
         wave = fem.free_wave(resolved.stator(scene.stator), frequency=scene.frequency, tolerance=tolerance)
@@ -99,14 +126,12 @@ def _free(scene: Scene, tolerance: float) -> Record:
         },
         error={"relative": wave.relative_error, "parts": {"stator": wave.relative_error}},
         seconds={"stator": time.perf_counter() - begun},
-        left_out=wave.left_out,
+        left_out=free_left_out(resolved.stator(scene.stator)),
         surface=columns,
     )
 
 
 def _driven(scene: Scene, tolerance: float, say) -> Record:
-    import fem
-
     begun = time.perf_counter()
     slider = scene.slider
     place = scene.stator.length / 2 if slider is None else slider.position
@@ -127,8 +152,7 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
                 block,
                 transducers,
                 frequency=scene.frequency,
-                driven=scene.drive.transducer,
-                source_impedance=scene.drive.source_impedance,
+                drive=resolved.drive(scene),
                 tolerance=goal,
                 places=places,
                 progress=say,
@@ -139,31 +163,34 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
             return error.reached  # it is recorded with its error, which says whether it is good enough
 
     wave = solved(tolerance if slider is None else tolerance * SHARE)
-    stator_seconds = time.perf_counter() - begun
-    ringing = None
+    contact_seconds, ringing = 0.0, None
+
+    def answered() -> SliderAnswer:
+        nonlocal contact_seconds
+        started = time.perf_counter()
+        answer = _slider(scene, wave, place, tolerance, say, ringing)
+        contact_seconds += time.perf_counter() - started
+        return answer
+
     if slider is None:
         blocks = _amplitude_blocks(scene, wave, place, tolerance)
     else:
         ringing = _ring_up(scene, wave, place, say)
-        stator_seconds = time.perf_counter() - begun
-        answer = _slider(scene, wave, place, tolerance, say, ringing)
+        answer = answered()
         for _ in range(ROUNDS - 1):
             goal = _needed(answer, wave.relative_error, tolerance, 0.0 if ringing is None else ringing.error)
             if goal is None:
                 break
-            again, before = time.perf_counter(), wave.relative_error
+            before = wave.relative_error
             try:
                 wave = solved(goal)
             except RunError:
                 break  # the answer that stands is recorded, with its error
-            stator_seconds += time.perf_counter() - again
-            answer = _slider(scene, wave, place, tolerance, say, ringing)
+            answer = answered()
             if wave.relative_error >= before:
                 break
         blocks = _slider_blocks(answer, tolerance)
-    total = time.perf_counter() - begun
-    seconds = {"stator": stator_seconds} | ({} if slider is None else {"contact": total - stator_seconds})
-    return Record(
+    record = Record(
         scene=scene,
         tolerance=tolerance,
         wave=_wave_block(wave, place)
@@ -176,13 +203,31 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
             "power_radiated_W_per_V2": wave.power_radiated,
             "power_residual": wave.power_residual,
             "admittance_relative_error": wave.admittance_error,
-        },
-        seconds=seconds,
-        left_out=wave.left_out + ring_up_left_out(scene, ringing, blocks.get("trajectories", ())),
+        }
+        | _several_sources(wave),
+        left_out=driven_left_out(block, scene.frequency)
+        + ring_up_left_out(scene, ringing, blocks.get("trajectories", ())),
         surface=_surface_columns(wave),
         surface_wave=wave,
         **blocks,
     )
+    seconds = {"stator": time.perf_counter() - begun - contact_seconds}
+    return replace(record, seconds=seconds if slider is None else seconds | {"contact": contact_seconds})
+
+
+def _several_sources(wave) -> dict:
+    """Return voltage and current of each driven transducer, per volt, where there are several."""
+    circuit = wave.circuit
+    if len(circuit.sources) < 2:
+        return {}
+    ports = {
+        circuit.names[at]: {
+            "voltage_per_volt": complex(circuit.voltages[at]),
+            "current_A_per_V": complex(circuit.currents[at]),
+        }
+        for at in sorted(circuit.sources)
+    }
+    return {"sources": ports}
 
 
 def _places(place: float, slider) -> tuple[float, ...]:

@@ -27,7 +27,7 @@ def center_frequency(scene: Scene, place: float, *, progress: Callable[[str], No
     import numpy as np
     from scipy.optimize import minimize_scalar
 
-    from fem.analytic.half_space import rayleigh
+    from fem import rayleigh
 
     driven = next(each for each in scene.transducer if each.name == scene.drive.transducer)
     middle = rayleigh(resolved.solid(scene.stator), "open").velocity / driven.period
@@ -37,8 +37,7 @@ def center_frequency(scene: Scene, place: float, *, progress: Callable[[str], No
 
     def sizes(frequencies) -> np.ndarray:
         inside = np.clip(frequencies, *prepared.limits)
-        impedance = scene.drive.source_impedance
-        waves = prepared.waves(inside, driven=driven.name, source_impedance=impedance)
+        waves = prepared.waves(inside, resolved.drive(scene))
         at = (wave.motion if wave.covered(place) else wave.rayleigh_motion for wave in waves)
         return np.array([abs(motion(place)[1]) for motion in at])
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from studies.chain import bridge
-from studies.chain.record import Record
+from studies.record import Record
 from studies.scene import Scene
 from studies.scene.resolved import resolved
 
@@ -30,8 +30,8 @@ class DrivenContact:
         Normal amplitude |u_z| under the slider's centre for a level of 1, m.
     stator_error : float
         Relative error of the orbits; 0 for a given wave.
-    record : studies.chain.record.Record or None
-        Of the run that solved the stator; None for a given wave.
+    record : studies.record.Record or None
+        Of the run that solved the stator; None where none was needed.
     """
 
     scene: Scene
@@ -40,6 +40,21 @@ class DrivenContact:
     amplitude: float
     stator_error: float
     record: Record | None = field(repr=False)
+
+    @classmethod
+    def of_run(cls, record: Record) -> "DrivenContact":
+        """Return the contact of a run that has a slider."""
+        scene = record.scene
+        if scene.wave is not None:
+            return _given(scene, record)
+        return cls(
+            scene=scene,
+            slider=bridge.contact_slider(scene.slider),
+            orbits=bridge.orbits_per_volt(record.surface_wave, scene.slider),
+            amplitude=abs(complex(record.wave["normal_m_per_V"])),
+            stator_error=float(record.wave["relative_error"]),
+            record=record,
+        )
 
     @property
     def levels(self) -> tuple[float, ...]:
@@ -106,30 +121,27 @@ def driven_contact(
     >>> driven_contact("twente-contact").named(1e-8)
     '10 nm'
     """
-    from studies.chain import run
-
     chosen = resolved(scene if isinstance(scene, Scene) else Scene.load(scene))
     if chosen.slider is None:
         chosen.refuse("slider", "is missing: this study needs a slider")
     if chosen.wave is not None:
-        return DrivenContact(
-            scene=chosen,
-            slider=bridge.contact_slider(chosen.slider),
-            orbits=bridge.given_orbits(chosen.wave),
-            amplitude=1.0,
-            stator_error=0.0,
-            record=None,
-        )
+        return _given(chosen, None)
     if not chosen.transducer:
         chosen.refuse("transducer", "is missing: this study needs a driven stator or a given [wave]")
+    from studies.chain import run
+
     drive = replace(chosen.drive, voltage=(max(chosen.levels),), burst=None)
     record = run(replace(chosen, drive=drive), tolerance=tolerance, progress=progress)
-    solved = record.scene
+    found = DrivenContact.of_run(record)
+    return replace(found, scene=replace(chosen, drive=replace(chosen.drive, frequency=found.scene.frequency)))
+
+
+def _given(scene: Scene, record: Record | None) -> DrivenContact:
     return DrivenContact(
-        scene=replace(chosen, drive=replace(chosen.drive, frequency=solved.frequency)),
-        slider=bridge.contact_slider(solved.slider),
-        orbits=bridge.orbits_per_volt(record.surface_wave, solved.slider),
-        amplitude=abs(complex(record.wave["normal_m_per_V"])),
-        stator_error=float(record.wave["relative_error"]),
+        scene=scene,
+        slider=bridge.contact_slider(scene.slider),
+        orbits=bridge.given_orbits(scene.wave),
+        amplitude=1.0,
+        stator_error=0.0,
         record=record,
     )

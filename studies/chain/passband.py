@@ -31,7 +31,7 @@ def frequencies(scene: Scene, count: int):
     """Return frequencies in Hz, evenly spaced about v / period of the driven transducer."""
     import numpy as np
 
-    from fem.analytic.half_space import rayleigh
+    from fem import rayleigh
 
     driven = _driven(scene)
     middle = rayleigh(resolved.solid(scene.stator), "open").velocity / driven.period

@@ -68,13 +68,13 @@ def slider_answer(
     ringing : studies.chain.ring_up.RingUp, optional
         How the orbits grow during a burst.
     """
-    from contact.jit import kernels
+    from contact import kernels
 
     slider = _refusing(lambda: bridge.contact_slider(scene.slider))
     points, parts, trajectories = [], [], []
+    waiting = "" if kernels.ready() else f", compiling {kernels.how_often()}"
     for number, level in enumerate(scene.levels, start=1):
-        waits = number == 1 and not kernels.ready()
-        progress(f"contact: point {number} of {len(scene.levels)}{', compiling once' if waits else ''}")
+        progress(f"contact: point {number} of {len(scene.levels)}{waiting if number == 1 else ''}")
         point = {} if scene.wave is not None else {"voltage_V": level}
         for side, amplitude in zip(("normal", "tangential"), amplitudes, strict=True):
             point[f"{side}_amplitude_m"] = amplitude * level

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from studies.chain.spectrum import response
-from studies.scene import Scene
+from studies.scene import Scene, resolved
 
 __all__ = ["RingUp", "ring_up", "ring_up_left_out"]
 
@@ -70,11 +70,10 @@ def ring_up(scene: Scene, place: float, *, progress: Callable[[str], None]) -> R
         found = fem.burst_response(
             prepared,
             place,
-            driven=driven.name,
+            drive=resolved.drive(scene),
             frequency=scene.frequency,
             duration=scene.burst,
             tolerance=TOLERANCE,
-            source_impedance=scene.drive.source_impedance,
             most=MOST,
         )
     except fem.ConvergenceError:

@@ -36,27 +36,27 @@ class Response:
     bands: tuple = field(repr=False)
     alone: Callable = field(repr=False)
 
-    def wave(self, frequency: float, *, driven: str, source_impedance: complex = 0.0):
+    def wave(self, frequency: float, drive):
         """Return the fem.SurfaceWave at a frequency in Hz."""
         from fem import ConvergenceError
 
         for band in self.bands:
             if band.limits[0] <= frequency <= band.limits[1]:
                 try:
-                    return band.wave(frequency, driven=driven, source_impedance=source_impedance)
+                    return band.wave(frequency, drive)
                 except ConvergenceError:
                     break
         return self.alone(frequency)
 
-    def waves(self, frequencies, *, driven: str, source_impedance: complex = 0.0) -> list:
+    def waves(self, frequencies, drive) -> list:
         """Return the fem.SurfaceWave at many frequencies in Hz, in their order; those of bands side by side."""
 
         def wave(frequency: float):
-            return self.wave(float(frequency), driven=driven, source_impedance=source_impedance)
+            return self.wave(float(frequency), drive)
 
         if not self.bands:
             return [wave(frequency) for frequency in frequencies]
-        from fem.threads import side_by_side
+        from fem import side_by_side
 
         return side_by_side(wave, frequencies)
 
@@ -115,7 +115,7 @@ def response(
     import fem
 
     block, transducers = resolved.stator(scene.stator), resolved.transducers(scene)
-    common = {"driven": scene.drive.transducer, "tolerance": tolerance, "places": tuple(places)}
+    common = {"drive": resolved.drive(scene), "tolerance": tolerance, "places": tuple(places)}
 
     def alone(frequency: float):
         progress(f"stator: {frequency / 1e6:.5g} MHz")
@@ -124,7 +124,6 @@ def response(
                 block,
                 transducers,
                 frequency=float(frequency),
-                source_impedance=scene.drive.source_impedance,
                 **common,
             )
         except fem.ConvergenceError as error:
@@ -148,9 +147,8 @@ def spectrum(scene: Scene, prepared: Response, frequencies, place: float) -> Spe
     """Return admittance and motion at a place (m) for many frequencies (Hz) of a prepared scene."""
     import numpy as np
 
-    driven, impedance = scene.drive.transducer, scene.drive.source_impedance
     rows, errors = [], [(0.0, 0.0)]
-    for wave in prepared.waves(frequencies, driven=driven, source_impedance=impedance):
+    for wave in prepared.waves(frequencies, resolved.drive(scene)):
         tangential, normal = wave.motion(place)
         surface = complex("nan") if wave.covered(place) else wave.rayleigh_motion(place)[1]
         rows.append((wave.admittance, normal, tangential, surface))
@@ -169,7 +167,7 @@ def spectrum(scene: Scene, prepared: Response, frequencies, place: float) -> Spe
 
 def _takes_bands(block, transducers, places) -> bool:
     """Return whether bands serve: whole gaps everywhere, no finger left out, no place under a transducer."""
-    from fem.geometry import outer_gaps
+    from fem import outer_gaps
 
     row = tuple(sorted(transducers, key=lambda each: each.center))
     for each, gaps in zip(row, outer_gaps(block, row), strict=True):

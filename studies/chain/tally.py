@@ -20,6 +20,8 @@ def steady_tally(state) -> dict:
     found = {f"{name}_per_cycle": counted[name] / cycles for name in EVENTS}
     if counted.get("period_cycles", 1) != 1:
         found["period_cycles"] = counted["period_cycles"]  # 0: none was seen
+    if state.other_velocity is not None:
+        found["other_velocity_m_per_s"] = state.other_velocity
     found |= _gap("", counted) | {"chatter": bool(counted["chatter"])}
     if state.regime != "stick":  # there the wave does no work to compare with
         found["ledger_relative_residual"] = state.ledger.relative_residual

@@ -1,7 +1,9 @@
 """What each call of the command does, given its parsed arguments; each returns the exit code."""
 
 import argparse
+import cmath
 import json
+import math
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -9,12 +11,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from studies.refusal import RunError, SceneError, shown
+from studies.report.answer import print_json
 from studies.report.files import write_run
 from studies.results import Origin, ResultDirectory, result_directory
 from studies.scene import Scene, SceneFile, scene_path, shipped_scenes
 from studies.scene.override import toml_value, voltages
 
-__all__ = ["check", "run", "scenes", "schema", "study", "sweep", "view", "wave"]
+__all__ = ["check", "datasheet", "run", "scenes", "schema", "study", "sweep", "view", "wave"]
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -29,6 +32,10 @@ def run(arguments: argparse.Namespace) -> int:
     measured = None if arguments.measured is None else read_measured(arguments.measured)
     if arguments.explain:
         return _explain(scene, wanted, as_json=arguments.json)
+    if arguments.plot:
+        from studies.report.window import refuse_without_toolkit, show
+
+        refuse_without_toolkit()
     origin = _origin("run", arguments.scene)
     out = arguments.out
     if out is None and not arguments.json:
@@ -63,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
                     if drawing is not None:
                         drawing.draw(record, result.folder)
     if arguments.json:
-        print(json.dumps(whole, indent=1, ensure_ascii=False, allow_nan=False))
+        print_json(whole)
     else:
         print(answer(record))
         print(f"results         {out}")
@@ -72,6 +79,8 @@ def run(arguments: argparse.Namespace) -> int:
         print(f"sawmotor: warning: {warning}", file=sys.stderr)
     if record.shortfall:
         print(f"sawmotor: {record.shortfall}", file=sys.stderr)
+    if arguments.plot:
+        show(record)
     return 1 if record.shortfall else 0
 
 
@@ -107,9 +116,41 @@ def _explain(scene: Scene, wanted: float, *, as_json: bool) -> int:
 
     planned = plan(scene, tolerance=wanted)
     if as_json:
-        print(json.dumps(planned.to_dict(), indent=1, ensure_ascii=False, allow_nan=False))
+        print_json(planned.to_dict())
     else:
         print(explanation(planned))
+    return 0
+
+
+def datasheet(arguments: argparse.Namespace) -> int:
+    """Compute a motor's datasheet; print its table and leave its page and numbers."""
+    from studies.progress import Progress
+    from studies.report.datasheet import datasheet as computed
+    from studies.report.datasheet_page import page, table
+
+    wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
+    origin = _origin("datasheet", arguments.scene)
+    out = arguments.out
+    if out is None and not arguments.json:
+        out = Path("results") / f"{origin.name}-datasheet"
+    with ExitStack() as stack:
+        result = None
+        if out is not None:
+            result = stack.enter_context(result_directory(out, origin, chosen=arguments.out is not None))
+        with Progress() as progress:
+            sheet = computed(scene, tolerance=wanted, progress=progress)
+            text = json.dumps(sheet.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
+            if result is not None:
+                (result.folder / "datasheet.json").write_text(text + "\n", encoding="utf-8")
+                result.commit()
+                with _pictures(result):
+                    (result.folder / "datasheet.html").write_text(page(sheet), encoding="utf-8")
+    print(text if arguments.json else table(sheet))
+    if result is not None and not arguments.json:
+        print(f"results  {out}")
+    _tell(result)
+    for warning in sheet.record.warnings:
+        print(f"sawmotor: warning: {warning}", file=sys.stderr)
     return 0
 
 
@@ -122,7 +163,7 @@ def wave(arguments: argparse.Namespace) -> int:
         orientation = toml_value(f"[{orientation.strip('[]')}]")
     answer = half_space_wave(arguments.material, orientation=orientation, surface=arguments.surface)
     if arguments.json:
-        print(json.dumps(answer, indent=1, ensure_ascii=False, allow_nan=False))
+        print_json(answer)
     else:
         print(half_space_answer(answer))
     if arguments.plot is not None:
@@ -266,6 +307,13 @@ def tolerance(text: str | None) -> float:
     return float(value)
 
 
+def _source(amplitude: complex) -> str:
+    """Return how a transducer is driven, in words."""
+    if amplitude == 1:
+        return "driven"
+    return f"driven by {abs(amplitude):g} at {math.degrees(cmath.phase(amplitude)):g} deg"
+
+
 def _contents(scene: Scene) -> list[str]:
     from studies.scene.modulus import direction_dependence
     from studies.scene.resolved import solid
@@ -279,8 +327,8 @@ def _contents(scene: Scene) -> list[str]:
     for transducer in scene.transducer:
         period = "auto" if transducer.period == "auto" else f"{transducer.period * 1e3:.6g} mm"
         driven = (
-            "driven"
-            if transducer.name == scene.drive.transducer
+            _source(scene.drive.driven[transducer.name])
+            if transducer.name in scene.drive.driven
             else f"not driven ({transducer.termination})"
         )
         kind = transducer.pattern or ("split fingers" if transducer.split else "plain")

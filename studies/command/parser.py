@@ -54,6 +54,9 @@ def parser() -> argparse.ArgumentParser:
     run.add_argument("--field", action="store_true", help="keep the whole wave field in field.vtu")
     run.add_argument("--no-plot", action="store_true", help="draw nothing")
     run.add_argument(
+        "--plot", action="store_true", help="show the pictures in windows when the run has ended"
+    )
+    run.add_argument(
         "--measured",
         metavar="FILE",
         help="CSV of measured points (voltage_V, velocity_m_per_s, perhaps error_m_per_s) to compare with",
@@ -97,6 +100,17 @@ def parser() -> argparse.ArgumentParser:
     check = _call(calls, "check", "a scene's text, material and layout, without running it")
     check.add_argument("scene", metavar="SCENE", help="a path or a shipped name")
     _changes(check)
+
+    sheet = _call(
+        calls, "datasheet", "a motor's datasheet: one page with speed, force, steps, power and limits"
+    )
+    sheet.add_argument("scene", metavar="SCENE", help="a path or a shipped name")
+    _changes(sheet)
+    sheet.add_argument(
+        "--tolerance", metavar="T", help="bound of the relative error of the slider velocity (1e-3)"
+    )
+    sheet.add_argument("--out", metavar="DIR", help="where the results go (results/NAME-datasheet)")
+    sheet.add_argument("--json", action="store_true", help="the numbers on stdout; files only with --out")
 
     study = _call(calls, "study", "a study, or without a name the list of them")
     study.add_argument("name", metavar="NAME", nargs="?", help="which study")

@@ -61,22 +61,18 @@ def _motor(**solid):
 
 def _solved(motor, level: int = 2) -> Answered:
     """Admittance and motion of one discretisation."""
-    from fem.discretize.refinement import LEVELS
-    from fem.results.evaluation import surface_wave
-    from fem.solution import solved
+    from fem import LEVELS, solve_driven, surface_of
 
-    wave = surface_wave(
-        solved(
-            motor.stator,
-            motor.transducers,
-            frequency=motor.frequency,
-            driven=motor.transducers[0].name,
-            source_impedance=motor.source_impedance,
-            resolution=LEVELS[level],
-        )
+    solution = solve_driven(
+        motor.stator,
+        motor.transducers,
+        frequency=motor.frequency,
+        drive=motor.drive,
+        resolution=LEVELS[level],
     )
-    motion = wave.motion(motor.place) / 1e-10
-    return Answered(values=np.array([wave.admittance / 1e-3, *motion]), unknowns=wave.unknowns)
+    motion = surface_of(solution).motion(motor.place) / 1e-10
+    values = np.array([solution.circuit.admittance / 1e-3, *motion])
+    return Answered(values=values, unknowns=solution.fields.unknowns)
 
 
 def _with_stiffness(row: int, column: int, share: float):

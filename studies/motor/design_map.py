@@ -26,6 +26,7 @@ __all__ = ["figure", "run"]
 TAKES_SCENE = TAKES_AXES = True
 COUNTS = 28, 22  # of levels and of preloads, where no axes are given
 QUICK = {"counts": (4, 3)}
+SMALLEST = 100.0  # largest value of a map over the smallest that has a colour of its own
 PREFIXES = {-12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 PANELS = {
     "velocity": ("velocity_m_per_s", "slider velocity (mm/s)", 1e3),
@@ -113,21 +114,22 @@ def run(
 def figure(record: Panel, ax):
     """Draw one quantity as contours, the closed forms as lines, the scene's own point as a star."""
     import numpy as np
+    from matplotlib.colors import BoundaryNorm
     from matplotlib.patheffects import withStroke
 
-    from studies.report.figures import COLOURS
+    from studies.report.figures import COLOURS, legend_below, logarithmic
 
     data = record.data
     value = np.ma.masked_invalid(np.asarray(data["value"], float) * data["scale"])
     (x, x_label), (y, y_label) = (_scaled(data[f"{side}_key"], data[side]) for side in "xy")
     if value.count() and np.ptp(value) > 0.0:
-        drawn = ax.contourf(x[0], y[0], value, levels=14, cmap="cividis")
-        ax.figure.colorbar(drawn, ax=ax, label=data["label"])
-        levels = [level for level in drawn.levels[::2] if level != 0.0]
-        lines = ax.contour(
-            x[0], y[0], value, levels=levels, colors="white", linestyles="solid", linewidths=0.5
-        )
-        ax.clabel(lines, fontsize="x-small", fmt="%g")
+        levels = _levels(value.compressed())
+        shades = BoundaryNorm(levels, 256)
+        drawn = ax.contourf(x[0], y[0], value, levels=levels, cmap="viridis", norm=shades)
+        bar = ax.figure.colorbar(drawn, ax=ax, label=data["label"], ticks=levels)
+        bar.ax.tick_params(labelsize="small")
+        between = [level for level in levels if level != 0.0]
+        ax.contour(x[0], y[0], value, levels=between, colors="white", linestyles="solid", linewidths=0.5)
     for name, style in (("threshold", ":"), ("release", "--")):
         factor = np.asarray(data[f"{name}_factor"], float)
         factor = np.log(np.where(np.isfinite(factor) & (factor > 0.0), factor, 1e6))
@@ -145,13 +147,46 @@ def figure(record: Panel, ax):
     ax.set_xlabel(x_label)
     ax.set_ylabel(y_label)
     if _even_in_logarithm(x[0]):
-        ax.set_xscale("log")
+        logarithmic(ax.xaxis)
     if _even_in_logarithm(y[0]):
-        ax.set_yscale("log")
+        logarithmic(ax.yaxis)
     ax.set_title(record.title, fontsize="medium")
-    if ax.get_legend_handles_labels()[0]:
-        ax.legend(fontsize="small", framealpha=0.8, loc="best")
+    legend_below(ax)
     return ax
+
+
+def _levels(values) -> list[float]:
+    """Return contour levels of equal weight: even ones, or over more than a decade those of 1, 2, 5 and 10.
+
+    Half of a map may lie below a hundredth of its largest value, where even levels show one colour.
+    """
+    import numpy as np
+    from matplotlib.ticker import MaxNLocator
+
+    low, high = float(values.min()), float(values.max())
+    size = max(abs(low), abs(high))
+    if low * high >= 0.0 and np.median(abs(values)) > 0.1 * size:
+        return MaxNLocator(12).tick_values(low, high).tolist()
+    below = [-level for level in reversed(_series(size / SMALLEST, -low))] if low < 0.0 else []
+    return [*below, 0.0, *(_series(size / SMALLEST, high) if high > 0.0 else [])]
+
+
+def _series(low: float, high: float) -> list[float]:
+    """Return the numbers 1, 2, 5, 10, ... from a first one up to the first that is no less than another.
+
+    Examples
+    --------
+    >>> _series(0.015, 0.3)
+    [0.02, 0.05, 0.1, 0.2, 0.5]
+    """
+    steps = (float(f"{digit}e{power}") for power in range(-30, 30) for digit in (1, 2, 5))
+    found = []
+    for step in steps:
+        if step >= low:
+            found.append(step)
+            if step >= high:
+                break
+    return found
 
 
 def _plain(values) -> list:

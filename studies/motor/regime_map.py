@@ -76,7 +76,7 @@ def run(
     # a load can only move the threshold, not the lines of the normal motion
     agree = float(np.mean(expected[kind != "unknown"] == kind[kind != "unknown"]))
     say("regime map: checks by the event-driven method")
-    worst = _worst(slider, per_metre, found, checked)
+    worst = _worst(slider, per_metre, at, loads, found, checked)
     findings = [
         Finding(
             statement="Threshold, release and hopping lines in closed form part the simulated regimes.",
@@ -134,7 +134,7 @@ def _grid(driven: DrivenContact, per_metre: tuple, amplitudes: int, preloads: in
     return at, driven.slider.preload * np.geomspace(0.08, 12.0, preloads), reach
 
 
-def _worst(slider, per_metre, found, checked: int) -> float:
+def _worst(slider, per_metre, amplitudes, preloads, found, checked: int) -> float:
     """Return the largest difference to the event-driven method over a scatter of moving points."""
     import numpy as np
 
@@ -143,8 +143,8 @@ def _worst(slider, per_metre, found, checked: int) -> float:
     at = np.argwhere(np.abs(np.nan_to_num(found.velocity)) > 0.0)
     differences = []
     for i, j in at[:: max(1, len(at) // checked)][:checked]:
-        orbits = bridge.scaled(per_metre, float(found.factors[j]))
-        full = contact.steady(replace(slider, preload=float(found.preloads[i])), orbits, tolerance=1e-6)
+        orbits = bridge.scaled(per_metre, float(amplitudes[j]))
+        full = contact.steady(replace(slider, preload=float(preloads[i])), orbits, tolerance=1e-6)
         scale = max(abs(full.velocity), orbits[0].omega * abs(orbits[0].tangential) / 10.0)
         differences.append(abs(full.velocity - found.velocity[i, j]) / scale)
     return float(max(differences, default=0.0))
@@ -155,7 +155,7 @@ def figure(record: Panel, ax):
     """Draw simulated regimes as points, closed forms as lines, the operating points as stars."""
     import numpy as np
 
-    from studies.report.figures import COLOURS
+    from studies.report.figures import COLOURS, legend_beside, logarithmic
 
     data = record.data
     A, preload = np.asarray(data["amplitude_m"]) * 1e9, np.asarray(data["preload_N"]) * 1e3
@@ -171,11 +171,11 @@ def figure(record: Panel, ax):
     ours = np.asarray(data["operating_amplitude_m"]) * 1e9
     ax.plot(ours, np.full(ours.size, data["operating_preload_N"] * 1e3), "*", color="#CC79A7", markersize=8,
             markeredgecolor=COLOURS["line"], markeredgewidth=0.4, label="operating points")  # fmt: skip
-    ax.set_xscale("log")
-    ax.set_yscale("log")
     ax.set_xlim(A[0], A[-1])
+    logarithmic(ax.xaxis)
+    logarithmic(ax.yaxis)
     ax.set_xlabel("normal amplitude (nm)")
     ax.set_ylabel("preload (mN)")
     ax.set_title(record.title, fontsize="medium")
-    ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize="small")
+    legend_beside(ax)
     return ax

@@ -158,7 +158,7 @@ def figure(record: Panel, ax):
     """Draw distance against cycles; what was planned as crosses."""
     import numpy as np
 
-    from studies.report.figures import COLOURS
+    from studies.report.figures import COLOURS, legend_below, logarithmic
 
     data = record.data
     palette = [COLOURS["stick"], COLOURS["slip"], COLOURS["second"], COLOURS["intermittent"]]
@@ -175,11 +175,14 @@ def figure(record: Panel, ax):
                 color=colour,
                 markersize=6,
             )
-    ax.set_xscale("log")
-    ax.set_yscale("log")
+    if record.name == "step_planner":
+        steps = ", ".join(f"{size * 1e9:g}" for size in data["wanted_m"])
+        ax.plot([], [], "x", color=COLOURS["line"], markersize=6, label=f"planned for {steps} nm")
+    logarithmic(ax.xaxis)
+    logarithmic(ax.yaxis)
     ax.set_xlabel("cycles of the wave")
     ax.set_ylabel(data["axis"])
     ax.set_title(record.title, fontsize="medium")
     ax.grid(alpha=0.3)
-    ax.legend(frameon=False)
+    legend_below(ax, columns=5)
     return ax

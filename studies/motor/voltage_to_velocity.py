@@ -8,7 +8,7 @@ through slip to intermittent contact, towards the driven transducer.  Run time: 
 from collections.abc import Callable
 
 from studies.chain import run as run_chain
-from studies.chain.record import Record
+from studies.record import Record
 from studies.scene import Scene
 
 __all__ = ["figure", "run"]

@@ -97,7 +97,7 @@ def per_volt(*, pairs: int, material: str) -> float:
         stator,
         (transducer,),
         frequency=frequency,
-        driven="driven",
+        drive="driven",
         tolerance=STATOR_TOLERANCE,
         places=(place,),
     )

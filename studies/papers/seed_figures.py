@@ -47,7 +47,7 @@ def run(*, steps: tuple[float, ...] = (), progress: Callable[[str], None] | None
 @of_record
 def figure(record: Panel, ax):
     """Draw a panel: curves of the left axis, and of a second axis on the right where there are any."""
-    from studies.report.figures import COLOURS
+    from studies.report.figures import COLOURS, legend_below
 
     data = record.data
     palette = iter(
@@ -68,5 +68,5 @@ def figure(record: Panel, ax):
     ax.set_xlabel(data["x_axis"])
     ax.set_title(record.title, fontsize="medium")
     ax.grid(alpha=0.3)
-    ax.legend(lines, [line.get_label() for line in lines], frameon=False, fontsize="small")
+    legend_below(ax, lines, columns=5)
     return ax

@@ -3,14 +3,13 @@
 Everything is inside the file: pictures are data, there is no script, and nothing is fetched.
 """
 
-import base64
-import io
 import os
 import platform
 from datetime import UTC, datetime
 from pathlib import Path
 
-from studies.chain.record import Record, provenance
+from studies.chain.model_error import sentences
+from studies.record import Record, provenance
 from studies.report import energies, figures
 from studies.report.intermediate import intermediate_numbers, si
 from studies.report.limits import model_limits
@@ -56,7 +55,7 @@ def report(record: Record) -> str:
         at_rest=record.at_rest,
         seconds=record.seconds,
         left_out=record.left_out,
-        limits=model_limits(scene),
+        limits=(*model_limits(scene), *(f"Estimated model error - {each}." for each in sentences(record))),
         provenance=provenance() | {"machine": _machine()},
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         scene=document(scene.to_table()),
@@ -128,20 +127,10 @@ def _pictures(record: Record) -> list[dict]:
         drawn.append((figures.profile, "The wave against depth."))
     if len([point for point in record.points if point.get("relative_error")]) > 1:
         drawn.append((figures.errors, "Estimated error of each point, and what was asked for."))
-    return [{"data": _svg(record, draw), "caption": caption} for draw, caption in drawn]
-
-
-def _svg(record: Record, draw) -> str:
-    """Return a picture as a data URI."""
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7.0, 4.3), layout="constrained")
-    FigureCanvasSVG(figure)
-    draw(record, figure.add_subplot())
-    file = io.BytesIO()
-    figure.savefig(file, format="svg", metadata={"Date": None})
-    return "data:image/svg+xml;base64," + base64.b64encode(file.getvalue()).decode("ascii")
+    return [
+        {"data": figures.as_svg(lambda ax, draw=draw: draw(record, ax)), "caption": caption}
+        for draw, caption in drawn
+    ]
 
 
 def _machine() -> str:

@@ -1,9 +1,20 @@
 """The answer of a run as text: a table of the points, then what it is worth and what was left out."""
 
-from studies.chain.record import Record
+import codecs
+import json
+import sys
+
+from studies.chain.model_error import sentences
+from studies.record import Record
 from studies.report.measured import comparison_lines
 
-__all__ = ["answer", "table"]
+__all__ = ["answer", "print_json", "table"]
+
+
+def print_json(value: dict) -> None:
+    """Print JSON on stdout, in letters that its encoding has."""
+    ascii_only = codecs.lookup(sys.stdout.encoding or "ascii").name != "utf-8"
+    print(json.dumps(value, indent=1, ensure_ascii=ascii_only, allow_nan=False))
 
 
 def answer(record: Record) -> str:
@@ -25,6 +36,8 @@ def answer(record: Record) -> str:
         parts = ", ".join(f"{name} {size:.1e}" for name, size in record.error["parts"].items())
         asked = f"asked for {record.tolerance:.1e}"
         lines.append(f"relative error  {record.error['relative']:.1e} ({parts}), {asked}")
+    if record.model_error:
+        lines.append("model error     " + "\n                ".join(sentences(record)))
     seconds = ", ".join(f"{name} {size:.2f}" for name, size in record.seconds.items() if name != "total")
     lines.append(f"seconds         {record.seconds['total']:.2f} ({seconds})")
     lines.append("left out        " + "\n                ".join(record.left_out))

@@ -52,7 +52,7 @@ def machine_speed() -> float:
     """Return how many real operations per second one thread here does in products of complex matrices."""
     import numpy as np
 
-    from fem.threads import one_blas_thread
+    from fem import one_blas_thread
 
     size = 300
     matrix = np.full((size, size), 0.5 + 0.5j)

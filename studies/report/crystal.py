@@ -33,8 +33,7 @@ def crystal_tables(solid, orientation) -> dict:
         ``stiffness_Pa``, ``coupling_C_per_m2``, ``permittivity_relative``, ``density_kg_per_m3``, and
         ``axes_in_crystal``: unit vectors of x, y and z along the crystal's axes.
     """
-    from fem.materials import VACUUM_PERMITTIVITY
-    from fem.materials.rotation import rotation_matrix
+    from fem import VACUUM_PERMITTIVITY, rotation_matrix
 
     rows = rotation_matrix(orientation)
     return {

@@ -10,7 +10,7 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from studies.chain.record import Record
+from studies.record import Record
 from studies.refusal import RunError
 
 __all__ = ["Drawing", "serve"]

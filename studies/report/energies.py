@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from studies.chain import SHARE, bridge
 from studies.chain.points import STEADY_METHODS
-from studies.chain.record import Record
+from studies.record import Record
 
 __all__ = ["Balance", "balances"]
 

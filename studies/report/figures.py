@@ -3,12 +3,28 @@
 Every function takes and returns an Axes; ``saved`` makes the figure and the file, off screen.
 """
 
+import base64
+import io
 from collections.abc import Callable
 from pathlib import Path
 
-from studies.chain.record import Record
+from studies.record import Record
 
-__all__ = ["COLOURS", "draw_run", "errors", "profile", "saved", "surface", "trajectories", "velocity"]
+__all__ = [
+    "COLOURS",
+    "as_svg",
+    "draw_run",
+    "errors",
+    "legend_below",
+    "legend_beside",
+    "logarithmic",
+    "pictures",
+    "profile",
+    "saved",
+    "surface",
+    "trajectories",
+    "velocity",
+]
 
 # Okabe and Ito's palette: told apart by the colour-blind and in grey
 COLOURS = {
@@ -18,18 +34,24 @@ COLOURS = {
     "line": "#000000",
     "second": "#009E73",
 }
+BELOW = 38  # points from the axes to a legend below them: room for ticks and label
 MARKS = {"stick": "s", "slip": "o", "intermittent": "^"}
+
+
+def pictures(record: Record) -> dict[str, Callable]:
+    """Return the functions that draw what a run found, by the name of their file."""
+    found = {"velocity": velocity} if record.scene.slider is not None else {}
+    if record.trajectories:
+        found["trajectory"] = trajectories
+    if record.surface:
+        found["surface"] = surface if record.scene.transducer else profile
+    return found
 
 
 def draw_run(record: Record, folder: Path) -> None:
     """Draw the pictures that a record has, into a directory."""
-    if record.scene.slider is not None:
-        saved(folder / "velocity.png", lambda ax: velocity(record, ax))
-    if record.trajectories:
-        saved(folder / "trajectory.png", lambda ax: trajectories(record, ax))
-    if record.surface:
-        drawn = surface if record.scene.transducer else profile
-        saved(folder / "surface.png", lambda ax: drawn(record, ax))
+    for name, draw in pictures(record).items():
+        saved(folder / f"{name}.png", lambda ax, draw=draw: draw(record, ax))
 
 
 def saved(path: Path, draw: Callable, *, size: tuple[float, float] = (7.0, 4.3)) -> None:
@@ -41,6 +63,50 @@ def saved(path: Path, draw: Callable, *, size: tuple[float, float] = (7.0, 4.3))
     FigureCanvasAgg(figure)
     draw(figure.add_subplot())
     figure.savefig(path, dpi=150)
+
+
+def as_svg(draw: Callable, *, size: tuple[float, float] = (7.0, 4.3)) -> str:
+    """Make a figure with one Axes, let it be drawn and return it as a data URI."""
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=size, layout="constrained")
+    FigureCanvasSVG(figure)
+    draw(figure.add_subplot())
+    file = io.BytesIO()
+    figure.savefig(file, format="svg", metadata={"Date": None})
+    return "data:image/svg+xml;base64," + base64.b64encode(file.getvalue()).decode("ascii")
+
+
+def legend_below(ax, handles=None, *, columns: int = 4) -> None:
+    """Put the legend below the axes, where it covers no curve."""
+    handles = ax.get_legend_handles_labels()[0] if handles is None else handles
+    if handles:
+        from matplotlib.transforms import ScaledTranslation
+
+        below = ax.transAxes + ScaledTranslation(0.0, -BELOW / 72, ax.figure.dpi_scale_trans)
+        labels = [each.get_label() for each in handles]
+        ax.legend(
+            handles, labels, loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=below,
+            ncols=min(columns, len(handles)), frameon=False, fontsize="small", borderaxespad=0.0,
+        )  # fmt: skip
+
+
+def legend_beside(ax, **given) -> None:
+    """Put the legend at the right of the axes, where it covers no curve."""
+    ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize="small", **given)
+
+
+def logarithmic(axis) -> None:
+    """Make an axis logarithmic, with plain numbers at 1, 2 and 5, at decades alone where there are many."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    getattr(axis.axes, f"set_{axis.axis_name}scale")("log")
+    low, high = sorted(axis.get_view_interval())
+    few = high < 150 * low
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def velocity(record: Record, ax):
@@ -59,14 +125,17 @@ def velocity(record: Record, ax):
             ax.axvline(
                 limit * scale, color=COLOURS["line"], linestyle=style, linewidth=1, label=f"{name} (theory)"
             )
+    speeds = [point["velocity_m_per_s"] for point in record.points if "velocity_m_per_s" in point]
+    if speeds and not any(speeds) and not record.measured:
+        ax.set_ylim(-1.0, 1.0)
+        ax.text(0.5, 0.75, "at rest: the slider sticks at every level", transform=ax.transAxes, ha="center")
     if record.measured:
         _measured(record, ax, scale)
     ax.set_xlabel(unit)
     ax.set_ylabel("slider velocity (mm/s)")
     ax.set_title(record.scene.title, fontsize="medium", parse_math=False)
     ax.grid(alpha=0.3)
-    if ax.get_legend_handles_labels()[0]:
-        ax.legend(frameon=False)
+    legend_below(ax, columns=3)
     return ax
 
 
@@ -113,7 +182,7 @@ def trajectories(record: Record, ax):
     ax.set_ylabel("slider velocity (mm/s)")
     ax.set_title(record.scene.title, fontsize="medium", parse_math=False)
     ax.grid(alpha=0.3)
-    ax.legend(frameon=False)
+    legend_below(ax)
     return ax
 
 
@@ -137,7 +206,7 @@ def surface(record: Record, ax):
         parse_math=False,
     )
     ax.set_ylim(bottom=0)
-    ax.legend(frameon=False)
+    legend_below(ax)
     return ax
 
 
@@ -159,7 +228,7 @@ def profile(record: Record, ax):
         parse_math=False,
     )
     ax.grid(alpha=0.3)
-    ax.legend(frameon=False)
+    legend_below(ax)
     return ax
 
 
@@ -177,5 +246,5 @@ def errors(record: Record, ax):
     ax.set_ylabel("relative error")
     ax.set_title(record.scene.title, fontsize="medium", parse_math=False)
     ax.grid(alpha=0.3)
-    ax.legend(frameon=False)
+    legend_below(ax)
     return ax

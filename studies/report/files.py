@@ -4,7 +4,7 @@ import csv
 import json
 from pathlib import Path
 
-from studies.chain.record import Record
+from studies.record import Record
 from studies.scene.toml import document
 
 __all__ = ["write_run", "write_table"]
@@ -32,7 +32,7 @@ def write_run(record: Record, folder: Path, *, field: bool) -> None:
             folder / "velocity.csv", keys, [[point.get(key, "") for key in keys] for point in record.points]
         )
     if record.surface:
-        name = "surface.csv" if record.surface_wave is not None else "profile.csv"
+        name = "surface.csv" if record.scene.transducer else "profile.csv"
         write_columns(folder / name, record.surface)
     if record.trajectories:
         rows = [

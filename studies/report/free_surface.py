@@ -1,6 +1,6 @@
 """``sawmotor wave``: the Rayleigh wave of a material's half-space, without a mesh and without loss."""
 
-from studies.chain.record import plain
+from studies.record import plain
 from studies.refusal import RunError, SceneError
 from studies.report.answer import table
 from studies.report.crystal import crystal_tables, tables_text
@@ -31,7 +31,7 @@ def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") 
         ``material``, ``crystal`` with the rotated tensors and the cut's axes.
     """
     import fem
-    from fem.analytic.half_space import surface_named
+    from fem import surface_named
 
     orientation = Orientation().read("--orientation", orientation)
     try:

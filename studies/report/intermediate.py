@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from studies.chain import bridge
-from studies.chain.record import Record
+from studies.record import Record
 
 __all__ = ["Number", "intermediate_numbers", "si"]
 
@@ -145,12 +145,11 @@ def _mode_errors(record: Record) -> tuple[float, float]:
 
     import numpy as np
 
-    from fem.discretize.section import discretise
-    from fem.threads import one_blas_thread
+    from fem import discretise, one_blas_thread
     from fem.waveguide.modes import guided_modes
 
     fine = record.surface_wave
-    solution = fine.solution
+    solution = fine.solution.fields
     finer = solution.resolution
     coarse = replace(finer, order=finer.order - 1)
     scale = min(each.finger_width / 2 for each in solution.transducers)

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from studies.chain.record import Record
+from studies.record import Record
 from studies.refusal import SceneError, shown
 
 __all__ = ["Measured", "compared", "comparison_lines", "read_measured"]

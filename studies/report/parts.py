@@ -7,6 +7,7 @@ stator ends, and how long a burst rings, only the run can tell: what ordinary la
 from dataclasses import dataclass, replace
 
 from studies.chain import SHARE
+from studies.chain.neglected import driven_left_out, free_left_out
 from studies.chain.ring_up import RingUp, ring_up_left_out
 from studies.report import cost
 from studies.report.equations import contact_equations, field_equations
@@ -62,9 +63,8 @@ class Part:
 
 def driven_parts(scene: Scene, tolerance: float, speed: float) -> tuple[list[Part], list[str]]:
     """Return the parts of a driven stator on a machine of a speed, and what they leave out."""
-    from fem.condense.size import stator_size
+    from fem import stator_size
     from fem.discretize import refinement
-    from fem.results import evaluation
 
     about = _with_frequency(scene)
     block, row = resolved.stator(about.stator), resolved.transducers(about)
@@ -106,7 +106,7 @@ def driven_parts(scene: Scene, tolerance: float, speed: float) -> tuple[list[Par
     if scene.frequency == "center":
         how = ("many frequencies of a band, then Brent's search for the largest amplitude",)
         parts.insert(0, replace(band, name="centre frequency", facts=how))
-    left_out = [*evaluation.left_out(block, section, about.frequency)]
+    left_out = [*driven_left_out(block, about.frequency)]
     if scene.slider is not None and scene.burst is not None:
         left_out += _ring_up(scene, parts, band)
     return parts, left_out
@@ -127,8 +127,7 @@ def free_parts(scene: Scene, tolerance: float, speed: float) -> tuple[list[Part]
     """Return the part of a free wave, and what it leaves out."""
     import numpy as np
 
-    from fem.discretize.section import Resolution, discretise
-    from fem.materials.christoffel import slowest_wavelength
+    from fem import Resolution, discretise, slowest_wavelength
     from fem.solve import free
 
     block = resolved.stator(scene.stator)
@@ -167,12 +166,12 @@ def free_parts(scene: Scene, tolerance: float, speed: float) -> tuple[list[Part]
         seconds=sum(seconds),
         levels=tuple(levels),
     )
-    return [part], [*free.left_out(sections[-1])]
+    return [part], [*free_left_out(block)]
 
 
 def contact_part(scene: Scene) -> Part:
     """Return the part of a slider."""
-    from contact.jit import kernels
+    from contact import kernels
 
     slider = scene.slider
     contacts = 1 if isinstance(slider.contacts, int) else len(slider.contacts)
@@ -184,7 +183,7 @@ def contact_part(scene: Scene) -> Part:
     ]
     ready = kernels.ready()
     if not ready:
-        facts.append(f"its kernels are compiled first, once: about {cost.COMPILE:g} s")
+        facts.append(f"its kernels are compiled first, {kernels.how_often()}: about {cost.COMPILE:g} s")
     seconds = cost.contact_seconds(points, slider.law, contacts, ready=ready)
     if scene.burst is not None:
         frequency = _with_frequency(scene).frequency

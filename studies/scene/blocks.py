@@ -10,6 +10,7 @@ from typing import Annotated, ClassVar
 from studies.refusal import SceneError, nearest, shown
 from studies.scene.block import Block, OneOf, Within
 from studies.scene.rule import Choice, Count, Flag, Impedance, Listed, Matrix, Quantity, Rule, Signs, Text
+from studies.scene.sources import Sources
 
 __all__ = [
     "Damping",
@@ -218,7 +219,15 @@ class Drive(Block):
         "Frequency of the source; center: that of the largest surface amplitude (needs a given period).",
     ]
     transducer: Annotated[
-        str | None, Text(), "Name of the driven transducer; required when the scene has transducers."
+        str | None,
+        Text(),
+        "Name of the driven transducer; required when the scene has transducers, unless sources are given.",
+    ] = None
+    sources: Annotated[
+        tuple[tuple[str, complex], ...] | None,
+        Sources(),
+        "Amplitude and phase of the source at each driven transducer, relative to the voltage; "
+        "where given, it counts instead of transducer.",
     ] = None
     voltage: Annotated[
         tuple[float, ...] | None,
@@ -229,8 +238,21 @@ class Drive(Block):
         float | None, Quantity("s"), "Length of the driven interval. Absent: the steady state only."
     ] = None
     source_impedance: Annotated[
-        float | complex, Impedance(), "Impedance between the source and the driven transducer."
+        float | complex, Impedance(), "Impedance between each source and its transducer."
     ] = 0.0
+
+    def __post_init__(self):
+        super().__post_init__()
+        if self.sources is not None:  # they count; the first that is on is the one that reports are about
+            first = next(name for name, amplitude in self.sources if amplitude)
+            object.__setattr__(self, "transducer", first)
+
+    @property
+    def driven(self) -> dict[str, complex]:
+        """Amplitude of the source at each driven transducer, relative to the voltage."""
+        if self.sources is not None:
+            return dict(self.sources)
+        return {} if self.transducer is None else {self.transducer: 1.0}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -48,12 +48,12 @@ def resolved_slider(slider: Slider, stator: Stator | None) -> Slider:
 
 def solid(block: Stator):
     """Return the stator's ``fem.Solid``, rotated to its orientation."""
-    from fem import materials
+    import fem
 
     given = block.material
     with _refused("stator.material"):
         if isinstance(given, PiezoelectricSolid):
-            crystal = materials.anisotropic(
+            crystal = fem.anisotropic(
                 name=given.name,
                 stiffness=given.stiffness,
                 coupling=given.coupling,
@@ -62,7 +62,7 @@ def solid(block: Stator):
                 **_losses(given, "mechanical_quality", "dielectric_loss"),
             )
         elif isinstance(given, IsotropicSolid):
-            crystal = materials.isotropic(
+            crystal = fem.isotropic(
                 name=given.name,
                 youngs_modulus=given.youngs_modulus,
                 poisson_ratio=given.poisson_ratio,
@@ -70,16 +70,16 @@ def solid(block: Stator):
                 **_losses(given, "mechanical_quality"),
             )
         else:
-            crystal = materials.material(given)
+            crystal = fem.material(given)
         own = _losses(block, "mechanical_quality", "dielectric_loss")
-        return materials.rotated(replace(crystal, **own) if own else crystal, block.orientation)
+        return fem.rotated(replace(crystal, **own) if own else crystal, block.orientation)
 
 
 def nominal_frequency(scene: Scene) -> float:
     """Return the drive's frequency in Hz; for "center" that of the half-space's wave with the driven period."""
     if scene.frequency != "center":
         return scene.frequency
-    from fem.analytic.half_space import rayleigh
+    from fem import rayleigh
 
     driven = next(each for each in scene.transducer if each.name == scene.drive.transducer)
     return rayleigh(solid(scene.stator), "open").velocity / driven.period
@@ -87,11 +87,11 @@ def nominal_frequency(scene: Scene) -> float:
 
 def stator(block: Stator):
     """Return the ``fem.Stator`` of a stator block."""
-    from fem import geometry
+    import fem
 
     rotated = solid(block)
     with _refused("stator"):
-        return geometry.Stator(
+        return fem.Stator(
             solid=rotated,
             length=block.length,
             thickness=float("inf") if block.thickness == "half-space" else block.thickness,
@@ -103,11 +103,11 @@ def stator(block: Stator):
 
 def transducers(scene: Scene) -> tuple:
     """Return the ``fem.Transducer`` objects of a scene whose periods are numbers."""
-    from fem import geometry
+    import fem
 
     with _refused("transducer"):
         return tuple(
-            geometry.Transducer(
+            fem.Transducer(
                 name=block.name,
                 center=block.center,
                 finger_pairs=block.finger_pairs,
@@ -120,6 +120,13 @@ def transducers(scene: Scene) -> tuple:
             )
             for block in scene.transducer
         )
+
+
+def drive(scene: Scene):
+    """Return the ``fem.Drive`` of a scene with transducers."""
+    from fem import Drive
+
+    return Drive(sources=scene.drive.driven, impedance=scene.drive.source_impedance)
 
 
 def _with_periods(scene: Scene) -> tuple:
@@ -138,15 +145,15 @@ def _with_periods(scene: Scene) -> tuple:
 
 
 def _check_layout(scene: Scene) -> None:
-    from fem import geometry, materials
+    import fem
 
     block = stator(scene.stator)
-    if scene.transducer and "phi" not in materials.fields(block.solid):
+    if scene.transducer and "phi" not in fem.fields(block.solid):
         rule = f"must be absent on {block.solid.name}: it is not piezoelectric in this orientation"
         raise SceneError("transducer", rule)
     with _refused("transducer"):
         if all(transducer.period != "auto" for transducer in scene.transducer):
-            geometry.check_layout(block, transducers(scene))
+            fem.check_layout(block, transducers(scene))
 
 
 def _losses(block, *names: str) -> dict[str, float]:

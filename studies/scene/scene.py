@@ -10,6 +10,7 @@ from studies.refusal import SceneError, nearest, shown
 from studies.scene.block import Block, Blocks, Within
 from studies.scene.blocks import Drive, Slider, Stator, Transducer, Wave
 from studies.scene.file import SceneFile
+from studies.scene.override import voltages
 from studies.scene.rule import Text
 
 __all__ = ["Scene"]
@@ -55,6 +56,46 @@ class Scene(Block):
             If it cannot be read or breaks a rule; its ``problems`` are all the faults, each with its line.
         """
         return cls.from_file(SceneFile.read(source))
+
+    def replace(self, **blocks) -> Self:
+        """Return the scene with some keys changed; what is not named stays.
+
+        Parameters
+        ----------
+        **blocks
+            Block to keys and values, as in a scene file: numbers in SI units or text with a unit.  ``None`` removes
+            a block.  ``transducer`` takes names to keys and values, or a whole list.  A voltage may be
+            ``"START:STOP:N"``.  ``title`` is a text.
+
+        Raises
+        ------
+        SceneError
+            If the new scene breaks a rule.
+
+        Examples
+        --------
+        >>> motor = Scene.load("twente").replace(slider={"preload": "5 mN"}, drive={"voltage": "5:60:12"})
+        >>> motor.slider.preload, motor.drive.voltage[:2]
+        (0.005, (5.0, 10.0))
+        >>> motor.replace(transducer={"left": {"finger_pairs": 5}}).transducer[0].finger_pairs
+        5
+        >>> Scene.load("twente").replace(slider=None).slider is None
+        True
+        """
+        table = self.to_table()
+        for name, changes in blocks.items():
+            if changes is None:
+                table.pop(name, None)
+            elif name == "transducer" and isinstance(changes, dict):
+                table[name] = _changed_transducers(table.get(name, []), changes)
+            elif isinstance(changes, dict):
+                table[name] = _changed(table.get(name, {}), changes)
+            else:
+                table[name] = changes
+        voltage = table.get("drive", {}).get("voltage")
+        if isinstance(voltage, str) and (":" in voltage or "," in voltage):
+            table["drive"]["voltage"] = voltages(voltage)
+        return type(self).from_table("", table)
 
     @classmethod
     def from_file(cls, file: SceneFile) -> Self:
@@ -131,7 +172,7 @@ class Scene(Block):
         names = [transducer.name for transducer in self.transducer]
         for key in ("transducer", "voltage"):
             given = getattr(drive, key) is not None
-            if given and not names:
+            if given and not names and not (key == "transducer" and drive.sources is not None):
                 rule = "must be absent without a [[transducer]]: nothing is driven"
                 yield self.refusal(f"drive.{key}", rule)
             if names and not given:
@@ -140,11 +181,15 @@ class Scene(Block):
                 )
                 rule = f"is required and missing: the scene has transducers; give {wanted}"
                 yield self.refusal(f"drive.{key}", rule)
-        if names and drive.transducer is not None and drive.transducer not in names:
-            rule = f"must name one of the transducers, got {shown(drive.transducer)}"
-            yield self.refusal("drive.transducer", rule + nearest(drive.transducer, names))
+        key = "drive.transducer" if drive.sources is None else "drive.sources"
+        if drive.sources is not None and not names:
+            yield self.refusal(key, "must be absent without a [[transducer]]: nothing is driven")
+        for name in drive.driven if names else ():
+            if name not in names:
+                rule = f"must name one of the transducers, got {shown(name)}"
+                yield self.refusal(key, rule + nearest(name, names))
         for index, transducer in enumerate(self.transducer):
-            if transducer.name == drive.transducer and not transducer.has_two_combs:
+            if transducer.name in drive.driven and not transducer.has_two_combs:
                 rule = f"must have + and - fingers on the driven transducer, got {shown(transducer.pattern)}"
                 yield self.refusal(f"transducer.{index}.pattern", rule)
         if drive.frequency != "center":
@@ -195,6 +240,24 @@ class Scene(Block):
                 rule = f"must keep the contacts on the stator, 0 to {self.stator.length:g} m"
                 got = f"got {self.slider.position:g} m, a contact at {place:g} m"
                 yield self.refusal("slider.position", f"{rule}, {got}")
+
+
+def _changed(table: dict, changes: dict) -> dict:
+    """Return a block's table with some keys changed, those of a block within it one by one."""
+    nested = {
+        key: _changed(table[key], value)
+        for key, value in changes.items()
+        if isinstance(value, dict) and isinstance(table.get(key), dict)
+    }
+    return table | changes | nested
+
+
+def _changed_transducers(tables: list[dict], changes: dict[str, dict]) -> list[dict]:
+    names = [each["name"] for each in tables]
+    for name in changes:
+        if name not in names:
+            raise SceneError("transducer", f"has none of the name {shown(name)}{nearest(name, names)}")
+    return [_changed(each, changes.get(each["name"], {})) for each in tables]
 
 
 def _unknown_solids(table: dict) -> Iterator[SceneError]:

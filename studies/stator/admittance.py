@@ -100,7 +100,7 @@ def run(
 @of_record
 def figure(record: Panel, ax):
     """Draw conductance and susceptance, computed points and estimated lines."""
-    from studies.report.figures import COLOURS
+    from studies.report.figures import COLOURS, legend_below
 
     data = record.data
     at = data["frequency_Hz"] / 1e6
@@ -120,5 +120,5 @@ def figure(record: Panel, ax):
     ax.set_ylabel("admittance (mS)")
     ax.set_title(record.title, fontsize="medium")
     ax.grid(alpha=0.3)
-    ax.legend(frameon=False, fontsize="small")
+    legend_below(ax, columns=2)
     return ax

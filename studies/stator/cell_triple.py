@@ -46,9 +46,7 @@ def run(
     from scipy.special import ellipk, eval_legendre
 
     import fem
-    from fem.analytic.quasistatic import surface_permittivity
-    from fem.discretize.refinement import LEVELS
-    from fem.waveguide.grating import grating
+    from fem import LEVELS, grating, surface_permittivity
 
     begun = time.perf_counter()
     say = progress or (lambda text: None)

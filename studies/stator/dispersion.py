@@ -158,8 +158,7 @@ def _propagating(stator, frequencies):
     """Frequency (Hz), wavenumber (rad/m) and nearness to the surface (1: the nearest) of the modes that propagate."""
     import numpy as np
 
-    from fem.discretize.section import Resolution, discretise
-    from fem.materials.christoffel import slowest_wavelength
+    from fem import Resolution, discretise, slowest_wavelength
     from fem.waveguide.modes import guided_modes
 
     unit = slowest_wavelength(stator.solid, frequencies[-1])

@@ -8,20 +8,39 @@ missing, and with points that were lost with their worker.
 """
 
 import sqlite3
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene, read_table
+from studies.sweep.axes import Axis
 from studies.sweep.design import Design, designed
 from studies.sweep.driver import Driver
 from studies.sweep.source_solver import variation
 from studies.sweep.store import FILE, Store
 from studies.sweep.workers import workers as chosen_workers
 
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
 __all__ = ["Sweep", "sweep"]
+
+
+class _Callable(ModuleType):
+    """Makes ``from studies import sweep`` the function, although this package has the same name."""
+
+    def __call__(self, *args, **kwargs):
+        """Run a sweep."""
+        return sweep(*args, **kwargs)
+
+
+sys.modules[__name__].__class__ = _Callable
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +59,8 @@ class Sweep:
         Seconds of work, in this process or in workers, earlier drivers' included.
     seconds : float
         Of this driver.
+    axes : tuple of studies.sweep.axes.Axis
+        Keys and values.
     """
 
     path: Path | None
@@ -48,6 +69,7 @@ class Sweep:
     cost: float
     seconds: float
     store: Store = field(repr=False)
+    axes: tuple[Axis, ...] = field(default=(), repr=False)
 
     @property
     def failed(self) -> int:
@@ -68,6 +90,60 @@ class Sweep:
         finally:
             if self.path is not None:
                 connection.close()
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the rows as a pandas table, in the order of their points.
+
+        Raises
+        ------
+        RunError
+            If pandas is not installed.
+        """
+        try:
+            import pandas as pd
+        except ImportError:
+            raise RunError("to_dataframe needs pandas: pip install pandas") from None
+        return pd.DataFrame(self.columns()).set_index("point")
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Return the rows as an xarray Dataset, a dimension for each axis; what a row has not is NaN.
+
+        Raises
+        ------
+        RunError
+            If xarray is not installed.
+
+        Examples
+        --------
+        >>> from studies import sweep
+        >>> over = {"wave.normal_amplitude": [3e-9, 9e-9, 1e-8], "slider.preload": ["1 mN", "2 mN"]}
+        >>> dict(sweep("twente-contact", over).to_xarray()["velocity_m_per_s"].sizes)
+        {'wave.normal_amplitude': 3, 'slider.preload': 2}
+        """
+        try:
+            import xarray as xr
+        except ImportError:
+            raise RunError("to_xarray needs xarray: pip install xarray") from None
+        import numpy as np
+
+        columns = self.columns()
+        keys = [key for each in self.axes for key in each.keys]
+        dims = tuple("+".join(each.keys) if len(each.keys) < 3 else "point" for each in self.axes)
+        shape = tuple(len(each) for each in self.axes)
+        coordinates = {
+            key: (dim, list(column))
+            for each, dim in zip(self.axes, dims, strict=True)
+            for key, column in zip(each.keys, each.columns, strict=True)
+        }
+        data = {}
+        for name, column in columns.items():
+            if name not in keys and name != "point":
+                text = any(isinstance(value, str) for value in column)
+                values = (
+                    ["" if value is None else value for value in column] if text else np.array(column, float)
+                )
+                data[name] = (dims, np.array(values).reshape(shape))
+        return xr.Dataset(data, coordinates)
 
 
 def sweep(
@@ -135,7 +211,7 @@ def sweep(
             staff.stop()
         return Sweep(
             path=None if out is None else Path(out) / FILE, points=len(design), counts=store.counts(),
-            cost=store.cost(), seconds=perf_counter() - begun, store=store,
+            cost=store.cost(), seconds=perf_counter() - begun, store=store, axes=design.axes,
         )  # fmt: skip
     finally:
         if out is not None:

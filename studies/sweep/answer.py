@@ -1,11 +1,11 @@
 """The call ``sawmotor sweep``: progress on stderr, what the points came to on stdout."""
 
-import json
 import sqlite3
 import sys
 from argparse import Namespace
 from pathlib import Path
 
+from studies.report.answer import print_json
 from studies.report.answer import table as aligned
 from studies.sweep import Sweep, sweep
 from studies.sweep.meter import Meter, duration
@@ -36,7 +36,10 @@ def run_sweep(arguments: Namespace, table: dict, over: dict, tolerance: float, o
             progress=meter,
         )
     whole = summary(found)
-    print(json.dumps(whole, indent=1, ensure_ascii=False) if arguments.json else sweep_answer(found, whole))
+    if arguments.json:
+        print_json(whole)
+    else:
+        print(sweep_answer(found, whole))
     if found.failed:
         first = whole["reasons"][0]
         print(

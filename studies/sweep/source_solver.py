@@ -12,7 +12,7 @@ from dataclasses import asdict, replace
 from functools import lru_cache
 
 from studies.refusal import RunError, SceneError
-from studies.scene import Scene
+from studies.scene import Scene, resolved
 from studies.sweep.design import Question, contact_places
 from studies.sweep.source import Source
 from studies.sweep.variation import Variation
@@ -42,7 +42,7 @@ def solved_sources(
     question: Question, names: tuple[str, ...], step: int, threads: int | None
 ) -> tuple[list[Source], float]:
     """Return the stator's answers of these names, and the seconds that they took."""
-    from fem.threads import one_blas_thread
+    from fem import one_blas_thread
 
     keep_to(threads)
     begun = time.perf_counter()
@@ -73,10 +73,9 @@ def _in_bands(question: Question, names, step: int) -> None:
         except SceneError:
             continue  # said when it is its turn
     for (fixed, places), frequencies in groups.items():
-        drive = fixed.scene.drive
         try:
             band = _band(fixed, question.frequencies, places, goal(question, step))
-            waves = band.waves(frequencies, driven=drive.transducer, source_impedance=drive.source_impedance)
+            waves = band.waves(frequencies, resolved.drive(fixed.scene))
         except (RunError, ValueError, ArithmeticError, fem.ConvergenceError):
             continue  # one of them: each is tried by itself, and says why
         _WAVES.update({(fixed, frequency, places, step): wave
@@ -178,25 +177,23 @@ def _wave(question: Question, scene: Scene, places, step: int):
     """Return the fem.SurfaceWave, from a band where the sweep has one for this geometry."""
     if not serves_band(question):
         return _alone(scene, places, goal(question, step))
-    fixed, drive = _Fixed(scene), scene.drive
+    fixed = _Fixed(scene)
     known = _WAVES.pop((fixed, scene.frequency, places, step), None)
     if known is not None:
         return known
     band = _band(fixed, question.frequencies, places, goal(question, step))
-    return band.wave(scene.frequency, driven=drive.transducer, source_impedance=drive.source_impedance)
+    return band.wave(scene.frequency, resolved.drive(scene))
 
 
 def _alone(scene: Scene, places, allowed):
     import fem
-    from studies.scene import resolved
 
     try:
         return fem.driven_wave(
             resolved.stator(scene.stator),
             resolved.transducers(scene),
             frequency=scene.frequency,
-            driven=scene.drive.transducer,
-            source_impedance=scene.drive.source_impedance,
+            drive=resolved.drive(scene),
             tolerance=allowed,
             places=places,
         )
@@ -210,7 +207,7 @@ class _Fixed:
     def __init__(self, scene: Scene):
         self.scene = scene
         drive = scene.drive
-        self._own = (scene.stator, scene.transducer, drive.transducer, drive.source_impedance)
+        self._own = (scene.stator, scene.transducer, drive.transducer, drive.sources, drive.source_impedance)
 
     def __eq__(self, other):
         return self._own == other._own

@@ -17,7 +17,7 @@ import sqlite3
 from contextlib import contextmanager
 from pathlib import Path
 
-from studies.chain.record import provenance
+from studies.record import provenance
 from studies.refusal import RunError, SceneError
 from studies.results import DirectoryInUseError, locked
 from studies.sweep.design import Design

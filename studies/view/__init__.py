@@ -180,7 +180,7 @@ def _movie(found: RunField, wanted: Wanted, span, progress) -> None:
             stage.set_phase(wanted.phase + 2 * np.pi * number / count)
             yield stage.image()
 
-    movie.save(frames(), wanted.movie, rate=RATE, palette=palette(stage.shade.colours))
+    movie.save(frames(), wanted.movie, rate=RATE, palette=palette(stage.shade.colour_map))
     stage.close()
 
 

@@ -7,10 +7,11 @@ no aperture and fills the width.
 
 import numpy as np
 
-from studies.view.frame import COMB_COLOURS, MM, pyvista_quietly
+from studies.view import description
+from studies.view.frame import LETTER, LETTERS, MM, SMALL_LETTERS, pyvista_quietly, write
 from studies.view.patch import patch
 from studies.view.run_field import RunField
-from studies.view.shading import colours, shade
+from studies.view.shading import shade
 
 __all__ = ["solid"]
 
@@ -36,8 +37,6 @@ def solid(
     off_screen : bool
     """
     pyvista = pyvista_quietly()
-    from matplotlib.colors import ListedColormap
-
     stator = found.scene.stator
     shading, width, beam = shade(found, quantity), stator.width, found.aperture
     bottom = found.field.z[0]
@@ -55,7 +54,7 @@ def solid(
         plotter.add_mesh(
             face,
             scalars="shade",
-            cmap=ListedColormap(colours(shading.colours)),
+            cmap=shading.colour_map,
             clim=shading.limits,
             lighting=False,
             show_scalar_bar=False,
@@ -68,21 +67,21 @@ def solid(
             plotter.add_mesh(box, color=BARE, opacity=0.25 if low < front else 1.0, lighting=False)
             plotter.add_mesh(box, style="wireframe", color=EDGE, line_width=1)
     lift = 0.05 * found.wavelength
-    for sign, strips in found.fingers.items():
+    for electrode in description.electrodes(found):
         blocks = [
-            pyvista.Box(tuple(MM * each for each in (a, b, front, back, lift, 2 * lift))) for a, b in strips
+            pyvista.Box(tuple(MM * each for each in (a, b, front, back, lift, 2 * lift)))
+            for a, b in electrode.strips
         ]
-        if blocks:
-            plotter.add_mesh(pyvista.merge(blocks), color=COMB_COLOURS[sign], lighting=False)
-    for place in found.balls:
-        ball = pyvista.Sphere(radius=found.radius * MM, center=(place * MM, 0.0, found.radius * MM))
-        plotter.add_mesh(ball, color="#999999", smooth_shading=True)
-    _words(plotter, found, shading, factor)
+        plotter.add_mesh(pyvista.merge(blocks), color=electrode.colour, lighting=False)
+    for ball in description.balls(found):
+        sphere = pyvista.Sphere(radius=ball.radius * MM, center=(ball.place * MM, 0.0, ball.radius * MM))
+        plotter.add_mesh(sphere, color=description.BALL_COLOUR, smooth_shading=True)
+    _words(plotter, found, shading, factor, size)
     plotter.camera_position = "xz"
     plotter.camera.azimuth, plotter.camera.elevation = 35, 28
     plotter.camera.enable_parallel_projection()
     plotter.reset_camera()
-    plotter.camera.zoom(1.35)
+    plotter.camera.zoom(1.5)
     return plotter
 
 
@@ -96,18 +95,28 @@ def said(found: RunField) -> str:
     )
 
 
-def _words(plotter, found: RunField, shading, factor: float) -> None:
-    size = " x ".join(
+def _words(plotter, found: RunField, shading, factor: float, size: tuple[int, int]) -> None:
+    """Write the caption above, the legend below it, and the colour bar with its quantity."""
+    width, height = size
+    extent = " x ".join(
         f"{each * MM:.4g}" for each in (found.length, found.scene.stator.width, -found.field.z[0])
     )
-    title = (
-        f"{found.scene.title}: {size} mm (x, y, z), {found.drive}, {found.enlarged(factor)}\n{said(found)}"
-    )
-    plotter.add_text(title, position="upper_left", font_size=8, color="black")
+    lines = [
+        f"{found.scene.title}: {extent} mm (x, y, z), {found.drive}, {found.enlarged(factor)}",
+        *said(found).split("; "),
+    ]
+    largest = max(LETTERS, height // 65)
+    letters = int(np.clip(0.98 * width / (LETTER * max(map(len, lines))), SMALL_LETTERS, largest))
+    for number, line in enumerate(lines):
+        write(plotter, line, (0.01, 1 - (number + 0.7) * 1.5 * letters / height), letters, side="left")
+    for number, each in enumerate(description.electrodes(found)):
+        up = 1 - (len(lines) + number + 1.2) * 1.5 * letters / height
+        write(plotter, each.label, (0.01, up), letters, side="left", colour=each.colour)
     plotter.add_scalar_bar(
-        title=shading.label, mapper=plotter.actors["surface"].mapper, position_x=0.3, position_y=0.04,
-        width=0.4, height=0.08, title_font_size=13, label_font_size=12, n_labels=3, fmt="%.3g",
+        title="", mapper=plotter.actors["surface"].mapper, position_x=0.3, position_y=0.02,
+        width=0.4, height=0.06, title_font_size=1, label_font_size=letters, n_labels=3, fmt="%.3g",
     )  # fmt: skip
+    write(plotter, shading.label, (0.74, 0.04), letters, side="left")
     plotter.add_axes(xlabel="x", ylabel="y", zlabel="z", line_width=3)
 
 

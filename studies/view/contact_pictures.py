@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from studies.report.figures import COLOURS
+from studies.report.figures import COLOURS, legend_below
 from studies.view.surface_pictures import NM, TURN, new_figure
 
 __all__ = ["SlowMotion", "moments", "start_and_stop", "strip"]
@@ -22,6 +22,11 @@ REGIMES = {
     "partial": "#009E73",
 }
 NORMAL, TANGENTIAL = "#000000", "#D55E00"
+MEANING = "z: approach of ball and surface, x: tangential deformation,\nP: normal force, Q: friction force, v: velocity"
+DRAWN = (
+    "snapshots, not to scale: ball in the regime's colour, surface with marks that move with it, the path of a surface "
+    "point (blue), arrows of P (black) and Q (orange)"
+)
 SNAPSHOTS = 8
 
 
@@ -148,6 +153,7 @@ def strip(moments: Moments, *, title: str):
     for number, (ax, index) in enumerate(zip(top.subplots(1, SNAPSHOTS), chosen, strict=True)):
         _draw(ax, moments, int(index), small=True)
         ax.set_title(f"{'abcdefgh'[number]}: {moments.regime[index]}", fontsize="small")
+    top.supxlabel(DRAWN, fontsize="small")
     for ax in traces(bottom, moments):
         for index in chosen:
             ax.axvline(moments.time[index] * 1e9, color=COLOURS["line"], linestyle=":", linewidth=0.8)
@@ -188,10 +194,10 @@ def traces(figure, moments: Moments) -> list:
         ax.set_ylabel(label, fontsize="small")
         ax.tick_params(labelsize="small")
         ax.set_xlim(time[0], time[-1])
-    axes[-1].legend(frameon=False, fontsize="x-small", loc="upper right", ncols=2)
-    axes[-1].set_xlabel("time (ns)", fontsize="small")
+    speeds = axes[-1].get_lines()[:2]
+    axes[-1].set_xlabel(f"time (ns)\n{MEANING}", fontsize="x-small")
     seen = [name for name in REGIMES if name in set(moments.regime.tolist())]
-    _key(axes[0], seen)
+    _key(axes[0], seen, speeds)
     return list(axes)
 
 
@@ -238,7 +244,7 @@ def start_and_stop(trajectories, *, acceleration: float, title: str):
     for ax in (whole, end):
         ax.set_ylabel("slider velocity (mm/s)")
         ax.grid(alpha=0.3)
-        ax.legend(frameon=False, fontsize="small")
+    legend_below(end, whole.get_legend_handles_labels()[0], columns=5)
     return figure
 
 
@@ -291,10 +297,12 @@ def _draw(ax, moments: Moments, index: int, *, small: bool = False) -> None:
     ax.set_title(f"{moments.regime[index]}: {force}", fontsize="small")
 
 
-def _key(ax, names) -> None:
-    """Write what the colours behind the traces mean above them."""
+def _key(ax, names, speeds) -> None:
+    """Write what the colours behind the traces and those of the velocities mean above them."""
     from matplotlib.patches import Patch
 
     handles = [Patch(facecolor=REGIMES[name], alpha=0.6, edgecolor="#666666", label=name) for name in names]
-    ax.legend(handles=handles, frameon=False, fontsize="x-small", ncols=len(names), loc="lower right",
-              bbox_to_anchor=(1.0, 0.98))  # fmt: skip
+    for line in speeds:
+        handles.append(type(line)([], [], color=line.get_color(), label=f"v of the {line.get_label()}"))
+    ax.legend(handles=handles, frameon=False, fontsize="x-small", ncols=len(handles), loc="lower right",
+              bbox_to_anchor=(1.0, 1.12), borderaxespad=0.0)  # fmt: skip

@@ -9,18 +9,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from studies.refusal import RunError
+from studies.view import description
 from studies.view.run_field import RunField
 from studies.view.shading import Shade
 
 __all__ = [
-    "COMB_COLOURS",
     "MM",
     "Frame",
     "View",
     "bar",
+    "caption",
     "crystal",
     "cut",
     "framed",
+    "legend",
     "look",
     "pyvista_quietly",
     "ruler",
@@ -28,12 +30,17 @@ __all__ = [
 ]
 
 MM = 1e3
-COMB_COLOURS = {"+": "#000000", "-": "#CC79A7", "o": "#999999"}
-AXIS_COLOUR, TEXT_COLOUR = "#009E73", "#000000"
+TEXT_COLOUR = "#000000"
 # of a view's width and height, the picture's edges to the section: room for the ruler and the colour bar
 LEFT, RIGHT, LOW, HIGH = 0.075, 0.125, 0.17, 0.12
-LEAST_LEFT, LEAST_RIGHT = 96, 130  # pixels, for the letters
+LEAST_LEFT, LEAST_RIGHT, LEAST_LOW, LEAST_HIGH = 96, 130, 32, 30  # pixels, for the letters
 MARKS = 5
+LETTERS, SMALL_LETTERS, LETTER = (
+    12,
+    8,
+    0.56,
+)  # sizes of the caption, and a letter's mean width over its size, in pixels
+CAPTION = 34  # pixels that the caption takes at the top
 BALL_SHARE = 0.35  # of a picture's height that a ball takes at most
 
 
@@ -77,6 +84,21 @@ class Frame:
         """Part of the width to its right."""
         return max(RIGHT, LEAST_RIGHT / self.width)
 
+    @property
+    def low(self) -> float:
+        """Part of the height below the section."""
+        return _margin(LOW, LEAST_LOW, self.height)
+
+    @property
+    def high(self) -> float:
+        """Part of the height above it."""
+        return _margin(HIGH, LEAST_HIGH, self.height)
+
+
+def _margin(part: float, pixels: float, size: float) -> float:
+    """Return a margin as a part of a picture's size: room for letters, but never most of a small picture."""
+    return min(max(part, pixels / size), 0.38)
+
 
 def framed(found: RunField, view: View, *, width: float, height: float) -> Frame:
     """Return where a view's section lies in a picture of some size in pixels.
@@ -85,7 +107,7 @@ def framed(found: RunField, view: View, *, width: float, height: float) -> Frame
     """
     sides = max(LEFT * width, LEAST_LEFT) + max(RIGHT * width, LEAST_RIGHT)
     pixel = (view.stop - view.start) / (width - sides)
-    visible = height * (1 - LOW - HIGH) * pixel
+    visible = height * (1 - _margin(LOW, LEAST_LOW, height) - _margin(HIGH, LEAST_HIGH, height)) * pixel
     carries = any(view.start <= place <= view.stop for place in found.balls)
     room = 0.15 * min(visible, 2 * found.wavelength)
     top = min(2.1 * found.radius, BALL_SHARE * visible) if carries else room
@@ -93,22 +115,44 @@ def framed(found: RunField, view: View, *, width: float, height: float) -> Frame
     return Frame(view=view, bottom=float(bottom), top=top, pixel=pixel, width=width, height=height)
 
 
-def write(plotter, text: str, at: tuple[float, float], size: int, *, side: str = "center") -> None:
+def write(
+    plotter, text: str, at: tuple[float, float], size: int, *, side: str = "center", colour: str = TEXT_COLOUR
+) -> None:
     """Write into the picture at parts of its width and height."""
     pyvista = pyvista_quietly()
     words = pyvista.Text(text, position=at)
-    words.prop.font_size, words.prop.color = size, TEXT_COLOUR
+    words.prop.font_size, words.prop.color = size, colour
     words.prop.justification_horizontal = side
     words.prop.justification_vertical = "center"
     words.GetPositionCoordinate().SetCoordinateSystemToNormalizedViewport()
     plotter.renderer.add_actor(words, reset_camera=False, pickable=False, render=False)
 
 
+def caption(plotter, frame: Frame, text: str) -> None:
+    """Write above the section, in letters small enough for the picture's width."""
+    room = 0.98 * frame.width
+    size = int(np.clip(room / (LETTER * len(text)), SMALL_LETTERS, LETTERS))
+    if LETTER * size * len(text) > room and " (" in text:
+        text = text.replace(" (", "\n(", 1)
+        size = int(np.clip(room / (LETTER * max(map(len, text.splitlines()))), SMALL_LETTERS, LETTERS))
+    lines = text.count("\n") + 1
+    write(plotter, text, (0.01, 1 - 0.5 * (1.3 * size * lines + 10) / frame.height), size, side="left")
+
+
+def legend(plotter, frame: Frame, found: RunField) -> None:
+    """Name the colours of the electrodes at the right of the section."""
+    listed = description.electrodes(found)
+    middle = _at(frame, 0.0, 0.5 * (frame.top + frame.bottom))[1]
+    for number, each in enumerate(listed):
+        up = middle + (0.5 * (len(listed) - 1) - number) * 17 / frame.height
+        write(plotter, each.label, (1 - 0.9 * frame.right, up), 11, side="left", colour=each.colour)
+
+
 def _at(frame: Frame, x: float, z: float) -> tuple[float, float]:
     """Return a place of the section (m) in parts of the picture's width and height."""
     middle = 0.5 * (frame.view.start + frame.view.stop), 0.5 * (frame.top + frame.bottom)
     across = 0.5 * (frame.left + 1 - frame.right) + (x - middle[0]) / frame.pixel / frame.width
-    return across, 0.5 * (LOW + 1 - HIGH) + (z - middle[1]) / frame.pixel / frame.height
+    return across, 0.5 * (frame.low + 1 - frame.high) + (z - middle[1]) / frame.pixel / frame.height
 
 
 def ruler(plotter, frame: Frame) -> None:
@@ -120,7 +164,7 @@ def ruler(plotter, frame: Frame) -> None:
         place = np.clip(round(place * MM, digits) / MM, view.start, view.stop)
         lines.append([(place, 0, frame.bottom - tick), (place, 0, frame.bottom)])
         across, _ = _at(frame, place, 0.0)
-        low = _at(frame, place, frame.bottom)[1] - 14 / frame.height
+        low = _at(frame, place, frame.bottom)[1] - 21 / frame.height
         write(plotter, f"x = {place * MM:.{digits}f} mm", (across, low), 11)
     depths = (
         (0.0, frame.bottom) if -frame.bottom / frame.pixel < 70 else (0.0, 0.5 * frame.bottom, frame.bottom)
@@ -140,20 +184,16 @@ def _digits(view: View) -> int:
 
 def crystal(plotter, frame: Frame, found: RunField) -> None:
     """Draw the crystal axes in the lower left corner of the section; one that is normal to it is a word."""
-    from fem.materials.rotation import rotation_matrix
-    from studies.report.crystal import SEEN
-
     size = 26 * frame.pixel
     if -frame.bottom < 3 * size:
         return
     origin = np.array([frame.view.start + 2 * size, frame.bottom + 1.2 * size])
     pyvista = pyvista_quietly()
-    for name, (x, _, z) in zip("XYZ", rotation_matrix(found.scene.stator.orientation).T, strict=True):
-        if np.hypot(x, z) > SEEN:
-            tip = origin + size * np.array([x, z])
-            line = pyvista.Line((origin[0] * MM, -0.02, origin[1] * MM), (tip[0] * MM, -0.02, tip[1] * MM))
-            plotter.add_mesh(line, color=AXIS_COLOUR, line_width=3)
-            write(plotter, name, _at(frame, *(origin + 1.35 * size * np.array([x, z]))), 11)
+    for name, x, z in description.crystal_axes(found):
+        tip = origin + size * np.array([x, z])
+        line = pyvista.Line((origin[0] * MM, -0.02, origin[1] * MM), (tip[0] * MM, -0.02, tip[1] * MM))
+        plotter.add_mesh(line, color=description.AXIS_COLOUR, line_width=3)
+        write(plotter, name, _at(frame, *(origin + 1.35 * size * np.array([x, z]))), 11)
     write(plotter, "crystal", _at(frame, origin[0] + 0.9 * size, origin[1] - 0.5 * size), 9)
 
 
@@ -167,28 +207,27 @@ def bar(plotter, frame: Frame, shade: Shade, mapper) -> None:
         vertical=True,
         n_labels=3,
         position_x=1 - 0.76 * frame.right,
-        position_y=LOW,
+        position_y=frame.low,
         width=0.02,
-        height=1 - LOW - HIGH - 40 / frame.height,
+        height=1 - frame.low - frame.high - 40 / frame.height,
         label_font_size=11,
         title_font_size=1,
         fmt="%.3g",
         render=False,
     )
     title, unit = shade.label.split(" (")
-    write(plotter, f"{title}\n({unit}", (1 - frame.right / 2, 1 - HIGH - 14 / frame.height), 11)
+    write(plotter, f"{title}\n({unit}", (1 - frame.right / 2, 1 - frame.high - 14 / frame.height), 11)
 
 
-def cut(mapper, frame: Frame) -> None:
-    """Cut the moving section off at the sides and at the bottom of its frame."""
+def cut(mapper, frame: Frame, *, top: bool = False) -> None:
+    """Cut what is drawn off at the sides and at the bottom of its frame, and if asked below the caption."""
     from vtkmodules.vtkCommonDataModel import vtkPlane
 
     view = frame.view
-    for normal, origin in (
-        ((1, 0, 0), view.start),
-        ((-1, 0, 0), view.stop),
-        ((0, 0, 1), frame.bottom - frame.pixel),
-    ):
+    planes = [((1, 0, 0), view.start), ((-1, 0, 0), view.stop), ((0, 0, 1), frame.bottom - frame.pixel)]
+    if top:
+        planes.append(((0, 0, -1), frame.top + (frame.high * frame.height - CAPTION) * frame.pixel))
+    for normal, origin in planes:
         plane = vtkPlane()
         plane.SetNormal(normal)
         plane.SetOrigin(*(origin * MM * abs(part) for part in normal))
@@ -198,7 +237,7 @@ def cut(mapper, frame: Frame) -> None:
 def look(plotter, frame: Frame) -> None:
     """Look along +y, so that a pixel is what the frame says."""
     camera, view = plotter.camera, frame.view
-    across, up = 0.5 * (frame.left + 1 - frame.right) - 0.5, 0.5 * (LOW + 1 - HIGH) - 0.5
+    across, up = 0.5 * (frame.left + 1 - frame.right) - 0.5, 0.5 * (frame.low + 1 - frame.high) - 0.5
     x = 0.5 * (view.start + view.stop) - across * frame.width * frame.pixel
     z = 0.5 * (frame.top + frame.bottom) - up * frame.height * frame.pixel
     camera.enable_parallel_projection()

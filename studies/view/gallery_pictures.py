@@ -60,7 +60,7 @@ def _draw_field(found, folder: Path, progress, *, films: bool) -> None:
 
     from studies.view import movie
     from studies.view.beam import solid
-    from studies.view.shading import palette
+    from studies.view.shading import DIVERGING, palette
     from studies.view.stage import Stage, chosen_views, magnification, views
 
     progress("drawing the field")
@@ -79,7 +79,7 @@ def _draw_field(found, folder: Path, progress, *, films: bool) -> None:
             moving.set_phase(2 * np.pi * number / FRAMES)
             yield moving.image()
 
-    movie.save(pictures(), folder / "wave.gif", rate=12.0, palette=palette("diverging"))
+    movie.save(pictures(), folder / "wave.gif", rate=12.0, palette=palette(DIVERGING))
     moving.close()
     progress("drawing the solid")
     block = solid(found, quantity="u_z", phase=0.0, factor=magnification(found), size=SOLID, off_screen=True)
@@ -156,9 +156,9 @@ def _power_flow(found):
 def _write(picture, file: Path) -> None:
     """Write a picture of a field with a palette: a third of the size."""
     from studies.view.movie import reduced
-    from studies.view.shading import palette
+    from studies.view.shading import DIVERGING, palette
 
-    reduced(picture, palette("diverging")).save(file, optimize=True)
+    reduced(picture, palette(DIVERGING)).save(file, optimize=True)
 
 
 def _reduce(picture: Path) -> None:

@@ -5,7 +5,7 @@ Every function takes plain numbers and returns a matplotlib Figure; nothing is s
 
 import numpy as np
 
-from studies.report.figures import COLOURS
+from studies.report.figures import COLOURS, legend_below
 from studies.view.surface_pictures import MM, new_figure
 
 __all__ = ["depth_weights", "ledger_bars", "power_along", "power_bars"]
@@ -80,7 +80,7 @@ def power_along(x, power, *, covered, given: float, title: str):
     ax.set_ylabel("power along +x (mW per V^2)")
     ax.set_title(f"{title}\npower flow (grey: transducers)", fontsize="medium")
     ax.grid(alpha=0.3)
-    ax.legend(frameon=False, fontsize="small")
+    legend_below(ax)
     return figure
 
 
@@ -122,7 +122,7 @@ def depth_weights(z: np.ndarray, order: int) -> np.ndarray:
     -------
     ndarray, shape (elements * order + 1,)
     """
-    from fem.discretize.spectral import reference_matrices
+    from fem import reference_matrices
 
     lumped = reference_matrices(order).mass.sum(axis=1)
     weights = np.zeros(len(z))
@@ -145,5 +145,5 @@ def _bars(ax, rows, unit: str) -> None:
             fontsize="small",
         )  # fmt: skip
     ax.axvline(0, color=COLOURS["line"], linewidth=0.8)
-    ax.set_xlim(low - (0.18 * reach if low < 0 else 0), high + 0.2 * reach)
+    ax.set_xlim(low - (0.45 * reach if low < 0 else 0), high + 0.45 * reach)
     ax.grid(alpha=0.3, axis="x")

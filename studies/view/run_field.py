@@ -90,7 +90,9 @@ class RunField:
     @property
     def drive(self) -> str:
         """What drives the field, and what its numbers refer to."""
-        return "free wave" if self.free else f"{self.scene.drive.transducer!r} driven, per volt"
+        return (
+            "free wave" if self.free else f"{', '.join(map(repr, self.scene.drive.driven))} driven, per volt"
+        )
 
     def enlarged(self, factor: float) -> str:
         """How a displacement that is enlarged by a factor is drawn, for a reader."""
@@ -212,10 +214,7 @@ def solved_again(scene: Scene, record: dict, *, progress):
     progress : callable
         Told what is being done.
     """
-    from fem.discretize.refinement import LEVELS
-    from fem.results.evaluation import surface_wave
-    from fem.solution import solved
-    from fem.threads import one_blas_thread
+    from fem import LEVELS, one_blas_thread, solve_driven, surface_wave
 
     named = record["wave"].get("resolution")
     level = [each for each in LEVELS if named == f"order {each.order}, {each.edge_layers} edge layers"]
@@ -224,15 +223,19 @@ def solved_again(scene: Scene, record: dict, *, progress):
 
         bare = replace(scene, slider=None)
         return run(bare, tolerance=record["tolerance"], progress=progress).surface_wave
-    found = one_blas_thread(solved)(
+    found = one_blas_thread(solve_driven)(
         resolved.stator(scene.stator),
         resolved.transducers(scene),
         frequency=scene.frequency,
-        driven=scene.drive.transducer,
-        source_impedance=scene.drive.source_impedance,
+        drive=resolved.drive(scene),
         resolution=level[0],
     )
-    return surface_wave(found)
+    return surface_wave(
+        found,
+        relative_error=record["error"]["relative"],
+        admittance_error=record["electrical"]["admittance_relative_error"],
+        seconds=0.0,
+    )
 
 
 def _free(scene: Scene, record: dict) -> RunField:

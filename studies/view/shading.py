@@ -1,9 +1,8 @@
 """What a field can be coloured by: the quantity at an instant, its unit, its range and its colours.
 
 A quantity at the phase omega t is mean + Re(amplitude exp(i n omega t)), n = 1 for the field itself and 2 for energy
-and power.  The colours are straight lines in the perceptual space OKLab (Ottosson 2020), so that equal steps of the
-quantity look equal: from blue over near-white to orange, the pair that every kind of colour-blindness tells apart, for
-what takes both signs, and from near-white to dark blue for what is never negative.
+and power.  The colour maps are matplotlib's: RdBu_r, blue over white to red, for what takes both signs, and Blues for
+what is never negative.  Both are told apart by colour-blind eyes and change evenly in lightness.
 """
 
 from collections.abc import Callable
@@ -13,13 +12,23 @@ import numpy as np
 
 from studies.refusal import SceneError, nearest
 
-__all__ = ["QUANTITIES", "Quantity", "Shade", "colours", "palette", "present", "quantity", "shade"]
+__all__ = [
+    "DIVERGING",
+    "QUANTITIES",
+    "SEQUENTIAL",
+    "Quantity",
+    "Shade",
+    "palette",
+    "present",
+    "quantity",
+    "shade",
+]
 
 NM = 1e9
-MARK_COLOURS = ("#CC79A7", "#009E73")  # of electrodes and crystal axes; the others are black, grey and white
-SCALE = 192  # colours of a scale in a palette of 256
-# lightness, chroma and hue (degrees) in OKLab
-PALE, BLUE, ORANGE, DARK = (0.965, 0.0, 0.0), (0.45, 0.11, 252.0), (0.45, 0.11, 52.0), (0.30, 0.13, 272.0)
+# of electrodes and crystal axes (`description`); the others are black, grey and white
+MARK_COLOURS = ("#CC79A7", "#E69F00", "#009E73")
+SCALE = 192  # colours of a map in a palette of 256
+DIVERGING, SEQUENTIAL = "RdBu_r", "Blues"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,9 +129,9 @@ class Shade:
         return (-self.reach, self.reach) if self.quantity.signed else (0.0, self.reach)
 
     @property
-    def colours(self) -> str:
-        """Name of the colour scale: "diverging" or "sequential"."""
-        return "diverging" if self.quantity.signed else "sequential"
+    def colour_map(self) -> str:
+        """Name of matplotlib's colour map."""
+        return DIVERGING if self.quantity.signed else SEQUENTIAL
 
     def parts(self, field) -> tuple[np.ndarray, np.ndarray]:
         """Return mean and amplitude at the nodes of a field, shapes (nx, nz), in the label's unit."""
@@ -184,46 +193,21 @@ def shade(found, name: str) -> Shade:
     )
 
 
-def colours(name: str, count: int = 256) -> np.ndarray:
-    """Return a colour scale as (count, 3) numbers from 0 to 1.
+def palette(colour_map: str) -> np.ndarray:
+    """Return the 256 colours that a picture of a field needs: a colour map, greys and the marks drawn on it.
 
     Parameters
     ----------
-    name : str
-        "diverging" or "sequential".
-    count : int
+    colour_map : str
+        matplotlib's name.
+
+    Returns
+    -------
+    ndarray, shape (256, 3), uint8
     """
-    ends = (BLUE, PALE, ORANGE) if name == "diverging" else (PALE, DARK)
-    return _srgb(_line(ends, count))
+    import matplotlib
 
-
-def palette(name: str) -> np.ndarray:
-    """Return the 256 colours that a picture of a field needs, (256, 3) of uint8: a scale, greys, the marks on it."""
-    marks = [[int(colour[k : k + 2], 16) for k in (1, 3, 5)] for colour in MARK_COLOURS]
+    scale = matplotlib.colormaps[colour_map](np.linspace(0.0, 1.0, SCALE), bytes=True)[:, :3]
+    marks = np.array([[int(colour[k : k + 2], 16) for k in (1, 3, 5)] for colour in MARK_COLOURS])
     greys = np.repeat(np.linspace(0, 255, 256 - SCALE - len(marks))[:, None], 3, axis=1)
-    return np.round(np.concatenate([255 * colours(name, SCALE), marks, greys])).astype(np.uint8)
-
-
-def _line(ends, count: int) -> np.ndarray:
-    """Points of OKLab on straight lines from end to end, shape (count, 3)."""
-    corners = np.array([(L, C * np.cos(np.radians(hue)), C * np.sin(np.radians(hue))) for L, C, hue in ends])
-    place = np.linspace(0, len(ends) - 1, count)
-    return np.stack([np.interp(place, range(len(ends)), corner) for corner in corners.T], axis=1)
-
-
-def _srgb(lab: np.ndarray) -> np.ndarray:
-    """OKLab to sRGB (Ottosson 2020)."""
-    roots = lab @ np.array(
-        [[1, 0.3963377774, 0.2158037573], [1, -0.1055613458, -0.0638541728], [1, -0.0894841775, -1.2914855480]]
-    ).T  # fmt: skip
-    linear = roots**3 @ np.array(
-        [
-            [4.0767416621, -3.3077115913, 0.2309699292],
-            [-1.2684380046, 2.6097574011, -0.3413193965],
-            [-0.0041960863, -0.7034186147, 1.7076147010],
-        ]
-    ).T  # fmt: skip
-    if linear.min() < -1e-6 or linear.max() > 1 + 1e-6:
-        raise ValueError(f"the colour scale leaves sRGB: {linear.min():.3g} to {linear.max():.3g}")
-    linear = linear.clip(0, 1)
-    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    return np.concatenate([scale, marks, np.round(greys)]).astype(np.uint8)

@@ -6,29 +6,29 @@ consists of views, one above the other, each a stretch of the section in its tru
 
 import numpy as np
 
+from studies.view import description
 from studies.view.frame import (
-    COMB_COLOURS,
     MM,
     Frame,
     View,
     bar,
+    caption,
     crystal,
     cut,
     framed,
+    legend,
     look,
     pyvista_quietly,
     ruler,
-    write,
 )
 from studies.view.patch import Patch, patch
 from studies.view.run_field import RunField
-from studies.view.shading import Shade, colours, shade
+from studies.view.shading import Shade, shade
 
 __all__ = ["Stage", "chosen_views", "magnification", "views"]
 
 AMPLITUDE = 0.08  # of a wavelength: as large as the largest displacement is drawn
 CLOSE = 7.0  # wavelengths either side, in the close pictures
-BALL_COLOUR = "#999999"
 
 
 def views(found: RunField) -> tuple[View, ...]:
@@ -62,9 +62,13 @@ def chosen_views(found: RunField, span: tuple[float, float] | None) -> tuple[Vie
         span = max(place - reach, 0.0), min(place + reach, found.length)
     wavelengths = (span[1] - span[0]) / found.wavelength
     if span[1] - span[0] > 0.99 * found.length:
-        return (View(name=f"{wavelengths:.3g} wavelengths", start=span[0], stop=span[1], weight=1.0),)
+        return (View(name=_wavelengths(wavelengths), start=span[0], stop=span[1], weight=1.0),)
     at = f"{span[0] * MM:.4g} to {span[1] * MM:.4g} mm"
-    return whole, View(name=f"{wavelengths:.3g} wavelengths, {at}", start=span[0], stop=span[1], weight=0.7)
+    return whole, View(name=f"{_wavelengths(wavelengths)}, {at}", start=span[0], stop=span[1], weight=0.7)
+
+
+def _wavelengths(count: float) -> str:
+    return "1 wavelength" if abs(count - 1) < 5e-4 else f"{count:.3g} wavelengths"
 
 
 def magnification(found: RunField) -> float:
@@ -117,7 +121,6 @@ class Stage:
         self.factor = magnification(found) if factor is None else factor
         self.reach = self.factor * float(abs(found.field.displacement).max())
         self.shade: Shade = shade(found, quantity)
-        self._tables = {name: _table(name) for name in ("diverging", "sequential")}
         weights = [view.weight for view in self.shown] + ([panel] if panel else [])
         self.plotter = pyvista.Plotter(
             shape=(len(weights), 1),
@@ -170,7 +173,7 @@ class Stage:
         actor = plotter.add_mesh(
             piece.mesh,
             scalars="shade",
-            cmap=self._tables[self.shade.colours],
+            cmap=self.shade.colour_map,
             clim=self.shade.limits,
             lighting=False,
             show_scalar_bar=False,
@@ -179,15 +182,18 @@ class Stage:
         cut(actor.mapper, frame)
         if frame.view.weight == max(view.weight for view in self.shown) and not self._bar_above(row):
             bar(plotter, frame, self.shade, actor.mapper)
-        for sign, fingers in piece.fingers.items():
-            plotter.add_mesh(fingers.mesh, color=COMB_COLOURS[sign], lighting=False, copy_mesh=False)
+        for electrode, fingers in piece.fingers:
+            plotter.add_mesh(fingers.mesh, color=electrode.colour, lighting=False, copy_mesh=False)
         self._stand(row, frame)
         ruler(plotter, frame)
         crystal(plotter, frame, self.found)
         field = self.found.field
         scale = f"{field.frequency / 1e6:g} MHz, {self.found.drive}, {self.found.enlarged(self.factor)}"
-        title = f"{self.found.scene.title}: {frame.view.name} ({scale})" if row == 0 else frame.view.name
-        write(plotter, title, (0.01, 1 - 0.5 * 26 / frame.height), 12, side="left")
+        fingers = description.shown_fingers(self.found, frame.view.start, frame.view.stop)
+        name = f"{frame.view.name}, {fingers}" if fingers else frame.view.name
+        caption(plotter, frame, f"{self.found.scene.title}: {name} ({scale})" if row == 0 else name)
+        if row == 0 and len(self.shown) > 1:
+            legend(plotter, frame, self.found)
         look(plotter, frame)
         piece.move(self.phase)
         return piece
@@ -199,21 +205,24 @@ class Stage:
     def _stand(self, row: int, frame: Frame) -> None:
         """Put the balls of the slider on the crests of the enlarged wave."""
         pyvista, found = pyvista_quietly(), self.found
-        for place in found.balls:
-            if frame.view.start <= place <= frame.view.stop:
-                height = found.radius + self.factor * found.crest(place)
-                disc = pyvista.Disc(
-                    center=(place * MM, 0.0, height * MM),
-                    inner=0.0,
-                    outer=found.radius * MM,
-                    normal=(0, 1, 0),
-                    c_res=120,
-                )
-                self.plotter.add_mesh(disc, color=BALL_COLOUR, lighting=False, name=f"ball {place:g}")
-                mark = (place * MM, -0.001, height * MM)
-                self.plotter.add_mesh(
-                    pyvista.PolyData(np.array([mark])), color="black", point_size=5, name=f"centre {place:g}"
-                )
+        for ball in description.balls(found):
+            if not frame.view.start <= ball.place <= frame.view.stop:
+                continue
+            height = ball.radius + self.factor * ball.crest
+            disc = pyvista.Disc(
+                center=(ball.place * MM, 0.0, height * MM),
+                inner=0.0,
+                outer=ball.radius * MM,
+                normal=(0, 1, 0),
+                c_res=120,
+            )
+            drawn = self.plotter.add_mesh(
+                disc, color=description.BALL_COLOUR, lighting=False, name=f"ball {ball.place:g}"
+            )
+            cut(drawn.mapper, frame, top=True)
+            if height < frame.top:
+                mark = pyvista.PolyData(np.array([(ball.place * MM, -0.001, height * MM)]))
+                self.plotter.add_mesh(mark, color="black", point_size=5, name=f"centre {ball.place:g}")
 
 
 class Piece:
@@ -234,11 +243,15 @@ class Piece:
         )
         self.mesh = _surface(pyvista, self.patch.places(0.0, 0.0), self.patch.triangles)
         self.mesh["shade"] = np.zeros(self.mesh.n_points, dtype=np.float32)
-        self.fingers = {}
-        for sign, edges in found.fingers.items():
-            strips = [strip for strip in edges if strip[1] > frame.view.start and strip[0] < frame.view.stop]
+        self.fingers = []
+        for electrode in description.electrodes(found):
+            strips = [
+                strip
+                for strip in electrode.strips
+                if strip[1] > frame.view.start and strip[0] < frame.view.stop
+            ]
             if strips:
-                self.fingers[sign] = Fingers(pyvista, self.patch, strips, 5 * frame.pixel)
+                self.fingers.append((electrode, Fingers(pyvista, self.patch, strips, 5 * frame.pixel)))
 
     def move(self, phase: float) -> None:
         """Show another instant."""
@@ -249,7 +262,7 @@ class Piece:
         self.mesh.GetPoints().Modified()
         self.mesh.GetPointData().GetScalars().Modified()
         self.mesh.Modified()
-        for fingers in self.fingers.values():
+        for _, fingers in self.fingers:
             fingers.move(phase, self.factor)
 
 
@@ -285,9 +298,3 @@ def _surface(pyvista, places: np.ndarray, triangles: np.ndarray):
     points = np.zeros((places.shape[0] * places.shape[1], 3), dtype=np.float32)
     points[:, [0, 2]] = places.reshape(-1, 2) * MM
     return pyvista.PolyData.from_regular_faces(points, triangles)
-
-
-def _table(name: str):
-    from matplotlib.colors import ListedColormap
-
-    return ListedColormap(colours(name))

@@ -6,7 +6,7 @@ computed values are points.
 
 import numpy as np
 
-from studies.report.figures import COLOURS
+from studies.report.figures import COLOURS, legend_below
 
 __all__ = ["amplitude", "anticlockwise", "depth_profile", "new_figure", "orbits"]
 
@@ -138,7 +138,8 @@ def amplitude(
         ax.axvline(place * MM, color=COLOURS["line"], linestyle=":", linewidth=1.2, label=name)
         ax.set_xlabel("x along the surface (mm)")
         ax.set_ylabel(f"amplitude, peak ({per})")
-        ax.set_ylim(bottom=0)
+        highest = max(size[chosen].max() for _, size, _ in sizes)
+        ax.set_ylim(0.0, 1.12 * highest)
         ax.grid(alpha=0.3)
     for start, stop in covered:
         whole.axvspan(start * MM, stop * MM, color=COLOURS["stick"], alpha=0.3, linewidth=0)
@@ -149,7 +150,7 @@ def amplitude(
         f"within 4 wavelengths of the {name}: largest over smallest |u_z| {ratio:.3g} (within one wavelength)",
         fontsize="small",
     )
-    whole.legend(frameon=False, ncols=3, fontsize="small")
+    legend_below(near)
     return figure
 
 
@@ -191,5 +192,5 @@ def depth_profile(line_depth, analytic, computed, *, title: str):
     ax.set_ylabel("amplitude over |u_z| at the surface")
     ax.set_title(title, fontsize="medium")
     ax.grid(alpha=0.3)
-    ax.legend(frameon=False, fontsize="small")
+    legend_below(ax, columns=2)
     return figure

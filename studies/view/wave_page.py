@@ -11,11 +11,10 @@ from importlib.resources import files
 
 import numpy as np
 
-from studies.report.crystal import SEEN
-from studies.view.frame import COMB_COLOURS
+from studies.view import description
 from studies.view.patch import thinned
 from studies.view.run_field import RunField
-from studies.view.shading import Shade, colours, present, shade
+from studies.view.shading import Shade, present, shade
 from studies.view.stage import magnification
 
 __all__ = ["page", "widget"]
@@ -82,11 +81,14 @@ def page(
         "quantity": quantity,
         "places": places,
         "place": len(places) - (2 if span is None else 1),
-        "balls": list(found.balls),
-        "crests": [found.crest(place) for place in found.balls],
+        "balls": [ball.place for ball in description.balls(found)],
+        "crests": [ball.crest for ball in description.balls(found)],
+        "ball_colour": description.BALL_COLOUR,
+        "legend": [[each.label, each.colour] for each in description.electrodes(found)],
         "radius": found.radius,
         "fingers": _fingers(found),
-        "axes": _axes(found),
+        "axes": [list(axis) for axis in description.crystal_axes(found)],
+        "axis_colour": description.AXIS_COLOUR,
     }
     text = json.dumps(meta, allow_nan=False).replace("</", "<\\/")
     template = (files("studies.view") / "wave_page.html").read_text(encoding="utf-8")
@@ -129,7 +131,9 @@ def _short(values: np.ndarray, largest: float) -> np.ndarray:
 
 
 def _described(name: str, shading: Shade, scale: float) -> dict:
-    table = np.round(255 * colours(shading.colours, 128)).astype(int)
+    import matplotlib
+
+    table = matplotlib.colormaps[shading.colour_map](np.linspace(0.0, 1.0, 128), bytes=True)
     return {
         "name": name,
         "title": shading.quantity.title,
@@ -138,7 +142,7 @@ def _described(name: str, shading: Shade, scale: float) -> dict:
         "scale": scale,
         "signed": shading.quantity.signed,
         "turns": shading.quantity.turns,
-        "table": [[*row, 255] for row in table.tolist()],
+        "table": table.tolist(),
     }
 
 
@@ -166,22 +170,11 @@ def _places(found: RunField, span) -> list[dict]:
 
 def _fingers(found: RunField) -> list[dict]:
     listed = []
-    for sign, strips in found.fingers.items():
-        for left, right in strips:
+    for electrode in description.electrodes(found):
+        for left, right in electrode.strips:
             points = [
                 [x, *(part for value in found.surface(x) for part in (value.real, value.imag))]
                 for x in (left, 0.5 * (left + right), right)
             ]
-            listed.append({"colour": COMB_COLOURS[sign], "points": points})
+            listed.append({"colour": electrode.colour, "points": points})
     return listed
-
-
-def _axes(found: RunField) -> list:
-    from fem.materials.rotation import rotation_matrix
-
-    columns = rotation_matrix(found.scene.stator.orientation).T
-    return [
-        [name, float(x), float(z)]
-        for name, (x, _, z) in zip("XYZ", columns, strict=True)
-        if np.hypot(x, z) > SEEN
-    ]

@@ -1,4 +1,4 @@
-"""The contact's costs and accuracies: prints the README's tables, each figure beside the one asked for.
+"""The contact's costs and accuracies: prints its tables, each figure beside the one asked for.
 
     python tests/benchmarks/contact_ways.py
 

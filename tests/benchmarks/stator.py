@@ -1,4 +1,4 @@
-"""The driven stator's error against run time, level by level, and a band of frequencies: prints the README's tables.
+"""The driven stator's error against run time, level by level, and a band of frequencies: prints its tables.
 
     python tests/benchmarks/stator.py
 
@@ -21,10 +21,10 @@ import numpy as np
 from fem.discretize.refinement import LEVELS
 from fem.geometry import Stator, Transducer
 from fem.materials import material
-from fem.results.evaluation import surface_wave
-from fem.solution import solved
+from fem.results.evaluation import surface_of
+from fem.results.solution import solve_driven
 from fem.solve.band_setup import frequency_band
-from fem.solve.harmonic import orbit_difference
+from fem.solve.harmonic import motion_difference
 
 FREQUENCY, PLACE = 2.2e6, np.array([0.08])
 STATOR = Stator(solid=material("PZT-8"), length=0.16, thickness=5e-3, ends="absorbing")
@@ -49,27 +49,27 @@ def levels(stator: Stator) -> None:
     rows = []
     for resolution in LEVELS:
         solution, seconds = timed(
-            lambda resolution=resolution: solved(
+            lambda resolution=resolution: solve_driven(
                 stator,
                 TRANSDUCERS,
                 frequency=FREQUENCY,
-                driven="left",
-                source_impedance=0.0,
+                drive="left",
                 resolution=resolution,
             ),
             1 if resolution is LEVELS[-1] else 3,
         )
-        rows.append((resolution, surface_wave(solution), seconds))
-    reference = rows[-1][1]
+        motion = surface_of(solution).motion(PLACE)
+        rows.append((resolution, motion, solution, seconds))
+    _, exact, reference, _ = rows[-1]
     print(f"\n{stator.ends} ends\n")
     print("| order | edge layers | unknowns | error of u | error of Y | seconds |")
     print("|---|---|---|---|---|---|")
-    for resolution, wave, seconds in rows[:-1]:
-        motion = orbit_difference(wave, reference, PLACE)
-        admittance = abs(wave.admittance / reference.admittance - 1)
+    for resolution, motion, solution, seconds in rows[:-1]:
+        error = motion_difference(motion, exact)
+        admittance = abs(solution.circuit.admittance / reference.circuit.admittance - 1)
         print(
-            f"| {resolution.order} | {resolution.edge_layers} | {wave.unknowns} | {motion:.1e} | {admittance:.1e} "
-            f"| {seconds:.2f} |"
+            f"| {resolution.order} | {resolution.edge_layers} | {solution.fields.unknowns} | {error:.1e} "
+            f"| {admittance:.1e} | {seconds:.2f} |"
         )
 
 
@@ -77,14 +77,14 @@ def bands(stator: Stator) -> None:
     """Print set-up time, size and time per frequency of a 2.1 to 2.3 MHz band at 1e-3."""
     made, setup = timed(
         lambda: frequency_band(
-            stator, TRANSDUCERS, lowest=2.1e6, highest=2.3e6, driven="left", tolerance=1e-3, places=(0.08,)
+            stator, TRANSDUCERS, lowest=2.1e6, highest=2.3e6, drive="left", tolerance=1e-3, places=(0.08,)
         ),
         1,
     )
     sweep = np.linspace(2.1e6, 2.3e6, 21)
-    _, seconds = timed(lambda: [made.wave(float(frequency), driven="left") for frequency in sweep])
+    _, seconds = timed(lambda: [made.wave(float(frequency), "left") for frequency in sweep])
     print(
-        f"| {stator.ends} | {made.section.full.size} | {made.section.size} | {made.relative_error:.1e} "
+        f"| {stator.ends} | {made.model.section.full.size} | {made.model.section.size} | {made.relative_error:.1e} "
         f"| {made.admittance_error:.1e} | {setup:.1f} | {1e3 * seconds / len(sweep):.0f} |"
     )
 

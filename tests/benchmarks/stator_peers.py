@@ -1,4 +1,4 @@
-"""The stator against its peers, error and time: prints the README's table; with --reference, NGSolve's finest answer.
+"""The stator against its peers, error and time: prints its tables; with --reference, NGSolve's finest answer.
 
     python tests/benchmarks/stator_peers.py [--ends free|absorbing] [--curves NAME ...] [--reference]
 

@@ -22,17 +22,16 @@ from dataclasses import replace
 import numpy as np
 
 from fem import coupling, frequency_band, material, periodic_wave, rayleigh, rotated
-from fem.circuit import port_admittances
 from fem.condense.join import repeated
 from fem.condense.superelement import condensed
 from fem.direct import direct_solution
+from fem.discretize.grading import Resolution
 from fem.discretize.refinement import LEVELS
-from fem.discretize.section import Resolution
 from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
-from fem.results.evaluation import surface_wave
-from fem.results.power_balance import audit
-from fem.solution import Solution, solved
+from fem.results.evaluation import surface_of
+from fem.results.power_balance import power_balance
+from fem.results.solution import Solution, solve_driven
 from fem.waveguide.ends import Walls
 from studies.evidence.fem_error_vs_time import LIMITS, problem, reference, seconds_at
 from studies.evidence.peers.attempt import attempted
@@ -46,9 +45,9 @@ import numpy as np
 from fem import frequency_band
 from studies.evidence.fem_error_vs_time import problem
 posed = problem("free")
-band = frequency_band(posed.stator, posed.transducers, lowest=2.1e6, highest=2.3e6, driven="left", tolerance=1e-3,
+band = frequency_band(posed.stator, posed.transducers, lowest=2.1e6, highest=2.3e6, drive="left", tolerance=1e-3,
                       places=(posed.place,))
-band.waves(np.linspace(2.1e6, 2.3e6, 100), driven="left")
+band.waves(np.linspace(2.1e6, 2.3e6, 100), "left")
 """
 PEAK = """
 from studies.evidence.peers.attempt import peak_memory
@@ -107,15 +106,7 @@ def small(ends: str, **rest) -> tuple[Stator, tuple[Transducer, ...]]:
 
 def structured(stator, transducers, resolution=LEVELS[2]) -> Solution:
     """Solution at 2.2 MHz, the left transducer driven."""
-    return solved(
-        stator, transducers, frequency=2.2e6, driven="left", source_impedance=0.0, resolution=resolution
-    )
-
-
-def charges(solution: Solution) -> np.ndarray:
-    """Reactions of the ports, C/m per V."""
-    body = solution.section.solid
-    return solution.ports.charges * (body.stress_unit / body.potential_unit**2)
+    return solve_driven(stator, transducers, frequency=2.2e6, drive="left", resolution=resolution)
 
 
 def same_mesh() -> None:
@@ -130,14 +121,14 @@ def same_mesh() -> None:
             transducers,
             frequency=2.2e6,
             resolution=resolution,
-            wavelength=ours.section.length_unit,
+            wavelength=ours.fields.section.length_unit,
             stretch_size=size,
             stretch_layers=layers,
         )
         x = np.linspace(0.01, 0.99, 67) * stator.length
-        moved, other = surface_wave(ours).motion(x), direct.surface(x) @ ours.circuit.voltages
-        own = charges(ours)
-        worst[0] = max(worst[0], abs(own - direct.charges).max() / abs(own).max())
+        moved, other = surface_of(ours).motion(x), direct.surface(x) @ ours.circuit.voltages
+        own = ours.fields.admittances
+        worst[0] = max(worst[0], abs(own - direct.admittances).max() / abs(own).max())
         worst[1] = max(worst[1], abs(moved - other).max() / abs(other).max())
     row("structured against direct solve, same mesh: charge", 1e-10, worst[0])
     row("structured against direct solve, same mesh: surface field", 1e-10, worst[1])
@@ -206,12 +197,12 @@ def length() -> None:
         stator = replace(posed.stator, length=posed.stator.length + stretch)
         bands.append(
             frequency_band(
-                stator, moved, lowest=2.1e6, highest=2.3e6, driven="left", tolerance=1e-3, places=(0.08,)
+                stator, moved, lowest=2.1e6, highest=2.3e6, drive="left", tolerance=1e-3, places=(0.08,)
             )
         )
     ratios = []
     for _ in range(9):
-        short, long = (cpu(lambda band=band: band.wave(2.2e6, driven="left"), 1) for band in bands)
+        short, long = (cpu(lambda band=band: band.wave(2.2e6, "left"), 1) for band in bands)
         ratios.append(long / short)
     row("cost at 1000 wavelengths over 160, free ends", 1.3, float(np.median(ratios)), "times")
 
@@ -227,11 +218,11 @@ def physics() -> None:
     """Absorbing ends, power, reciprocity."""
     posed = problem("absorbing")
     own = structured(posed.stator, posed.transducers)
-    modes, n = own.modes, own.section.size
-    piece = repeated(condensed(own.section, 2.2e6, width=0.25, comb=None), 8).matrix
+    modes, n = own.fields.modes, own.fields.section.size
+    piece = repeated(condensed(own.fields.section, 2.2e6, width=0.25, comb=None), 8).matrix
     inner = np.linalg.solve(piece[n : 2 * n, n : 2 * n] - modes.right_end, piece[n : 2 * n, :n])
     wall = piece[:n, :n] - piece[:n, n : 2 * n] @ inner  # two wavelengths of elements, then the absorbing end
-    back = Walls(matrices=(wall, wall)).sent_back(modes, 1, modes.rayleigh)
+    back = Walls(matrices=(wall, wall), width=2.0, recover=None).sent_back(modes, 1, modes.rayleigh)
     sent = abs(back[modes.rayleigh]).max()
     row(
         "absorbing ends: reflection of the Rayleigh wave, met through two wavelengths of elements",
@@ -239,13 +230,13 @@ def physics() -> None:
         sent,
     )
     lossless = replace(posed.stator.solid, mechanical_quality=np.inf, dielectric_loss=0.0)
-    powers = audit(structured(replace(posed.stator, solid=lossless), posed.transducers))
+    powers = power_balance(structured(replace(posed.stator, solid=lossless), posed.transducers))
     row("lossless: power in = power out through the ends", 1e-9, abs(powers.radiated / powers.input - 1))
     worst = 0.0
     for ends in ("free", "absorbing"):
         stator, transducers = small(ends)
         solution = structured(stator, transducers)
-        own = port_admittances(charges(solution), transducers, solution.wiring, 2.2e6)
+        own = solution.fields.admittances
         worst = max(worst, abs(own[0, -1] / own[-1, 0] - 1))
     row("reciprocity between two unlike transducers", 1e-11, worst)
 

@@ -1,4 +1,4 @@
-"""What seeing a run costs: first picture, pictures per second, memory; prints the README's table.
+"""What seeing a run costs: first picture, pictures per second, memory; prints its tables.
 
 ``python tests/benchmarks/view.py``: the seed's motor is run into a temporary directory, then drawn.  Processor time (of
 all threads) beside the time by the wall, which is longer on a machine that does other things.

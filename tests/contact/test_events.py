@@ -182,26 +182,6 @@ def test_kernels_are_cached_under_a_digest_of_all_their_sources(monkeypatch):
     assert isinstance(event_driven.travel, compiled.Native)
 
 
-def test_kernels_of_a_package_that_may_not_be_written_to_go_to_the_users_cache(monkeypatch, tmp_path):
-    from contact.jit import compiled
-
-    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    monkeypatch.setattr(compiled.os, "access", lambda path, mode: False)
-    assert compiled._folder.__wrapped__().startswith(str(tmp_path / "sawmotor" / "kernels-"))
-
-
-def test_a_damaged_file_of_machine_code_is_not_run(tmp_path):
-    from contact.jit import compiled
-
-    file = tmp_path / "kernel.o"
-    compiled._write(file, b"machine code")
-    assert compiled._read(file) == b"machine code"
-    file.write_bytes(file.read_bytes()[:-1] + b"!")
-    assert compiled._read(file) is None
-    assert compiled._read(tmp_path / "absent.o") is None
-
-
 def test_a_kernel_refuses_what_its_machine_code_would_misread():
     from contact.solve import averaged
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from contact import contact_history, steady
+from contact import Orbit, contact_history, steady
 from contact.law import hertz, mindlin
 from tests.contact.motors import orbit, slider
 
@@ -110,3 +110,27 @@ def test_start_begins_at_rest():
         slider().rest_approach(1), rel=5e-3
     )  # half a thousandth of a cycle on
     assert abs(h.slider_velocity[0]) < 1e-9
+
+
+def test_a_wave_without_normal_part_is_drawn_from_the_same_instant():
+    # Independent: a wave with a very small normal part moves the slider the same way
+    none, small = (
+        contact_history(
+            slider(), Orbit(frequency=2.2e6, normal=normal, tangential=-2e-9j), stage="steady", skip=0, cycles=1,
+            points_per_cycle=100,
+        )
+        for normal in (0.0, 1e-16)
+    )  # fmt: skip
+    top = np.max(np.abs(small.tangential_force))
+    assert none.tangential_force == pytest.approx(small.tangential_force, abs=1e-5 * top)
+    assert none.surface_velocity == pytest.approx(small.surface_velocity, rel=1e-6, abs=1e-9)
+    assert abs(np.mean(none.tangential_force)) < 1e-4 * top
+
+
+def test_what_is_drawn_as_steady_is_the_motion_that_is_reached():
+    # Light slider at f_n/f = 0.4: the motion that repeats every cycle is stable, but from rest it hops irregularly
+    s = slider(mass=2e-6, preload=2e-4, normal_damping=1e-3, tangential_damping=1e-4)
+    motion = orbit(10e-9, frequency=s.normal_resonance(1) / 0.4)
+    h = contact_history(s, motion, stage="steady", skip=0, cycles=600, points_per_cycle=20)
+    touched = np.max(h.normal_force.reshape(600, 20), axis=1) > 0.0
+    assert 0.0 < np.mean(touched) < 0.9, "the periodic motion touches in every cycle"

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from contact import ConvergenceError, Orbit, burst, steady, threshold_amplitude
+from contact.answers.methods import rest, rest_problem
 from contact.drive import reference_speed
 from tests.contact.motors import orbit, slider
 from tests.oracles.contact_steps import steady_velocity
@@ -207,6 +208,48 @@ def test_a_motion_that_never_repeats_has_a_mean_with_its_spread():
     witness = mean_from_rest(2000, 300, 6e-9, frequency=8e3, normal_damping=0.1)
     assert 1e-2 < found.relative_error < 2.0
     assert abs(found.velocity - witness) < 2.0 * found.relative_error * reference
+
+
+def test_the_motion_that_a_slider_from_rest_reaches_is_the_answer_and_the_other_is_named():
+    # f_n/f = 0.4: a stable motion repeats every cycle (largest multiplier 0.998), but the witness from rest hops
+    light = {"mass": 2e-6, "preload": 2e-4, "normal_damping": 1e-3, "tangential_damping": 1e-4}
+    s = slider(**light)
+    frequency = s.normal_resonance(1) / 0.4
+    found = steady(s, orbit(10e-9, frequency=frequency), tolerance=1e-2)
+    reference = reference_speed(found.velocity, found.orbits)
+    witness = mean_from_rest(2000, 300, 10e-9, frequency=frequency, **light)
+    assert abs(found.velocity - witness) < 2.0 * found.relative_error * reference
+    assert found.status == "above tolerance"
+    assert found.other_velocity > 4e-3
+    assert abs(witness) < 0.5 * found.other_velocity
+    assert "not reached from rest" in found.message
+
+
+def test_a_motion_that_is_reached_from_rest_has_no_other():
+    s = slider()
+    found = steady(s, orbit(10e-9, frequency=s.normal_resonance(1) / 0.3), tolerance=1e-6)
+    assert (found.status, found.other_velocity) == ("ok", None)
+    assert steady(s, orbit(10e-9), tolerance=1e-6).other_velocity is None
+
+
+@pytest.mark.parametrize("A", [5e-9, 10e-9])
+def test_a_bounce_that_nothing_damps_is_part_of_the_error(A):
+    # Oracle: the slider from rest, event by event, at two speeds: where its mean velocity does not drift
+    s = slider(normal_damping=0.0)
+    found = steady(s, orbit(A), tolerance=1e-6)
+    problem = rest_problem(s, (orbit(A),))
+    drifts, speeds, cycles = [], [0.98 * found.other_velocity, 1.02 * found.other_velocity], 2000
+    weight = np.sin(np.pi * (np.arange(cycles) + 0.5) / cycles) ** 4 / (0.375 * cycles)
+    for speed in speeds:
+        motion = rest(s, (orbit(A),), problem, nodes=9, truncation=1e-8)
+        motion.place(motion.state[0], 0.0, speed / problem.speed, motion.state[3:])
+        means = motion.turn(2 * cycles, stride=1)[:, 2]
+        drifts.append(weight @ (means[cycles:] - means[:cycles]))
+    reached = speeds[0] + (speeds[1] - speeds[0]) * drifts[0] / (drifts[0] - drifts[1])
+    assert found.status == "above tolerance"
+    assert found.other_velocity == pytest.approx(reached, rel=3e-3)
+    assert abs(reached - found.velocity) < 2.0 * found.relative_error * reference_speed(reached, found.orbits)
+    assert "bouncing" in found.message
 
 
 @pytest.mark.parametrize("frequency", [1.0, 400.0, 1e3, 2e3])

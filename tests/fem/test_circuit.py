@@ -7,24 +7,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fem.circuit import circuit, port_admittances, ports_of
+from fem.circuit import Drive, solve_circuit
 from fem.geometry import Transducer
 
 A = Transducer(name="a", center=0.1, finger_pairs=1, period=1e-3, metallisation=0.5, aperture=0.02)
 B = replace(A, name="b", center=0.2)
-FLOATING = [ports_of(A, True)] * 2
-GROUNDED = [ports_of(A, False)] * 2
 Y = np.array([[3e-3 + 8e-3j, -1e-3 + 5e-4j], [-1e-3 + 5e-4j, 2e-3 + 6e-3j]])
 
 
 def seen(termination, source_impedance=0.0, matrix=Y):
-    return circuit(
-        matrix,
-        (A, replace(B, termination=termination)),
-        FLOATING,
-        driven="a",
-        source_impedance=source_impedance,
-    )
+    drive = Drive(sources={"a": 1.0}, impedance=source_impedance)
+    return solve_circuit(matrix, ("a", "b"), (A, replace(B, termination=termination)), drive)
 
 
 def test_open_and_short():
@@ -70,51 +63,49 @@ def test_power_splits_between_field_and_load():
     assert field > 0
 
 
-def test_grounded_sections_have_a_mean_port():
-    """No transducer, driven or terminated in any way, carries a net charge."""
-    random = np.random.default_rng(5)
-    matrix = random.normal(size=(4, 4)) * 1e-4 + 1j * random.normal(size=(4, 4)) * 1e-3
-    matrix = matrix + matrix.T + np.diag([8e-3j, 9e-3j, 7e-3j, 9e-3j])
-    for termination in ("open", "short", 30.0 + 1j):
-        found = circuit(
-            matrix,
-            (A, replace(B, termination=termination)),
-            GROUNDED,
-            driven="b" if termination == "open" else "a",
-            source_impedance=0.0,
+SOURCES = {"a": 0.7 - 0.2j, "b": 0.5j}
+
+
+@pytest.mark.parametrize("impedance", [0.0, 50.0 + 10.0j])
+def test_two_sources_are_the_sum_of_two_runs(impedance):
+    """Each source alone, the other one's voltage zero but its impedance there: their sum is both at once."""
+    both = solve_circuit(Y, ("a", "b"), (A, B), Drive(sources=SOURCES, impedance=impedance))
+    alone = [
+        solve_circuit(
+            Y, ("a", "b"), (A, B), Drive(sources=dict.fromkeys(SOURCES, 0) | {name: 1.0}, impedance=impedance)
         )
-        driven, other = (2, 0) if termination == "open" else (0, 2)
-        assert found.driven == driven
-        assert found.voltages[driven] == pytest.approx(1, rel=1e-14)
-        assert abs(found.currents[driven + 1]) < 1e-16
-        assert abs(found.currents[other + 1]) < 1e-16
-    assert ports_of(A, True).potentials.shape == (2, 1)
-    assert ports_of(A, False).potentials.shape == (2, 2)
-    assert np.array_equal(ports_of(A, False).potentials[:, 0], [0.5, -0.5])
+        for name in SOURCES
+    ]
+    summed = sum(amplitude * each.voltages for amplitude, each in zip(SOURCES.values(), alone, strict=True))
+    assert both.voltages == pytest.approx(summed, rel=1e-13)
+    taken = 0.5 * np.sum((both.voltages * both.currents.conj()).real)
+    assert both.power == pytest.approx(taken, rel=1e-13)
 
 
-def test_one_comb_has_no_voltage():
-    """A shorted reflector is one conductor, an open one none; neither can be driven."""
-    shorted, opened = replace(A, pattern="++"), replace(A, pattern="oo")
-    assert ports_of(shorted, True).kinds == ports_of(opened, False).kinds == ()
-    assert ports_of(shorted, False).kinds == ("mean",)
-    assert np.array_equal(ports_of(shorted, False).potentials[:, 0], [1.0, 0.0])
-    wiring = [ports_of(A, True), ports_of(shorted, True)]
+def test_a_source_of_zero_is_a_load():
+    """Amplitude 0 behind an impedance is that impedance; the admittance is that of the source that is on."""
+    drive = Drive(sources={"b": 0.0, "a": 1.0}, impedance=50.0)
+    found, loaded = solve_circuit(Y, ("a", "b"), (A, B), drive), seen(50.0, 50.0)
+    assert found.voltages == pytest.approx(loaded.voltages, rel=1e-14)
+    assert found.admittance == pytest.approx(loaded.admittance, rel=1e-13)
+    assert found.aperture == A.aperture
+
+
+@pytest.mark.parametrize(
+    ("sources", "message"),
+    [
+        ({}, "must name at least one"),
+        ({"a": np.nan}, r"sources\.a must be finite, got nan"),
+        ({"a": 0.0}, "at least one amplitude that is not 0"),
+    ],
+)
+def test_impossible_sources_are_refused(sources, message):
+    with pytest.raises(ValueError, match=message):
+        Drive(sources=sources)
+
+
+def test_only_transducers_with_two_electrodes_are_driven():
     with pytest.raises(ValueError, match="must have two combs, but 'b' has not"):
-        circuit(Y[:1, :1], (A, replace(shorted, name="b")), wiring, driven="b", source_impedance=0.0)
-
-
-def test_charges_become_currents():
-    """I = i omega Q aperture with Q = -q; the narrower beam is shared."""
-    q = np.array([[-2e-10, 1e-11], [1e-11, -3e-10]])
-    wide = replace(B, aperture=0.05)
-    y = port_admittances(q, (A, wide), FLOATING, 1e6)
-    omega = 2e6 * np.pi
-    assert y[0, 0] == pytest.approx(1j * omega * 2e-10 * 0.02, rel=1e-14)
-    assert y[1, 1] == pytest.approx(1j * omega * 3e-10 * 0.05, rel=1e-14)
-    assert y[0, 1] == y[1, 0] == pytest.approx(-1j * omega * 1e-11 * 0.02, rel=1e-14)
-
-
-def test_unknown_transducer_is_refused():
-    with pytest.raises(ValueError, match=r"drive\.transducer must be one of a, b, got 'c'"):
-        circuit(Y, (A, B), FLOATING, driven="c", source_impedance=0.0)
+        solve_circuit(Y[:1, :1], ("a",), (A, replace(B, pattern="++")), "b")
+    with pytest.raises(ValueError, match=r"the driven transducer must be one of a, b, got 'c'"):
+        solve_circuit(Y, ("a", "b"), (A, B), "c")

@@ -5,7 +5,7 @@ import pytest
 from scipy.sparse import csc_matrix
 
 from fem.direct import direct_solution, sparse_solution
-from fem.discretize.section import Resolution
+from fem.discretize.grading import Resolution
 from fem.materials.christoffel import slowest_wavelength
 from tests.fem.stators import FREQUENCY, comb, cut, plate
 

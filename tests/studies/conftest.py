@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from studies.__main__ import main
+from studies.scene import Scene
 from studies.study import module
 
 SMALL = Path(__file__).parent / "scenes" / "small.toml"  # a whole motor whose stator costs a second
@@ -28,6 +29,20 @@ class Studied:
     def record(self) -> dict:
         """What study.json holds."""
         return json.loads((self.folder / "study.json").read_text(encoding="utf-8"))
+
+
+@pytest.fixture(scope="session")
+def small():
+    """Give the scene of the small motor."""
+    return Scene.load(SMALL)
+
+
+@pytest.fixture(scope="session")
+def small_run(small):
+    """Give the record of a burst of the small motor."""
+    from studies.chain import run
+
+    return run(small.replace(drive={"burst": "0.05 ms"}), tolerance=1e-2)
 
 
 @pytest.fixture(scope="session")

@@ -33,7 +33,7 @@ def used(scene: Scene, tolerance: float) -> dict:
         "seconds": seconds,
         "bytes": peak_memory(),
         "unknowns": None if wave is None else wave.unknowns,
-        "order": None if wave is None else wave.solution.resolution.order,
+        "order": None if wave is None else wave.solution.fields.resolution.order,
         "left_out": record.left_out,
     }
 

@@ -7,7 +7,7 @@ import pytest
 from studies import Scene, SceneError, Wave, chain
 from studies.chain import _needed, bridge, run
 from studies.chain.points import SliderAnswer
-from studies.chain.record import plain
+from studies.record import plain
 from studies.refusal import RunError
 from studies.scene import read_table
 from studies.scene.override import assigned

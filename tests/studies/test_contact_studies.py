@@ -4,13 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 from studies.chain import run
 from studies.motor import load_line, regime_map, step_planner
 from studies.refusal import SceneError
 from studies.scene import Scene, read_table
 from studies.scene.override import assigned
+from studies.view.surface_pictures import new_figure
+from tests.studies.legible import assert_legible
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +67,8 @@ def test_regime_map_lies_on_its_lines():
     assert [finding.confirmed for finding in record.findings] == [True, True]
     kinds = {kind for row in record.panels[0].data["kind"] for kind in row}
     assert kinds == set(regime_map.KINDS)
-    ax = regime_map.figure(record.panels[0], Figure().add_subplot())
+    ax = regime_map.figure(record.panels[0], new_figure(7.0, 4.3)[1])
+    assert_legible(ax.figure)
     assert "nm" in ax.get_xlabel()
     assert "mN" in ax.get_ylabel()
 
@@ -75,7 +77,8 @@ def test_load_line_stalls_and_is_below_one():
     record = load_line.run(points=5)
     assert all(finding.confirmed for finding in record.findings)
     assert [panel.name for panel in record.panels] == ["load_line", "efficiency"]
-    ax = load_line.figure(record.panels[0], Figure().add_subplot())
+    ax = load_line.figure(record.panels[0], new_figure(7.0, 4.3)[1])
+    assert_legible(ax.figure)
     assert len(ax.get_lines()) == 5
 
 
@@ -85,9 +88,11 @@ def test_steps_are_planned_and_grow_as_the_square_of_the_cycles():
     assert [panel.name for panel in record.panels] == ["step_planner", "stopping"]
     (plans,) = record.panels[0].data["planned_cycles"].values()
     assert plans == sorted(plans)
-    ax = step_planner.figure(record.panels[0], Figure().add_subplot())
+    ax = step_planner.figure(record.panels[0], new_figure(7.0, 4.3)[1])
+    assert_legible(ax.figure)
     assert (ax.get_xscale(), ax.get_yscale()) == ("log", "log")
-    assert len(ax.get_lines()) == 2
+    assert len([line for line in ax.get_lines() if len(line.get_xdata())]) == 2
+    assert "planned for 2, 20 nm" in [text.get_text() for text in ax.get_legend().get_texts()]
 
 
 def test_error_against_time_names_who_failed_in_silence(studied):

@@ -12,6 +12,8 @@ from studies.motor import design_map
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.resolved import resolved
+from studies.view.surface_pictures import new_figure
+from tests.studies.legible import assert_legible
 
 OVER = {"wave.normal_amplitude": "0.5 nm:15 nm:7:log", "slider.radius": "0.5 mm:4 mm:4"}
 
@@ -51,10 +53,10 @@ def test_a_value_of_the_map_is_that_of_the_contact(record):
 
 
 def test_the_map_is_drawn_with_units_lines_and_the_scenes_own_point(record):
-    from matplotlib.figure import Figure
-
-    ax = Figure().add_subplot()
-    design_map.figure(record.panels[0], ax)
+    for panel in reversed(record.panels):
+        figure, ax = new_figure(7.0, 4.3)
+        design_map.figure(panel, ax)
+        assert_legible(figure)
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("normal amplitude (nm)", "radius (mm)")
     assert (ax.get_xscale(), ax.get_yscale()) == ("log", "linear")
     labels = [text.get_text() for text in ax.get_legend().get_texts()]
@@ -62,6 +64,18 @@ def test_the_map_is_drawn_with_units_lines_and_the_scenes_own_point(record):
     stars = next(line for line in ax.lines if line.get_label() == "the scene's own")
     assert set(stars.get_ydata()) == {1.0}
     assert 3.0 in [pytest.approx(each) for each in stars.get_xdata()]
+
+
+@pytest.mark.parametrize(
+    ("values", "expected"),
+    [
+        ([0.0, 0.0, 0.3, 210.0], [0, 5, 10, 20, 50, 100, 200, 500]),
+        ([-0.09, -0.001, 0.0, 0.0], [-0.1, -0.05, -0.02, -0.01, -0.005, -0.002, -0.001, 0]),
+        ([10.0, 30.0, 50.0, 60.0], [10, 15, 20, 25, 30, 35, 40, 45, 50, 55, 60]),
+    ],
+)
+def test_a_map_has_colours_of_their_own_over_two_decades(values, expected):
+    assert design_map._levels(np.array(values)) == pytest.approx(expected)
 
 
 def test_a_point_without_an_answer_leaves_a_hole_and_a_remark():

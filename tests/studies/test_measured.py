@@ -6,7 +6,7 @@ import math
 import pytest
 
 from studies.__main__ import main
-from studies.chain.record import Record
+from studies.record import Record
 from studies.refusal import SceneError
 from studies.report.figures import velocity
 from studies.report.measured import compared, comparison_lines, read_measured

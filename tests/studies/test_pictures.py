@@ -4,10 +4,12 @@ import re
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 
 from contact import Orbit, Slider, burst, contact_history, steady
 from studies.view import power_pictures, surface_pictures
 from studies.view.contact_pictures import SlowMotion, moments, start_and_stop, strip
+from tests.studies.legible import assert_legible
 
 UNIT = re.compile(r"\([^()]+\)| over ")  # a ratio has none
 SLIDER = Slider(
@@ -60,6 +62,7 @@ def test_slow_motion_shows_the_instant(found):
     _, drawn = found
     motion = SlowMotion(drawn, title="slow")
     assert labelled(motion.figure)
+    assert_legible(motion.figure)
     pictures = []
     for index in (50, 150):  # crest, trough
         motion.show(index)
@@ -81,8 +84,18 @@ def test_a_strip_has_eight_snapshots_over_five_traces(found):
     figure.canvas.draw()
     assert len(figure.axes) == 13
     assert labelled(figure)
+    assert_legible(figure)
     labels = [ax.get_ylabel() for ax in figure.axes[8:]]
     assert labels == ["z (nm)", "x (nm)", "P (mN)", "Q (mN)", "v (mm/s)"]
+    words = " ".join(text.get_text() for text in figure.findobj(Text))
+    for meaning in (
+        "z: approach",
+        "x: tangential deformation",
+        "P: normal force",
+        "Q: friction force",
+        "not to scale",
+    ):
+        assert meaning in words
 
 
 def test_start_and_stop_end_on_the_slope_of_friction():
@@ -90,6 +103,7 @@ def test_start_and_stop_end_on_the_slope_of_friction():
     figure = start_and_stop([("8 nm", motion)], acceleration=0.08 * 9.81, title="start")
     figure.canvas.draw()
     assert labelled(figure)
+    assert_legible(figure)
     end = figure.axes[1]
     slopes = {line.get_label(): line.get_xydata() for line in end.lines}
     theory = slopes["mu preload / m (theory)"]
@@ -108,6 +122,7 @@ def test_orbits_turn_the_way_the_arrows_say():
     figure = surface_pictures.orbits(places, tangential, normal, per="nm per V", title="orbits")
     figure.canvas.draw()
     assert labelled(figure)
+    assert_legible(figure)
     for ax, a, b in zip(figure.axes, tangential, normal, strict=True):
         (arrow,) = (text for text in ax.texts if text.arrow_patch is not None)
         instants = np.linspace(0, 2 * np.pi, 10001)
@@ -128,7 +143,10 @@ def test_amplitude_tells_the_ripple_of_the_standing_wave():
     )  # fmt: skip
     figure.canvas.draw()
     assert labelled(figure)
+    assert_legible(figure)
     assert "|u_z| 1.22 " in figure.axes[1].get_title()
+    for ax in figure.axes:
+        assert max(line.get_ydata().max() for line in ax.lines[:2]) < 0.95 * ax.get_ylim()[1]
 
 
 def test_depth_profile_puts_points_on_lines():
@@ -138,6 +156,7 @@ def test_depth_profile_puts_points_on_lines():
     figure = surface_pictures.depth_profile(depth, theory, {"section": (depth[::5], points)}, title="depth")
     figure.canvas.draw()
     assert labelled(figure)
+    assert_legible(figure)
     for line, dots in ((0, 2), (1, 3)):
         drawn, marks = figure.axes[0].lines[line].get_xydata(), figure.axes[0].lines[dots].get_xydata()
         np.testing.assert_allclose(np.interp(marks[:, 0], *drawn.T), marks[:, 1], atol=1e-12)
@@ -153,9 +172,10 @@ def test_bars_are_as_long_as_the_powers_and_energies():
     figure.canvas.draw()
     assert [bar.get_width() for bar in figure.axes[0].patches] == pytest.approx([3.6, 2.2, 1.4])
     assert UNIT.search(figure.axes[0].get_xlabel())
+    assert_legible(figure)
     books = vars(steady(SLIDER, ORBIT, tolerance=1e-6).ledger)
     figure = power_pictures.ledger_bars(books, title="8 nm")
-    figure.canvas.draw()
+    assert_legible(figure)
     bars = {
         label.get_text(): bar.get_width()
         for label, bar in zip(figure.axes[0].get_yticklabels(), figure.axes[0].patches, strict=True)
@@ -170,6 +190,7 @@ def test_power_along_the_stator_is_drawn_in_milliwatt():
     figure = power_pictures.power_along(x, 1e-3 * x, covered=[(0.01, 0.02)], given=2e-3, title="flow")
     figure.canvas.draw()
     assert labelled(figure)
+    assert_legible(figure)
     assert figure.axes[0].lines[0].get_ydata()[-1] == pytest.approx(0.1)
 
 
@@ -178,3 +199,42 @@ def test_weights_of_the_depth_integrate_polynomials():
 
     z = line_nodes(np.array([-2.0, -0.5, 0.0]), 4)
     assert power_pictures.depth_weights(z, 4) @ z**4 == pytest.approx(32 / 5, rel=1e-12)
+
+
+@pytest.mark.parametrize("levels", [[0.3e-9, 0.5e-9], [0.5e-9, 3e-9, 10e-9]])
+def test_the_picture_of_the_velocity_says_when_nothing_moves(levels):
+    from studies.chain import run
+    from studies.report.figures import velocity
+    from studies.scene import Scene, read_table
+    from studies.scene.override import replaced
+
+    table = replaced(read_table("twente-contact"), "wave.normal_amplitude", levels)
+    record = run(Scene.from_table("", table), tolerance=1e-3)
+    figure, ax = surface_pictures.new_figure(7.0, 4.3)
+    velocity(record, ax)
+    assert_legible(figure)
+    stuck = "at rest: the slider sticks at every level" in [text.get_text() for text in ax.texts]
+    assert stuck == (levels[-1] < 0.6e-9)
+    assert not stuck or ax.get_ylim() == (-1.0, 1.0)
+
+
+def test_run_plot_shows_what_the_run_draws(tmp_path, monkeypatch, capsys):
+    """Windows are opened after the numbers are saved; where none can be, the run is refused before it begins."""
+    from matplotlib import pyplot
+
+    from studies.__main__ import main
+
+    words = ["run", "twente-contact", "--set", "wave.normal_amplitude=[3e-9, 10e-9]", "--plot", "--no-plot"]
+    monkeypatch.setattr("sys.argv", ["sawmotor", *words, "--out", str(tmp_path / "a")])
+    monkeypatch.setattr(pyplot, "get_backend", lambda: "agg")
+    assert main() == 1
+    assert "pip install PySide6" in capsys.readouterr().err
+    assert not (tmp_path / "a").exists()
+    monkeypatch.setattr(pyplot, "get_backend", lambda: "qtagg")
+    shown = []
+    monkeypatch.setattr(pyplot, "show", lambda: shown.append((tmp_path / "a" / "run.json").exists()))
+    assert main() == 0
+    assert shown == [True]
+    (ax,) = pyplot.gcf().axes
+    assert ax.get_ylabel() == "slider velocity (mm/s)"
+    pyplot.close("all")

@@ -130,6 +130,7 @@ def test_kernels_that_are_not_there_are_counted(monkeypatch, tmp_path):
     folder = tmp_path / "kernels"
     folder.mkdir()
     monkeypatch.setattr(contact.jit.compiled, "_folder", lambda: str(folder))
+    monkeypatch.setattr(contact.jit.compiled, "_folders", lambda: (str(folder),))
     (cold,) = plan(scene, tolerance=1e-3).parts
     assert any("compiled first" in fact for fact in cold.facts)
     (folder / "cycle-turn-9.o").write_bytes(b"")

@@ -130,7 +130,7 @@ def test_numbers_of_the_stator_are_the_records_with_their_errors(driven):
     assert normal.value.startswith(si(abs(driven.wave["normal_m_per_V"]), "m/V"))
     assert normal.error == f"{driven.surface_wave.relative_error:.1e}"
     assert found["discretisation"].value.endswith(f"{driven.surface_wave.unknowns} unknowns")
-    stator = driven.surface_wave.solution.stator
+    stator = driven.surface_wave.solution.fields.stator
     finer = fem.free_wave(stator, frequency=driven.scene.frequency, tolerance=1e-11)
     change = abs(finer.velocity / driven.wave["phase_velocity_m_per_s"] - 1)
     assert change < float(found["phase velocity of the surface mode"].error) < 1e-3

@@ -37,6 +37,7 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "drive.frequency": ["2200 kHz", 2.2e6],
     "drive.burst": ["10 ms"],
     "drive.source_impedance": [50, [1, 2]],
+    "drive.sources": [{"left": 1, "right": "0.5 at 90 deg"}, {"right": [0.3, -1]}],
     "slider.contacts": [2, ["-1 mm", 0, "1 mm"]],
     "slider.preload": ["weight", "5 mN", 0],
     "slider.gravity": [0],
@@ -60,6 +61,7 @@ BAD = {  # a value that no key of such a rule allows
     "Signs": "+-?",
     "OneOf": 3,
     "Within": 3,
+    "Sources": "left",
     "Blocks": 3,
 }
 

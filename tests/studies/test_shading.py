@@ -1,4 +1,4 @@
-"""Colours that every eye can read: even steps in CIELAB, ends apart under each colour-blindness."""
+"""The chosen colour maps can be read by every eye: ends apart and even lightness under each colour-blindness."""
 
 import matplotlib
 import numpy as np
@@ -6,7 +6,7 @@ import pytest
 
 from studies.refusal import SceneError
 from studies.view.movie import reduced
-from studies.view.shading import QUANTITIES, colours, palette, quantity
+from studies.view.shading import DIVERGING, QUANTITIES, SEQUENTIAL, palette, quantity
 
 # Machado, Oliveira and Fernandes 2009, severity 1.0, on linear sRGB
 BLINDNESS = {
@@ -31,38 +31,22 @@ def cielab(rgb):
     return np.stack([116 * f[:, 1] - 16, 500 * (f[:, 0] - f[:, 1]), 200 * (f[:, 1] - f[:, 2])], axis=1)
 
 
-def unevenness(table):
-    """Largest departure of the steps of a scale from their mean, relative, in CIELAB."""
-    steps = np.linalg.norm(np.diff(cielab(linear(table)), axis=0), axis=1)
-    return abs(steps / steps.mean() - 1).max()
-
-
-def test_steps_look_equal():
-    """CIELAB is another model of the eye than the one the scales are made in, and stretches dark orange by 40 %."""
-    assert unevenness(colours("sequential", 33)) < 0.3
-    assert unevenness(colours("diverging", 33)) < 0.45
-    assert unevenness(matplotlib.colormaps["jet"](np.linspace(0, 1, 33))[:, :3]) > 0.8  # the bad example
+def colours(name, count):
+    return matplotlib.colormaps[name](np.linspace(0.0, 1.0, count))[:, :3]
 
 
 @pytest.mark.parametrize("eye", BLINDNESS)
 def test_scales_are_read_by_every_eye(eye):
     seen = {
         name: cielab((linear(colours(name, 65)) @ np.transpose(BLINDNESS[eye])).clip(0, 1))
-        for name in ("diverging", "sequential")
+        for name in (DIVERGING, SEQUENTIAL)
     }
-    signed = seen["diverging"]
+    signed = seen[DIVERGING]
     assert np.linalg.norm(signed[0] - signed[-1]) > 25  # ten just noticeable differences
     assert abs(signed[0, 0] - signed[-1, 0]) < 10  # neither sign looks the larger
     assert np.all(np.diff(signed[:33, 0]) > 0)
     assert np.all(np.diff(signed[32:, 0]) < 0)
-    assert np.all(np.diff(seen["sequential"][:, 0]) < 0)
-
-
-def test_scales_lie_within_what_a_screen_shows():
-    for name in ("diverging", "sequential"):
-        table = colours(name, 300)
-        assert table.shape == (300, 3)
-        assert 0 <= table.min() < table.max() <= 1
+    assert np.all(np.diff(seen[SEQUENTIAL][:, 0]) < 0)
 
 
 def test_every_quantity_has_a_unit_and_an_unknown_one_is_refused():
@@ -75,11 +59,11 @@ def test_every_quantity_has_a_unit_and_an_unknown_one_is_refused():
 
 
 def test_a_palette_holds_the_scale_and_the_marks():
-    """A picture of scale, electrodes, axes, black and white is the same after it has been reduced, to 2 of 255."""
-    table = palette("diverging")
+    """A picture of scale, electrodes, axes, black and white is the same after it has been reduced, to 3 of 255."""
+    table = palette(DIVERGING)
     assert table.shape == (256, 3)
-    marks = np.array([[204, 121, 167], [0, 158, 115], [0, 0, 0], [255, 255, 255]])
-    picture = np.concatenate([np.round(255 * colours("diverging", 500)), marks]).astype(np.uint8)[None]
+    marks = np.array([[204, 121, 167], [230, 159, 0], [0, 158, 115], [0, 0, 0], [255, 255, 255]])
+    picture = np.concatenate([np.round(255 * colours(DIVERGING, 500)), marks]).astype(np.uint8)[None]
     back = np.asarray(reduced(picture, table).convert("RGB")).astype(int)
-    assert abs(back - picture).max() <= 2
-    np.testing.assert_array_equal(back[0, -4:], marks)
+    assert abs(back - picture).max() <= 3
+    np.testing.assert_array_equal(back[0, -5:], marks)

@@ -45,15 +45,15 @@ def test_a_velocity_out_of_reach_is_recorded_with_its_error(two_levels, table):
 
 def test_a_level_that_has_no_answer_leaves_the_one_below(monkeypatch, table):
     del table["slider"]
-    solve = harmonic.solved
+    solve = harmonic.solve_driven
 
     def refused(*arguments, resolution, **rest):
         if resolution == harmonic.LEVELS[2]:
             raise ConvergenceError("the guided modes leave a residual")
         return solve(*arguments, resolution=resolution, **rest)
 
-    monkeypatch.setattr(harmonic, "solved", refused)
+    monkeypatch.setattr(harmonic, "solve_driven", refused)
     record = run(Scene.from_table("", table), tolerance=1e-4)
-    assert record.surface_wave.solution.resolution == harmonic.LEVELS[1]
+    assert record.surface_wave.solution.fields.resolution == harmonic.LEVELS[1]
     assert 1e-4 < record.error["relative"] < 0.1
     assert "was asked for" in record.shortfall

@@ -123,7 +123,7 @@ def test_a_lobe_beyond_the_range_is_refused(monkeypatch):
     import studies.chain.center as center
 
     rising = SimpleNamespace(
-        waves=lambda frequencies, **rest: [
+        waves=lambda frequencies, drive: [
             SimpleNamespace(
                 covered=lambda place: False, rayleigh_motion=lambda place, f=f: np.array([0.0, f])
             )
@@ -140,8 +140,8 @@ def test_a_frequency_at_which_the_band_fails_is_solved_by_itself():
     class Failing:
         limits = (1.0, 3.0)
 
-        def wave(self, frequency, **_):
+        def wave(self, frequency, drive):
             raise ConvergenceError("its modes leave a residual")
 
     failing = Response(limits=(1.0, 3.0), bands=(Failing(),), alone=lambda frequency: ("alone", frequency))
-    assert failing.wave(2.0, driven="left") == ("alone", 2.0)
+    assert failing.wave(2.0, "left") == ("alone", 2.0)

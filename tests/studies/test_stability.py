@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from fem.analytic.half_space import rayleigh
+from fem.analytic.lamb import bulk_velocities, plate_wavenumbers, rayleigh_velocity
 from fem.materials import isotropic
 from studies.evidence import left_out, stability
 from studies.evidence.omission import OMISSIONS
@@ -18,7 +19,6 @@ from studies.evidence.stability.case import Case, Outcome
 from studies.evidence.stability.verdict import NoWitness, judged
 from studies.refusal import RunError
 from studies.study import STUDIES
-from studies.view.lamb import bulk_velocities, plate_wavenumbers, rayleigh_velocity
 
 
 def case_of(room, part: str, varied: str, value: float) -> Outcome:

@@ -25,7 +25,7 @@ from studies.sweep.workers import Here
 
 OVER = {"slider.preload": "0.1 mN:10 mN:8:log", "wave.normal_amplitude": "0.5 nm:20 nm:6"}
 SMALL = {
-    "stator": {"material": "PZT-8", "length": 12e-3, "thickness": 0.7e-3, "width": 0.01, "ends": "absorbing"},
+    "stator": {"material": "PZT-8", "length": 12e-3, "thickness": 0.7e-3, "width": 0.025, "ends": "absorbing"},
     "transducer": [
         {"name": "left", "center": 3e-3, "finger_pairs": 2, "period": 0.98e-3, "metallisation": 0.5, "aperture": 0.02}
     ],
@@ -323,7 +323,7 @@ def test_a_second_driver_is_refused_while_the_first_lives(tmp_path):
 
 
 def test_a_driver_that_is_killed_loses_nothing_that_it_reported(tmp_path):
-    over = {"slider.preload": "0.1 mN:10 mN:100:log", "wave.normal_amplitude": "0.5 nm:20 nm:50:log"}
+    over = {"slider.preload": "0.1 mN:10 mN:60:log", "wave.normal_amplitude": "0.5 nm:20 nm:50:log"}
     words = [part for key, text in over.items() for part in ("--over", f"{key}={text}")]
     process = command("twente-contact", *words, "--out", str(tmp_path / "s"))
     reported = []
@@ -332,7 +332,7 @@ def test_a_driver_that_is_killed_loses_nothing_that_it_reported(tmp_path):
         reported = seen(tmp_path / "s")
     process.send_signal(signal.SIGKILL)
     process.communicate()
-    assert 0 < len(reported) < 5000
+    assert 0 < len(reported) < 3000
     assert rows(tmp_path / "s")[: len(reported)] == reported
     found = sweep("twente-contact", over, out=tmp_path / "s")
     assert found.columns() == sweep("twente-contact", over).columns()
@@ -423,7 +423,8 @@ def test_processes_that_do_not_start_are_said_to(tmp_path):
 
 @pytest.mark.slow
 def test_an_interrupt_from_the_terminal_stops_processes_and_keeps_points(tmp_path):
-    over = {"slider.preload": "0.1 mN:10 mN:400:log", "wave.normal_amplitude": "0.5 nm:20 nm:100:log"}
+    # so many points that no machine is done with them before the interrupt
+    over = {"slider.preload": "0.1 mN:10 mN:1000:log", "wave.normal_amplitude": "0.5 nm:20 nm:1000:log"}
     words = [part for key, text in over.items() for part in ("--over", f"{key}={text}")]
     process = command(
         "twente-contact", *words, "--workers", "2", "--out", str(tmp_path / "s"), start_new_session=True
@@ -431,11 +432,11 @@ def test_an_interrupt_from_the_terminal_stops_processes_and_keeps_points(tmp_pat
     while not seen(tmp_path / "s"):
         time.sleep(0.1)
     os.killpg(process.pid, signal.SIGINT)
-    _, err = process.communicate(timeout=30)
+    _, err = process.communicate(timeout=300)
     assert process.returncode == 1
     assert "points are kept and the same command goes on" in err.splitlines()[-1]
     assert "Traceback" not in err
-    assert 0 < len(rows(tmp_path / "s")) < 40_000
+    assert 0 < len(rows(tmp_path / "s")) < 1_000_000
 
 
 @pytest.mark.slow

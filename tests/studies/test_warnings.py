@@ -14,8 +14,9 @@ import pytest
 import fem
 from studies.__main__ import main
 from studies.chain import run
-from studies.chain.record import Record
-from studies.chain.warnings import breakdown_voltage, hertz_pressure, warnings
+from studies.chain.stator_warnings import breakdown_voltage
+from studies.chain.warnings import hertz_pressure, warnings_of
+from studies.record import Record
 from studies.scene import Scene, read_table, shipped_scenes
 from studies.scene.override import assigned
 from studies.scene.resolved import resolved
@@ -74,12 +75,12 @@ def test_shipped_scenes_give_none(name):
         block, key = ("wave", "normal_amplitude") if chosen.wave is not None else ("drive", "voltage")
         few = (min(chosen.levels), max(chosen.levels))
         chosen = replace(chosen, **{block: replace(getattr(chosen, block), **{key: few})})
-    assert run(chosen, tolerance=5e-2).warnings == ()
+    assert run(chosen, tolerance=0.2).warnings == ()
 
 
 def test_the_made_up_record_gives_none():
-    assert warnings(record("twente")) == ()
-    assert warnings(record("lithium-niobate-yz")) == ()
+    assert warnings_of(record("twente")) == ()
+    assert warnings_of(record("lithium-niobate-yz")) == ()
 
 
 def test_hertz_pressure_is_hertz():
@@ -94,34 +95,34 @@ def test_hertz_pressure_is_hertz():
 def test_pressure_on_the_balls():
     four = ['slider.contacts=["-6 mm", "-2 mm", "2 mm", "6 mm"]', 'slider.ball="steel"', "slider.preload=5 N"]
     said = only(
-        warnings(record("lithium-niobate-yz", *four)), "at rest", "1.5 GPa", "ISO 281", "larger balls"
+        warnings_of(record("lithium-niobate-yz", *four)), "at rest", "1.5 GPa", "ISO 281", "larger balls"
     )
     pressure = (6 * 1.25 * 101.155e9**2 / (math.pi**3 * 0.5e-3**2)) ** (1 / 3)
     assert f"{pressure / 1e9:.3g} GPa at rest" in said
-    assert warnings(record("lithium-niobate-yz", *four[:2], "slider.preload=1 N")) == ()
+    assert warnings_of(record("lithium-niobate-yz", *four[:2], "slider.preload=1 N")) == ()
 
 
 def test_pressure_on_the_stator_and_on_the_crest():
     """Twente's ball with 172 mN: p0 = 515 MPa at rest, more on the crest; with 300 mN more at rest."""
     only(
-        warnings(record("twente", "slider.preload=0.172 N")),
+        warnings_of(record("twente", "slider.preload=0.172 N")),
         "on the wave's crest",
         "the stator",
         "0.517 GPa",
         "TP-226",
     )
-    only(warnings(record("twente", "slider.preload=0.3 N")), "at rest", "the stator")
-    assert warnings(record("twente", "slider.preload=0.1 N")) == ()
-    assert warnings(record("twente", "slider.preload=0 N")) == ()
+    only(warnings_of(record("twente", "slider.preload=0.3 N")), "at rest", "the stator")
+    assert warnings_of(record("twente", "slider.preload=0.1 N")) == ()
+    assert warnings_of(record("twente", "slider.preload=0 N")) == ()
 
 
 def test_field_in_the_gaps():
     gap = scene("twente").transducer[0].period / 4
     above = record("twente", f"drive.voltage={1.501e6 * gap}", "stator.ends=absorbing")
-    found = [text for text in warnings(above) if "MV/m" in text]
+    found = [text for text in warnings_of(above) if "MV/m" in text]
     only(tuple(found), "1.5 MV/m", "depoling field", f"below {1.5e6 * gap:.3g} V")
     below = record("twente", f"drive.voltage={1.499e6 * gap}")
-    assert not [text for text in warnings(below) if "MV/m" in text]
+    assert not [text for text in warnings_of(below) if "MV/m" in text]
 
 
 def test_breakdown_of_air():
@@ -130,44 +131,52 @@ def test_breakdown_of_air():
     assert 290 < breakdown_voltage(8e-6) < 340  # Paschen's minimum in air: 327 V at 7.5 um
     gap = 0.338e-3 / 4
     limit = breakdown_voltage(gap)
-    found = warnings(record("lithium-niobate-yz", f"drive.voltage={1.01 * limit}"))
+    found = warnings_of(record("lithium-niobate-yz", f"drive.voltage={1.01 * limit}"))
     only(found, "Paschen", f"{limit:.3g} V")
-    assert warnings(record("lithium-niobate-yz", f"drive.voltage={0.99 * limit}")) == ()
+    assert warnings_of(record("lithium-niobate-yz", f"drive.voltage={0.99 * limit}")) == ()
 
 
 def test_stress_of_the_wave():
     c = fem.material("PZT-8").stiffness
     strain = 2 * np.pi * 2.2e6 / 2172.0 * 1.7e-10
     limit = 34e6 / ((c[0, 0] - c[0, 2] ** 2 / c[2, 2]) * strain)
-    found = [text for text in warnings(record("twente", f"drive.voltage={1.01 * limit}")) if "stress" in text]
+    found = [
+        text for text in warnings_of(record("twente", f"drive.voltage={1.01 * limit}")) if "stress" in text
+    ]
     only(tuple(found), "34 MPa", f"below {limit:.3g} V")
-    assert not [t for t in warnings(record("twente", f"drive.voltage={0.99 * limit}")) if "stress" in t]
+    assert not [t for t in warnings_of(record("twente", f"drive.voltage={0.99 * limit}")) if "stress" in t]
 
 
 def test_off_resonance():
-    found = warnings(record("lithium-niobate-yz", "transducer.0.period=auto"))
+    found = warnings_of(record("lithium-niobate-yz", "transducer.0.period=auto"))
     only(found, "31 % larger at 9.812 MHz", "drive.frequency", "scale the period by 1.019")
-    found = warnings(record("twente", "drive.frequency=2.3 MHz", "transducer.0.period=0.98736 mm"))
+    found = warnings_of(record("twente", "drive.frequency=2.3 MHz", "transducer.0.period=0.98736 mm"))
     only(found, "larger at 2.1", "off the transducer's resonance")
-    assert warnings(record("twente", "drive.frequency=2.21 MHz", "transducer.0.period=0.98736 mm")) == ()
+    assert warnings_of(record("twente", "drive.frequency=2.21 MHz", "transducer.0.period=0.98736 mm")) == ()
     split = ["transducer.0.split=true", "transducer.0.period=0.9 mm"]
-    assert warnings(record("twente", *split)) == ()  # fingers that do not reflect have no such formula
+    assert warnings_of(record("twente", *split)) == ()  # fingers that do not reflect have no such formula
 
 
 def test_lossless_stator_with_reflecting_ends():
-    said = warnings(record("lithium-niobate-yz", "stator.ends=free"))
+    said = warnings_of(record("lithium-niobate-yz", "stator.ends=free"))
     only(said, "lossless", "standing-wave ratio 236", "stator.mechanical_quality")
-    assert warnings(record("lithium-niobate-yz", "stator.ends=free", "stator.mechanical_quality=5000")) == ()
-    assert warnings(record("twente", "stator.ends=free")) == ()
+    assert (
+        warnings_of(record("lithium-niobate-yz", "stator.ends=free", "stator.mechanical_quality=5000")) == ()
+    )
+    assert warnings_of(record("twente", "stator.ends=free")) == ()
 
 
 def test_thin_plate():
     said = only(
-        warnings(record("twente", transfer_length=0.15)), "150 mm of the stator's 160 mm", "5.1 wavelengths"
+        warnings_of(record("twente", transfer_length=0.15)),
+        "150 mm of the stator's 160 mm",
+        "5.1 wavelengths",
     )
     assert "absorbing" in said
-    assert warnings(record("twente", transfer_length=0.17)) == ()
-    assert warnings(record("twente", "stator.bottom=absorbing", transfer_length=0.15)) == ()
+    assert warnings_of(record("twente", transfer_length=0.17)) == ()
+    assert warnings_of(record("twente", "stator.bottom=absorbing", transfer_length=0.15)) == ()
+    only(warnings_of(record("twente", "stator.thickness=0.9 mm")), "0.91 wavelengths", "plate wave")
+    assert warnings_of(record("twente", "stator.thickness=1.1 mm")) == ()
 
 
 def test_the_transfer_length_is_half_a_beat_of_the_plate_modes():
@@ -184,7 +193,7 @@ def test_the_transfer_length_is_half_a_beat_of_the_plate_modes():
 
 
 def test_several_balls_at_one_place():
-    only(warnings(record("twente-contact", "slider.contacts=4")), "4 balls at one place", "offsets")
+    only(warnings_of(record("twente-contact", "slider.contacts=4")), "4 balls at one place", "offsets")
 
 
 def test_reversal_between_neighbouring_points():
@@ -194,12 +203,12 @@ def test_reversal_between_neighbouring_points():
             for k, v in enumerate(speeds, start=1)
         )
 
-    found = warnings(record("twente", points=moving(-0.01, -0.02, 0.015, 0.02)))
+    found = warnings_of(record("twente", points=moving(-0.01, -0.02, 0.015, 0.02)))
     only(found, "between 20 and 30 V", "-20 and 15 mm/s", "more values")
-    only(warnings(record("twente", points=moving(-0.01, 0.0, 0.02))), "between 10 and 30 V")
-    assert warnings(record("twente", points=moving(-0.01, 0.0, -0.02))) == ()
+    only(warnings_of(record("twente", points=moving(-0.01, 0.0, 0.02))), "between 10 and 30 V")
+    assert warnings_of(record("twente", points=moving(-0.01, 0.0, -0.02))) == ()
     creeping = 0.009 * 2 * math.pi * 2.2e6 * 1e-9
-    assert warnings(record("twente", points=moving(creeping, -0.02))) == ()
+    assert warnings_of(record("twente", points=moving(creeping, -0.02))) == ()
 
 
 def test_all_points_stick(tmp_path, capsys):
@@ -226,3 +235,15 @@ def test_all_points_stick(tmp_path, capsys):
 def test_a_run_without_warnings_has_no_such_block(tmp_path, capsys):
     assert main(["run", "twente-contact", "--set", "wave.normal_amplitude=5 nm", "--json"]) == 0
     assert "warnings" not in json.loads(capsys.readouterr().out)
+
+
+def test_a_second_steady_motion_is_said_with_both_velocities():
+    found = run(
+        scene("twente-contact", "wave.normal_amplitude=10 nm", "slider.damping.normal=0"), tolerance=1e-3
+    )
+    (point,) = found.points
+    here, other = (f"{point[key] * 1e3:.4g}" for key in ("velocity_m_per_s", "other_velocity_m_per_s"))
+    only(warnings_of(found), "goes on for ever", here, other, "slider.damping.normal")
+    assert not any(
+        "bounce" in text for text in warnings_of(run(scene("twente-contact", "wave.normal_amplitude=10 nm")))
+    )

@@ -54,10 +54,7 @@ def _uniform(problem: Problem, *, per_wavelength: int, triangles: bool):
 
 
 def _direct(problem: Problem, *, order: int, edge_layers: int):
-    from fem.circuit import circuit, port_admittances, ports_of
-    from fem.direct import direct_solution
-    from fem.discretize.section import Resolution
-    from fem.materials.christoffel import slowest_wavelength
+    from fem import Resolution, direct_solution, slowest_wavelength, solve_circuit
 
     def once():
         solution = direct_solution(
@@ -68,10 +65,8 @@ def _direct(problem: Problem, *, order: int, edge_layers: int):
             wavelength=slowest_wavelength(problem.stator.solid, problem.frequency),
             stretch_size=1.0,
         )
-        wiring = [ports_of(each, True) for each in problem.transducers]
-        admittances = port_admittances(solution.charges, problem.transducers, wiring, problem.frequency)
         driven = problem.transducers[0].name
-        wired = circuit(admittances, problem.transducers, wiring, driven=driven, source_impedance=0.0)
+        wired = solve_circuit(solution.admittances, solution.names, problem.transducers, driven)
         motion = solution.surface(np.array([problem.place]))[:, 0] @ wired.voltages
         return wired.admittance, motion, solution.unknowns
 
@@ -79,30 +74,25 @@ def _direct(problem: Problem, *, order: int, edge_layers: int):
 
 
 def _structured(problem: Problem, *, level: int):
-    from fem.discretize.refinement import LEVELS
-    from fem.results.evaluation import surface_wave
-    from fem.solution import solved
-    from fem.threads import one_blas_thread
+    from fem import LEVELS, one_blas_thread, solve_driven, surface_of
 
     @one_blas_thread
     def once():
-        solution = solved(
+        solution = solve_driven(
             problem.stator,
             problem.transducers,
             frequency=problem.frequency,
-            driven=problem.transducers[0].name,
-            source_impedance=0.0,
+            drive=problem.transducers[0].name,
             resolution=LEVELS[level],
         )
-        wave = surface_wave(solution)
-        return wave.admittance, wave.motion(problem.place), wave.unknowns
+        motion = surface_of(solution).motion(problem.place)
+        return solution.circuit.admittance, motion, solution.fields.unknowns
 
     return once
 
 
 def _band(problem: Problem, *, tolerance: float):
-    from fem import frequency_band
-    from fem.threads import one_blas_thread
+    from fem import frequency_band, one_blas_thread
 
     driven = problem.transducers[0].name
     band = frequency_band(
@@ -110,14 +100,14 @@ def _band(problem: Problem, *, tolerance: float):
         problem.transducers,
         lowest=BAND[0] * problem.frequency,
         highest=BAND[1] * problem.frequency,
-        driven=driven,
+        drive=driven,
         tolerance=tolerance,
         places=(problem.place,),
     )
 
     @one_blas_thread
     def once():
-        wave = band.wave(problem.frequency, driven=driven)
+        wave = band.wave(problem.frequency, driven)
         return wave.admittance, wave.motion(problem.place), wave.unknowns
 
     return once

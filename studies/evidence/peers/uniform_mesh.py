@@ -58,8 +58,7 @@ def uniform_solution(
     from scipy.sparse import csr_matrix, identity, kron
     from skfem import Basis, BilinearForm, ElementQuad2, ElementTriP2, MeshQuad, MeshTri
 
-    from fem.direct import sparse_solution
-    from fem.materials import fields
+    from fem import fields, sparse_solution
     from fem.materials.medium import medium, units
 
     names = fields(stator.solid)

@@ -18,7 +18,7 @@ PART = "chain"
 TOLERANCE, TIGHTER = 1e-3, (1e-5, 1e-4)
 SCENE = {
     "title": "a small motor",
-    "stator": {"material": "PZT-8", "length": 9e-3, "thickness": 0.7e-3, "width": 5e-3, "ends": "absorbing"},
+    "stator": {"material": "PZT-8", "length": 9e-3, "thickness": 0.7e-3, "width": 0.025, "ends": "absorbing"},
     "transducer": [
         {"name": "left", "center": 3e-3, "finger_pairs": 2, "metallisation": 0.5, "aperture": 0.02},
     ],

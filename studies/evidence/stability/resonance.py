@@ -43,9 +43,7 @@ def piece_resonance(motor) -> float:
 
 
 def _section(motor):
-    from fem.discretize.refinement import LEVELS
-    from fem.discretize.section import discretise
-    from fem.materials.christoffel import slowest_wavelength
+    from fem import LEVELS, discretise, slowest_wavelength
 
     return discretise(
         motor.stator,
@@ -57,9 +55,9 @@ def _section(motor):
 
 def _negatives(motor, frequency: float) -> int:
     """Negative eigenvalues of the line in mid-finger when the cell's sides are clamped."""
+    from fem import LEVELS
     from fem.condense.superelement import folded
     from fem.condense.transducer import FingerShape, half_cells
-    from fem.discretize.refinement import LEVELS
 
     section = _section(motor)
     unit, transducer = section.length_unit, motor.transducers[0]

@@ -68,6 +68,13 @@ class Motor:
         """Return the motor with another driven transducer."""
         return replace(self, transducers=(replace(self.transducers[0], **changes), *self.transducers[1:]))
 
+    @property
+    def drive(self):
+        """Its ``fem.Drive``."""
+        import fem
+
+        return fem.Drive(sources={self.transducers[0].name: 1.0}, impedance=self.source_impedance)
+
     def wave(self, tolerance: float):
         """Return its ``fem.SurfaceWave``."""
         import fem
@@ -76,8 +83,7 @@ class Motor:
             self.stator,
             self.transducers,
             frequency=self.frequency,
-            driven=self.transducers[0].name,
-            source_impedance=self.source_impedance,
+            drive=self.drive,
             tolerance=tolerance,
             places=(self.place,),
         )

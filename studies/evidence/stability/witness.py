@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.convergence import ConvergenceError
+from fem import ConvergenceError
 from studies.evidence.stability.verdict import NoWitness
 
 __all__ = ["compared"]
@@ -87,10 +87,7 @@ def _strips(motor, _) -> tuple[complex, np.ndarray]:
 
 def _direct(motor, _) -> tuple[complex, np.ndarray]:
     """The whole section as one sparse matrix, one level finer than the answer."""
-    from fem.circuit import circuit, port_admittances, ports_of
-    from fem.direct import direct_solution
-    from fem.discretize.section import Resolution
-    from fem.materials.christoffel import slowest_wavelength
+    from fem import Resolution, direct_solution, slowest_wavelength, solve_circuit
 
     solution = direct_solution(
         motor.stator,
@@ -101,37 +98,24 @@ def _direct(motor, _) -> tuple[complex, np.ndarray]:
         stretch_size=0.25,
         stretch_layers=3,
     )
-    floats = motor.stator.bottom != "grounded"
-    wiring = [ports_of(each, floats) for each in motor.transducers]
-    admittances = port_admittances(solution.charges, motor.transducers, wiring, motor.frequency)
-    wired = circuit(
-        admittances,
-        motor.transducers,
-        wiring,
-        driven=motor.transducers[0].name,
-        source_impedance=motor.source_impedance,
-    )
+    wired = solve_circuit(solution.admittances, solution.names, motor.transducers, motor.drive)
     return wired.admittance, solution.surface(np.array([motor.place]))[:, 0] @ wired.voltages
 
 
 def _finer(motor, answer) -> tuple[complex, np.ndarray]:
     """The next level of the discretisation; beyond the last, one of higher order."""
-    from fem.discretize.refinement import LEVELS
-    from fem.results.evaluation import surface_wave
-    from fem.solution import solved
+    from fem import LEVELS, solve_driven, surface_of
 
-    level = LEVELS.index(answer.solution.resolution)
+    level = LEVELS.index(answer.solution.fields.resolution)
     finest = replace(LEVELS[-1], order=12)
-    solution = solved(
+    solution = solve_driven(
         motor.stator,
         motor.transducers,
         frequency=motor.frequency,
-        driven=motor.transducers[0].name,
-        source_impedance=motor.source_impedance,
+        drive=motor.drive,
         resolution=LEVELS[level + 1] if level + 1 < len(LEVELS) else finest,
     )
-    wave = surface_wave(solution)
-    return wave.admittance, wave.motion(motor.place)
+    return solution.circuit.admittance, surface_of(solution).motion(motor.place)
 
 
 def _size(motor, _) -> tuple[complex, np.ndarray]:

@@ -48,12 +48,11 @@ def test_the_frequency_and_the_height_of_the_largest_wave_are_those_of_the_drive
 
     def meshed(frequency):
         wave = fem.driven_wave(
-            stator, (transducer,), frequency=frequency, driven="a", source_impedance=0.0, tolerance=5e-2,
+            stator, (transducer,), frequency=frequency, drive="a", tolerance=0.2,
             places=(13e-3,),
         )  # fmt: skip
         return abs(wave.rayleigh_motion(13e-3)[1])
 
-    low, peak, middle = (meshed(frequency) for frequency in (9.7e6, best, 10e6))
-    sizes = np.interp([9.7e6, best, 10e6], frequencies, estimate)
-    assert low / peak == pytest.approx(sizes[0] / sizes[1], rel=0.06)
-    assert middle / peak == pytest.approx(sizes[2] / sizes[1], rel=0.06)
+    peak, middle = (meshed(frequency) for frequency in (best, 10e6))
+    sizes = np.interp([best, 10e6], frequencies, estimate)
+    assert middle / peak == pytest.approx(sizes[1] / sizes[0], rel=0.06)

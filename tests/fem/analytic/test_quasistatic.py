@@ -86,7 +86,7 @@ def test_a_driven_comb_on_weakly_coupled_quartz():
     )
     theory = transducer_estimate(solid, row)
     place = 0.75 * stator.length
-    wave = driven_wave(stator, (row,), frequency=FREQUENCY, driven="a", tolerance=1e-2, places=(place,))
+    wave = driven_wave(stator, (row,), frequency=FREQUENCY, drive="a", tolerance=1e-2, places=(place,))
     assert wave.admittance.real == pytest.approx(theory.conductance(FREQUENCY), rel=0.03)
     assert wave.admittance.imag == pytest.approx(2 * np.pi * FREQUENCY * theory.capacitance, rel=0.02)
     assert abs(wave.rayleigh_motion(place)[1]) == pytest.approx(theory.normal(FREQUENCY), rel=0.03)
@@ -98,7 +98,7 @@ def test_capacitance_of_a_pattern_at_low_frequency(pattern):
     stator = plate(cut("PZT-8", "Z", loss=0.0), length=8.0, thickness=3.0)
     row = comb(stator, "a", 4.0, finger_pairs=4, pattern=pattern)
     low = 0.04 * FREQUENCY
-    wave = driven_wave(stator, (row,), frequency=low, driven="a", tolerance=0.1)
+    wave = driven_wave(stator, (row,), frequency=low, drive="a", tolerance=0.1)
     expected = 2 * np.pi * low * transducer_estimate(stator.solid, row, "open").capacitance
     assert wave.admittance.imag == pytest.approx(expected, rel=0.08)
 

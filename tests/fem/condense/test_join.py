@@ -8,7 +8,7 @@ import pytest
 from fem.condense.join import joined, lines, repeated, swapped, widths
 from fem.condense.superelement import condensed
 from fem.condense.transducer import FingerShape, finger_cell, half_cells
-from fem.discretize.section import Resolution
+from fem.discretize.grading import Resolution
 from fem.waveguide.modes import guided_modes
 from tests.fem.stators import FREQUENCY, cut, lossless, plate, section
 

@@ -5,8 +5,7 @@ import pytest
 
 from fem.condense import join, transducer
 from fem.condense.size import stator_size
-from fem.results.evaluation import surface_wave
-from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution
+from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of
 
 PZT, CUT = cut("PZT-8", "Z"), cut("LiNbO3 (Warner)", "YZ")
 PLAIN = plate(PZT)
@@ -43,21 +42,23 @@ def test_counts_are_what_a_solution_does(monkeypatch, stator, row, layers):
         if hasattr(join, name):
             monkeypatch.setattr(join, name, counted)
     solved = solution(stator, row, order=3, layers=layers)
-    size = stator_size(stator, row, frequency=FREQUENCY, resolution=solved.resolution)
+    size = stator_size(stator, row, frequency=FREQUENCY, resolution=solved.fields.resolution)
     assert {"joined": size.joins, "condensed": size.condensed} == done
-    assert size.unknowns == surface_wave(solved).unknowns
-    assert size.line == len(solved.modes.wavenumbers)
-    assert size.scatterers == len({id(each.block) for each in solved.network.scatterers})
-    assert size.complex == np.iscomplexobj(solved.network.scatterers[0].block.matrix)
+    assert size.unknowns == wave_of(solved).unknowns
+    assert size.line == len(solved.fields.modes.wavenumbers)
+    assert size.scatterers == len({id(each.block) for each in solved.fields.network.scatterers})
+    assert size.complex == np.iscomplexobj(solved.fields.network.scatterers[0].block.matrix)
 
 
 def test_memory_of_the_blocks_is_that_of_their_arrays():
     row = CASES["one"][1]
     for solid in (PZT, lossless("PZT-8", "Z")):
         solved = solution(plate(solid), row, layers=1)
-        size = stator_size(plate(solid), row, frequency=FREQUENCY, resolution=solved.resolution)
+        size = stator_size(plate(solid), row, frequency=FREQUENCY, resolution=solved.fields.resolution)
         assert size.complex == (solid is PZT)
-        assert size.block_bytes == pytest.approx(_bytes(solved.network.scatterers[0].block), rel=0.3, abs=0)
+        assert size.block_bytes == pytest.approx(
+            _bytes(solved.fields.network.scatterers[0].block), rel=0.3, abs=0
+        )
 
 
 def _bytes(block):

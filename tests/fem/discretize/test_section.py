@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from skfem import Basis, BilinearForm, ElementLinePp, MeshLine
 
-from fem.discretize.section import FIELD_COLUMN, LAYER_RATIO, graded
+from fem.discretize.grading import LAYER_RATIO, graded
+from fem.discretize.section import FIELD_COLUMN
 from fem.materials.medium import vacuum_medium
 from tests.fem.stators import FREQUENCY, cut, lossless, plate, section
 

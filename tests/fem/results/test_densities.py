@@ -9,11 +9,10 @@ from fem.analytic.half_space import rayleigh
 from fem.discretize.spectral import gll_nodes, lagrange, line_nodes
 from fem.materials import isotropic
 from fem.results.densities import densities, shared, upward_slope
-from fem.results.evaluation import surface_wave
 from fem.results.field import free_field, wave_field
-from fem.results.power_balance import audit
+from fem.results.power_balance import power_balance
 from fem.solve.free import free_wave
-from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution
+from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of
 
 OMEGA = 2 * np.pi * FREQUENCY
 
@@ -34,11 +33,11 @@ def test_power_sent_out_is_what_the_audit_says(name, orientation):
     """Poynting's vector over the depth on both sides of the transducer against the modes' amplitudes."""
     stator = plate(cut(name, orientation), length=6.0)
     found = solution(stator, (comb(stator, "a", 2.3, finger_pairs=1),), order=9, layers=2)
-    wave = surface_wave(found)
+    wave = wave_of(found)
     field = wave_field(wave, energies=True)
     lines = np.searchsorted(field.x, [wave.pieces[1].start - 1e-9, wave.pieces[1].stop + 1e-9])
     flux = depth_integral(field.densities.power_flow[lines - [0, 1], :, 0], field.z, 9)
-    aperture, told = found.transducers[0].aperture, audit(found)
+    aperture, told = found.fields.transducers[0].aperture, power_balance(found)
     assert (flux[-1] - flux[0]) * aperture == pytest.approx(told.radiated, rel=5e-6)  # the fingers' edges
     assert flux[0] < 0 < flux[-1]
 

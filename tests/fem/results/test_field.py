@@ -5,10 +5,9 @@ import pytest
 
 from fem.discretize.spectral import line_nodes
 from fem.materials import fields
-from fem.results.evaluation import surface_wave
 from fem.results.field import WaveField, wave_field
 from fem.results.files import read_vtu, write_vtu
-from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution
+from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of
 
 CASES = (
     (cut("PZT-8", "Z"), {"ends": "free"}),
@@ -25,7 +24,7 @@ def case(request):
     solid, rest = request.param
     stator = plate(solid, length=7.0, **rest)
     row = comb(stator, "a", 1.7, finger_pairs=2), comb(stator, "b", 5.3, period=0.9)
-    wave = surface_wave(solution(stator, row, order=8))
+    wave = wave_of(solution(stator, row, order=8))
     return wave, wave_field(wave, per_wavelength=24)
 
 
@@ -35,18 +34,18 @@ def test_surface_of_the_field_is_the_surface_motion(case):
     assert np.all(np.diff(field.z) > 0)
     assert (field.x[0], field.x[-1]) == pytest.approx((0, wave.length))
     assert field.z[-1] == 0
-    assert field.z[0] == pytest.approx(-wave.solution.stator.thickness, rel=1e-12)
+    assert field.z[0] == pytest.approx(-wave.solution.fields.stator.thickness, rel=1e-12)
     motion = wave.motion(np.clip(field.x, 0, wave.length))
     size = np.abs(motion).max()
     assert np.abs(field.displacement[:, -1, [0, 2]] - motion.T).max() < 1e-8 * size
-    if "uy" not in fields(wave.solution.stator.solid):
+    if "uy" not in fields(wave.solution.fields.stator.solid):
         assert not np.any(field.displacement[:, :, 1])
 
 
 def test_fingers_are_equipotential(case):
-    """Half a volt either way on the driven combs, up to the mean; the open transducer's at what its circuit says."""
+    """One volt between the driven electrodes, their mean zero where it is a matter of gauge."""
     wave, field = case
-    driven, other = wave.solution.transducers
+    driven, other = wave.solution.fields.transducers
     potentials = [
         field.potential[(field.x >= left - 1e-12) & (field.x <= right + 1e-12), -1]
         for transducer in (driven, other)
@@ -55,8 +54,9 @@ def test_fingers_are_equipotential(case):
     assert min(len(values) for values in potentials) > 8
     assert max(np.abs(values - values[0]).max() for values in potentials) < 1e-9
     a = [values[0] for values in potentials[: 2 * driven.finger_pairs]]
-    assert np.array(a[::2]) == pytest.approx(0.5, abs=1e-9)
-    assert np.array(a[1::2]) == pytest.approx(-0.5, abs=1e-9)
+    assert np.subtract(a[::2], a[1::2]) == pytest.approx(1.0, abs=1e-9)
+    if wave.solution.fields.section.floats:
+        assert np.add(a[::2], a[1::2]) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_potential_is_continuous(case):
@@ -90,8 +90,8 @@ def test_field_satisfies_the_equations():
 
     solid = cut("LiNbO3 (Ogi)", (17.0, 31.0, 49.0), quality=300.0)
     stator = plate(solid, length=6.0, thickness=0.9)
-    wave = surface_wave(solution(stator, (comb(stator, "a", 1.5),), order=12))
-    section = wave.solution.section
+    wave = wave_of(solution(stator, (comb(stator, "a", 1.5),), order=12))
+    section = wave.solution.fields.section
     field = wave_field(wave, per_wavelength=600)
     body = medium(solid, fields(solid))
     unit = section.length_unit
@@ -133,7 +133,7 @@ def test_file_is_a_mesh_of_the_section(case, tmp_path):
     along, up = corners[:, 1] - corners[:, 0], corners[:, 3] - corners[:, 0]
     areas = along[:, 0] * up[:, 2]
     assert areas.min() > 0
-    assert areas.sum() == pytest.approx(wave.length * wave.solution.stator.thickness, rel=1e-9)
+    assert areas.sum() == pytest.approx(wave.length * wave.solution.fields.stator.thickness, rel=1e-9)
     assert "displacement_m_per_V_real" in mesh.point_data
     assert "potential_V_per_V_imag" in mesh.point_data
 

@@ -1,11 +1,13 @@
 """Surface motion: continuous along the stator, split into modes, and named by its direction."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from fem.results.evaluation import surface_wave
-from fem.results.surface import Covered, Stretch
-from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution
+from fem.convergence import ConvergenceError
+from fem.results.surface import MeshedPiece, UniformSegment
+from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of
 
 CASES = (
     (cut("PZT-8", "Z"), {"ends": "free"}),
@@ -20,12 +22,12 @@ def wave(request):
     solid, rest = request.param
     stator = plate(solid, length=8.0, **rest)
     pair = comb(stator, "a", 1.7, finger_pairs=2), comb(stator, "b", 6.1, period=0.9)
-    return surface_wave(solution(stator, pair, order=6, layers=1))
+    return wave_of(solution(stator, pair, order=6, layers=1))
 
 
 def test_pieces_tile_the_stator(wave):
     kinds = [type(piece) for piece in wave.pieces]
-    assert kinds == [Stretch, Covered, Stretch, Covered, Stretch]
+    assert kinds == [UniformSegment, MeshedPiece, UniformSegment, MeshedPiece, UniformSegment]
     for before, after in zip(wave.pieces[:-1], wave.pieces[1:], strict=False):
         assert before.stop == pytest.approx(after.start, rel=1e-12)
     assert (wave.pieces[0].start, wave.pieces[-1].stop) == pytest.approx((0, wave.length))
@@ -38,7 +40,7 @@ def test_motion_is_continuous(wave):
         at = np.array([after.start])
         assert np.abs(before.motion(at) - after.motion(at)).max() < 1e-7 * size
     for piece in wave.pieces[1::2]:
-        assert np.abs(piece.values[:-1, -1] - piece.values[1:, 0]).max() < 1e-10 * size
+        assert np.abs(piece.columns[1][:-1, -1] - piece.columns[1][1:, 0]).max() < 1e-10 * size
 
 
 def test_places(wave):
@@ -76,7 +78,7 @@ def test_rayleigh_part(wave):
 def test_wave_runs_away_from_its_transducer():
     """Retrograde far to the right and to the left: u_x = +i r u_z where it runs to +x, -i r where to -x; no echo."""
     stator = plate(lossless("PZT-8", "Z"), length=20.0, thickness=4.0)
-    wave = surface_wave(solution(stator, (comb(stator, "a", 10.0, finger_pairs=4),), order=6, layers=1))
+    wave = wave_of(solution(stator, (comb(stator, "a", 10.0, finger_pairs=4),), order=6, layers=1))
     right, left = (wave.rayleigh_motion(share * wave.length) for share in (0.9, 0.1))
     assert np.imag(right[0] / right[1]) == pytest.approx(wave.surface_ratio, rel=1e-3)
     assert np.imag(left[0] / left[1]) == pytest.approx(-wave.surface_ratio, rel=1e-3)
@@ -90,7 +92,7 @@ def test_standing_wave_ratio():
     ratios = {}
     for ends in ("absorbing", "free"):
         stator = plate(solid, length=30.0, thickness=1.0, ends=ends)
-        wave = surface_wave(solution(stator, (comb(stator, "a", 5.0, finger_pairs=3),)))
+        wave = wave_of(solution(stator, (comb(stator, "a", 5.0, finger_pairs=3),)))
         ratios[ends] = wave.standing_wave_ratio(15.0 * wave.length / 30.0)
         x = np.linspace(14.2, 15.8, 3001) * wave.length / 30.0
         reach = wave.phase_velocity / FREQUENCY
@@ -99,3 +101,18 @@ def test_standing_wave_ratio():
         assert ratios[ends] >= 0.98 * size.max() / size.min()
     assert 1 < ratios["absorbing"]
     assert ratios["free"] != pytest.approx(ratios["absorbing"], rel=1e-2)
+
+
+def test_an_amplitude_that_no_stator_reaches_is_refused(wave):
+    """Beyond a micrometre per volt a motion is an artefact: refused wherever it is asked for, not passed on."""
+    grown = [
+        replace(piece, right=1e7 * piece.right, left=1e7 * piece.left)
+        if isinstance(piece, UniformSegment)
+        else piece
+        for piece in wave.pieces
+    ]
+    loud, at = replace(wave, pieces=tuple(grown)), 0.5 * (wave.pieces[2].start + wave.pieces[2].stop)
+    assert abs(wave.motion(at)).max() < 1e-6
+    for asked in (loud.motion, loud.rayleigh_motion, loud.standing_wave_ratio):
+        with pytest.raises(ConvergenceError, match="more than 1e-06 m per V"):
+            asked(at)

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from fem.circuit import Drive
 from fem.convergence import ConvergenceError
 from fem.solve.band_setup import frequency_band
 from fem.solve.burst import burst_response
@@ -20,14 +21,14 @@ class Line:
         self.response, self.limits, self.error = response, (low, high), error
         self.asked = []
 
-    def waves(self, frequencies, *, driven, source_impedance):
-        self.asked.append((driven, source_impedance))
+    def waves(self, frequencies, drive):
+        self.asked.append(drive)
         motions = (np.array([0.6j, 1.0]) * self.response(frequency) for frequency in frequencies)
         return [SimpleNamespace(motion=lambda place, u=u: u, relative_error=self.error) for u in motions]
 
 
 def responded(response, *, duration=40e-6, tolerance=1e-4, most=4096, **rest):
-    asked = {"driven": "a", "frequency": F0, "duration": duration, "tolerance": tolerance, "most": most}
+    asked = {"drive": "a", "frequency": F0, "duration": duration, "tolerance": tolerance, "most": most}
     return burst_response(Line(response, **rest), 0.01, **asked)
 
 
@@ -72,7 +73,7 @@ def test_the_counter_rotating_half_kicks_by_the_phase_of_the_switch():
     rate = 2.5e5
     line = Line(lambda f: 1 / (1 + 2j * np.pi * (f - F0) / rate))
     envelopes = [
-        burst_response(line, 0.0, driven="a", frequency=F0, duration=1e-3, tolerance=1e-4, phase=phase)
+        burst_response(line, 0.0, drive="a", frequency=F0, duration=1e-3, tolerance=1e-4, phase=phase)
         for phase in (0.0, 0.25 * np.pi)
     ]
     time = envelopes[0].time
@@ -148,17 +149,16 @@ def test_what_never_settles_is_refused():
     ],
 )
 def test_an_impossible_burst_is_refused(changes, words):
-    asked = {"driven": "a", "frequency": F0, "duration": 1e-5, "tolerance": 1e-2} | changes
+    asked = {"drive": "a", "frequency": F0, "duration": 1e-5, "tolerance": 1e-2} | changes
     with pytest.raises(ValueError, match=words):
         burst_response(Line(delayed(5e-6, 3e-6)), 0.0, **asked)
 
 
 def test_source_and_response_are_passed_on():
     line = Line(delayed(5e-6, 3e-6), error=3e-3)
-    found = burst_response(
-        line, 0.0, driven="left", frequency=F0, duration=1e-5, tolerance=1e-2, source_impedance=5j
-    )
-    assert set(line.asked) == {("left", 5j)}
+    drive = Drive(sources={"left": 1.0}, impedance=5j)
+    found = burst_response(line, 0.0, drive=drive, frequency=F0, duration=1e-5, tolerance=1e-2)
+    assert line.asked == [drive] * len(line.asked)
     assert found.response_error == 3e-3
     assert found.relative_error == found.band_error + found.step_error + 3e-3
 
@@ -171,7 +171,7 @@ def stators():
         stator = plate(cut("PZT-8", "Z", quality=100.0), length=24.0, thickness=2.0, ends=ends)
         row = comb(stator, "a", 6.0, finger_pairs=5, period=1.01)
         band = frequency_band(
-            stator, (row,), lowest=0.8 * FREQUENCY, highest=1.25 * FREQUENCY, driven="a", tolerance=0.1
+            stator, (row,), lowest=0.8 * FREQUENCY, highest=1.25 * FREQUENCY, drive="a", tolerance=0.1
         )
         place = 17.0 * stator.length / 24.0
         found[ends] = (
@@ -179,14 +179,14 @@ def stators():
             row,
             place,
             band,
-            burst_response(band, place, driven="a", frequency=FREQUENCY, duration=60e-6, tolerance=3e-2),
+            burst_response(band, place, drive="a", frequency=FREQUENCY, duration=60e-6, tolerance=3e-2),
         )
     return found
 
 
 def test_the_stator_s_wave_comes_when_it_can_and_settles_at_the_single_frequency(stators):
     stator, row, place, band, found = stators["absorbing"]
-    wave = band.wave(FREQUENCY, driven="a")
+    wave = band.wave(FREQUENCY, drive="a")
     assert found.steady_normal == pytest.approx(complex(wave.motion(place)[1]), rel=1e-12)
     assert found.early < 5e-3
     size = abs(found.normal) / abs(found.steady_normal)
@@ -204,7 +204,7 @@ def test_free_ends_send_echoes_at_their_time(stators):
     """Both blocks agree until the wave that went left has been sent back; then they do not."""
     _, row, place, _, free = stators["free"]
     absorbing = stators["absorbing"][-1]
-    speed = stators["free"][3].wave(FREQUENCY, driven="a").phase_velocity
+    speed = stators["free"][3].wave(FREQUENCY, drive="a").phase_velocity
     echo = (place + row.center - 2.5 * row.period) / speed  # the nearest finger's
     common = np.linspace(0, 50e-6, 2000)
     values = [

@@ -10,24 +10,22 @@ from fem.convergence import ConvergenceError
 from fem.discretize.refinement import EXPECTED, LEVELS
 from fem.geometry import Stator, Transducer
 from fem.materials import material
-from fem.results.evaluation import surface_wave
-from fem.solution import solved
-from fem.solve.harmonic import driven_wave, orbit_difference
-from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate
+from fem.results.solution import solve_driven
+from fem.solve.harmonic import driven_wave, motion_difference
+from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, wave_of
 
 SOLID = cut("PZT-8", "Z")
 STATOR = plate(SOLID, length=7.0, thickness=0.7, ends="free")
 PAIR = (comb(STATOR, "a", 1.6, finger_pairs=2), comb(STATOR, "b", 5.2, period=0.9))
 
 
-def level(number, stator, transducers, *, driven="a"):
-    return surface_wave(
-        solved(
+def level(number, stator, transducers, *, drive="a"):
+    return wave_of(
+        solve_driven(
             stator,
             transducers,
             frequency=FREQUENCY,
-            driven=driven,
-            source_impedance=0.0,
+            drive=drive,
             resolution=LEVELS[number],
         )
     )
@@ -39,7 +37,7 @@ def test_levels_converge():
     at = np.array([0.5 * STATOR.length])
     for errors in (
         [abs(wave.admittance / waves[-1].admittance - 1) for wave in waves[:-1]],
-        [orbit_difference(wave, waves[-1], at) for wave in waves[:-1]],
+        [motion_difference(wave.motion(at), waves[-1].motion(at)) for wave in waves[:-1]],
     ):
         assert errors[-1] < 2e-3
         for coarse, fine in pairwise(errors):
@@ -48,10 +46,10 @@ def test_levels_converge():
 
 def test_answer_carries_its_error_cost_and_power():
     told = []
-    wave = driven_wave(STATOR, PAIR, frequency=FREQUENCY, driven="a", tolerance=1e-2, progress=told.append)
+    wave = driven_wave(STATOR, PAIR, frequency=FREQUENCY, drive="a", tolerance=1e-2, progress=told.append)
     fine = level(3, STATOR, PAIR)
     at = np.array([0.5 * STATOR.length])
-    assert orbit_difference(wave, fine, at) < 2 * wave.relative_error
+    assert motion_difference(wave.motion(at), fine.motion(at)) < 2 * wave.relative_error
     assert abs(wave.admittance / fine.admittance - 1) < 2 * wave.admittance_error
     assert 0 < wave.relative_error <= 1e-2
     assert wave.power_residual < 1e-6
@@ -61,13 +59,12 @@ def test_answer_carries_its_error_cost_and_power():
     assert wave.seconds > 0
     assert len(told) >= 3
     assert wave.comb_voltage_per_volt == 1
-    assert any("out-of-plane" in reason for reason in wave.left_out)
     assert wave.frequency == FREQUENCY
 
 
 def test_absorbing_ends_radiate():
     stator = replace(STATOR, ends="absorbing", solid=lossless("PZT-8", "Z"))
-    wave = driven_wave(stator, PAIR, frequency=FREQUENCY, driven="a", tolerance=1e-2)
+    wave = driven_wave(stator, PAIR, frequency=FREQUENCY, drive="a", tolerance=1e-2)
     assert wave.power_radiated == pytest.approx(wave.power_input, rel=1e-9)
     assert abs(wave.power_dissipated) < 1e-9 * wave.power_input
 
@@ -84,8 +81,8 @@ def test_orbits_do_not_know_the_phase():
 
     wave = level(0, STATOR, PAIR)
     at = np.array([0.3, 0.5]) * STATOR.length
-    assert orbit_difference(wave, Turned(wave, np.exp(0.7j)), at) < 1e-12
-    assert orbit_difference(wave, Turned(wave, 1.01), at) == pytest.approx(0.01, rel=0.02)
+    assert motion_difference(wave.motion(at), Turned(wave, np.exp(0.7j)).motion(at)) < 1e-12
+    assert motion_difference(wave.motion(at), Turned(wave, 1.01).motion(at)) == pytest.approx(0.01, rel=0.02)
 
 
 VARIED = {
@@ -120,11 +117,11 @@ def test_error_estimate_is_honest(name):
             stator,
             (transducer,),
             frequency=FREQUENCY,
-            driven="a",
+            drive="a",
             tolerance=tolerance,
             places=tuple(at),
         )
-        assert orbit_difference(wave, finest, at) < 2 * wave.relative_error
+        assert motion_difference(wave.motion(at), finest.motion(at)) < 2 * wave.relative_error
         assert abs(wave.admittance / finest.admittance - 1) < 2 * wave.admittance_error
 
 
@@ -137,7 +134,7 @@ def test_half_space_does_not_know_where_its_absorber_begins(name, orientation, m
     near = drive(stator, (transducer,), places=tuple(at))
     monkeypatch.setattr("fem.discretize.section.HALF_SPACE_DEPTH", 3.0)
     far = drive(stator, (transducer,), places=tuple(at))
-    assert orbit_difference(near, far, at) < near.relative_error + far.relative_error
+    assert motion_difference(near.motion(at), far.motion(at)) < near.relative_error + far.relative_error
     assert near.power_residual < 1e-6
 
 
@@ -148,16 +145,16 @@ def test_levels_and_expectations_match():
 
 def drive(stator=STATOR, transducers=PAIR, **changes):
     return driven_wave(
-        stator, transducers, **({"frequency": FREQUENCY, "driven": "a", "tolerance": 1e-2} | changes)
+        stator, transducers, **({"frequency": FREQUENCY, "drive": "a", "tolerance": 1e-2} | changes)
     )
 
 
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"driven": "c"}, r"drive\.transducer must be one of a, b, got 'c'"),
-        ({"frequency": np.nan}, r"drive\.frequency must be positive and finite, got nan Hz"),
-        ({"frequency": -2e6}, r"drive\.frequency must be positive and finite, got -2000000\.0 Hz"),
+        ({"drive": "c"}, r"the driven transducer must be one of a, b, got 'c'"),
+        ({"frequency": np.nan}, r"frequency must be positive and finite, got nan Hz"),
+        ({"frequency": -2e6}, r"frequency must be positive and finite, got -2000000\.0 Hz"),
         ({"transducers": (PAIR[0], PAIR[0])}, "transducer names must differ"),
         (
             {"transducers": (PAIR[0], replace(PAIR[0], name="b", center=1.2 * PAIR[0].center))},

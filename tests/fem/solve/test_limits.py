@@ -6,9 +6,8 @@ import pytest
 from fem.condense.join import joined
 from fem.condense.transducer import FingerShape, half_cells
 from fem.convergence import ConvergenceError
-from fem.discretize.section import Resolution
-from fem.results.evaluation import surface_wave
-from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, section, solution
+from fem.discretize.grading import Resolution
+from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, section, solution, wave_of
 
 PZT = cut("PZT-8", "Z")
 
@@ -90,7 +89,7 @@ def test_more_fingers_than_can_be_walked_through_are_refused():
 
 def test_a_very_long_surface_is_sampled_less_often_and_as_truly():
     stator = plate(PZT, length=2e4)
-    wave = surface_wave(solution(stator, (comb(stator, "a", 2.0),)))
+    wave = wave_of(solution(stator, (comb(stator, "a", 2.0),)))
     x, motion = wave.samples()
     assert 50_000 < len(x) < 51_000
     place = int(np.argmax(abs(motion[1])))

@@ -10,11 +10,10 @@ from fem.analytic.half_space import coupling, rayleigh
 from fem.analytic.quasistatic import surface_permittivity
 from fem.condense.transducer import finger_cell
 from fem.discretize.refinement import LEVELS
-from fem.results.evaluation import surface_wave
-from fem.solution import solved
+from fem.results.solution import solve_driven
 from fem.waveguide.cell_parameters import cell_triple
 from fem.waveguide.grating import StopBand, grating
-from tests.fem.stators import comb, lossless, plate
+from tests.fem.stators import comb, lossless, plate, wave_of
 
 PERIOD = 1e-3
 
@@ -122,15 +121,14 @@ def test_a_finite_reflector_sends_back_tanh_of_its_fingers(sign):
     mirror = replace(
         comb(stator, "b", 35.0, frequency=band.middle, finger_pairs=12, pattern=24 * sign), period=PERIOD
     )
-    solution = solved(
+    solution = solve_driven(
         stator,
         (sender, mirror),
         frequency=band.middle,
-        driven="a",
-        source_impedance=0.0,
+        drive="a",
         resolution=LEVELS[0],
     )
-    between = surface_wave(solution).pieces[2]
+    between = wave_of(solution).pieces[2]
     mode = between.rayleigh[0]
     returned = abs(between.left[mode] / between.right[mode])
     assert returned == pytest.approx(np.tanh(24 * band.reflectivity), rel=0.08)

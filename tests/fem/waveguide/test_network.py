@@ -10,7 +10,6 @@ from fem.waveguide.modes import guided_modes
 from fem.waveguide.network import NEGLIGIBLE, Scatterer
 from tests.fem.stators import (
     FREQUENCY,
-    admittances,
     comb,
     cut,
     lossless,
@@ -97,21 +96,21 @@ def test_absorbing_ends_do_not_know_the_length():
     for longer in (0.0, 3.7):
         stator = plate(solid, length=6.0 + 2 * longer)
         one, other = comb(stator, "a", 1.5 + longer), comb(stator, "b", 4.2 + longer)
-        found.append(admittances(solution(stator, (one, other))))
+        found.append(solution(stator, (one, other)).fields.admittances)
     assert np.abs(found[0] - found[1]).max() < 1e-12 * np.abs(found[0]).max()
 
 
 def test_only_modes_that_survive_couple():
     stator = plate(cut("PZT-4", "Z"), length=9.0)
     solved = solution(stator, (comb(stator, "a", 1.5), comb(stator, "b", 7.0)))
-    network = solved.network
+    network = solved.fields.network
     for length in (0.1, 1.0, 5.0):
         kept = network.survivors(length)
-        decay = np.abs(np.exp(-1j * solved.modes.wavenumbers * length))
+        decay = np.abs(np.exp(-1j * solved.fields.modes.wavenumbers * length))
         assert decay[kept].min() > NEGLIGIBLE
-        assert solved.modes.wavenumbers[kept].all()
+        assert solved.fields.modes.wavenumbers[kept].all()
     assert len(network.survivors(5.0)) < 0.6 * len(network.survivors(0.1))
-    edges = network.stretches * solved.section.length_unit
+    edges = network.segments * solved.fields.section.length_unit
     assert edges[0, 0] == 0
     assert edges[-1, 1] == pytest.approx(stator.length, rel=1e-12)
     assert np.all(np.diff(edges.ravel()) > 0)
@@ -123,6 +122,6 @@ def test_distant_ends_matter_to_rounding_only_with_loss():
     ports = []
     for ends in ("free", "clamped", "absorbing"):
         stator = plate(solid, length=60.0, ends=ends)
-        ports.append(admittances(solution(stator, (comb(stator, "a", 30.0),)))[0, 0])
+        ports.append(solution(stator, (comb(stator, "a", 30.0),)).fields.admittances[0, 0])
     assert ports[0] == pytest.approx(ports[2], rel=1e-9)
     assert ports[1] == pytest.approx(ports[2], rel=1e-9)

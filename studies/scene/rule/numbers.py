@@ -1,66 +1,18 @@
-"""The rules that a key of a scene obeys: how its value is read, what is allowed, how it is written back.
-
-A rule's ``read(path, value)`` returns the value in SI units, immutable, or raises SceneError; it accepts what
-a TOML file holds and what it returned before.  ``written(value)`` is the inverse, in terms of a TOML document.
-``expected`` says in words what is allowed, ``schema()`` says it as JSON Schema (draft 2020-12).
-"""
+"""Numbers: quantities with their unit, counts, impedances and tables."""
 
 import re
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import Any
 
-from studies.refusal import Refusals, SceneError, nearest, shown
+from studies.refusal import SceneError, shown
 from studies.scene.quantity import DIMENSIONS, POWERS, si_value
+from studies.scene.rule.protocol import Rule
+from studies.scene.rule.words import Choice
 
-__all__ = ["Choice", "Count", "Flag", "Impedance", "Listed", "Matrix", "Quantity", "Rule", "Signs", "Text"]
+__all__ = ["Count", "Impedance", "Matrix", "Quantity"]
 
-
-MAX_SIZE = (
-    1e30  # in SI units; beyond it, and below its inverse, no motor has a quantity: products stay finite
-)
+# In SI units: beyond it, and below its inverse, no motor has a quantity; products of a few stay finite.
+MAX_SIZE = 1e30
 DIGITS = r"(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?"
-
-
-class Rule:
-    """What a value may be."""
-
-    def read(self, path: str, value) -> Any:
-        """Return the value in SI units, immutable."""
-        raise NotImplementedError
-
-    def written(self, value) -> Any:
-        """Return what a TOML document holds for a value that was read."""
-        return value
-
-    @property
-    def expected(self) -> str:
-        """What is allowed, as a noun: ``a length in m, positive, or a string such as "5 mm"``."""
-        raise NotImplementedError
-
-    @property
-    def range(self) -> str:
-        """What is allowed, in few words, beside the unit."""
-        return self.expected
-
-    @property
-    def unit_name(self) -> str:
-        """The SI unit of a number; empty where there is none."""
-        return getattr(self, "unit", "")
-
-    def schema(self) -> dict:
-        """Return the JSON Schema of a value."""
-        raise NotImplementedError
-
-    @staticmethod
-    def read_each(rule: "Rule", path: str, values) -> tuple:
-        """Return the entries of a list as a rule reads them; every fault is said."""
-        refusals, entries = Refusals(), []
-        for index, value in enumerate(values):
-            with refusals:
-                entries.append(rule.read(f"{path}.{index}", value))
-        refusals.raise_all()
-        return tuple(entries)
 
 
 @dataclass(frozen=True)
@@ -135,93 +87,6 @@ class Quantity(Rule):
 
 
 @dataclass(frozen=True)
-class Choice(Rule):
-    """One of a few words."""
-
-    words: tuple[str, ...]
-
-    def read(self, path, value):
-        """Return the word."""
-        if not isinstance(value, str) or value not in self.words:
-            allowed = self.expected
-            hint = nearest(value, self.words) if isinstance(value, str) and len(self.words) > 1 else ""
-            raise SceneError(path, f"must be {allowed}, got {shown(value)}{hint if 'mean' in hint else ''}")
-        return value
-
-    @property
-    def expected(self):
-        """The words."""
-        return " or ".join(f'"{word}"' for word in self.words)
-
-    def schema(self):
-        """Return the words."""
-        return {"enum": list(self.words)}
-
-
-@dataclass(frozen=True)
-class Text(Rule):
-    """Free text on one line."""
-
-    def read(self, path, value):
-        """Return the text."""
-        if not isinstance(value, str) or not value.isprintable():
-            raise SceneError(path, f"must be text on one line, got {shown(value)}")
-        return value
-
-    @property
-    def expected(self):
-        """Any text."""
-        return "text on one line"
-
-    def schema(self):
-        """Return a string."""
-        return {"type": "string"}
-
-
-@dataclass(frozen=True)
-class Signs(Rule):
-    """A row of signs, at least one."""
-
-    allowed: str
-
-    def read(self, path, value):
-        """Return the text."""
-        if not isinstance(value, str) or not value or set(value) - set(self.allowed):
-            signs = " ".join(self.allowed)
-            raise SceneError(path, f"must be a text of the signs {signs}, got {shown(value)}")
-        return value
-
-    @property
-    def expected(self):
-        """The signs."""
-        return f"a text of the signs {' '.join(self.allowed)}"
-
-    def schema(self):
-        """Return a string of these signs."""
-        return {"type": "string", "pattern": f"^[{re.escape(self.allowed)}]+$"}
-
-
-@dataclass(frozen=True)
-class Flag(Rule):
-    """True or false."""
-
-    def read(self, path, value):
-        """Return the boolean."""
-        if not isinstance(value, bool):
-            raise SceneError(path, f"must be true or false, got {shown(value)}")
-        return value
-
-    @property
-    def expected(self):
-        """The two words."""
-        return "true or false"
-
-    def schema(self):
-        """Return a boolean."""
-        return {"type": "boolean"}
-
-
-@dataclass(frozen=True)
 class Count(Rule):
     """An integer of at least 1."""
 
@@ -291,58 +156,6 @@ class Impedance(Rule):
         resistance = Quantity("ohm", zero=True, words=self.words).schema()["anyOf"]
         pair = [Quantity("ohm", zero=True).schema(), Quantity("ohm", negative=True).schema()]
         return {"anyOf": [*resistance, {"type": "array", "prefixItems": pair, "minItems": 2, "maxItems": 2}]}
-
-
-@dataclass(frozen=True)
-class Listed(Rule):
-    """One value or a list that is not empty; ``alone`` is the rule of a single value, if another one."""
-
-    each: Rule
-    alone: Rule | None = None
-    distinct: bool = False
-
-    def read(self, path, value):
-        """Return a tuple, or what ``alone`` makes of a single value."""
-        if not isinstance(value, (list, tuple)):
-            if self.alone is not None:
-                return self.alone.read(path, value)
-            return (self.each.read(path, value),)
-        if not value:
-            raise SceneError(path, "must name at least one value, got an empty list")
-        values = self.read_each(self.each, path, value)
-        if self.distinct and any(first == second for first, second in pairwise(sorted(values))):
-            raise SceneError(path, f"must differ from each other, got {shown(list(values))}")
-        return values
-
-    def written(self, value):
-        """Return a list."""
-        return list(value) if isinstance(value, tuple) else value
-
-    @property
-    def expected(self):
-        """The single value, and the list."""
-        if self.alone is None:
-            return f"{self.each.expected}; one or a list"
-        return f"{self.alone.expected}; or a list, each {self.each.expected}"
-
-    @property
-    def range(self):
-        """The single value, and the list."""
-        if self.alone is None:
-            return f"{self.each.range}; one or a list"
-        return f"{self.alone.range}; or a list, {self.each.range}{', all different' if self.distinct else ''}"
-
-    @property
-    def unit_name(self):
-        """Of an entry."""
-        return self.each.unit_name
-
-    def schema(self):
-        """Return the single value or the list."""
-        several = {"type": "array", "items": self.each.schema(), "minItems": 1}
-        if self.distinct:
-            several["uniqueItems"] = True
-        return {"anyOf": [(self.alone or self.each).schema(), several]}
 
 
 @dataclass(frozen=True)

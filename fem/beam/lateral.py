@@ -1,0 +1,68 @@
+"""Inverse transform over the lateral wavenumber k_y.
+
+The integrand has branch points at k_y = +-k_p near the real axis, from which a contour
+
+    k_y = t +- i D tanh(t / 3 D)
+
+keeps its distance (+ for modes whose phase runs along their power, - for the others).  It is analytic in a strip about
+the contour, so that the trapezoidal rule in t converges exponentially, as exp(-2 pi D / h) (Trefethen and Weideman,
+SIAM Review 56 (2014) 385), and half as many nodes leave the square root of its error.  The factor exp(D r) by which
+the integrand grows, r the farthest lateral distance from a point to the aperture, bounds D.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+GROWTH = 4.0  # D r; half or twice as much takes 1.5 times as many nodes
+MAX_TILT = 0.04  # D over the largest wavenumber, where the aperture is a few wavelengths only
+SPACING = 0.36  # h / D: 1e-8 on the seed's stator; half as many nodes give 1e-4
+EVANESCENT = 20.0  # exponent at which evanescent k_y are cut off
+
+
+@dataclass(frozen=True, kw_only=True)
+class LateralRule:
+    """Nodes for the half-line t >= 0 and weights that contain 1/pi (even integrands over the whole line, over 2 pi).
+
+    Attributes
+    ----------
+    nodes, weights : ndarray, shape (n,)
+        rad/m, complex; n odd, so that every second node is a rule too, with twice the weights.
+    """
+
+    nodes: np.ndarray = field(repr=False)
+    weights: np.ndarray = field(repr=False)
+
+    @property
+    def conjugate(self) -> "LateralRule":
+        """The same rule below the real axis."""
+        return LateralRule(nodes=self.nodes.conj(), weights=self.weights.conj())
+
+
+def lateral_rule(highest: float, reach: float, distance: float) -> LateralRule:
+    """Nodes and weights of the integral over k_y.
+
+    Parameters
+    ----------
+    highest : float
+        Square root of the largest real part of k_p^2, rad/m: beyond it all modes are evanescent along x.
+    reach : float
+        Half the aperture and the largest |y| together, m.
+    distance : float
+        From the nearest charge to the nearest point along x, m.
+
+    Returns
+    -------
+    LateralRule
+    """
+    offset = min(GROWTH / reach, MAX_TILT * highest)
+    scale = 3.0 * offset
+    top = float(np.hypot(highest, EVANESCENT / distance)) + scale
+    count = 2 * int(np.ceil(top / (SPACING * offset) / 2))
+    t = np.linspace(0.0, top, count + 1)
+    weights = np.full(count + 1, t[1] / np.pi)
+    weights[[0, -1]] *= 0.5
+    tilt = np.tanh(t / scale)
+    return LateralRule(
+        nodes=t + 1j * offset * tilt, weights=weights * (1.0 + 1j * (offset / scale) * (1.0 - tilt**2))
+    )

@@ -1,0 +1,59 @@
+"""Guided modes of a uniform segment: wavenumbers along x, shapes through the depth, the surface wave among them."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fem.materials import Solid
+
+
+@dataclass(frozen=True, kw_only=True)
+class SegmentModes:
+    """Modes that run or decay towards +x, fields ~ exp(i (omega t - k_x x - k_y y)).
+
+    Attributes
+    ----------
+    frequency : float
+        Hz.
+    lateral_wavenumber : float
+        k_y in rad/m.
+    wavenumbers : ndarray, shape (modes,), complex
+        k_x in rad/m, those that decay least first; Im k_x <= 0 where a mode decays.
+    surface : ndarray of int
+        The surface wave's modes; two in a plate whose faces are alike.
+    depth : ndarray, shape (nodes,)
+        z of the nodes in m, 0 at the surface.
+    shapes : ndarray, shape (modes, nodes, 4), complex
+        u_x, u_y, u_z and phi, the largest displacement 1; phi in V per m of it.
+    solid : Solid
+        The segment's, in the frame of the cut.
+    relative_error : float
+        Of the surface wave's k_x over the wavenumber sqrt(k_x^2 + k_y^2).
+    unknowns : int
+    """
+
+    frequency: float
+    lateral_wavenumber: float
+    wavenumbers: np.ndarray = field(repr=False)
+    surface: np.ndarray
+    depth: np.ndarray = field(repr=False)
+    shapes: np.ndarray = field(repr=False)
+    solid: Solid = field(repr=False)
+    relative_error: float
+    unknowns: int
+
+    @property
+    def surface_wavenumber(self) -> complex:
+        """k_x of the surface wave in rad/m; the mean where two modes make it up."""
+        return complex(np.mean(self.wavenumbers[self.surface]))
+
+    @property
+    def surface_angle(self) -> float:
+        """Angle of the surface wave's wave vector from the x axis, rad."""
+        return float(np.arctan2(self.lateral_wavenumber, self.surface_wavenumber.real))
+
+    @property
+    def surface_velocity(self) -> float:
+        """Phase velocity of the surface wave in the direction of its wave vector, m/s."""
+        wavenumber = np.hypot(self.surface_wavenumber.real, self.lateral_wavenumber)
+        return float(2 * np.pi * self.frequency / wavenumber)

@@ -1,0 +1,52 @@
+"""A driven stator on one discretisation: the ports' fields and the circuit that weighs them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.circuit import Circuit, Drive, solve_circuit
+from fem.discretize.grading import Resolution
+from fem.geometry import Stator, Transducer
+from fem.waveguide.port_fields import PortFields, solve_ports
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solution:
+    """Fields per volt at each port, and the voltages of the ports: their product is the field.
+
+    Attributes
+    ----------
+    fields : PortFields
+    circuit : Circuit
+    """
+
+    fields: PortFields
+    circuit: Circuit
+
+    def sides(self, index: int) -> np.ndarray:
+        """Lines and electrode potentials of a transducer, scaled, shape (2 n + 2,)."""
+        return self.fields.sides[index] @ self.circuit.voltages
+
+    def incoming(self, index: int) -> np.ndarray:
+        """Part of a transducer's lines that comes in, scaled, shape (2 n,)."""
+        return self.fields.incoming[index] @ self.circuit.voltages
+
+
+def solve_driven(
+    stator: Stator,
+    transducers: tuple[Transducer, ...],
+    *,
+    frequency: float,
+    drive: str | Drive,
+    resolution: Resolution,
+) -> Solution:
+    """Solve a driven stator on one discretisation, at a frequency in Hz."""
+    return driven_solution(
+        solve_ports(stator, transducers, frequency=frequency, resolution=resolution), drive
+    )
+
+
+def driven_solution(fields: PortFields, drive: str | Drive) -> Solution:
+    """Weigh the ports' fields with the voltages of a circuit."""
+    circuit = solve_circuit(fields.admittances, fields.names, fields.transducers, drive)
+    return Solution(fields=fields, circuit=circuit)

@@ -1,0 +1,124 @@
+"""The driven stator's answer at one frequency: surface motion, circuit and power, each with its error."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from fem.circuit import Circuit
+from fem.results.evaluation import surface_of
+from fem.results.power_balance import PowerBalance, power_balance
+from fem.results.solution import Solution
+from fem.results.surface import Surface
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurfaceWave(Surface):
+    """The driven stator's answer at one frequency, per volt of the drive (peak).
+
+    Attributes
+    ----------
+    frequency, length, pieces, phase_velocity, surface_ratio
+        Of `Surface`, which also gives the motion.
+    circuit : Circuit
+        Voltages and currents of the transducers.
+    relative_error : float
+        Of the surface motion at the places asked for, from two discretisations.
+    admittance_error : float
+        Relative, likewise.
+    unknowns : int
+        Of the discretised problem that was condensed.
+    resolution : str
+    seconds : float
+    solve : callable
+        Returns the `Solution` that the interior is evaluated from.
+    balance : callable
+        Returns the power balance.
+    """
+
+    circuit: Circuit
+    relative_error: float
+    admittance_error: float
+    unknowns: int
+    resolution: str
+    seconds: float
+    solve: Callable[[], Solution] = field(repr=False, compare=False)
+    balance: Callable[[], PowerBalance] = field(repr=False, compare=False)
+
+    @cached_property
+    def solution(self) -> Solution:
+        """Fields of the ports and the circuit."""
+        return self.solve()
+
+    @property
+    def admittance(self) -> complex:
+        """Current over voltage of the (first) driven transducer, S."""
+        return self.circuit.admittance
+
+    @property
+    def comb_voltage_per_volt(self) -> complex:
+        """Voltage between the electrodes of the (first) driven transducer."""
+        return self.circuit.voltage
+
+    @property
+    def power_input(self) -> float:
+        """Power from all sources in W per V^2, over the aperture of the (first) driven transducer."""
+        return self.circuit.power
+
+    @cached_property
+    def power(self) -> PowerBalance:
+        """Where the power goes."""
+        return self.balance()
+
+    @property
+    def power_dissipated(self) -> float:
+        """Power lost in the solid, an absorbing bottom and the other transducers' loads, W per V^2."""
+        return self.power.dissipated
+
+    @property
+    def power_radiated(self) -> float:
+        """Power radiated through the ends, W per V^2."""
+        return self.power.radiated
+
+    @property
+    def power_residual(self) -> float:
+        """Worst imbalance of a transducer's power balance over the sources' apparent power."""
+        return self.power.residual
+
+
+def surface_wave(
+    solution: Solution,
+    *,
+    relative_error: float,
+    admittance_error: float,
+    seconds: float,
+    solve: Callable[[], Solution] | None = None,
+    balance: Callable[[], PowerBalance] | None = None,
+) -> SurfaceWave:
+    """Return the answer of a solution with known errors.
+
+    Parameters
+    ----------
+    solution : Solution
+    relative_error, admittance_error : float
+        Of the motion and of the admittance.
+    seconds : float
+        Spent on it.
+    solve : callable, optional
+        Returns the solution again, where keeping it would take too much memory.
+    balance : callable, optional
+        Returns its power balance, if that is known.
+    """
+    again = solve or (lambda: solution)
+    surface = surface_of(solution, again)
+    resolution = solution.fields.resolution
+    return SurfaceWave(
+        **{name: getattr(surface, name) for name in Surface.__dataclass_fields__},
+        circuit=solution.circuit,
+        relative_error=relative_error,
+        admittance_error=admittance_error,
+        unknowns=solution.fields.unknowns,
+        resolution=f"order {resolution.order}, {resolution.edge_layers} edge layers",
+        seconds=seconds,
+        solve=again,
+        balance=balance or (lambda: power_balance(again())),
+    )

@@ -1,0 +1,163 @@
+"""A stator over a band of frequencies: condensed finger halves, interpolated, on lines reduced to a basis.
+
+Two things change slowly with frequency.  A half cell (half a gap, half a finger: a quarter of a wavelength) has no
+resonance of its own in the band, so that its condensed matrix is a polynomial in omega^2 of low degree: it is condensed
+at a few Chebyshev nodes and interpolated.  And the fields that ever stand on the lines between the halves - those of
+all fingers, all ports and all waves that arrive - span few dimensions: a basis of them is taken from full solutions at
+some of the nodes (proper orthogonal decomposition), one basis for lines in mid-gap and one for lines in mid-finger.
+Projected on it, pieces are joined, modes found and ends closed as before, at a tenth of the size.  Where the field
+inside a finger's cell or beside an end is asked for, those pieces are condensed on full lines at that frequency, and
+the reduced lines are lifted to them.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from fem.circuit import Drive
+from fem.condense.join import joined, mirrored
+from fem.condense.superelement import Block
+from fem.condense.transducer import FingerShape, half_cells
+from fem.discretize.grading import Resolution
+from fem.discretize.spectral import lagrange_weights
+from fem.geometry import Stator, Transducer
+from fem.results.solution import Solution, driven_solution
+from fem.solve.reduced_basis import WALL_WIDTH, ReducedSection, even_row, finger_key, no_bare_cells
+from fem.waveguide.ends import EndPieces, Walls, end_pieces
+from fem.waveguide.modes import guided_modes
+from fem.waveguide.port_fields import PortFields, joined_fields
+
+
+@dataclass(frozen=True, kw_only=True)
+class HalfCell:
+    """Projected half cells of one kind of finger at the nodes, comb 0: shape (nodes, 2 r + 2, 2 r + 2) each."""
+
+    rising: np.ndarray = field(repr=False)
+    falling: np.ndarray | None = field(repr=False)
+    width: float
+
+
+class FullPieces:
+    """The superelements on full lines at one frequency of a band, condensed when they are first asked for.
+
+    Parameters
+    ----------
+    model : ReducedModel
+    frequency : float
+        Hz.
+    """
+
+    def __init__(self, model: "ReducedModel", frequency: float):
+        self.model, self.frequency = model, frequency
+        self._halves: dict[tuple, tuple[Block, Block]] = {}
+        self._ends: EndPieces | None = None
+
+    def half_cell(self, key: tuple[float, float], side: int, sides: np.ndarray) -> tuple[Block, np.ndarray]:
+        """Return the rising (0) or falling (1) half of a finger's cell, and its sides from the reduced ones."""
+        model, full = self.model, self.model.section.full
+        if key not in self._halves:
+            unit = full.length_unit
+            shape = FingerShape(half_finger=key[0] / 2 / unit, half_gaps=(key[1] / 2 / unit,) * 2)
+            self._halves[key] = half_cells(full, self.frequency, shape, model.resolution)
+        gap, finger = model.section.basis, model.finger_basis
+        r = model.section.size
+        lines = (gap, finger) if side == 0 else (finger, gap)
+        lifted = np.concatenate([lines[0] @ sides[:r], lines[1] @ sides[r : 2 * r], sides[2 * r :]])
+        return self._halves[key][side], lifted
+
+    def end(self, side: int, line: np.ndarray) -> tuple[Block, np.ndarray]:
+        """Return the columns beside the left (0) or right (1) end, and their sides from the reduced inner line."""
+        model, full = self.model, self.model.section.full
+        if self._ends is None:
+            self._ends = end_pieces(full, self.frequency, model.stator, model.resolution, width=WALL_WIDTH)
+        return self._ends.blocks[side], self._ends.sides(side, model.section.lift(line))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReducedModel:
+    """A stator on reduced lines, interpolated over a band of frequencies.
+
+    Attributes
+    ----------
+    stator : Stator
+    transducers : tuple of Transducer
+        From left to right.
+    limits : tuple of float
+        Lowest and highest frequency in Hz.
+    resolution : Resolution
+    section : ReducedSection
+        Its basis is that of the lines in mid-gap.
+    finger_basis : ndarray, shape (n, r)
+        Of the lines in mid-finger.
+    half_cells : dict
+        By finger width and gap (m).
+    nodes : ndarray
+        omega^2 of the interpolation's nodes, (rad/s)^2.
+    walls : ndarray or None
+        Projected end pieces at the nodes, shape (nodes, 2, r, r); None for absorbing ends.
+    """
+
+    stator: Stator
+    transducers: tuple[Transducer, ...]
+    limits: tuple[float, float]
+    resolution: Resolution
+    section: ReducedSection
+    finger_basis: np.ndarray = field(repr=False)
+    half_cells: dict = field(repr=False)
+    nodes: np.ndarray = field(repr=False)
+    walls: np.ndarray | None = field(repr=False)
+
+    def port_fields(self, frequency: float) -> PortFields:
+        """Solve for unit voltage at every port at a frequency of the band (Hz).
+
+        Raises
+        ------
+        ValueError
+            Outside the band.
+        """
+        low, high = self.limits
+        if not low <= frequency <= high:
+            raise ValueError(f"frequency must lie in the band, {low:g} to {high:g} Hz, got {frequency!r} Hz")
+        weights = lagrange_weights(self.nodes, (2 * np.pi * frequency) ** 2)
+        full = FullPieces(self, frequency)
+        made: dict[tuple, Block] = {}
+        blocks = []
+        for transducer in self.transducers:
+            key = (*finger_key(transducer), transducer.signs)
+            if key not in made:
+                cell = self._cell(finger_key(transducer), weights, full)
+                made[key] = even_row(transducer, lambda cell=cell: cell, no_bare_cells)
+            blocks.append(made[key])
+        walls = None
+        if self.walls is not None:
+            matrices = tuple(np.tensordot(weights, self.walls, axes=1))
+            walls = Walls(matrices=matrices, width=WALL_WIDTH, recover=full.end)
+        return joined_fields(
+            self.stator,
+            self.transducers,
+            blocks,
+            modes=guided_modes(self.section, frequency),
+            resolution=self.resolution,
+            walls=walls,
+        )
+
+    def solution(self, frequency: float, drive: str | Drive) -> Solution:
+        """Solve for a drive at a frequency of the band (Hz)."""
+        return driven_solution(self.port_fields(frequency), drive)
+
+    def _cell(self, key: tuple[float, float], weights: np.ndarray, full: FullPieces) -> Block:
+        halves, section = self.half_cells[key], self.section
+
+        def block(stack: np.ndarray) -> Block:
+            return Block(size=section.size, matrix=np.tensordot(weights, stack, axes=1), width=halves.width)
+
+        def expanded(half: Block, side: int) -> Block:
+            return replace(half, expand=lambda sides: full.half_cell(key, side, sides))
+
+        rising = block(halves.rising)
+        if halves.falling is None:
+            parity = section.solid.parity[section.solid.fields.index("phi")]
+            falling = mirrored(rising, section.odd, bool(parity))
+        else:
+            falling = block(halves.falling)
+        return joined(expanded(rising, 0), expanded(falling, 1))

@@ -1,0 +1,184 @@
+"""From full solutions at some frequencies of a band to a reduced model: snapshots, bases, projection."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fem.circuit import Drive
+from fem.condense.superelement import PORTS
+from fem.condense.transducer import FingerShape, half_cells
+from fem.discretize.grading import Resolution
+from fem.discretize.section import Section, discretise
+from fem.discretize.spectral import chebyshev_nodes
+from fem.geometry import Stator, Transducer
+from fem.materials.christoffel import slowest_wavelength
+from fem.results.solution import Solution
+from fem.solve.reduced_basis import WALL_WIDTH, ReducedSection, bases_of, finger_key, parity_groups, snapshots
+from fem.solve.reduced_model import HalfCell, ReducedModel
+from fem.threads import side_by_side
+from fem.waveguide.ends import end_pieces
+
+ARRIVING = (
+    1e-2  # share of the tolerance that a mode must keep over a segment to count among those that arrive
+)
+# Relative width of the band up to which so many nodes serve: to 1e-6.
+NODES = ((0.12, 4), (0.25, 5), (0.5, 7))
+LOOSE = 3e-4  # tolerance from which a node less serves: to 1e-4
+
+
+@dataclass(frozen=True, kw_only=True)
+class BandProblem:
+    """What a band is asked for.
+
+    Attributes
+    ----------
+    stator : Stator
+    transducers : tuple of Transducer
+        From left to right.
+    limits : tuple of float
+        Lowest and highest frequency, Hz.
+    drive : str or Drive
+        What it is checked with.
+    tolerance : float
+    places : ndarray
+        m, where the motion is checked.
+    """
+
+    stator: Stator
+    transducers: tuple[Transducer, ...]
+    limits: tuple[float, float]
+    drive: str | Drive
+    tolerance: float
+    places: np.ndarray
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """Chebyshev nodes of the band in omega^2, (rad/s)^2."""
+        lowest, highest = self.limits
+        width = 2 * (highest - lowest) / (highest + lowest)
+        count = next((count for widest, count in NODES if width <= widest), None)
+        if count is None:
+            raise ValueError(
+                f"a band must not be wider than {NODES[-1][0]:g} of its middle, got {lowest:g} to {highest:g} Hz: "
+                "split it"
+            )
+        count -= self.tolerance >= LOOSE
+        return chebyshev_nodes((2 * np.pi * lowest) ** 2, (2 * np.pi * highest) ** 2, count)
+
+    @property
+    def between_nodes(self) -> float:
+        """Frequency in Hz near the middle of the band where an interpolation over its nodes errs most."""
+        (lowest, highest), count = self.limits, len(self.nodes)
+        place = np.cos(np.pi * (count // 2 + count % 2) / count)
+        return float(np.sqrt((lowest**2 + highest**2) / 2 + place * (highest**2 - lowest**2) / 2))
+
+
+@dataclass(frozen=True, kw_only=True)
+class NodeSolutions:
+    """What the full lines give at the nodes of a band, before they are projected.
+
+    Attributes
+    ----------
+    section : Section
+    resolution : Resolution
+    half_cells : dict
+        By kind of finger: at every node the matrices of the rising and the falling half, and the width.
+    walls : list of ndarray
+        At every node, or empty.
+    fields : tuple of ndarray
+        Seen on the lines in mid-gap and in mid-finger.
+    solutions : list of Solution
+        At some of the nodes.
+    """
+
+    section: Section
+    resolution: Resolution
+    half_cells: dict = field(repr=False)
+    walls: list = field(repr=False)
+    fields: tuple = field(repr=False)
+    solutions: list[Solution] = field(repr=False)
+
+
+def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolutions:
+    """Condense half cells and ends at every node, and solve the whole stator at three of them."""
+    stator, transducers = problem.stator, problem.transducers
+    unit = slowest_wavelength(stator.solid, problem.limits[1])
+    scale = min(transducer.finger_width / 2 for transducer in transducers)
+    section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)
+    squares = problem.nodes
+    feeding = {0, len(squares) // 2, len(squares) - 1}
+    kinds = list(dict.fromkeys(finger_key(each) for each in transducers))
+    arriving = ARRIVING * problem.tolerance
+
+    def at_node(index: int):
+        frequency = float(np.sqrt(squares[index]) / (2 * np.pi))
+        halves = {}
+        for key in kinds:
+            shape = FingerShape(half_finger=key[0] / 2 / unit, half_gaps=(key[1] / 2 / unit,) * 2)
+            halves[key] = half_cells(section, frequency, shape, resolution)
+        walls = seen = solution = None
+        if stator.ends != "absorbing":
+            ends = end_pieces(section, frequency, stator, resolution, width=WALL_WIDTH)
+            walls = np.stack([ends.matrix(side) for side in (0, 1)])
+        if index in feeding:
+            *seen, solution = snapshots(
+                stator, transducers, section, frequency, halves, resolution, problem.drive, arriving
+            )
+        matrices = {key: (tuple(half.matrix for half in pair), pair[0].width) for key, pair in halves.items()}
+        return matrices, walls, seen, solution
+
+    nodes = side_by_side(at_node, range(len(squares)))
+    seen = [each for _, _, each, _ in nodes if each is not None]
+    gaps = np.hstack([gap for gap, _ in seen] + [section.constant_potential[:, None]])
+    return NodeSolutions(
+        section=section,
+        resolution=resolution,
+        half_cells={key: [matrices[key] for matrices, _, _, _ in nodes] for key in kinds},
+        walls=[walls for _, walls, _, _ in nodes if walls is not None],
+        fields=(gaps, np.hstack([finger for _, finger in seen])),
+        solutions=[solution for _, _, _, solution in nodes if solution is not None],
+    )
+
+
+def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> ReducedModel:
+    """Project the nodes' superelements on bases of the lines' fields.
+
+    Parameters
+    ----------
+    problem : BandProblem
+    nodes : NodeSolutions
+    truncation : float
+        Singular values below this times the largest are left out.
+    """
+    section = nodes.section
+    bases = bases_of(nodes.fields, parity_groups(section, problem.stator.ends == "clamped"), truncation)
+    odd = None
+    if section.odd is not None:
+        odd = np.array([section.odd[np.argmax(abs(column))] for column in bases[0].T])
+    walls = [bases[0].T @ pair @ bases[0] for pair in nodes.walls]
+    return ReducedModel(
+        stator=problem.stator,
+        transducers=problem.transducers,
+        limits=problem.limits,
+        resolution=nodes.resolution,
+        section=ReducedSection(full=section, basis=bases[0], odd=odd),
+        finger_basis=bases[1],
+        half_cells={
+            key: _projected_halves(pairs, bases, section.odd is None)
+            for key, pairs in nodes.half_cells.items()
+        },
+        nodes=problem.nodes,
+        walls=np.stack(walls) if walls else None,
+    )
+
+
+def _projected_halves(pairs: list[tuple[tuple, float]], bases, both: bool) -> HalfCell:
+    gap, finger = bases
+    n, r = gap.shape
+    rising_frame, falling_frame = (np.zeros((2 * n + PORTS, 2 * r + PORTS)) for _ in range(2))
+    for frame, (left, right) in ((rising_frame, (gap, finger)), (falling_frame, (finger, gap))):
+        frame[:n, :r], frame[n : 2 * n, r : 2 * r] = left, right
+        frame[2 * n :, 2 * r :] = np.eye(PORTS)
+    rising = np.stack([rising_frame.T @ each[0] @ rising_frame for each, _ in pairs])
+    falling = np.stack([falling_frame.T @ each[1] @ falling_frame for each, _ in pairs]) if both else None
+    return HalfCell(rising=rising, falling=falling, width=pairs[0][1])

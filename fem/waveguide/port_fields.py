@@ -1,0 +1,287 @@
+"""A stator solved for unit voltage at every port: the fields, and the admittance matrix that belongs to them.
+
+A port is a transducer with two electrodes: its voltage is that between them.  The problem is linear, so the fields for
+unit voltage at each port in turn, the other ports at zero, hold the answer for every circuit (circuit.py).  Every
+transducer is condensed once (equal ones share their superelement); the uniform segments are sums of guided modes.
+
+A transducer carries no net charge: its electrodes are a pair of terminals.  Where the section floats, the mean of the
+two potentials is a matter of gauge; where it is grounded (or absorbs below), the mean is what leaves the transducer
+without net charge, and it is eliminated here.  A transducer with one electrode only has no port.
+
+With Q the charge of the positive electrode per metre of aperture, I = i omega Q aperture; two transducers of different
+aperture share the narrower beam.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fem.condense.join import widths
+from fem.condense.superelement import Block
+from fem.condense.transducer import transducer_block
+from fem.convergence import ConvergenceError
+from fem.discretize.grading import Resolution
+from fem.discretize.section import Section, discretise
+from fem.geometry import Stator, Transducer, outer_gaps
+from fem.materials.christoffel import slowest_wavelength
+from fem.waveguide.ends import Walls
+from fem.waveguide.modes import PROPAGATING, GuidedModes, guided_modes
+from fem.waveguide.network import Network, Scatterer
+
+CUT_OFF = 1e-3  # rad per slowest wavelength: a mode's wavenumber below which its square, all that is known, is rounding
+MAX_COLUMNS = 150_000  # finger-edge element columns of all transducers; about 1 min of condensation
+
+
+@dataclass(frozen=True, kw_only=True)
+class PortFields:
+    """Fields per volt at each port, the other ports at zero.
+
+    Attributes
+    ----------
+    stator : Stator
+    transducers : tuple of Transducer
+        From left to right.
+    modes : GuidedModes
+        Of the uniform segments.
+    network : Network
+    resolution : Resolution
+    names : tuple of str
+        Transducers that are ports, from left to right.
+    sides : tuple of ndarray, shape (2 n + 2, ports)
+        Of each transducer: left line, right line, potentials of the positive and negative electrode; scaled.
+    incoming : tuple of ndarray, shape (2 n, ports)
+        The part of its lines that comes in.
+    admittances : ndarray, shape (ports, ports)
+        Short-circuit admittance matrix in S, symmetric.
+    coupling, waves : ndarray
+        Of `fem.waveguide.network.PortSolution`.
+    """
+
+    stator: Stator
+    transducers: tuple[Transducer, ...]
+    modes: GuidedModes
+    network: Network
+    resolution: Resolution
+    names: tuple[str, ...]
+    sides: tuple[np.ndarray, ...] = field(repr=False)
+    incoming: tuple[np.ndarray, ...] = field(repr=False)
+    admittances: np.ndarray = field(repr=False)
+    coupling: np.ndarray = field(repr=False)
+    waves: np.ndarray = field(repr=False)
+
+    @property
+    def section(self) -> Section:
+        """Section of the uniform segments."""
+        return self.modes.section
+
+    @property
+    def frequency(self) -> float:
+        """Frequency in Hz."""
+        return self.modes.frequency
+
+    @property
+    def unknowns(self) -> int:
+        """Unknowns of the discretised problem that was condensed."""
+        columns = sum(1 for each in self.network.scatterers for _ in widths(each.block))
+        return columns * self.resolution.order * self.section.size
+
+    def amplification(self, swing: float) -> tuple[float, float]:
+        """Resonant amplification of small errors, here and near here.
+
+        Between reflecting ends the amplitudes are (1 - M)^-1 times what the transducers send (M: ``coupling`` of the
+        propagating modes), and so is the effect of a small error of a phase: it grows as 1 / |1 - mu|, mu the
+        eigenvalue of M nearest to 1.  With the frequency the mu turn; their sizes hardly change.
+
+        Parameters
+        ----------
+        swing : float
+            Angle, rad, by which an eigenvalue may turn in the range of frequencies that is meant.
+
+        Returns
+        -------
+        here, worst : float
+            At this frequency, and the largest within the range.
+        """
+        k = self.modes.wavenumbers
+        travels = np.flatnonzero(abs(k.imag) < PROPAGATING * abs(k.real))  # evanescent ones do not turn
+        mine = np.isin(self.waves, travels)
+        factors = np.linalg.eigvals(self.coupling[np.ix_(mine, mine)])
+        if not len(factors):
+            return 1.0, 1.0
+        angles = abs(np.angle(factors))
+        turned = abs(factors) * np.exp(1j * np.maximum(angles - swing, 0.0))
+        return tuple(float(1 / abs(1 - each).min()) for each in (factors, turned))
+
+
+def electrode_potentials(transducer: Transducer, floats: bool) -> np.ndarray:
+    """Potentials of the two electrodes for unit voltage and, where the section is grounded, for unit mean.
+
+    Parameters
+    ----------
+    transducer : Transducer
+    floats : bool
+        Whether nothing fixes the mean potential.
+
+    Returns
+    -------
+    ndarray, shape (2, k)
+        The voltage first where there are two electrodes, then the mean where there are any.
+    """
+    there = [float(sign in transducer.signs) for sign in "+-"]
+    columns = [(0.5, -0.5)] if all(there) else []
+    if any(there) and not floats:
+        columns.append(tuple(there))
+    return np.array(columns).reshape(-1, 2).T
+
+
+def solve_ports(
+    stator: Stator, transducers: tuple[Transducer, ...], *, frequency: float, resolution: Resolution
+) -> PortFields:
+    """Solve a stator on one discretisation for unit voltage at every port.
+
+    Parameters
+    ----------
+    stator : Stator
+    transducers : tuple of Transducer
+        At least one; any order.
+    frequency : float
+        Hz.
+    resolution : Resolution
+
+    Returns
+    -------
+    PortFields
+
+    Raises
+    ------
+    ConvergenceError
+        If there are too many fingers, or a mode is at its cut-off.
+    """
+    transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
+    fingers = sum(len(transducer.signs) for transducer in transducers)
+    if fingers * (resolution.edge_layers + 1) > MAX_COLUMNS:
+        raise ConvergenceError(
+            f"{fingers} fingers with {resolution.edge_layers} edge layers have more columns of elements than can be "
+            "walked through in minutes: take fewer finger_pairs, or ask for a looser tolerance"
+        )
+    unit = slowest_wavelength(stator.solid, frequency)
+    scale = min(transducer.finger_width / 2 for transducer in transducers)
+    section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)
+    made: dict[tuple, Block] = {}
+    blocks = []
+    for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
+        key = (transducer.signs, transducer.pitch, transducer.metallisation, gaps)
+        if key not in made:
+            made[key] = transducer_block(section, frequency, transducer, gaps, resolution)
+        blocks.append(made[key])
+    modes = guided_modes(section, frequency)
+    if modes.nearest_cut_off < CUT_OFF:
+        raise ConvergenceError(
+            f"a mode of the section is at its cut-off at {frequency:.12g} Hz, where the last digits decide: "
+            "change the frequency by a part in 100000, or give the solid a mechanical_quality"
+        )
+    return joined_fields(stator, transducers, blocks, modes=modes, resolution=resolution)
+
+
+def joined_fields(
+    stator: Stator,
+    transducers: tuple[Transducer, ...],
+    blocks: list[Block],
+    *,
+    modes: GuidedModes,
+    resolution: Resolution,
+    walls: Walls | None = None,
+) -> PortFields:
+    """Tie superelements, uniform segments and ends together.
+
+    Parameters
+    ----------
+    stator : Stator
+    transducers : tuple of Transducer
+        From left to right.
+    blocks : list of Block
+        One each, the same object for equal ones; from the outer gap's beginning to its end.
+    modes : GuidedModes
+        Of the uniform segments; their section is the blocks'.
+    resolution : Resolution
+    walls : Walls, optional
+        The stator's ends as superelements.
+
+    Returns
+    -------
+    PortFields
+    """
+    section = modes.section
+    unit, medium = section.length_unit, section.solid
+    potentials = [electrode_potentials(transducer, section.floats) for transducer in transducers]
+    scatterers = {
+        id(block): Scatterer(block=block, modes=modes, potentials=own)
+        for block, own in zip(blocks, potentials, strict=True)
+    }
+    gaps = outer_gaps(stator, transducers)
+    inset = 0.0 if walls is None else walls.width
+    network = Network(
+        modes=modes,
+        scatterers=tuple(scatterers[id(block)] for block in blocks),
+        places=tuple((each.extent[0] - gap[0]) / unit for each, gap in zip(transducers, gaps, strict=True)),
+        start=inset,
+        stop=stator.length / unit - inset,
+        ends=walls or stator.ends,
+    )
+    solution = network.solve()
+    counts = [own.shape[1] for own in potentials]
+    owners = np.repeat(np.arange(len(transducers)), counts)
+    apertures = np.array([transducer.aperture for transducer in transducers])[owners]
+    charge_unit = medium.stress_unit / medium.potential_unit**2
+    admittances = charge_admittances(solution.charges * charge_unit, apertures, modes.frequency)
+    voltage = np.concatenate([own.sum(axis=0) == 0 for own in potentials])  # +1/2 and -1/2; a mean has 1s
+    uncharged = _uncharged(admittances, voltage)
+    volts = uncharged / medium.potential_unit
+    weights = np.split(volts, np.cumsum(counts)[:-1])
+    return PortFields(
+        stator=stator,
+        transducers=transducers,
+        modes=modes,
+        network=network,
+        resolution=resolution,
+        names=tuple(transducers[owner].name for owner in owners[voltage]),
+        sides=tuple(
+            np.concatenate([lines @ volts, own @ weight])
+            for lines, own, weight in zip(solution.sides, potentials, weights, strict=True)
+        ),
+        incoming=tuple(lines @ volts for lines in solution.incoming),
+        admittances=(admittances @ uncharged)[voltage],
+        coupling=solution.coupling,
+        waves=solution.waves,
+    )
+
+
+def charge_admittances(charges: np.ndarray, apertures, frequency: float) -> np.ndarray:
+    """Admittance matrix of reactions int grad psi . D, minus the charges per metre of aperture.
+
+    Parameters
+    ----------
+    charges : ndarray, shape (n, n)
+        C/m per V.
+    apertures : array_like, shape (n,)
+        m; two transducers share the narrower beam.
+    frequency : float
+        Hz.
+
+    Returns
+    -------
+    ndarray, shape (n, n)
+        S.
+    """
+    apertures = np.asarray(apertures)
+    return -2j * np.pi * frequency * np.minimum(apertures[:, None], apertures[None, :]) * charges
+
+
+def _uncharged(admittances: np.ndarray, voltage: np.ndarray) -> np.ndarray:
+    """Potentials of all ports, means included, for unit voltages: the means leave no transducer a net charge."""
+    out = np.zeros((len(voltage), int(voltage.sum())), dtype=complex)
+    out[voltage] = np.eye(out.shape[1])
+    if not voltage.all():
+        rows = admittances[~voltage] / abs(np.diag(admittances))[~voltage, None]
+        out[~voltage] = -np.linalg.solve(rows[:, ~voltage], rows[:, voltage])
+    return out

@@ -1,0 +1,261 @@
+"""How large the effects are that the model leaves out, for one run: closed forms, apart from the numerical error.
+
+Each function takes the record of a run and yields effects; none where the effect does not arise or is not neglected.
+A size is a share of the quantity named with it, unless that has a unit.  Estimates hold to a factor of about 2.
+
+Sources: finite aperture and side faces: `fem.surface_beam`, elsewhere Fresnel's integral of a slit (Goodman,
+Introduction to Fourier Optics, 3rd ed. 2005, section 4.5).  Load of a contact on the wave, mass of the electrodes:
+reciprocity with the surface wave and perturbation (Auld, Acoustic Fields and Waves in Solids, vol. 2, 1973, chapters 10
+and 12).  Radiation of a contact: load on a half-space (Miller and Pursey, Proc. R. Soc. A 223 (1954) 521, nu = 1/4).
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+
+from studies.record import Record
+from studies.scene import resolved
+
+__all__ = ["NeglectedEffect", "fresnel_ratio", "model_error", "sentences", "slit_ratio"]
+
+FINGER_END = 0.0745  # periods that each end adds to the aperture: static, endless comb, no busbar
+POINT_ADMITTANCE = 0.93  # of Re(v / F) 2 pi mu c_T / omega^2, all waves together, nu = 1/4
+ALUMINIUM, FILM = 2700.0, 100e-9  # kg/m3, m
+
+
+@dataclass(frozen=True, kw_only=True)
+class NeglectedEffect:
+    """An effect that the model leaves out.
+
+    Attributes
+    ----------
+    effect, quantity : str
+        What is left out, and what it changes.
+    size : float
+        Estimated change, a share of the quantity, or in the quantity's unit.
+    source : str
+        Where the estimate comes from.
+    """
+
+    effect: str
+    quantity: str
+    size: float
+    source: str
+
+
+def model_error(record: Record) -> tuple[dict, ...]:
+    """Return the neglected effects of a run with a driven stator, as in run.json."""
+    if record.surface_wave is None:
+        return ()
+    found: list[NeglectedEffect] = []
+    for each in (_aperture, _finger_ends, _vacuum, _electrode_mass, _contact, _travel, _power):
+        found += each(record)
+    return tuple(asdict(each) for each in found if math.isfinite(each.size))
+
+
+def sentences(record: Record) -> tuple[str, ...]:
+    """Return a line for every effect above the tolerance, and one that names those below it."""
+    lines, small = [], []
+    for each in record.model_error:
+        if " in W" in each["quantity"]:
+            lines.append(f"{each['effect']}: {each['size']:.2g} W")
+        elif abs(each["size"]) < record.tolerance:
+            small.append(each["effect"])
+        else:
+            lines.append(f"{each['effect']}: {100 * each['size']:+.2g} % of {each['quantity']}")
+    return tuple(lines + ([f"below the tolerance: {', '.join(small)}"] if small else []))
+
+
+def _driven(record: Record):
+    scene = record.scene
+    return next(each for each in scene.transducer if each.name == scene.drive.transducer)
+
+
+def _places(record: Record) -> list[float]:
+    slider, length = record.scene.slider, record.scene.stator.length
+    return (
+        [length / 2] if slider is None else [slider.position + each for each in dict.fromkeys(slider.offsets)]
+    )
+
+
+def _aperture(record: Record) -> Iterator[NeglectedEffect]:
+    """Yield what the finite aperture and the side faces do to the amplitude, the worst over the contacts."""
+    import fem
+
+    wave, places = record.surface_wave, _places(record)
+    if any(wave.covered(place) for place in places):
+        return
+    try:
+        beam = fem.surface_beam(wave)
+        with_aperture = beam.motion(places, 0.0)
+        width = record.scene.stator.width
+        images = 2 * beam.motion(places, width)
+    except fem.BeamError:
+        ratios = [fresnel_ratio(record, place) for place in places]
+        source = "Fresnel's integral on the axis of the driven aperture"
+    else:
+        ratios = [float(each) for each in abs(with_aperture[2] / wave.motion(places)[1])]
+        source = "charges of the section within the aperture, guided modes at every lateral wavenumber"
+        yield NeglectedEffect(
+            effect="side faces",
+            quantity="u_z",
+            size=max(float(each) for each in abs(images[2] / with_aperture[2])),
+            source="mirror images of the beam in both side faces",
+        )
+    yield NeglectedEffect(
+        effect="finite aperture",
+        quantity="u_z",
+        size=max((ratio - 1 for ratio in ratios), key=abs),
+        source=source,
+    )
+
+
+def fresnel_ratio(record: Record, place: float) -> float:
+    """Return `slit_ratio` on the axis of the driven transducer at a place in m from the stator's left end."""
+    driven = _driven(record)
+    wavelength = record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
+    return slit_ratio(driven.aperture, wavelength, abs(place - driven.center))
+
+
+def slit_ratio(aperture: float, wavelength: float, distance: float, lateral: float = 0.0) -> float:
+    """Return the amplitude behind a uniform aperture over that of a plane wave, by Fresnel's integral.
+
+    Parameters
+    ----------
+    aperture, wavelength, distance, lateral : float
+        m; the last from the axis.
+
+    Examples
+    --------
+    >>> round(slit_ratio(20e-3, 0.99e-3, 1e-6), 2)  # at the aperture
+    1.0
+    """
+    from scipy.special import fresnel
+
+    scale = math.sqrt(2 / (wavelength * distance))
+    (below_sine, below_cosine), (above_sine, above_cosine) = (
+        fresnel(scale * (edge - lateral)) for edge in (-aperture / 2, aperture / 2)
+    )
+    return math.hypot(above_sine - below_sine, above_cosine - below_cosine) / math.sqrt(2)
+
+
+def _finger_ends(record: Record) -> Iterator[NeglectedEffect]:
+    driven = _driven(record)
+    yield NeglectedEffect(
+        effect="charge at the finger ends",
+        quantity="the aperture",
+        size=2 * FINGER_END * driven.period / driven.aperture,
+        source="static field of an endless comb that ends, without busbars",
+    )
+
+
+def _vacuum(record: Record) -> Iterator[NeglectedEffect]:
+    if record.scene.stator.above != "none":
+        return
+    from scipy.constants import epsilon_0
+
+    permittivity = resolved.solid(record.scene.stator).permittivity
+    within = permittivity[0, 0] * permittivity[2, 2] - permittivity[0, 2] ** 2
+    yield NeglectedEffect(
+        effect="vacuum above the surface",
+        quantity="the capacitance",
+        size=epsilon_0 / math.sqrt(within),
+        source="strips on a half-space: capacitance in proportion to eps_0 + eps_p",
+    )
+
+
+def _amplitude_per_power(record: Record) -> float | None:
+    """Return C of u_z = C (P / (W f))^(1/2) in SI; None where ends send waves back or others drive.
+
+    P is half of the power taken in, u_z the surface mode's half a wavelength beside the driven fingers.
+    """
+    driven = next(
+        each for each in resolved.transducers(record.scene) if each.name == record.scene.drive.transducer
+    )
+    wavelength = record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
+    left, right = driven.extent
+    beside = (
+        right + wavelength / 2 if driven.center < record.scene.stator.length / 2 else left - wavelength / 2
+    )
+    wave, power = record.surface_wave, record.electrical["power_W_per_V2"]
+    within = 0 <= beside <= wave.length and not wave.covered(beside)
+    several = "sources" in record.electrical
+    if several or record.scene.stator.ends != "absorbing" or not within or not power > 0:
+        return None
+    per_width = power / 2 / driven.aperture
+    return float(abs(wave.rayleigh_motion(beside)[1])) / math.sqrt(per_width / record.wave["frequency_Hz"])
+
+
+def _electrode_mass(record: Record) -> Iterator[NeglectedEffect]:
+    constant = _amplitude_per_power(record)
+    if constant is None:
+        return
+    wave = record.wave
+    omega = 2 * math.pi * wave["frequency_Hz"]
+    motion = (
+        constant**2 / wave["frequency_Hz"] * (1 + wave["surface_ratio"] ** 2)
+    )  # |u|^2 per power and width
+    yield NeglectedEffect(
+        effect="mass of 100 nm aluminium on the fingers",
+        quantity="the velocity under them",
+        size=-wave["phase_velocity_m_per_s"] / 4 * ALUMINIUM * FILM * omega**2 * motion,
+        source="first-order perturbation",
+    )
+
+
+def _contact(record: Record) -> Iterator[NeglectedEffect]:
+    slider = record.scene.slider
+    if slider is None or not slider.preload > 0:
+        return
+    solid = resolved.solid(record.scene.stator)
+    count = len(slider.offsets)
+    share, omega = slider.preload / count, 2 * math.pi * record.wave["frequency_Hz"]
+    approach = (0.75 * share / (slider.effective_modulus * math.sqrt(slider.radius))) ** (2 / 3)
+    stiffness = 2 * slider.effective_modulus * math.sqrt(slider.radius * approach)
+    shear = float(solid.stiffness[4, 4])
+    yield NeglectedEffect(
+        effect="radiation of a contact into the stator",
+        quantity="the contact's elastic force",
+        size=stiffness * POINT_ADMITTANCE * omega / (2 * math.pi * shear * math.sqrt(shear / solid.density)),
+        source="point load on an isotropic half-space, nu = 1/4",
+    )
+    constant = _amplitude_per_power(record)
+    if constant is None:
+        return
+    sizes = []
+    for point in record.points:
+        if point["normal_amplitude_m"] > 0:
+            force = min(stiffness * point["normal_amplitude_m"], 2 * share)
+            sizes.append(count * force / point["normal_amplitude_m"])
+    if sizes:
+        yield NeglectedEffect(
+            effect="load of the slider on the wave",
+            quantity="u_z",
+            size=math.pi / 2 * max(sizes) * constant**2 / _driven(record).aperture,
+            source="reciprocity with the surface wave; first harmonic of the force at most twice the preload",
+        )
+
+
+def _travel(record: Record) -> Iterator[NeglectedEffect]:
+    scene = record.scene
+    if scene.slider is None or scene.burst is None:
+        return
+    fastest = max((abs(point.get("velocity_m_per_s", 0.0)) for point in record.points), default=0.0)
+    wavelength = record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
+    ratio = record.wave["standing_wave_ratio"]
+    if fastest * scene.burst > wavelength / 4:
+        yield NeglectedEffect(
+            effect="travel of the slider along the rippled field",
+            quantity="u_z",
+            size=(ratio - 1) / (ratio + 1),
+            source="standing-wave ratio, over a travel of more than a quarter of a wavelength",
+        )
+
+
+def _power(record: Record) -> Iterator[NeglectedEffect]:
+    yield NeglectedEffect(
+        effect="heating of the stator",
+        quantity="power taken in at the highest voltage, in W",
+        size=record.electrical["power_W_per_V2"] * max(record.scene.levels, default=0.0) ** 2,
+        source="admittance",
+    )

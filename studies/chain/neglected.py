@@ -1,0 +1,45 @@
+"""What the stator's problem is solved without, and why: lines of ``left_out``."""
+
+import fem
+
+
+def driven_left_out(stator: "fem.Stator", frequency: float) -> tuple[str, ...]:
+    """Return what a driven stator is solved without at a frequency in Hz, and why."""
+    from fem.materials.medium import medium
+
+    names, reasons = fem.fields(stator.solid), []
+    if "uy" not in names:
+        reasons.append("out-of-plane displacement: uncoupled in this orientation")
+    if medium(stator.solid, names).parity is not None:
+        reasons.append("half of the guided-mode problem: x -> -x is a symmetry of this orientation")
+    if stator.above == "none":
+        reasons.append("field in the vacuum above: D_n = 0 on the bare surface")
+    if stator.thickness * frequency < _surface_speed(stator):
+        reasons.append(
+            "a Rayleigh wave: the plate is thinner than a wavelength, what is named so is a plate mode"
+        )
+    reasons.append("elements in the uniform stretches: sums of guided modes instead")
+    reasons.append("interior field: only the surface was asked for")
+    return tuple(reasons)
+
+
+def free_left_out(stator: "fem.Stator") -> tuple[str, ...]:
+    """Return what the free wave is solved without, and why."""
+    names = fem.fields(stator.solid)
+    reasons = [
+        "electrodes: the scene has no transducer",
+        "elements along x: the wave is a mode of the section",
+    ]
+    if "uy" not in names:
+        reasons.append("out-of-plane displacement: uncoupled in this orientation")
+    if "phi" not in names:
+        reasons.append("electric potential: the solid is not piezoelectric in this orientation")
+    return tuple(reasons)
+
+
+def _surface_speed(stator: "fem.Stator") -> float:
+    """Velocity of the half-space's Rayleigh wave, m/s; 0 where the cut has none."""
+    try:
+        return fem.rayleigh(stator.solid, "open").velocity
+    except fem.ConvergenceError:
+        return 0.0

@@ -1,0 +1,154 @@
+"""A motor's datasheet as one self-contained page, A4 when printed: table, characteristics, limits."""
+
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+
+from studies.record import provenance
+from studies.report.datasheet import SETTLED, Datasheet, Row
+from studies.report.figures import COLOURS, as_svg, legend_below, velocity
+from studies.report.intermediate import si
+from studies.report.limits import model_limits
+
+__all__ = ["GROUPS", "PICTURE", "load_lines", "page", "speed", "start_and_stop", "table"]
+
+TEMPLATE = "datasheet.html"
+GROUPS = {
+    "speed": "Speed",
+    "force": "Force",
+    "positioning": "Positioning",
+    "power": "Power and efficiency",
+    "resonance": "Resonance",
+}
+PICTURE = (4.6, 3.9)  # inches
+PALETTE = ("stick", "slip", "intermittent")
+
+
+def page(sheet: Datasheet) -> str:
+    """Return the HTML page of a datasheet."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent / "templates"),
+        autoescape=True,  # titles and names come from a scene's author
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    record = sheet.record
+    drawn = (
+        (lambda ax: speed(sheet, ax), "speed against drive"),
+        (lambda ax: load_lines(sheet, ax), "speed against load"),
+        (lambda ax: start_and_stop(sheet, ax), "start and stop"),
+    )
+    return environment.get_template(TEMPLATE).render(
+        title=record.scene.title or "A motor",
+        rated=sheet.driven.named(sheet.rated),
+        conditions=_conditions(sheet),
+        groups={
+            title: [_written(row) for row in sheet.rows if row.group == group]
+            for group, title in GROUPS.items()
+        },
+        pictures=[{"data": as_svg(draw, size=PICTURE), "caption": caption} for draw, caption in drawn],
+        limits=(*(f"{each[0].upper()}{each[1:]}." for each in record.left_out), *model_limits(record.scene)),
+        warnings=record.warnings,
+        tolerance=f"{record.tolerance:g}",
+        version=provenance()["version"],
+        written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
+    )
+
+
+def table(sheet: Datasheet) -> str:
+    """Return the datasheet's table as text."""
+    rows = [_written(row) for row in sheet.rows]
+    name, value = (max(len(row[key]) for row in rows) for key in ("name", "value"))
+    lines = [f"{sheet.record.scene.title}: rated at {sheet.driven.named(sheet.rated)} peak"]
+    for group, title in GROUPS.items():
+        lines += ["", title]
+        lines += [
+            f"  {each['name']:<{name}}  {each['value']:>{value}}  {each['error']:<10}  {each['condition']}".rstrip()
+            for each in (_written(row) for row in sheet.rows if row.group == group)
+        ]
+    return "\n".join(lines)
+
+
+def speed(sheet: Datasheet, ax):
+    """Draw velocity against voltage, or given amplitude, as a run draws it."""
+    velocity(sheet.record, ax)
+    ax.set_title("speed against drive, no load", fontsize="medium")
+    return ax
+
+
+def load_lines(sheet: Datasheet, ax):
+    """Draw speed against load at some levels of the drive."""
+    for (name, line), colour in zip(sheet.lines.items(), PALETTE[-len(sheet.lines) :], strict=True):
+        ax.plot(
+            sheet.balls * line.load * 1e6,
+            line.velocity * 1e3,
+            ".-",
+            color=COLOURS[colour],
+            linewidth=1,
+            label=name,
+        )
+    ax.set_xlabel("load (\u00b5N)")
+    ax.set_ylabel("speed (mm/s)")
+    ax.set_title("speed against load", fontsize="medium")
+    ax.set_xlim(left=0)
+    ax.set_ylim(bottom=0)
+    ax.grid(alpha=0.3)
+    legend_below(ax)
+    return ax
+
+
+def start_and_stop(sheet: Datasheet, ax):
+    """Draw the slider's velocity from rest to its speed and back to rest."""
+    motion = sheet.start_stop
+    ax.plot(motion.time * 1e3, motion.velocity * 1e3, color=COLOURS["slip"], linewidth=1.3, label="slider")
+    ax.axvline(motion.duration * 1e3, color=COLOURS["line"], linestyle=":", linewidth=1, label="drive off")
+    share = SETTLED * motion.velocity_at_burst_end * 1e3
+    ax.axhline(
+        share, color=COLOURS["stick"], linestyle="--", linewidth=1, label=f"{SETTLED:.0%} of the speed"
+    )
+    ax.set_xlabel("time (ms)")
+    ax.set_ylabel("slider velocity (mm/s)")
+    ax.set_title(f"start and stop at {sheet.driven.named(sheet.rated)}", fontsize="medium")
+    ax.grid(alpha=0.3)
+    legend_below(ax)
+    return ax
+
+
+def _written(row: Row) -> dict:
+    """Return a row as the page shows it."""
+    value = si(row.value, row.unit, 4)
+    if row.unit == "1":
+        value = f"{100 * row.value:.3g} %" if row.value > 1e-3 else f"{row.value:.3g}"
+    error = (
+        "" if row.error is None else f"\u00b1 {100 * row.error:.1g} %" if row.error > 5e-7 else "< 0.0001 %"
+    )
+    return {"name": row.name, "value": value, "error": error, "condition": row.condition}
+
+
+def _conditions(sheet: Datasheet) -> str:
+    """Return what the motor is, in two sentences."""
+    scene, slider = sheet.record.scene, sheet.record.scene.slider
+    balls = len(slider.offsets)
+    sentences = []
+    if scene.stator is not None:
+        driven = next(each for each in scene.transducer if each.name == scene.drive.transducer)
+        material = scene.stator.material
+        name = material if isinstance(material, str) else getattr(material, "name", None) or "own material"
+        size = f"{scene.stator.length * 1e3:g} mm long"
+        sentences.append(
+            f"Stator of {name}, {size}, {driven.finger_pairs} finger pairs driven at {si(scene.frequency, 'Hz', 6)}."
+        )
+    else:
+        sentences.append(f"Given wave at {si(scene.frequency, 'Hz', 6)}.")
+    sentences.append(
+        f"Slider of {si(1e3 * slider.mass, 'g', 4)} on {balls} ball{'s' * (balls > 1)} of radius "
+        f"{si(slider.radius, 'm', 4)}, preload {si(slider.preload, 'N', 4)}, friction coefficient "
+        f"{slider.friction_coefficient:g}, {slider.law} contact law."
+    )
+    if slider.load and np.isfinite(slider.load):
+        sentences.append(f"The scene's load of {si(slider.load, 'N', 4)} is part of the speed above.")
+    return " ".join(sentences)

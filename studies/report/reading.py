@@ -1,0 +1,86 @@
+"""Reading the files of a run: the reverse of ``files``."""
+
+import csv
+import json
+from pathlib import Path
+
+from studies.record import Motion
+from studies.refusal import RunError
+from studies.scene import Scene
+
+__all__ = ["read_run"]
+
+COMPLEX = {
+    "wave": (
+        "normal_m_per_V",
+        "tangential_m_per_V",
+        "rayleigh_normal_m_per_V",
+        "rayleigh_tangential_m_per_V",
+    ),
+    "electrical": ("admittance_S", "comb_voltage_per_volt"),
+}
+
+
+def read_run(folder: Path) -> dict:
+    """Return the fields of the record that a run left in a directory.
+
+    Raises
+    ------
+    RunError
+        If the directory holds no run.
+    """
+    try:
+        whole = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+        scene = Scene.from_table("", whole["scene"])
+    except FileNotFoundError:
+        raise RunError(f"{str(folder)!r} holds no run.json: name a directory that a run left") from None
+    except (OSError, ValueError, KeyError) as error:
+        raise RunError(f"{str(folder / 'run.json')!r} cannot be read: {error}") from None
+    fields = {
+        key: whole[key]
+        for key in ("tolerance", "summary", "measured", "error", "seconds", "shortfall")
+        if key in whole
+    }
+    for block, names in COMPLEX.items():
+        values = whole.get(block, {})
+        fields[block] = values | {name: complex(*values[name]) for name in names if name in values}
+    for key in ("points", "left_out", "model_error", "warnings"):
+        fields[key] = tuple(whole.get(key, ()))
+    fields |= {"scene": scene, "versions": whole.get("provenance", {})}
+    for name in ("surface.csv", "profile.csv"):
+        if (folder / name).exists():
+            fields["surface"] = _columns(folder / name)
+    if (folder / "trajectory.csv").exists():
+        fields["trajectories"] = _trajectories(folder / "trajectory.csv")
+    return fields
+
+
+def _table(path: Path) -> dict:
+    """Return the columns of a table of numbers as arrays."""
+    import numpy as np
+
+    with path.open(newline="", encoding="utf-8") as file:
+        head, *rows = csv.reader(file)
+    return dict(zip(head, np.array(rows, dtype=float).reshape(len(rows), len(head)).T, strict=True))
+
+
+def _columns(path: Path) -> dict:
+    """Return the columns of a table, ``..._re`` and ``..._im`` joined to one complex column."""
+    table, columns = _table(path), {}
+    for name, values in table.items():
+        if name.endswith("_re") and f"{name[:-3]}_im" in table:
+            columns[name[:-3]] = values + 1j * table[f"{name[:-3]}_im"]
+        elif not (name.endswith("_im") and f"{name[:-3]}_re" in table):
+            columns[name] = values
+    return columns
+
+
+def _trajectories(path: Path) -> tuple:
+    """Return level and motion of each burst."""
+    table = list(_table(path).values())
+    levels, time, velocity, position = table
+    return tuple(
+        (float(level), Motion(time=time[at], velocity=velocity[at], position=position[at]))
+        for level in dict.fromkeys(levels.tolist())
+        for at in [levels == level]
+    )

@@ -1,0 +1,61 @@
+"""One value or several."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+from studies.refusal import SceneError, shown
+from studies.scene.rule.protocol import Rule
+
+__all__ = ["Listed"]
+
+
+@dataclass(frozen=True)
+class Listed(Rule):
+    """One value or a list that is not empty; ``alone`` is the rule of a single value, if another one."""
+
+    each: Rule
+    alone: Rule | None = None
+    distinct: bool = False
+
+    def read(self, path, value):
+        """Return a tuple, or what ``alone`` makes of a single value."""
+        if not isinstance(value, (list, tuple)):
+            if self.alone is not None:
+                return self.alone.read(path, value)
+            return (self.each.read(path, value),)
+        if not value:
+            raise SceneError(path, "must name at least one value, got an empty list")
+        values = self.read_each(self.each, path, value)
+        if self.distinct and any(first == second for first, second in pairwise(sorted(values))):
+            raise SceneError(path, f"must differ from each other, got {shown(list(values))}")
+        return values
+
+    def written(self, value):
+        """Return a list."""
+        return list(value) if isinstance(value, tuple) else value
+
+    @property
+    def expected(self):
+        """The single value, and the list."""
+        if self.alone is None:
+            return f"{self.each.expected}; one or a list"
+        return f"{self.alone.expected}; or a list, each {self.each.expected}"
+
+    @property
+    def range(self):
+        """The single value, and the list."""
+        if self.alone is None:
+            return f"{self.each.range}; one or a list"
+        return f"{self.alone.range}; or a list, {self.each.range}{', all different' if self.distinct else ''}"
+
+    @property
+    def unit_name(self):
+        """Of an entry."""
+        return self.each.unit_name
+
+    def schema(self):
+        """Return the single value or the list."""
+        several = {"type": "array", "items": self.each.schema(), "minItems": 1}
+        if self.distinct:
+            several["uniqueItems"] = True
+        return {"anyOf": [(self.alone or self.each).schema(), several]}

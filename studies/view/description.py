@@ -1,0 +1,87 @@
+"""What is drawn beside the field, the same in the pyvista window and on the HTML page: electrodes, balls, crystal axes.
+
+Lengths are in m; colours are chosen so that they differ from the field's colour maps and from each other for every eye
+(Okabe and Ito 2008).
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from studies.view.run_field import RunField
+
+__all__ = ["AXIS_COLOUR", "BALL_COLOUR", "Electrode", "balls", "crystal_axes", "electrodes", "shown_fingers"]
+
+AXIS_COLOUR, BALL_COLOUR = "#009E73", "#999999"
+KINDS = {"+": ("#000000", "+ fingers"), "-": ("#CC79A7", "- fingers"), "o": ("#E69F00", "open strips")}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Electrode:
+    """The strips of one electrode, or the open strips, of all transducers.
+
+    Attributes
+    ----------
+    sign : str
+        "+", "-" or "o".
+    colour, label : str
+        How it is drawn and what the legend calls it.
+    strips : tuple of (float, float)
+        Left and right edges, m.
+    """
+
+    sign: str
+    colour: str
+    label: str
+    strips: tuple[tuple[float, float], ...] = field(repr=False)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ball:
+    """A ball of the slider.
+
+    Attributes
+    ----------
+    place, radius : float
+        m.
+    crest : float
+        |u_z| of the surface under it, m per V: it rides on the crests of the enlarged wave.
+    """
+
+    place: float
+    radius: float
+    crest: float
+
+
+def electrodes(found: RunField) -> tuple[Electrode, ...]:
+    """Return the electrodes that have strips."""
+    return tuple(
+        Electrode(sign=sign, colour=KINDS[sign][0], label=KINDS[sign][1], strips=tuple(strips))
+        for sign, strips in found.fingers.items()
+        if strips
+    )
+
+
+def shown_fingers(found: RunField, start: float, stop: float) -> str:
+    """Return how many of the strips lie between two places (m), for a caption; empty without electrodes."""
+    strips = [strip for each in electrodes(found) for strip in each.strips]
+    shown = sum(left < stop and right > start for left, right in strips)
+    return f"{shown} of {len(strips)} fingers" if shown else ""
+
+
+def balls(found: RunField) -> tuple[Ball, ...]:
+    """Return the balls of the slider."""
+    return tuple(Ball(place=place, radius=found.radius, crest=found.crest(place)) for place in found.balls)
+
+
+def crystal_axes(found: RunField) -> tuple[tuple[str, float, float], ...]:
+    """Return name and x and z components of the crystal axes that lie in the section, at least in part."""
+    from fem import rotation_matrix
+    from studies.report.crystal import SEEN
+
+    columns = rotation_matrix(found.scene.stator.orientation).T
+    return tuple(
+        (name, float(x), float(z))
+        for name, (x, _, z) in zip("XYZ", columns, strict=True)
+        if np.hypot(x, z) > SEEN
+    )

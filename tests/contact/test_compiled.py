@@ -1,0 +1,204 @@
+"""The kernels' machine code: broken on purpose in every way a machine may break it, the answer stays the same."""
+
+import hashlib
+import os
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from contact.interpolation import interpolate
+from contact.jit import compiled, compiler, kernels
+from contact.solve.collocation import collocation
+
+NOWHERE = Path("/proc/nowhere")  # where nobody can write, not even the superuser
+
+
+def count(values, limit):
+    """Count the values below a limit, and double them."""
+    number = 0
+    for k in range(values.size):
+        if values[k] < limit:
+            number += 1
+        values[k] *= 2.0
+    return number
+
+
+def answer():
+    """Return what a kernel that has just been imported makes of some numbers, and the kernel."""
+    kernel = compiled.Native(count, ("f1", "f"))
+    values = np.array([1.0, 2.0, 3.0, 4.0])
+    return (kernel(values, 2.5), *values), kernel
+
+
+RIGHT = (2, 2.0, 4.0, 6.0, 8.0)
+
+
+@pytest.fixture
+def places(monkeypatch, tmp_path):
+    """Take away every folder; return the environment to give some back."""
+    compiled._folders.cache_clear()
+    compiled._folder.cache_clear()
+    compiled.ORDINARY.clear()
+    monkeypatch.setattr(compiled, "PACKAGE_CACHE", NOWHERE)
+    for name in ("NUMBA_CACHE_DIR", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(compiled, "_home", lambda: None)
+    monkeypatch.setattr(tempfile, "tempdir", str(NOWHERE))
+    yield monkeypatch
+    compiled._folders.cache_clear()
+    compiled._folder.cache_clear()
+    compiled.ORDINARY.clear()
+
+
+def files(folder):
+    """Return the files of machine code below a folder."""
+    return sorted(Path(folder).rglob("*.o"))
+
+
+def test_without_any_folder_the_answer_is_the_same_and_nothing_is_promised(places):
+    places.setenv("NUMBA_CACHE_DIR", str(NOWHERE))
+    assert answer()[0] == RIGHT
+    assert compiled._folder() is None
+    assert not kernels.ready()
+    assert "every start" in kernels.how_often()
+    # the compiler for calls from Python keeps nothing either
+    assert compiled.Kernel(count)(np.array([1.0]), 2.0) == 1
+
+
+@pytest.mark.parametrize("name", ["NUMBA_CACHE_DIR", "XDG_CACHE_HOME", "home", "package"])
+def test_the_first_folder_that_can_be_written_to_keeps_the_kernels(places, tmp_path, name):
+    if name == "home":
+        places.setattr(compiled, "_home", lambda: tmp_path)
+    elif name == "package":
+        places.setenv("NUMBA_CACHE_DIR", str(NOWHERE))
+        places.setattr(compiled, "PACKAGE_CACHE", tmp_path)
+    else:
+        places.setenv(name, str(tmp_path))
+    assert kernels.how_often() == "once"
+    assert answer()[0] == RIGHT
+    assert len(files(tmp_path)) == 1
+    assert kernels.ready()
+    # the next start does not compile
+    places.setattr(compiler, "machine_code", None)
+    assert answer()[0] == RIGHT
+    assert not compiled.ORDINARY
+
+
+def test_without_a_home_the_kernels_lie_in_a_folder_that_only_the_user_can_write_to(places, tmp_path):
+    places.setattr(tempfile, "tempdir", str(tmp_path))
+    assert answer()[0] == RIGHT
+    (file,) = files(tmp_path)
+    own = tmp_path / f"sawmotor-{os.getuid()}"
+    assert own in file.parents
+    assert own.stat().st_mode & 0o777 == 0o700
+    assert kernels.how_often() == "once"
+
+
+@pytest.mark.parametrize("spoiled", ["open to others", "a link", "somebody else's"])
+def test_a_folder_that_somebody_else_could_have_filled_is_not_used(places, tmp_path, spoiled):
+    places.setattr(tempfile, "tempdir", str(tmp_path))
+    own = tmp_path / f"sawmotor-{os.getuid()}"
+    if spoiled == "a link":
+        (tmp_path / "elsewhere").mkdir()
+        own.symlink_to(tmp_path / "elsewhere")
+    else:
+        own.mkdir()
+        own.chmod(0o777 if spoiled == "open to others" else 0o700)
+    if spoiled == "somebody else's":
+        user = os.getuid()
+        places.setattr(compiled, "_temporary", lambda: own)
+        places.setattr(compiled.os, "getuid", lambda: user + 1)
+    assert compiled._folder() is None
+    assert answer()[0] == RIGHT
+    assert not files(tmp_path)
+
+
+@pytest.mark.parametrize("damage", ["cut", "wrong digest", "no machine code", "no entry"])
+def test_a_file_that_cannot_be_used_is_made_anew(places, tmp_path, damage):
+    places.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    assert answer()[0] == RIGHT
+    (file,) = files(tmp_path)
+    whole = file.read_bytes()
+    if damage == "cut":
+        file.write_bytes(whole[: len(whole) // 2])
+    elif damage == "wrong digest":
+        file.write_bytes(bytes(32) + whole[32:])
+    else:
+        code = (
+            b"not an object file" if damage == "no machine code" else whole[32:].replace(b"kernel", b"nobody")
+        )
+        file.write_bytes(hashlib.sha256(code).digest() + code)
+    assert answer()[0] == RIGHT
+    content = file.read_bytes()
+    assert hashlib.sha256(content[32:]).digest() == content[:32]
+    places.setattr(compiler, "machine_code", None)  # what was made anew serves
+    assert answer()[0] == RIGHT
+    assert not compiled.ORDINARY
+
+
+def test_another_version_of_the_compiler_has_its_own_folder(places, tmp_path):
+    import importlib.metadata
+
+    places.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    assert answer()[0] == RIGHT
+    version = importlib.metadata.version
+    places.setattr(
+        importlib.metadata, "version", lambda name: version(name) + ("9" if name == "llvmlite" else "")
+    )
+    compiled._folders.cache_clear()
+    compiled._folder.cache_clear()
+    assert not kernels.ready()
+    assert answer()[0] == RIGHT
+    assert len(files(tmp_path)) == 2
+
+
+def gone(*arguments):
+    raise AttributeError("a private name of numba is gone")
+
+
+@pytest.mark.parametrize("name", ["_put_off", "_lowered", "_optimised"])
+def test_without_a_private_part_of_numba_its_ordinary_compiler_serves(places, tmp_path, name):
+    places.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    places.setattr(compiler, name, gone)
+    found, kernel = answer()
+    assert found == RIGHT
+    assert compiled.ORDINARY == {"count": "AttributeError: a private name of numba is gone"}
+    values = np.array([1.0, 5.0])
+    assert (kernel(values, 2.5), *values) == (1, 2.0, 10.0)
+
+
+def test_without_what_llvmlite_says_of_the_processor_nothing_is_kept(places, tmp_path):
+    places.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    places.setattr(compiled, "_digest", gone)
+    assert answer()[0] == RIGHT
+    assert not files(tmp_path)
+
+
+def read_off(sigma, bary, values, at):
+    """Replace a place by the interpolant there: a kernel that calls another."""
+    at[0] = interpolate(at[0], sigma, bary, values)
+    return 0
+
+
+def test_kernels_that_call_others_are_the_same_by_numbas_ordinary_compiler(places):
+    table = collocation(12)
+    found, lowered = [], interpolate.inner
+    for broken in (False, True):
+        if broken:
+            places.setattr(compiler, "_optimised", gone)
+        at = np.array([0.3])
+        compiled.Native(read_off, ("f1", "f1", "f1", "f1"))(table.sigma, table.bary, np.cos(table.sigma), at)
+        found.append(at[0])
+        assert ("read_off" in compiled.ORDINARY) == broken
+    assert interpolate.inner is not lowered, "what was made for the machine code is not used again"
+    assert found[0] == pytest.approx(np.cos(0.3), rel=1e-10)  # truncation of twelve points
+    assert found[1] == pytest.approx(found[0], rel=1e-13)
+
+
+def test_shapes_that_a_kernel_declares_are_looked_at_before_it_runs(places):
+    kernel = compiled.Native(count, ("f1", "f"), {"values": "4"})
+    assert kernel(np.arange(4.0), 2.5) == kernel(np.arange(4.0), 2.5) == 3
+    with pytest.raises(ValueError, match=r"count: values has the shape \(3,\), but \(4\) is expected"):
+        kernel(np.arange(3.0), 2.5)

@@ -1,0 +1,173 @@
+"""Field of a finite aperture: against the exact plate response, the section, the far field and the power balance."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem.beam.charges import electrode_charges
+from fem.beam.surface_beam import BeamError, surface_beam
+from fem.waveguide.modes import power
+from studies.evidence.peers.plate_response import PlateResponse
+from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of
+from tests.oracles.fem_plate_beam import plate_beam
+
+
+def beam_of(solid, *, length=30.0, thickness=1.3, order=7, layers=1, aperture=5e-3, **rest):
+    stator = plate(solid, length=length, thickness=thickness, **rest)
+    left = comb(stator, "a", 6.0, finger_pairs=3, aperture=aperture)
+    return surface_beam(wave_of(solution(stator, (left,), order=order, layers=layers)))
+
+
+@pytest.fixture(scope="module")
+def lossy():
+    return beam_of(cut("PZT-8", "Z", quality=60.0))
+
+
+@pytest.mark.parametrize("bottom", ["free", "grounded", "clamped"])
+def test_infinite_aperture_is_the_section(bottom):
+    """Charges, line source and modes at k_y = 0 on both sides, next to the fingers and far away."""
+    beam = beam_of(cut("PZT-8", "Z", quality=60.0), bottom=bottom, aperture=1.0, layers=0)
+    edges = beam.charges[0].x[[0, -1]]
+    x = np.array([edges[0] - 3e-3, edges[0] - 1e-3, edges[1] + 1e-3, edges[1] + 8e-3])
+    section = beam.wave.motion(x)
+    tangential, _, normal = beam.motion(x)
+    np.testing.assert_allclose(normal, section[1], atol=1e-8 * abs(section).max())
+    # what is left of u_x is the pole at k = 0, whose field falls as 1 / W
+    left = abs(tangential - section[0])
+    assert left.max() < 5e-3 * abs(section).max()
+    wider = replace(beam, apertures=(2.0,)).motion(x)[0]
+    np.testing.assert_allclose(abs(wider - section[0]), left / 2, rtol=1e-3, atol=1e-9 * abs(section).max())
+
+
+def test_two_transducers_add_up_to_the_section():
+    """Massless fingers scatter by their charges alone: before, between and behind them, with the second one shorted."""
+    stator = plate(cut("PZT-8", "Z", quality=60.0), length=24.0, thickness=1.3, bottom="grounded")
+    pair = (
+        comb(stator, "a", 6.0, aperture=1.0),
+        comb(stator, "b", 14.0, finger_pairs=2, period=0.9, aperture=1.0, termination="short"),
+    )
+    beam = surface_beam(wave_of(solution(stator, pair, order=7)))
+    first, second = (each.x[[0, -1]] for each in beam.charges)
+    x = np.array([first[0] - 2e-3, first[1] + 1e-3, second[0] - 1e-3, second[1] + 2e-3])
+    section = beam.wave.motion(x)
+    np.testing.assert_allclose(beam.motion(x)[[0, 2]], section, atol=1e-7 * abs(section).max())
+    alone = replace(beam, charges=beam.charges[:1], apertures=(1.0,)).motion(x)
+    assert abs(alone[2] - section[1]).max() > 1e-3 * abs(section).max()
+
+
+def test_charges_give_the_admittance():
+    wave = wave_of(solution(plate(cut("PZT-8", "Z")), (comb(plate(cut("PZT-8", "Z")), "a", 2.0),)))
+    charges = electrode_charges(wave.solution, 0)
+    positive = charges.charge[charges.finger == 1].sum()
+    assert 2j * np.pi * FREQUENCY * 0.02 * positive == pytest.approx(wave.admittance, rel=1e-10)
+    assert abs(charges.charge.sum()) < 1e-10 * abs(positive)
+
+
+def test_exact_plate_response_over_the_plane_of_wave_vectors(lossy):
+    solid = lossy.wave.solution.fields.stator.solid
+    exact = PlateResponse(
+        stiffness=solid.stiffness_lossy,
+        coupling=solid.coupling,
+        permittivity=solid.permittivity_lossy,
+        density=solid.density,
+        thickness=lossy.wave.solution.fields.stator.thickness,
+        frequency=FREQUENCY,
+    )
+    charges = lossy.charges[0]
+    edge = charges.x[-1]
+    points = np.array([[edge + along, y] for along in (4e-3, 9e-3) for y in (0.0, 1.1e-3, 2.2e-3, 3.5e-3)])
+    middle = charges.x.mean()
+    expected = plate_beam(
+        exact.surface,
+        float(abs(lossy.source.wavenumbers[lossy.source.lasting(4e-3, 1e-4)].real).max()),
+        charges.x - middle,
+        charges.charge,
+        lossy.apertures[0],
+        points - [middle, 0.0],
+    )
+    found = lossy.motion(*points.T)
+    assert abs(found - expected).max() < 1e-4 * abs(expected).max()
+
+
+def test_mirror_images(lossy):
+    """u_x and u_z are even in y and u_y odd; x -> -x turns the comb into its negative."""
+    edges = lossy.charges[0].x[[0, -1]]
+    right = lossy.motion(edges[1] + 3e-3, np.array([1.7e-3, -1.7e-3]))
+    np.testing.assert_allclose(right[:, 1], right[:, 0] * [1, -1, 1], rtol=1e-12)
+    left = lossy.motion(edges[0] - 3e-3, 1.7e-3)
+    np.testing.assert_allclose(left, right[:, 0] * [1, -1, -1], rtol=1e-7)
+
+
+def test_far_field_follows_the_aperture():
+    """At 0.2 m the surface wave alone is left; over the angle it is W sinc(k W sin / 2) T(k cos) over the axis's."""
+    beam = beam_of(lossless("PZT-8", "Z"), thickness=np.inf, aperture=3e-3, length=600.0)
+    surface = beam.wave.solution.fields.modes.rayleigh[0]
+    k = (
+        float(beam.wave.solution.fields.modes.wavenumbers[surface].real)
+        / beam.wave.solution.fields.section.length_unit
+    )
+    charges = beam.charges[0]
+    middle = 0.5 * (charges.x[0] + charges.x[-1])
+    angles = np.radians([0.0, 3.0, 6.0, 9.0, 14.0])
+    distance = 0.2
+    normal = beam.motion(middle + distance * np.cos(angles), distance * np.sin(angles))[2]
+    expected = np.sinc(k * np.sin(angles) * 3e-3 / (2 * np.pi)) * charges.transform(
+        k * np.cos(angles), middle
+    )
+    np.testing.assert_allclose(abs(normal / normal[0]), abs(expected / expected[0]), atol=1e-3)
+
+
+def test_error_estimate_covers_the_rule(lossy, monkeypatch):
+    points = lossy.charges[0].x[-1] + np.array([1e-3, 5e-3, 12e-3]), np.array([0.0, 2e-3, 6e-3])
+    stated = replace(lossy, wave=replace(lossy.wave, relative_error=0.0)).relative_error(*points)
+    before = lossy.motion(*points)
+    monkeypatch.setattr("fem.beam.lateral.SPACING", 0.1)
+    after = lossy.motion(*points)
+    assert np.all(stated < 1e-5)
+    assert np.all(abs(after - before).max(axis=0) <= np.maximum(stated, 1e-12) * abs(after).max(axis=0))
+
+
+def test_refusals(lossy):
+    inside = lossy.charges[0].x[3]
+    with pytest.raises(BeamError, match="under a transducer or within half a wavelength"):
+        lossy.motion(inside)
+    with pytest.raises(BeamError, match="must lie on the stator, 0 to"):
+        lossy.motion(-1e-3)
+    with pytest.raises(BeamError, match="ends = 'absorbing', got 'free'"):
+        beam_of(cut("PZT-8", "Z"), ends="free")
+    with pytest.raises(BeamError, match="isotropic about z, which LiNbO3"):
+        beam_of(cut("LiNbO3 (Kovacs)", "128YX"))
+
+
+def test_power_through_planes():
+    """Without loss: of the section, what the ports take in; of the beam, the same but for a share that falls as 1 / W.
+
+    The charges are prescribed, so the beam may take less than the ports of the section: 1.4 % at 20 wavelengths.
+    """
+    beam = beam_of(lossless("PZT-8", "Z"), thickness=2.3)
+    modes = beam.wave.solution.fields.modes
+    per_mode = power(modes.right, modes.right_flux, FREQUENCY)[modes.wavenumbers != 0]
+    per_mode = per_mode * modes.section.solid.stress_unit * abs(beam.source.amplitudes) ** 2
+    k = beam.source.wavenumbers
+    charges, origin = beam.charges[0], float(beam.charges[0].x.mean())
+    angles, weights = (np.pi / 2 * each for each in np.polynomial.legendre.leggauss(300))
+    missing = []
+    for aperture in (5e-3, 10e-3):
+        section = total = 0.0
+        for mode in np.flatnonzero(abs(k.imag) < 1e-9 * abs(k)):
+            along, lateral = k[mode].real * np.cos(angles), k[mode].real * np.sin(angles)
+            lobe = (
+                (aperture * np.sinc(lateral * aperture / (2 * np.pi))) ** 2 * abs(k[mode].real) / (2 * np.pi)
+            )
+            for side in (1, -1):
+                section += per_mode[mode] * abs(charges.transform(side * k[mode], origin)) ** 2
+                sent = (
+                    abs(charges.transform(side * along, origin)) ** 2
+                )  # k/kappa from 1/kappa^2, kappa and dk_y
+                total += per_mode[mode] * np.sum(weights * lobe * sent)
+        ports = beam.wave.solution.circuit.power / beam.apertures[0]
+        assert section == pytest.approx(ports, rel=1e-8)
+        missing.append(1 - total / (aperture * ports))
+    assert missing[1] == pytest.approx(missing[0] / 2, rel=0.02)
+    assert 0 < missing[1] < 0.05

@@ -1,0 +1,170 @@
+"""A motor's datasheet: its numbers against the contact's own answers, and the page that shows them."""
+
+import json
+import re
+import shutil
+import subprocess
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from contact import steady, step
+from studies.__main__ import main
+from studies.refusal import SceneError
+from studies.report import datasheet_page
+from studies.report.datasheet import datasheet
+from studies.scene import Scene, read_table
+from studies.scene.override import assigned
+from studies.view.surface_pictures import new_figure
+from tests.studies.legible import assert_legible
+
+CHROMIUM = shutil.which("chromium")
+MOTOR = ("stator.length=24 mm", "transducer.0.center=5 mm", "transducer.0.finger_pairs=3",
+         "slider.position=14.123 mm", "slider.contacts=2", "drive.voltage=[20, 60, 90]")  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def motor():
+    """A short motor of three finger pairs and two balls at one place, with a name that a page must escape."""
+    table = read_table("twente-left")
+    for setting in MOTOR:
+        table = assigned(table, setting)
+    return Scene.from_table("", table | {"title": "Motor <A> & co"})
+
+
+@pytest.fixture(scope="module")
+def sheet(motor):
+    return datasheet(motor, tolerance=1e-2)
+
+
+def row(sheet, name):
+    (found,) = (each for each in sheet.rows if each.name == name)
+    return found
+
+
+def test_speed_and_thresholds_are_the_run_s(sheet):
+    assert sheet.rated == 90.0
+    point = sheet.record.points[-1]
+    assert row(sheet, "speed").value == abs(point["velocity_m_per_s"])
+    slider = sheet.driven.slider
+    threshold = row(sheet, "threshold").value
+    assert steady(slider, sheet.driven.at(0.99 * threshold), tolerance=1e-6).velocity == 0.0
+    assert steady(slider, sheet.driven.at(1.01 * threshold), tolerance=1e-6).velocity != 0.0
+
+
+def test_the_motor_stalls_at_its_blocked_thrust_and_not_before(sheet):
+    """Two balls share the load: the slider that is computed is half of the motor."""
+    assert sheet.balls == 2.0
+    slider, orbits, thrust = sheet.driven.slider, sheet.driven.at(90.0), row(sheet, "blocked thrust").value
+    forward = steady(slider, orbits, tolerance=1e-6).velocity
+    for share, moves in ((0.99, True), (1.01, False)):
+        velocity = steady(replace(slider, load=share * thrust / 2), orbits, tolerance=1e-6).velocity
+        assert (velocity * forward > 0.0) == moves
+    block = sheet.record.scene.slider
+    holding = block.friction_coefficient * block.preload
+    assert row(sheet, "holding force").value == pytest.approx(holding, rel=1e-12)
+    assert row(sheet, "largest acceleration").value == pytest.approx(holding / block.mass, rel=1e-12)
+    assert thrust <= holding * (1 + 1e-9)
+
+
+def test_powers_are_load_times_speed_and_what_the_source_gives(sheet):
+    line = sheet.lines["90 V"]
+    most = 2.0 * float(np.max(line.load * line.velocity))
+    drawn = sheet.record.electrical["power_W_per_V2"] * 90.0**2
+    assert row(sheet, "largest mechanical power").value == pytest.approx(most, rel=1e-12)
+    assert row(sheet, "electrical power").value == pytest.approx(drawn, rel=1e-12)
+    assert row(sheet, "efficiency of the motor").value == pytest.approx(most / drawn, rel=1e-12)
+    admittance = abs(sheet.record.electrical["admittance_S"])
+    assert row(sheet, "current").value == pytest.approx(90.0 * admittance, rel=1e-12)
+    assert 0.0 < row(sheet, "efficiency of the contact").value < 1.0
+
+
+def test_the_smallest_step_is_one_cycle_too_long_to_be_shorter(sheet):
+    smallest = sheet.steps[0]
+    found = row(sheet, "smallest step of 1 nm or more")
+    assert found.value == abs(smallest.displacement) >= 1e-9
+    less = step(sheet.driven.slider, sheet.driven.at(90.0), cycles=smallest.cycles - 1)
+    assert abs(less.displacement) < 1e-9
+    assert f"{smallest.cycles} cycles" in found.condition
+
+
+def test_start_and_stop_times_are_read_from_the_motion(sheet):
+    motion, final = sheet.start_stop, abs(row(sheet, "speed").value)
+    at = np.interp(row(sheet, "start time").value, motion.time, abs(motion.velocity))
+    assert at == pytest.approx(0.9 * final, rel=1e-2)
+    after = motion.duration + row(sheet, "stop time").value
+    assert np.interp(after, motion.time, abs(motion.velocity)) < 0.02 * final
+    friction = row(sheet, "largest acceleration").value
+    assert row(sheet, "stop time").value == pytest.approx(
+        0.99 * final / friction, rel=0.05
+    )  # and a little damping
+
+
+def test_every_number_has_a_unit_and_a_finite_error(sheet):
+    whole = json.loads(json.dumps(sheet.to_dict(), allow_nan=False))
+    assert whole["rated_voltage_V"] == 90.0
+    for each in whole["rows"]:
+        assert each["unit"]
+        assert np.isfinite(each["value"])
+        assert 0.0 <= each.get("error", 0.0) < 0.05
+    assert {each["group"] for each in whole["rows"]} == set(datasheet_page.GROUPS)
+
+
+def test_the_page_is_self_contained_and_says_what_is_not_modelled(sheet):
+    page = datasheet_page.page(sheet)
+    assert "Motor &lt;A&gt; &amp; co" in page
+    assert page.count('src="data:image/svg+xml;base64,') == 3
+    assert not re.search(r"(src|href)=(?!\"data:)|<script|https?:", page)
+    assert "@page { size: A4" in page
+    assert "no beam spreading" in page
+    for each in sheet.rows:
+        assert f"<td>{each.name}</td>" in page
+    text = datasheet_page.table(sheet)
+    assert all(each.name in text for each in sheet.rows)
+
+
+@pytest.mark.parametrize(
+    "draw", [datasheet_page.speed, datasheet_page.load_lines, datasheet_page.start_and_stop]
+)
+def test_its_pictures_can_be_read(sheet, draw):
+    figure, ax = new_figure(*datasheet_page.PICTURE)
+    draw(sheet, ax)
+    assert_legible(figure)
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+def test_it_prints_on_one_page(sheet, tmp_path):
+    (tmp_path / "a.html").write_text(datasheet_page.page(sheet), encoding="utf-8")
+    flags = f"--headless --no-sandbox --disable-gpu --no-first-run --user-data-dir={tmp_path / 'profile'}"
+    command = [
+        CHROMIUM,
+        *flags.split(),
+        f"--print-to-pdf={tmp_path / 'a.pdf'}",
+        (tmp_path / "a.html").as_uri(),
+    ]
+    subprocess.run(command, capture_output=True, timeout=120, check=True)
+    assert len(re.findall(rb"/Type\s*/Page\b", (tmp_path / "a.pdf").read_bytes())) == 1
+
+
+def test_a_given_wave_has_a_datasheet_without_electrical_rows(tmp_path, monkeypatch, capsys):
+    words = ["datasheet", "twente-contact", "--set", "wave.normal_amplitude=[3e-9, 10e-9]"]
+    monkeypatch.setattr("sys.argv", ["sawmotor", *words, "--out", str(tmp_path / "a")])
+    assert main() == 0
+    assert "rated at 10 nm peak" in capsys.readouterr().out
+    whole = json.loads((tmp_path / "a" / "datasheet.json").read_text())
+    names = [each["name"] for each in whole["rows"]]
+    assert "speed" in names
+    assert "electrical power" not in names
+    assert "frequency of the largest wave" not in names
+    assert (tmp_path / "a" / "datasheet.html").read_text().startswith("<!DOCTYPE html>")
+
+
+def test_what_is_no_moving_motor_has_no_datasheet(motor):
+    with pytest.raises(SceneError, match="slider is missing: a datasheet is of a whole motor"):
+        datasheet(Scene.load("rayleigh"))
+    weak = replace(motor, drive=replace(motor.drive, voltage=(1.0,)))
+    with pytest.raises(
+        SceneError, match=r"drive\.voltage must hold a value above the threshold, .* V: nothing moves"
+    ):
+        datasheet(weak)

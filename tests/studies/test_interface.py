@@ -1,0 +1,222 @@
+"""The Python interface: scenes changed, runs and sweeps as arrays, saved and loaded; one BLAS thread during a run."""
+
+import json
+import math
+import sys
+import threading
+
+import numpy as np
+import pytest
+import threadpoolctl
+
+from studies import Record, RunError, Scene, SceneError, chain, run, sweep
+from studies.results import MANIFEST
+
+LEVELS = (0.5e-9, 3e-9, 10e-9)
+
+
+@pytest.fixture(scope="module")
+def contact():
+    return Scene.load("twente-contact").replace(wave={"normal_amplitude": list(LEVELS)})
+
+
+@pytest.fixture(scope="module")
+def record(contact):
+    return run(contact)
+
+
+@pytest.fixture(scope="module")
+def driven(small_run):
+    return small_run
+
+
+def test_a_scene_is_changed_by_its_keys():
+    motor = Scene.load("twente").replace(
+        title="mine",
+        slider={"preload": "5 mN", "damping": {"normal": "0.2 N s/m"}},
+        drive={"voltage": "5:60:12"},
+        transducer={"left": {"finger_pairs": 5}},
+    )
+    old = Scene.load("twente")
+    assert motor.slider.preload == 5e-3
+    assert (motor.slider.damping.normal, motor.slider.damping.tangential) == (
+        0.2,
+        old.slider.damping.tangential,
+    )
+    assert motor.drive.voltage == tuple(5.0 + 5 * k for k in range(12))
+    assert [each.finger_pairs for each in motor.transducer] == [5, 10]
+    assert motor.replace(title=old.title, slider=None).slider is None
+    assert old == Scene.load("twente")
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"slider": {"mas": 1e-4}}, r"slider\.mas .*mass"),
+        ({"slider": {"mass": "5 mm"}}, r"slider\.mass"),
+        ({"sldier": {"mass": 1e-4}}, "slider"),
+        ({"transducer": {"lefft": {"finger_pairs": 5}}}, "left"),
+        ({"drive": {"voltage": "5:60"}}, "START:STOP:N"),
+    ],
+)
+def test_a_change_that_breaks_a_rule_names_the_key(changes, words):
+    with pytest.raises(SceneError, match=words):
+        Scene.load("twente").replace(**changes)
+
+
+def test_a_run_takes_a_name_a_path_or_a_scene(contact, record, tmp_path):
+    from studies.scene.toml import document
+
+    (tmp_path / "motor.toml").write_text(document(contact.to_table()))
+    assert run(tmp_path / "motor.toml").points == run(str(tmp_path / "motor.toml")).points == record.points
+    assert record.tolerance == 1e-3
+    with pytest.raises(SceneError, match="tolerance must be a number above 0"):
+        run(contact, tolerance=0.0)
+
+
+def test_a_record_gives_its_points_as_arrays(record):
+    np.testing.assert_array_equal(record.normal_amplitude, LEVELS)
+    np.testing.assert_array_equal(record.velocity, [point["velocity_m_per_s"] for point in record.points])
+    np.testing.assert_array_equal(record.relative_error, [point["relative_error"] for point in record.points])
+    assert list(record.regime) == ["stick", "slip", "intermittent"]
+    assert list(record.status) == ["ok"] * 3
+    assert np.isnan(record.voltage).all()
+    with pytest.raises(SceneError, match="velocity_m_per_s"):
+        record.column("velocity")
+
+
+def test_a_point_without_an_answer_is_nan_with_its_reason(contact):
+    failed = run(contact.replace(slider={"load": 1.0, "damping": {"tangential": 0.0}}))
+    assert np.isnan(failed.velocity[1:]).all()
+    assert all("runaway" in status for status in failed.status[1:])
+    assert failed.shortfall in repr(failed)
+
+
+def test_a_data_frame_has_the_points_as_rows(record):
+    table = record.to_dataframe()
+    assert len(table) == 3
+    for key in ("normal_amplitude_m", "velocity_m_per_s", "relative_error", "regime"):
+        assert table[key].tolist() == [point[key] for point in record.points]
+
+
+@pytest.mark.parametrize(("name", "package"), [("to_dataframe", "pandas"), ("to_xarray", "xarray")])
+def test_an_optional_package_that_is_missing_is_named(record, contact, monkeypatch, name, package):
+    monkeypatch.setitem(sys.modules, package, None)
+    source = record if package == "pandas" else sweep(contact, {})
+    with pytest.raises(RunError, match=f"{name} needs {package}: pip install {package}"):
+        getattr(source, name)()
+
+
+def test_a_saved_record_is_the_loaded_one(driven, tmp_path):
+    driven.save(tmp_path / "mine")
+    loaded = Record.load(tmp_path / "mine")
+    assert json.dumps(loaded.to_dict()) == json.dumps(driven.to_dict())
+    assert loaded.scene == driven.scene
+    assert loaded.wave == driven.wave
+    assert loaded.electrical == driven.electrical
+    assert loaded.surface.keys() == driven.surface.keys()
+    for key, values in driven.surface.items():
+        np.testing.assert_array_equal(loaded.surface[key], values)
+    assert len(loaded.trajectories) == len(driven.trajectories) == 3
+    for (level, motion), (other, saved) in zip(driven.trajectories, loaded.trajectories, strict=True):
+        assert level == other
+        for name in ("time", "velocity", "position"):
+            np.testing.assert_array_equal(getattr(saved, name), getattr(motion, name))
+    before = {path.name: path.read_bytes() for path in (tmp_path / "mine").iterdir() if path.name != MANIFEST}
+    (tmp_path / "mine" / "notes.md").write_text("mine")
+    said = loaded.save(tmp_path / "mine")
+    assert {path: (tmp_path / "mine" / path).read_bytes() for path in before} == before
+    assert "notes.md" in " ".join(said)
+
+
+def test_a_directory_without_a_run_is_said(tmp_path):
+    with pytest.raises(RunError, match=r"holds no run\.json"):
+        Record.load(tmp_path)
+
+
+def test_a_record_shows_itself(record, driven):
+    from matplotlib.figure import Figure
+
+    assert "3 points, 0.5 to 10 nm, velocity 0 to" in repr(record)
+    assert "20 to 120 V" in repr(driven)
+    page = driven._repr_html_()
+    assert page.count("<tr>") == 4
+    assert "velocity (m/s)" in page
+    ax = record.plot(Figure().add_subplot())
+    assert "mm/s" in ax.get_ylabel()
+    free = run("rayleigh")
+    assert "free wave, 218" in repr(free)
+    assert "depth" in free.plot(Figure().add_subplot()).get_xlabel()
+
+
+def test_a_sweep_as_a_data_set_has_the_runs_own_numbers(contact):
+    over = {"slider.preload": [1e-3, 2e-3], "wave.normal_amplitude": [3e-9, 6e-9, 9e-9]}
+    grid = sweep(contact, over).to_xarray()
+    assert dict(grid.sizes) == {"slider.preload": 2, "wave.normal_amplitude": 3}
+    single = run(contact.replace(slider={"preload": 2e-3}, wave={"normal_amplitude": 6e-9}))
+    value = grid["velocity_m_per_s"].sel({"slider.preload": 2e-3, "wave.normal_amplitude": 6e-9})
+    assert float(value) == pytest.approx(float(single.velocity[0]), rel=1e-3)
+    assert str(grid["regime"][1, 1].item()) == single.regime[0]
+    table = sweep(contact, over).to_dataframe()
+    assert table["velocity_m_per_s"].tolist() == grid["velocity_m_per_s"].to_numpy().ravel().tolist()
+
+
+def test_sweep_is_the_function_whatever_was_imported_before():
+    import studies.sweep.axes  # noqa: F401
+    from studies import sweep as chosen
+
+    assert callable(chosen)
+    assert chosen.sweep is not None
+
+
+def test_the_parts_of_the_time_add_up(driven, record):
+    for each in (driven, record):
+        parts = {key: value for key, value in each.seconds.items() if key != "total"}
+        assert min(parts.values()) >= 0
+        assert math.fsum(parts.values()) == pytest.approx(each.seconds["total"], rel=1e-9)
+
+
+def blas_threads():
+    return {each["num_threads"] for each in threadpoolctl.threadpool_info() if each["user_api"] == "blas"}
+
+
+def test_a_run_has_one_blas_thread_and_restores_what_was(contact, monkeypatch):
+    import scipy.linalg  # noqa: F401
+
+    seen, original = [], chain._run
+
+    def watched(*arguments):
+        seen.append(blas_threads())
+        return original(*arguments)
+
+    monkeypatch.setattr(chain, "_run", watched)
+    with threadpoolctl.threadpool_limits(limits=2, user_api="blas"):
+        before = blas_threads()
+        run(contact)
+        assert blas_threads() == before == {2}
+    assert seen == [{1}]
+
+
+def test_two_runs_in_two_threads_leave_the_number_of_threads_as_it_was():
+    import scipy.linalg  # noqa: F401
+
+    from fem import blas_on_one_thread
+
+    inside, seen = [threading.Event(), threading.Event()], []
+
+    def second():
+        with blas_on_one_thread():
+            inside[1].set()
+            inside[0].wait(10)  # the first has left
+            seen.append(blas_threads())
+
+    with threadpoolctl.threadpool_limits(limits=2, user_api="blas"):
+        other = threading.Thread(target=second)
+        with blas_on_one_thread():
+            other.start()
+            inside[1].wait(10)
+        seen.append(blas_threads())
+        inside[0].set()
+        other.join()
+        assert seen == [{1}, {1}]
+        assert blas_threads() == {2}

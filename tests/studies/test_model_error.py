@@ -1,0 +1,95 @@
+"""Sizes of neglected effects: against published values, closed forms written anew, and the wave's own field."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import fem
+from studies import Record, Scene, run
+from studies.chain.model_error import fresnel_ratio, model_error, sentences
+
+# Scalar angular spectrum of the seed's 20 mm aperture: mm from the transducer's centre, amplitude on the axis over that
+# of the section
+SPECTRUM = {50: 0.855, 60: 0.785, 65: 0.837, 80: 1.060, 100: 1.251, 130: 1.338}
+
+
+@pytest.fixture(scope="module")
+def motor() -> Record:
+    return run(Scene.load("twente-left").replace(drive={"voltage": ["30 V"]}), tolerance=0.05)
+
+
+def effect(record: Record, name: str) -> dict:
+    return next(each for each in record.model_error if each["effect"] == name)
+
+
+@pytest.mark.parametrize(("distance", "ratio"), SPECTRUM.items())
+def test_aperture_against_the_scalar_angular_spectrum(motor, distance, ratio):
+    """Fresnel's integral leaves out wide angles, the scalar spectrum the plate's other modes."""
+    place = 0.015 + distance * 1e-3
+    assert fresnel_ratio(motor, place) == pytest.approx(ratio, abs=0.05)
+    wave = motor.surface_wave
+    beam = fem.surface_beam(wave).motion(place)
+    assert abs(beam[2] / wave.motion(place)[1]) == pytest.approx(ratio, abs=0.03)
+
+
+def test_aperture_and_side_faces_of_the_seed(motor):
+    assert effect(motor, "finite aperture")["size"] == pytest.approx(SPECTRUM[65] - 1, abs=0.03)
+    beam, width = fem.surface_beam(motor.surface_wave), motor.scene.stator.width
+    faces = abs(beam.motion(0.08, width)[2] + beam.motion(0.08, -width)[2]) / abs(beam.motion(0.08)[2])
+    assert effect(motor, "side faces")["size"] == pytest.approx(faces, rel=1e-9)
+
+
+def test_other_cuts_fall_back_to_the_slit(motor):
+    free = replace(motor.scene.stator, ends="free")
+    solid = fem.rotated(fem.material("LiNbO3 (Kovacs)"), "128YX")
+    fields = motor.surface_wave.solution.fields
+    stator = replace(fields.stator, solid=solid)
+    solution = replace(motor.surface_wave.solution, fields=replace(fields, stator=stator))
+    other = replace(motor, surface_wave=replace(motor.surface_wave, solve=lambda: solution))
+    found = {each["effect"]: each for each in model_error(other)}
+    assert found["finite aperture"]["size"] == pytest.approx(fresnel_ratio(motor, 0.08) - 1)
+    assert "Fresnel" in found["finite aperture"]["source"]
+    assert "side faces" not in found
+    several = replace(motor, electrical=motor.electrical | {"sources": {"left": {}, "right": {}}})
+    assert "load of the slider on the wave" not in {each["effect"] for each in model_error(several)}
+    walls = replace(motor, scene=replace(motor.scene, stator=free))
+    assert not {"load of the slider on the wave", "mass of 100 nm aluminium on the fingers"} & {
+        each["effect"] for each in model_error(walls)
+    }
+
+
+def test_closed_forms_of_the_seed(motor):
+    """Contact radiation 0.8 %, load of a ball 1e-4, vacuum 1e-3 of the capacitance, 0.0745 periods per end."""
+    assert effect(motor, "radiation of a contact into the stator")["size"] == pytest.approx(0.008, rel=0.25)
+    assert 1e-5 < effect(motor, "load of the slider on the wave")["size"] < 2e-4
+    assert effect(motor, "vacuum above the surface")["size"] == pytest.approx(1e-3, rel=0.5)
+    ends = effect(motor, "charge at the finger ends")["size"]
+    assert ends == pytest.approx(2 * 0.0745 * motor.scene.transducer[0].period / 0.02)
+    power = effect(motor, "heating of the stator")["size"]
+    assert power == pytest.approx(0.5 * motor.electrical["admittance_S"].real * 30.0**2)
+
+
+def test_electrode_mass_against_rayleigh_energy(motor):
+    """dv/v = -(v / 4) rho h omega^2 |u|^2 / (P / W), with u_z = C (P / (W f))^(1/2) and C = 1.75e-6 in hard PZT."""
+    omega, wave = 2 * math.pi * 2.2e6, motor.wave
+    motion = (1.75e-6) ** 2 / 2.2e6 * (1 + wave["surface_ratio"] ** 2)
+    expected = -wave["phase_velocity_m_per_s"] / 4 * 2700 * 100e-9 * omega**2 * motion
+    found = effect(motor, "mass of 100 nm aluminium on the fingers")["size"]
+    assert found == pytest.approx(expected, rel=0.25)
+
+
+def test_answer_and_files_hold_them(motor, tmp_path):
+    assert json.loads(json.dumps(motor.to_dict()))["model_error"] == [
+        dict(each) for each in motor.model_error
+    ]
+    lines = sentences(replace(motor, tolerance=1e-3))
+    assert any(line.startswith("finite aperture: -1") and line.endswith("% of u_z") for line in lines)
+    assert "load of the slider on the wave" in lines[-1]
+    assert lines[-1].startswith("below the tolerance")
+    assert run("twente-contact", tolerance=0.05).model_error == ()
+    np.testing.assert_equal(
+        [each["size"] for each in motor.model_error], [e["size"] for e in model_error(motor)]
+    )

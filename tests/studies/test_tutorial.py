@@ -1,0 +1,82 @@
+"""The tutorial tells every field that a run writes, with its unit."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from studies.chain import run
+from studies.report.measured import compared, read_measured
+from studies.scene import Scene, read_table
+from studies.scene.override import assigned
+
+TUTORIAL = Path(__file__).parents[2] / "studies" / "README.md"
+ROW = re.compile(r"^\| `([a-z_]+(?:\.[\w-]+)*)` \| ([^|]+?) \| ?([^|]*?) ?\|$", re.MULTILINE)
+UNITS = {"_per_s": "m/s", "_Hz": "Hz", "_m_per_V": "m/V", "_per_m": "1/m", "_W_per_V2": "W/V^2", "_S": "S", "_V": "V",
+         "_m": "m", "_s": "s"}  # fmt: skip
+
+
+def documented():
+    return {key: unit for key, unit, _ in ROW.findall(TUTORIAL.read_text(encoding="utf-8"))}
+
+
+def keys(path, value):
+    """Yield the dotted names of a JSON value; the entries of a list have the list's name."""
+    if isinstance(value, dict):
+        for name, each in value.items():
+            yield from keys(f"{path}.{name}" if path else name, each)
+    elif isinstance(value, list) and value and isinstance(value[0], dict):
+        for each in value:
+            yield from keys(path, each)
+    else:
+        yield path
+
+
+def changed(name, *settings):
+    table = read_table(name)
+    for setting in settings:
+        table = assigned(table, setting)
+    return Scene.from_table("", table)
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    """Every key that a driven motor, a given wave with a burst and a measurement, and a free wave write."""
+    file = tmp_path_factory.mktemp("measured") / "measured.csv"
+    file.write_text("normal_amplitude_m,velocity_m_per_s,error_m_per_s\n5e-9,0.03,0.001\n")
+    short = ("stator.length=24 mm", "transducer.0.center=5 mm", "transducer.0.finger_pairs=3")
+    motor = changed(
+        "twente-left", *short, "slider.position=14.123 mm", "drive.voltage=[1, 60]", "drive.burst=0.1 ms"
+    )
+    given = changed(
+        "twente-contact", "wave.burst=0.2 ms", "wave.normal_amplitude=[3e-9, 10e-9]", "slider.method=exact"
+    )
+    found = set()
+    for scene in (motor, given, Scene.load("rayleigh")):
+        record = run(scene, tolerance=1e-2)
+        whole = record.to_dict()
+        if scene == given:
+            whole["measured"] = compared(record, read_measured(file))
+        found |= set(keys("", {name: each for name, each in whole.items() if name not in ("title", "scene")}))
+    return found
+
+
+def test_every_field_of_a_run_is_in_the_tutorial(written):
+    assert len(written) > 60
+    assert {"measured.chi_square_per_point", "wave.settling_time_s", "wave.attenuation_per_m"} <= written
+    undocumented = written - set(documented())
+    assert undocumented - {"measured.points.normal_amplitude_m"} == set()  # named beside voltage_V
+
+
+def test_units_are_those_that_the_names_say():
+    for key, unit in documented().items():
+        ending = next((each for each in UNITS if key.endswith(each)), None)
+        if ending is not None:
+            assert unit == UNITS[ending], key
+
+
+def test_a_field_that_is_not_documented_would_be_seen():
+    table = documented()
+    assert "wave.frequency_Hz" in table
+    assert "wave.frequency" not in table
+    assert set(keys("", {"a": {"b_V": 1.0}, "c": [{"d": 1}, {"e": [1, 2]}]})) == {"a.b_V", "c.d", "c.e"}

@@ -1,0 +1,161 @@
+"""Every code block of every document runs, every command that a document names is one, every link leads somewhere.
+
+The blocks of a document are run in their order, in one temporary directory and one Python namespace.  Python blocks are
+executed; of shell blocks the ``sawmotor`` lines are run and other known tools are left to the reader; TOML blocks are
+read as scenes.  A line ``<!-- not run: REASON -->`` before a block exempts it, ``<!-- part of a scene -->`` a TOML
+block that is no whole scene.
+"""
+
+import re
+import shlex
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from studies.__main__ import main
+from studies.command.parser import parser
+from studies.scene import Scene, shipped_scenes
+
+ROOT = Path(__file__).parents[1]
+DOCUMENTS = sorted(
+    path
+    for pattern in ("README.md", "*/README.md", "*/*/README.md")
+    for path in ROOT.glob(pattern)
+    if not path.parts[len(ROOT.parts)].startswith(".")
+)
+NAMES = [str(path.relative_to(ROOT)) for path in DOCUMENTS]
+BLOCK = re.compile(
+    r"^(?P<remark><!--[^\n]*-->)?\n*^```(?P<language>[^\n`]*)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL
+)
+TOOLS = ("python3", "python", "pip", ".", "ruff", "lint-imports", "pytest", "dask", "git", "cd", "export")
+INLINE = re.compile(r"(?<!`)`(sawmotor [^`]+)`(?!`)")
+PLACEHOLDER = re.compile(r"[\[\]|<>]|\.\.\.|\b[A-Z]{3,}\b")
+LINK = re.compile(r"\]\((?!https?:|#|mailto:)([^)#\s]+)")
+
+
+@dataclass(frozen=True)
+class Fenced:
+    """A fenced block: the comment on the line before it, its language and its text."""
+
+    remark: str
+    language: str
+    text: str
+    line: int
+
+
+def blocks(text: str) -> list[Fenced]:
+    """Return the fenced blocks of a document."""
+    return [
+        Fenced(
+            found["remark"] or "",
+            found["language"].strip(),
+            found["text"],
+            text[: found.start()].count("\n") + 1,
+        )
+        for found in BLOCK.finditer(text)
+    ]
+
+
+def commands(text: str) -> list[list[str]]:
+    """Return the commands of a shell block, as words."""
+    lines = text.replace("\\\n", " ").splitlines()
+    parts = [part.strip() for line in lines for part in re.split(r"\s&&\s|\s&\s", line.split(" #")[0])]
+    return [shlex.split(part) for part in parts if part and not part.startswith("#")]
+
+
+def is_shell(block: Fenced) -> bool:
+    """Return whether a block holds commands; one without a language may be what a command prints."""
+    if block.language in ("sh", "bash", "shell", "console"):
+        return True
+    return not block.language and block.text.split()[:1] and block.text.split()[0] in ("sawmotor", *TOOLS)
+
+
+def run_command(words: list[str]) -> None:
+    """Run a command of a document; a window cannot be opened here."""
+    if words[0] != "sawmotor":
+        assert words[0] in TOOLS, f"no command that a reader has: {words[0]}"
+        return
+    files = ("--screenshot", "--movie", "--html", "--data", "--surface")
+    if words[1:2] == ["view"] and not any(option in words for option in files):
+        parser().parse_args(words[1:])
+        return
+    assert main(words[1:]) == 0, " ".join(words)
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=NAMES)
+def test_the_blocks_of_a_document_run(document, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    space: dict = {"__name__": "document"}
+    for block in blocks(document.read_text(encoding="utf-8")):
+        if block.remark.startswith("<!-- not run:"):
+            continue
+        if block.language == "python":
+            exec(compile(block.text, f"{document.name}, line {block.line}", "exec"), space)
+        elif block.language == "toml":
+            if "part of a scene" not in block.remark:
+                # a first line such as "# my-motor.toml" tells the reader, and the later blocks, the file's name
+                named = re.match(r"# ([\w-]+\.toml)$", block.text.splitlines()[0])
+                file = tmp_path / (named[1] if named else "scene of a document.toml")
+                file.write_text(block.text, encoding="utf-8")
+                Scene.load(file)
+        elif is_shell(block):
+            for words in commands(block.text):
+                run_command(words)
+    capsys.readouterr()
+    if "matplotlib" in space or "pyplot" in str(space.keys()):
+        from matplotlib import pyplot
+
+        pyplot.close("all")
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=NAMES)
+def test_the_commands_that_a_document_names_exist(document):
+    calls = parser()._subparsers._group_actions[0].choices
+    for text in INLINE.findall(document.read_text(encoding="utf-8")):
+        call = text.split()[1].strip("[],")
+        if not PLACEHOLDER.search(text):
+            parser().parse_args(shlex.split(text)[1:])
+        elif call in calls:
+            known = calls[call]._option_string_actions
+            assert [option for option in re.findall(r"--[a-z-]+", text) if option not in known] == [], text
+        else:
+            assert call.isupper() or call.startswith("--"), text
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=NAMES)
+def test_the_links_and_pictures_of_a_document_exist(document):
+    missing = [
+        target
+        for target in LINK.findall(document.read_text(encoding="utf-8"))
+        if not (document.parent / target).exists()
+    ]
+    assert missing == []
+
+
+def test_the_tests_of_documents_find_what_is_wrong(tmp_path):
+    text = "```python\nx = 1\n```\n\n<!-- not run: no reason -->\n```\nsawmotor run nothing\n```\n\n```\n 1  2\n```\n"
+    python, shell, printed = blocks(text)
+    assert (python.language, python.text, python.line) == ("python", "x = 1\n", 1)
+    assert shell.remark == "<!-- not run: no reason -->"
+    assert is_shell(shell)
+    assert not is_shell(printed)
+    assert commands(shell.text) == [["sawmotor", "run", "nothing"]]
+    assert commands("pip install x && sawmotor scenes  # list\nsawmotor \\\n check twente") == [
+        ["pip", "install", "x"],
+        ["sawmotor", "scenes"],
+        ["sawmotor", "check", "twente"],
+    ]
+    with pytest.raises(AssertionError, match="no command"):
+        run_command(["rm", "-r", "results"])
+    with pytest.raises(AssertionError):
+        run_command(["sawmotor", "check", "nothing"])
+
+
+@pytest.mark.parametrize("name", shipped_scenes())
+def test_a_shipped_scene_is_checked_planned_and_run(name, capsys):
+    assert main(["check", name]) == 0
+    assert main(["run", name, "--explain"]) == 0
+    assert main(["run", name, "--json", "--tolerance", "3e-2"]) == 0
+    assert capsys.readouterr().out
