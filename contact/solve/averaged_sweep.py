@@ -55,7 +55,9 @@ LEAST_STEP = 1e-4  # relative; a smaller change would measure rounding
 EDGE = 2e-3  # velocity over the reference speed below which the threshold is near
 MAX_AMPLITUDE_RATIO = 1e3  # larger over smaller amplitude up to which the smaller's error grows
 NEARBY = 0.1  # relative change of velocity up to which secant steps serve
-CORRECTION_ERROR = 1e-4  # share of the second-order correction that is not trusted
+# Share of the second-order correction that is not trusted; with 1e-4 one of eight random motors in
+# tests/contact/test_calibration.py is off by 3 times its stated error of 4e-11.
+CORRECTION_ERROR = 1e-3
 
 
 class Given(NamedTuple):
