@@ -326,7 +326,10 @@ def _contact(parameters, h, v, path, rule, sums, counts):
         counts[STUCK] += 1
 
 
-@native("f1 f2 f f f2 f2 f1 i1")
+@native(
+    "f1 f2 f f f2 f2 f1 i1",
+    {"parameters": "11", "waves": "n 4", "fast": "8 k", "rule": "2 q", "sums": "2 | 2+4k", "counts": "4"},
+)
 def cycle(parameters, waves, h, v, fast, rule, sums, counts):
     """Fill the means (sum of P, sum of Q) and the harmonics of (P (1 + chi z'), Q) over one cycle that repeats.
 

@@ -305,7 +305,16 @@ def advance(parameters, waves, sigma, bary, taus, columns, rates, tail, state, r
     return DONE
 
 
-@native("f1 f2 f1 f1 f2 f4 f2 f2 f1 i1 f1 f f i i f i1 f1 f1 f3 i f2 i m i1 i3 f3 f2 f3 f1")
+@native(
+    "f1 f2 f1 f1 f2 f4 f2 f2 f1 i1 f1 f f i i f i1 f1 f1 f3 i f2 i m i1 i3 f3 f2 f3 f1",
+    {
+        "parameters": "11", "waves": "n 4", "sigma": "m", "bary": "m", "taus": "3 m", "columns": "3 2 m m",
+        "rates": "m m", "tail": "2 m", "state": "3+n", "regime": "n", "sign": "n", "tally": "12", "sums": "13",
+        "sample_phase": "s", "samples": "s n 6", "speeds": "r 3", "memory.count": "n", "memory.kind": "n p",
+        "memory.corner": "n p 4", "memory.curve": "n p 5 m", "memory.level": "n", "count": "2", "marks": "2 c 3+2n",
+        "numbers": "2 c 2+2m", "shared": "6 m", "own": "11 n m", "values": "m",
+    },
+)  # fmt: skip
 def travel(parameters, waves, sigma, bary, taus, columns, rates, tail, state, regime, sign, start, stop, number, mobile,
            tolerance, tally, sums, sample_phase, samples, stride, speeds, limit, memory, count, marks, numbers, shared,
            own, values):  # fmt: skip

@@ -194,7 +194,13 @@ def _step(parameters, k, table, own, cells, m):
     )
 
 
-@native("f2 f3 f2 i i1 i f3 c1 f4 f3 f2")
+@native(
+    "f2 f3 f2 i i1 i f3 c1 f4 f3 f2",
+    {
+        "parameters": "r 11", "waves": "r n 4", "states": "r 3+n", "per_cycle": "r", "rows": "r m 3",
+        "tables": "r 4 s n", "own": "r 3 n", "cells": "10 r",
+    },
+)  # fmt: skip
 def _abreast(parameters, waves, states, number, per_cycle, stride, rows, envelope, tables, own, cells):
     """Do the work of `abreast`; return whether all is finite."""
     runs, n = waves.shape[0], waves.shape[1]

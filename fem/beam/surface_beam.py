@@ -8,8 +8,11 @@ bare stator's response to it is a sum of guided modes (line_source.py), so that 
 T the charges' transform, taken at kappa_p.  The contributions of all transducers add up: massless fingers scatter by
 their charges alone.
 
-Left out: what the charge does near the ends of the fingers, at most some 0.07 periods of the aperture at each; side
-faces; u_y = 0 on the axis y = 0 by symmetry.
+On the axis y = 0, u_y vanishes by symmetry.
+
+Left out: the charge near the ends of the fingers, which counts as some 0.07 periods more aperture at each; side faces;
+that a passive transducer's charges follow the mean of the wave over its aperture - 0.89 to 0.96 of the section's for
+20 wavelengths - and not the section's wave: an error of that share of what it sends back.
 """
 
 from dataclasses import dataclass, field

@@ -165,7 +165,7 @@ def _vacuum(record: Record) -> Iterator[NeglectedEffect]:
 
 
 def _amplitude_per_power(record: Record) -> float | None:
-    """Return C of u_z = C (P / (W f))^(1/2) in SI; None where the ends send waves back.
+    """Return C of u_z = C (P / (W f))^(1/2) in SI; None where ends send waves back or others drive.
 
     P is half of the power taken in, u_z the surface mode's half a wavelength beside the driven fingers.
     """
@@ -179,7 +179,8 @@ def _amplitude_per_power(record: Record) -> float | None:
     )
     wave, power = record.surface_wave, record.electrical["power_W_per_V2"]
     within = 0 <= beside <= wave.length and not wave.covered(beside)
-    if record.scene.stator.ends != "absorbing" or not within or not power > 0:
+    several = "sources" in record.electrical
+    if several or record.scene.stator.ends != "absorbing" or not within or not power > 0:
         return None
     per_width = power / 2 / driven.aperture
     return float(abs(wave.rayleigh_motion(beside)[1])) / math.sqrt(per_width / record.wave["frequency_Hz"])

@@ -53,6 +53,8 @@ def test_other_cuts_fall_back_to_the_slit(motor):
     assert found["finite aperture"]["size"] == pytest.approx(fresnel_ratio(motor, 0.08) - 1)
     assert "Fresnel" in found["finite aperture"]["source"]
     assert "side faces" not in found
+    several = replace(motor, electrical=motor.electrical | {"sources": {"left": {}, "right": {}}})
+    assert "load of the slider on the wave" not in {each["effect"] for each in model_error(several)}
     walls = replace(motor, scene=replace(motor.scene, stator=free))
     assert not {"load of the slider on the wave", "mass of 100 nm aluminium on the fingers"} & {
         each["effect"] for each in model_error(walls)

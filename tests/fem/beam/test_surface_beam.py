@@ -40,6 +40,22 @@ def test_infinite_aperture_is_the_section(bottom):
     np.testing.assert_allclose(abs(wider - section[0]), left / 2, rtol=1e-3, atol=1e-9 * abs(section).max())
 
 
+def test_two_transducers_add_up_to_the_section():
+    """Massless fingers scatter by their charges alone: before, between and behind them, with the second one shorted."""
+    stator = plate(cut("PZT-8", "Z", quality=60.0), length=24.0, thickness=1.3, bottom="grounded")
+    pair = (
+        comb(stator, "a", 6.0, aperture=1.0),
+        comb(stator, "b", 14.0, finger_pairs=2, period=0.9, aperture=1.0, termination="short"),
+    )
+    beam = surface_beam(wave_of(solution(stator, pair, order=7)))
+    first, second = (each.x[[0, -1]] for each in beam.charges)
+    x = np.array([first[0] - 2e-3, first[1] + 1e-3, second[0] - 1e-3, second[1] + 2e-3])
+    section = beam.wave.motion(x)
+    np.testing.assert_allclose(beam.motion(x)[[0, 2]], section, atol=1e-7 * abs(section).max())
+    alone = replace(beam, charges=beam.charges[:1], apertures=(1.0,)).motion(x)
+    assert abs(alone[2] - section[1]).max() > 1e-3 * abs(section).max()
+
+
 def test_charges_give_the_admittance():
     wave = wave_of(solution(plate(cut("PZT-8", "Z")), (comb(plate(cut("PZT-8", "Z")), "a", 2.0),)))
     charges = electrode_charges(wave.solution, 0)
