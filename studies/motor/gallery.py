@@ -19,7 +19,7 @@ from studies.record import Record
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord
 
-__all__ = ["draw", "run"]
+__all__ = ["draw", "figure", "run"]
 
 TAKES_SCENE = True
 QUICK = {"films": False, "maps": False}
@@ -226,6 +226,13 @@ def _wave_findings(record: Record, found) -> list[Finding]:
             )
         )
     return findings
+
+
+def figure(record: Gallery, ax):
+    """Draw velocity against voltage, the gallery's first picture; ``draw`` makes all of them."""
+    from studies.report.figures import velocity
+
+    return velocity(record.record, ax)
 
 
 def draw(gallery: Gallery, folder: Path, *, progress: Callable[[str], None]) -> None:

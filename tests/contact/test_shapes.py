@@ -42,3 +42,18 @@ def test_shapes_that_belong_together_pass():
 def test_a_shape_that_does_not_fit_is_refused(changed, sentence):
     with pytest.raises(ValueError, match=sentence):
         check_shapes("kernel", DECLARED, given(**changed))
+
+
+def test_a_motion_without_its_deformations_is_refused_before_the_kernel_reads_beyond():
+    from contact.answers.methods import rest, rest_problem
+    from contact.solve import event_driven
+    from tests.contact.motors import orbit, slider
+
+    if not hasattr(event_driven.travel, "shapes"):
+        pytest.skip("plain Python looks at every index itself")
+    motion = rest(slider(), (orbit(3e-9),), rest_problem(slider(), (orbit(3e-9),)), nodes=8, truncation=1e-5)
+    motion.state = motion.state[:3].copy()
+    with pytest.raises(
+        ValueError, match=r"travel: state has the shape \(3,\), but \(3\+n\) is expected with n = 1"
+    ):
+        motion.turn(1)

@@ -30,6 +30,10 @@ def test_a_study_runs_through_its_command(studied, name):
     assert json.dumps(record, allow_nan=False)
 
 
+def test_every_study_has_a_figure():
+    assert [name for name in STUDIES if not callable(getattr(module(name), "figure", None))] == []
+
+
 def test_every_study_has_a_small_version():
     assert [name for name in STUDIES if not getattr(module(name), "QUICK", None)] == []
 

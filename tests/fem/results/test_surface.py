@@ -1,8 +1,11 @@
 """Surface motion: continuous along the stator, split into modes, and named by its direction."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from fem.convergence import ConvergenceError
 from fem.results.surface import MeshedPiece, UniformSegment
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of
 
@@ -98,3 +101,18 @@ def test_standing_wave_ratio():
         assert ratios[ends] >= 0.98 * size.max() / size.min()
     assert 1 < ratios["absorbing"]
     assert ratios["free"] != pytest.approx(ratios["absorbing"], rel=1e-2)
+
+
+def test_an_amplitude_that_no_stator_reaches_is_refused(wave):
+    """Beyond a micrometre per volt a motion is an artefact: refused wherever it is asked for, not passed on."""
+    grown = [
+        replace(piece, right=1e7 * piece.right, left=1e7 * piece.left)
+        if isinstance(piece, UniformSegment)
+        else piece
+        for piece in wave.pieces
+    ]
+    loud, at = replace(wave, pieces=tuple(grown)), 0.5 * (wave.pieces[2].start + wave.pieces[2].stop)
+    assert abs(wave.motion(at)).max() < 1e-6
+    for asked in (loud.motion, loud.rayleigh_motion, loud.standing_wave_ratio):
+        with pytest.raises(ConvergenceError, match="more than 1e-06 m per V"):
+            asked(at)
