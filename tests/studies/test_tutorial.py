@@ -12,7 +12,8 @@ from studies.scene.override import assigned
 
 TUTORIAL = Path(__file__).parents[2] / "studies" / "README.md"
 ROW = re.compile(r"^\| `([a-z_]+(?:\.[\w-]+)*)` \| ([^|]+?) \| ?([^|]*?) ?\|$", re.MULTILINE)
-UNITS = {"_per_s": "m/s", "_Hz": "Hz", "_m_per_V": "m/V", "_per_m": "1/m", "_W_per_V2": "W/V^2", "_S": "S", "_V": "V",
+UNITS = {"_A_per_V": "A/V", "_per_s": "m/s", "_Hz": "Hz", "_m_per_V": "m/V", "_per_m": "1/m",
+         "_W_per_V2": "W/V^2", "_S": "S", "_V": "V",
          "_m": "m", "_s": "s"}  # fmt: skip
 
 
