@@ -28,8 +28,8 @@ DONE, STICKS, UNSETTLED, RUNAWAY, NEAR_THRESHOLD = 0, 1, 2, 3, 4
 V, FIRST, COARSE, H, RESIDUAL, IS_HELD, MADE_PER_CYCLE, SLIPS_PER_CYCLE = range(8)
 TAIL, QUADRATURE, LEAST_AT_REST, LARGEST_AT_REST, LOAD_SIGN, COLUMNS = range(8, 14)
 # Nodes per smooth piece of a cycle: those of the search, and those of the answer. The difference between the two times
-# RULE_ERROR bounds the error of the finer (true: 1/700 with 16 and 32 nodes, an elliptic orbit of general phase).
-NODES, FINE_NODES, RULE_ERROR = 16, 32, 0.05
+# RULE_ERROR bounds the error of the finer (true: 1/70 with 16 and 24 nodes, an elliptic orbit of general phase).
+NODES, FINE_NODES, RULE_ERROR = 16, 24, 0.1
 
 
 class Work(NamedTuple):
@@ -212,7 +212,7 @@ def balance_row(problem, harmonics, work, out):
             return RUNAWAY
         b += 1.000001 * fb / problem.tangential_damping
         fb = excess(problem, rule, h, b, work)
-    v, top = b, abs(b)
+    v, top, close = b, abs(b), 1e-11 if harmonics == 0 else 1e-5
     v_old, f_old = a, fa
     slope = (fb - fa) / (b - a)
     for count in range(100):
@@ -223,9 +223,10 @@ def balance_row(problem, harmonics, work, out):
         moved = abs(v - v_old)
         v_old, f_old = v, f
         a, fa, b, fb = narrowed(a, fa, b, fb, v, f)
-        if f == 0.0 or abs(f) < 1e-13 * friction or moved < 1e-11 * top:
+        if f == 0.0 or abs(f) < 1e-13 * friction or moved < close * top:
             break
-    out[COARSE], out[RESIDUAL] = v, abs(f_old / slope)
+    # where the search stops early, Newton's step from there errs by the square of the last one
+    out[COARSE], out[RESIDUAL] = (v - f_old / slope if slope < 0.0 else v), abs(f_old / slope)
     f = excess(problem, fine, h, v, work)
     out[QUADRATURE] = RULE_ERROR * abs((f - f_old) / slope)
     if slope < 0.0:
