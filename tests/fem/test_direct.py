@@ -1,5 +1,8 @@
 """What the brute-force check refuses; its numbers are compared in test_solution."""
 
+import sys
+from types import ModuleType
+
 import numpy as np
 import pytest
 from scipy.sparse import csc_matrix
@@ -26,8 +29,23 @@ def test_only_real_bottoms(rest):
         solve(plate(cut("PZT-4", "Z"), length=2.0, **rest))
 
 
-def test_sparse_solution():
-    """Complex symmetric, several right-hand sides."""
+class OtherSolver:
+    """A solver of pypardiso without the private method that is used here."""
+
+    def __init__(self, **given):
+        pass
+
+
+@pytest.mark.parametrize("pardiso", ["as installed", "not installed", "without MKL", "another interface"])
+def test_sparse_solution(pardiso, monkeypatch):
+    """Complex symmetric, several right-hand sides; SuperLU serves where Pardiso cannot."""
+    if pardiso == "not installed":
+        monkeypatch.setitem(sys.modules, "pypardiso", None)
+    elif pardiso != "as installed":
+        stub = ModuleType("pypardiso")
+        if pardiso == "another interface":
+            stub.PyPardisoSolver = OtherSolver
+        monkeypatch.setitem(sys.modules, "pypardiso", stub)
     random = np.random.default_rng(2)
     dense = random.normal(size=(40, 40)) + 1j * random.normal(size=(40, 40))
     dense[abs(dense) < 1.0] = 0
