@@ -15,10 +15,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact import scaling
 from contact.convergence import ConvergenceError
 from contact.drive import reference_speed
 from contact.orbit import Orbit
+from contact.problem import Problem
 from contact.slider import Slider
 
 # largest ratio of bounce to wave frequency, for v(t) and for the corrected steady state
@@ -68,7 +68,7 @@ class _Transient:
 
     Attributes
     ----------
-    problem : scaling.Scaled
+    problem : Problem
         The scaled problem.
     start : (3,) array
         z_s, z_s' and v at the end of the first cycle.
@@ -84,7 +84,7 @@ class _Transient:
         Steps of the bounce and of the velocity, added up.
     """
 
-    problem: scaling.Scaled
+    problem: Problem
     start: np.ndarray
     phases: np.ndarray
     compared: np.ndarray
@@ -95,13 +95,12 @@ class _Transient:
     def follow(self, harmonics, allowed, per_period, nodes):
         """Return (state at the end, rows) of one run: v to `allowed` of the unit, so many steps per bounce."""
         from contact.solve import averaged, averaged_transient
-        from contact.solve.cycle_mean import quadrature
 
         state, rows = self.start.copy(), np.zeros((self.phases.size, 2))
-        why = averaged_transient.response(
-            self.problem.parameters, self.problem.waves, state, self.stop, quadrature(nodes), harmonics,
-            allowed * self.unit, per_period, self.phases, rows, self.work,
-        )  # fmt: skip
+        span = averaged_transient.Span(
+            self.stop, allowed * self.unit, per_period, int(harmonics > 0), self.phases, rows, self.work
+        )
+        why = averaged_transient.response(self.problem, state, span, nodes, max(harmonics, HARMONICS))
         if why == averaged.STICKS:
             raise ConvergenceError(
                 "not applicable",

@@ -16,7 +16,7 @@ from contact.answers.methods import rest_problem, why_not_stepped
 from contact.answers.steady import SteadyState
 from contact.convergence import ConvergenceError
 from contact.drive import reference_speed, towards_plus
-from contact.scaling import HYSTERETIC, LAW
+from contact.problem import HYSTERETIC
 
 # steps per cycle, the last for the answer and all for its error, and nodes of the exact way
 STEPS, NODES = (64, 90, 128), (9, 14)
@@ -109,8 +109,8 @@ def _quarters(rows):
 
 
 def _affordable(problem):
-    each = max(24.0, problem.stretches)
-    cycles = int(EXACT_STRETCHES / each / (6.0 if problem.parameters[LAW] == HYSTERETIC else 1.0))
+    each = max(24.0, problem.segments)
+    cycles = int(EXACT_STRETCHES / each / (6.0 if problem.law == HYSTERETIC else 1.0))
     if cycles < LEAST_CYCLES:
         raise ConvergenceError(
             "out of reach",
@@ -125,9 +125,7 @@ def _stepped(problem, per_cycle):
 
     def run(begin, cycles):
         state, rows = begin.copy(), np.empty((cycles, 3))
-        if not steps(
-            problem.parameters, problem.waves, state, cycles, per_cycle, 1, rows, np.empty(0, complex)
-        ):
+        if not steps(problem, state, cycles, per_cycle, 1, rows, np.empty(0, complex)):
             raise ConvergenceError("not finite", "the stepped motion overflowed")
         return rows
 

@@ -9,13 +9,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contact import bounds, scaling
+from contact import bounds
 from contact.answers.averaged import STIFFEST_STEADY, refuse_unless_applicable
 from contact.answers.steady import steady
 from contact.answers.sweep import mean_motion
 from contact.convergence import ConvergenceError
 from contact.drive import towards_plus
 from contact.orbit import Orbit, as_orbits
+from contact.problem import scaled
 from contact.slider import Slider
 
 
@@ -71,8 +72,8 @@ def blocked_thrust(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[f
     free = replace(slider, load=0.0)
     refuse_unless_applicable(free, listed, STIFFEST_STEADY)
     _, driven = towards_plus(listed)
-    problem = scaling.scaled(free, driven, direction=1.0, start=0.0)
-    low, high = averaged.rest_tractions(problem.parameters, problem.waves)
+    problem = scaled(free, driven, direction=1.0, start=0.0)
+    low, high = averaged.rest_tractions(problem)
     unit = slider.mass * problem.omega**2 * problem.length
     # driven forwards: stalls at the lower traction, holds up to the upper; driven against its crests: mirrored
     return (

@@ -13,7 +13,6 @@ import numpy as np
 from contact.answers.averaged import averaged_run, why_not
 from contact.convergence import ConvergenceError
 from contact.drive import reference_speed
-from contact.scaling import CHI, KAPPA, LOAD
 
 METHODS = ("auto", "exact", "stepped", "averaged")
 # up to here "auto" follows every event, whatever the tolerance
@@ -38,7 +37,7 @@ LARGEST_DAMPING = 5e-3
 
 def rest_problem(slider, orbits):
     """Return the scaled problem whose phase 0 is where u_z of the first contact passes zero upwards."""
-    from contact.scaling import scaled
+    from contact.problem import scaled
     from contact.solve.equilibrium import opposed
 
     direction = opposed(slider, orbits)
@@ -58,16 +57,16 @@ def rest(slider, orbits, problem, *, nodes, truncation):
     friction = slider.friction_coefficient * slider.preload
     used = min(slider.load / friction, 1.0) if friction > 0.0 else 0.0
     x = slider.limit_slope * depth * (1.0 - (1.0 - used) ** (2.0 / 3.0))
-    motion.place(-depth, 0.0, 0.0, math.copysign(x, problem.parameters[LOAD]))
+    motion.place(-depth, 0.0, 0.0, math.copysign(x, problem.load))
     return motion
 
 
 def silence(motion):
     """Return the motion that goes on where this one stands, at phase 0, when the wave stops."""
-    from contact.scaling import quiet
+    from contact.problem import without_wave
 
     still = motion.copy()
-    still.problem = quiet(motion.problem)
+    still.problem = without_wave(motion.problem)
     still.tally[:], still.sums[:] = 0, 0.0
     still.place(*motion.state[:3], motion.state[3:])
     return still
@@ -131,10 +130,10 @@ def _one(method, slider, orbits, problem, cycles, stride, tolerance, envelope):
 
 def _exact(slider, orbits, problem, cycles, stride, tolerance):
     """Follow every event at two orders; where they do not agree to the tolerance, at the next."""
-    if cycles * problem.stretches > MOST_STRETCHES:
+    if cycles * problem.segments > MOST_STRETCHES:
         raise ConvergenceError(
             "out of reach",
-            f"{cycles} cycles of at least {problem.stretches:.3g} stretches of the motion are more than can be "
+            f"{cycles} cycles of at least {problem.segments:.3g} stretches of the motion are more than can be "
             "followed; shorten the burst, raise the mass or lower the dampers",
         )
     level = next((k for k, (_, _, down_to) in enumerate(ORDERS) if tolerance >= down_to), len(ORDERS) - 1)
@@ -184,7 +183,7 @@ def _stepped(slider, orbits, problem, cycles, stride, tolerance, envelope):
 
     def follow(k):
         state, rows = begin.state.copy(), np.empty((cycles // inner, 3))
-        if not steps(problem.parameters, problem.waves, state, cycles, STEPS[k][0], inner, rows, envelope):
+        if not steps(problem, state, cycles, STEPS[k][0], inner, rows, envelope):
             raise ConvergenceError("not finite", "the stepped motion overflowed; use method exact")
         return np.append(rows[late:, 0], state[2]), state, rows
 
@@ -215,7 +214,7 @@ def _divisor(number, most):
 
 def _stiffness(problem):
     """Return the largest contact resonance over the wave's frequency; the approach is at most twice the unit."""
-    return math.sqrt(1.5 * problem.parameters[0] * len(problem.waves) * math.sqrt(2.0))
+    return math.sqrt(1.5 * problem.stiffness * len(problem.waves) * math.sqrt(2.0))
 
 
 def why_not_stepped(slider, problem, per_cycle):
@@ -233,8 +232,8 @@ def why_not_stepped(slider, problem, per_cycle):
             f"per cycle, more than {LARGEST_STEP}"
         )
     # Hunt-Crossley's force enters by the rate, to first order in the step
-    if step * problem.parameters[CHI] * problem.parameters[KAPPA] * 2.0**1.5 > LARGEST_DAMPING:
+    if step * problem.contact_damping * problem.stiffness * 2.0**1.5 > LARGEST_DAMPING:
         return f"the contact's damper is too fast for {per_cycle} steps per cycle"
-    if step * max(problem.parameters[2], problem.parameters[4]) > LARGEST_STEP:
+    if step * max(problem.normal_damping, problem.tangential_damping) > LARGEST_STEP:
         return f"the dampers are too fast for {per_cycle} steps per cycle"
     return ""

@@ -17,7 +17,7 @@ def ring_down(slider, problem, motion, envelope: Envelope, *, frequency: float, 
 
     Parameters
     ----------
-    slider, problem : Slider, scaling.Scaled
+    slider, problem : Slider, Problem
         The slider, and the problem of the burst that has ended at phase 0.
     motion : motion.Motion
         At the end of the burst; its state is moved.
@@ -48,6 +48,6 @@ def ring_down(slider, problem, motion, envelope: Envelope, *, frequency: float, 
         return np.empty(0), np.empty((0, 3))
     found = np.empty((cycles // stride, 3))
     shape = envelope.at(np.arange(cycles + 1) / frequency)
-    if not steps(problem.parameters, problem.waves, motion.state, cycles, serving[0], stride, found, shape):
+    if not steps(problem, motion.state, cycles, serving[0], stride, found, shape):
         raise ConvergenceError("not finite", "the stepped motion overflowed in the ring-down")
     return stride * np.arange(1, len(found) + 1) / frequency, found

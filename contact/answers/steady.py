@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contact import bounds, scaling
+from contact import bounds
 from contact.answers.averaged import STIFFEST_STEADY, why_not
 from contact.answers.closed_forms import closed_form
 from contact.answers.ledger import Ledger, ledger
@@ -23,6 +23,7 @@ from contact.answers.sweep import MeanMotion, mean_motion
 from contact.convergence import ConvergenceError
 from contact.drive import available, reference_speed, relative_to_reference, towards_plus
 from contact.orbit import Orbit, as_orbits
+from contact.problem import scaled
 from contact.slider import Slider
 from contact.solve.averaged_sweep import MAX_RATIO_HELD, MAX_THRESHOLD_ERROR, THRESHOLD_ERROR
 
@@ -188,7 +189,7 @@ def _bouncing(slider, side, orbits, balance, tolerance, answer):
     from contact.solve.bounce import speed_lost
 
     elastic = replace(slider, law="elastic", reciprocal=False)
-    problem = scaling.scaled(elastic, orbits, direction=balance.load_sign, start=0.0)
+    problem = scaled(elastic, orbits, direction=balance.load_sign, start=0.0)
     heights = slider.rest_approach(len(orbits)) / problem.length, answer["height"] / problem.length
     ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
     lost = speed_lost(problem, heights, ratio, side * answer["velocity"] / problem.speed) * problem.speed
@@ -254,7 +255,7 @@ def _first_order(slider, orbits, balance, ratio):
         velocity=velocity, first_order=velocity, height=balance.height * balance.problem.length,
         regime="intermittent" if events["release"] else slips, held=balance.held, relative_error=error,
         error=error * reference_speed(velocity, orbits),
-        load_sign=1.0 if balance.problem.parameters[scaling.LOAD] >= 0.0 else -1.0,
+        load_sign=1.0 if balance.problem.load >= 0.0 else -1.0,
     )  # fmt: skip
 
 
@@ -264,16 +265,16 @@ def _repeating(slider, side, orbits, balance, tolerance):
     from contact.solve.shooting import periodic
 
     unit = balance.problem.speed
-    if balance.problem.stretches > MOST_STRETCHES:
+    if balance.problem.segments > MOST_STRETCHES:
         raise ConvergenceError(
             "out of reach",
-            f"a cycle takes {balance.problem.stretches:.3g} stretches of the motion; raise the mass",
+            f"a cycle takes {balance.problem.segments:.3g} stretches of the motion; raise the mass",
         )
     try:
         fine = periodic(balance, nodes=16, truncation=1e-12)
     except ConvergenceError:
         # averaging is no start here: let the motion settle by itself first, for some 30 000 stretches at most
-        settle = int(min(SETTLE, 5.0 + 5000.0 * balance.problem.parameters[scaling.LONGEST]))
+        settle = int(min(SETTLE, 5.0 + 5000.0 * balance.problem.longest))
         fine = periodic(balance, nodes=16, truncation=1e-12, settle=settle)
     coarse = periodic(balance, nodes=10, truncation=1e-8, near=fine)
     growth = fine.growth
@@ -344,8 +345,7 @@ def _judged(error, tolerance, note):
 
 def _adhesive(balance):
     """Return whether the contact's damper acts on the slider within a few cycles, so that it does not ride still."""
-    parameters = balance.problem.parameters
-    return parameters[scaling.CHI] * parameters[scaling.PRELOAD] > 1e-2
+    return balance.problem.contact_damping * balance.problem.preload > 1e-2
 
 
 def _averaged(slider, side, mean, balance, tolerance):

@@ -155,7 +155,7 @@ def _drive(slider, problem, motion, cycles, envelope, frequency):
     if envelope is not None:
         shape = envelope.at(np.arange(cycles + 1) / frequency)
     rows = np.empty((cycles, 3))
-    if not steps(problem.parameters, problem.waves, motion.state, cycles, 96, 1, rows, shape):
+    if not steps(problem, motion.state, cycles, 96, 1, rows, shape):
         raise ConvergenceError("not finite", "the stepped motion overflowed")
     return float(2.0 * math.pi * np.sum(rows[:, 2]))
 

@@ -202,7 +202,7 @@ def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion
         height=float(row[averaged_sweep.HEIGHT]), regime=str(REGIMES[int(row[averaged_sweep.REGIME])]),
         held=bool(row[averaged_sweep.HELD]), relative_error=relative,
         error=relative * reference_speed(velocity, listed),
-        load_sign=float(row[averaged_sweep.LOAD_SIGN]),
+        load_sign=float(row[averaged_sweep.SIGN_OF_LOAD]),
     )  # fmt: skip
 
 
@@ -244,10 +244,8 @@ def _rows(sliders, waves, which, factors, wave_errors, threads):
         if not apply[k]:
             _fill_closed(sliders[pair[0]], driven[pair[1]], factors[k], out[k])
     todo = np.flatnonzero(apply)
-    _spread(
-        (parameters, shapes, omegas, np.asarray(wave_errors, float), ratios, which, factors, out, todo),
-        threads,
-    )
+    given = columns.Given(parameters, shapes, omegas, np.asarray(wave_errors, float), ratios, which, factors)
+    _spread(given, out, todo, threads)
     for column in (columns.VELOCITY, columns.FIRST_ORDER):
         moving = np.flatnonzero(np.nan_to_num(out[:, column]) != 0.0)  # no negative zero
         out[moving, column] *= np.array(sides)[which[moving, 1]]
@@ -265,7 +263,7 @@ def _fill_closed(slider, orbits, factor, row):
     if found is None:
         return
     row[:] = 0.0
-    row[columns.LOAD_SIGN] = 1.0
+    row[columns.SIGN_OF_LOAD] = 1.0
     row[columns.VELOCITY] = row[columns.FIRST_ORDER] = found["velocity"]
     row[columns.HEIGHT], row[columns.HELD] = found["height"], found["regime"] == "stick"
     row[columns.REGIME] = np.flatnonzero(found["regime"] == REGIMES)[0]
@@ -282,15 +280,14 @@ def _quarters(orbit: Orbit) -> tuple[float, ...]:
     return orbit.normal.real, -orbit.normal.imag, orbit.tangential.real, -orbit.tangential.imag
 
 
-def _spread(problem, threads):
+def _spread(given, out, todo, threads):
     from contact.solve.averaged_sweep import states
 
-    todo = problem[-1]
     threads = min(threads or os.cpu_count() or 1, max(1, len(todo) // 8))
     if threads == 1:
-        states(*problem, HARMONICS, 0, 1)
+        states(given, out, todo, HARMONICS, 0, 1)
         return
     with ThreadPoolExecutor(threads) as pool:  # interleaved: neighbours cost alike
-        jobs = [pool.submit(states, *problem, HARMONICS, first, threads) for first in range(threads)]
+        jobs = [pool.submit(states, given, out, todo, HARMONICS, first, threads) for first in range(threads)]
         for job in jobs:
             job.result()

@@ -31,7 +31,7 @@ from contact.jit.shapes import check_shapes
 
 HERE = Path(__file__).parents[1]  # the package, with all its kernels
 PACKAGE_CACHE = HERE / "__pycache__"
-_FROZEN = ("collocation.py", "scaling.py", "compiled.py", "compiler.py")
+_FROZEN = ("collocation.py", "problem.py", "compiled.py", "compiler.py")
 _PLAIN = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 _LOCK = threading.RLock()
 # shapes of calls that a kernel remembers as fitting
@@ -56,8 +56,8 @@ def native(types: str, shapes: Mapping[str, str] | None = None):
     ----------
     types : str
         One word per argument: f or i for a number, f1, i2, c1 ... for contiguous arrays of doubles, integers or complex
-        numbers with so many axes, and m for a named tuple of arrays or None.  The kernel returns an integer, a
-        truth value or nothing.
+        numbers with so many axes, and t for a named tuple of numbers, arrays and further named tuples, or None.  The
+        kernel returns an integer, a truth value or nothing.
     shapes : mapping of str to str, optional
         Shapes of arrays by argument, see `contact.jit.shapes`.
     """
@@ -200,12 +200,21 @@ def _made(name, compiled_now):
 
 
 def _parts(kind, argument):
-    """Yield (type word, value); a named tuple gives its arrays, None nothing."""
-    if kind != "m":
+    """Yield (type word, value); a named tuple gives those of its fields, None nothing."""
+    if kind != "t":
         yield kind, argument
     elif argument is not None:
-        for array in argument:
-            yield f"{array.dtype.kind}{array.ndim}", array
+        for field in argument:
+            yield from _parts(_kind(field), field)
+
+
+def _kind(field):
+    """Return the type word of a field of a named tuple."""
+    if field is None or isinstance(field, tuple):
+        return "t"
+    if hasattr(field, "dtype") and field.ndim > 0:
+        return f"{field.dtype.kind}{field.ndim}"
+    return "f" if isinstance(field, float) else "i"
 
 
 def _read(path):
@@ -355,7 +364,7 @@ def _numba():
     return numba
 
 
-def _machine_code(kernel, words, fields=None):
+def _machine_code(kernel, words, arguments):
     from contact.jit.compiler import machine_code
 
-    return machine_code(kernel, words, fields, _numba())
+    return machine_code(kernel, words, arguments, _numba())

@@ -14,10 +14,10 @@ _LIBRARY = re.compile(
 _COUNTING = re.compile(r"^define [^\n]*@NRT_(in|de)cref\([^{]*\{.*?^\}", re.MULTILINE | re.DOTALL)
 
 
-def machine_code(kernel, words: list[str], fields: type | None, numba) -> bytes:
+def machine_code(kernel, words: list[str], arguments: tuple, numba) -> bytes:
     """Return the object file of a kernel for arguments of these type words, its entry named `kernel`.
 
-    `fields`: class of the named tuple among the arguments, if there is one.
+    `arguments`: an example, for the classes of the named tuples among them.
     """
     from numba.core.compiler_lock import global_compiler_lock
     from numba.core.registry import cpu_target
@@ -27,7 +27,7 @@ def machine_code(kernel, words: list[str], fields: type | None, numba) -> bytes:
     with global_compiler_lock:
         codegen._library_class, codegen.set_env = _put_off(usual), lambda name, environment: None
         try:
-            library = _lowered(kernel, words, fields, numba)
+            library = _lowered(kernel, words, arguments, numba)
         finally:
             codegen._library_class = usual
             del codegen.set_env
@@ -55,7 +55,7 @@ def _put_off(usual):
     return Lowered
 
 
-def _lowered(kernel, words, fields, numba):
+def _lowered(kernel, words, arguments, numba):
     """Return numba's code library of the entry, not optimised."""
     from numba.core import cgutils, types
     from numba.extending import intrinsic
@@ -79,8 +79,11 @@ def _lowered(kernel, words, fields, numba):
             shape = "".join(f"words[{at + 1 + k}], " for k in range(axes))
             given.append(f"carray(pointer(words[{at}]), ({shape}), {word[0]})")
             at += 1 + axes
-    given = _gathered(kernel, given)
-    scope["Fields"] = fields
+    parts = iter(given)
+    given = [
+        _gathered(kind, argument, parts, scope)
+        for kind, argument in zip(kernel.types, arguments, strict=True)
+    ]
     source = (
         f"def entry(words, numbers):\n"
         f"    words, numbers = carray(words, ({at},)), carray(numbers, ({at},))\n"
@@ -93,14 +96,19 @@ def _lowered(kernel, words, fields, numba):
     return function._library
 
 
-def _gathered(kernel, given):
-    """Return the arguments, those of a named tuple gathered into one."""
-    if "m" not in kernel.types:
-        return given
-    at = kernel.types.index("m")
-    extra = len(given) - len(kernel.types) + 1
-    one = f"Fields({', '.join(given[at : at + extra])})" if extra else "None"
-    return [*given[:at], one, *given[at + extra :]]
+def _gathered(kind, argument, parts, scope):
+    """Return the source of one argument, a named tuple made of the parts that are its fields."""
+    if kind != "t":
+        return next(parts)
+    if argument is None:
+        return "None"
+    name = f"{type(argument).__name__}{len(scope)}"
+    scope[name] = type(argument)
+    fields = [
+        _gathered("t" if field is None or isinstance(field, tuple) else "", field, parts, scope)
+        for field in argument
+    ]
+    return f"{name}({', '.join(fields)})"
 
 
 def _optimised(library):

@@ -1,6 +1,6 @@
 r"""The slow motion of a slider that is heavy on the wave's time scale: kernels of the averaged way.
 
-In the units of `scaling`, with h the mean approach, V the mean velocity and <> the event-exact means of `cycle`:
+In the units of `problem`, with h the mean approach, V the mean velocity and <> the event-exact means of `cycle`:
 
     h'' = p - <sum P>(h) (1 + chi h') - d_n h'      the bounce,
     V'  = <sum Q>(h, V) - d_t V - q                 the velocity.
@@ -10,9 +10,12 @@ slider's own motion, the answer to the harmonics of the forces, back into the cy
 height and velocity its fixed point is the full periodic motion but for the harmonics left out.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from contact.jit.compiled import compiled, native, summed
+from contact.problem import with_load
 from contact.solve.cycle_mean import STUCK, circle, cycle, quadrature, respond
 from contact.solve.roots import narrowed, trial
 
@@ -21,17 +24,44 @@ from contact.solve.roots import narrowed, trial
 DONE, STICKS, UNSETTLED, RUNAWAY, NEAR_THRESHOLD = 0, 1, 2, 3, 4
 # columns of an equilibrium: mean velocity, of first order, of first order by the coarse rule; mean approach, residual
 # velocity, held (1 or 0), contacts made, slips begun, error of the velocity by harmonics left out and by quadrature,
-# mean tangential forces of a cycle at rest (least and largest)
+# mean tangential forces of a cycle at rest (least and largest), sign of the load
 V, FIRST, COARSE, H, RESIDUAL, IS_HELD, MADE_PER_CYCLE, SLIPS_PER_CYCLE = range(8)
-TAIL, QUADRATURE, LEAST_AT_REST, LARGEST_AT_REST, COLUMNS = range(8, 13)
+TAIL, QUADRATURE, LEAST_AT_REST, LARGEST_AT_REST, LOAD_SIGN, COLUMNS = range(8, 14)
 # Nodes per smooth piece of a cycle: those of the search, and those of the answer. The difference between the two times
 # RULE_ERROR bounds the error of the finer (true: 1/700 with 16 and 32 nodes, an elliptic orbit of general phase).
 NODES, FINE_NODES, RULE_ERROR = 16, 32, 0.05
 
 
-def rules():
-    """Return the two quadrature rules of the equilibrium: of the search, and of the answer."""
-    return quadrature(NODES), quadrature(FINE_NODES)
+class Work(NamedTuple):
+    """Work arrays of the averaged equations.
+
+    Attributes
+    ----------
+    rule, fine : (2, n) arrays
+        Quadrature (`cycle_mean.quadrature`) of the search and of the answer.
+    at_rest, plain : (8, 1), (2,) arrays
+        Fast motion and means of first order.
+    fast, sums : (8, K), (2 + 4 K,) arrays
+        Fast motion, means and harmonics of second order.
+    counts : (4,) int array
+        See `cycle_mean`.
+    """
+
+    rule: np.ndarray
+    fine: np.ndarray
+    at_rest: np.ndarray
+    plain: np.ndarray
+    fast: np.ndarray
+    sums: np.ndarray
+    counts: np.ndarray
+
+
+def room(harmonics: int, nodes: int = NODES, fine_nodes: int = FINE_NODES) -> Work:
+    """Return work arrays for so many harmonics of the fast motion."""
+    return Work(
+        quadrature(nodes), quadrature(fine_nodes), np.zeros((8, 1)), np.zeros(2), np.zeros((8, harmonics)),
+        np.zeros(2 + 4 * harmonics), np.zeros(4, np.int64),
+    )  # fmt: skip
 
 
 @summed
@@ -49,8 +79,9 @@ def _mean_powers(h, a, half, rule):
 
 
 @compiled
-def mean_push(kappa, waves, h, rule):
+def mean_push(problem, h, rule):
     """Return the cycle mean of sum P at constant approach and its derivative in h; it depends on h/|u_z| alone."""
+    kappa, waves = problem.stiffness, problem.waves
     total = slope = force = rate = 0.0
     last = -1.0
     for i in range(waves.shape[0]):
@@ -69,8 +100,9 @@ def mean_push(kappa, waves, h, rule):
 
 
 @compiled
-def riding(kappa, waves, target, rule):
-    """Return the mean approach at which the cycle mean of sum P is the target > 0 (safeguarded Newton)."""
+def riding(problem, rule):
+    """Return the mean approach at which the cycle mean of sum P is the preload (safeguarded Newton)."""
+    kappa, waves, target = problem.stiffness, problem.waves, problem.preload
     n = waves.shape[0]
     high = (target / (kappa * n)) ** (2.0 / 3.0)
     reach = 0.0
@@ -79,7 +111,7 @@ def riding(kappa, waves, target, rule):
     low = -reach
     h = high
     for _ in range(80):
-        force, slope = mean_push(kappa, waves, h, rule)
+        force, slope = mean_push(problem, h, rule)
         if force > target:
             high = h
         else:
@@ -95,18 +127,18 @@ def riding(kappa, waves, target, rule):
 
 
 @compiled
-def settled(parameters, waves, h, v, fast, rule, sums, counts, most):
+def settled(problem, rule, h, v, work, most):
     """Set fast motion, means and height of the cycle that repeats at mean velocity v; return (h, residual change).
 
-    The first guess is what `fast` and `h` hold; each round gains a factor of about (f_n/f)^2.
+    The first guess is what `work.fast` and `h` hold; each round gains a factor of about (f_n/f)^2.
     """
-    change = np.inf
+    change, fast, sums = np.inf, work.fast, work.sums
     for _ in range(most):
-        cycle(parameters, waves, h, v, fast, rule, sums, counts)
-        _, slope = mean_push(parameters[0], waves, h, rule)
-        step = (parameters[3] - sums[0]) / slope if slope > 0.0 else 0.0
+        cycle(problem, h, v, fast, rule, sums, work.counts)
+        _, slope = mean_push(problem, h, rule)
+        step = (problem.preload - sums[0]) / slope if slope > 0.0 else 0.0
         a, b, c, d = fast[0, 0], fast[1, 0], fast[2, 0], fast[3, 0]
-        respond(parameters, sums, fast)
+        respond(problem, sums, fast)
         h += step
         change = max(abs(step), abs(fast[0, 0] - a), abs(fast[1, 0] - b))
         change = max(change, abs(fast[2, 0] - c), abs(fast[3, 0] - d))
@@ -116,15 +148,16 @@ def settled(parameters, waves, h, v, fast, rule, sums, counts, most):
 
 
 @compiled
-def _excess(parameters, waves, h, v, fast, rule, sums, counts):
-    cycle(parameters, waves, h, v, fast, rule, sums, counts)
-    return sums[1] - parameters[4] * v - parameters[5]
+def excess(problem, rule, h, v, work):
+    """Return the mean tangential force that is left to accelerate a slider at a velocity, of first order."""
+    cycle(problem, h, v, work.at_rest, rule, work.plain, work.counts)
+    return work.plain[1] - problem.tangential_damping * v - problem.load
 
 
 @compiled
-def full_slip_speed(waves, c):
+def full_slip_speed(problem):
     """Return the slider velocity beyond which every contact slips all the time, max |u_x| + c |u_z|, scaled."""
-    top = 0.0
+    waves, c, top = problem.waves, problem.limit_slope, 0.0
     for i in range(waves.shape[0]):
         top = max(top, np.hypot(waves[i, 2], waves[i, 3]) + c * np.hypot(waves[i, 0], waves[i, 1]))
     return top
@@ -146,45 +179,45 @@ def way_out(least, largest, load, friction):
 
 
 @compiled
-def balance_row(parameters, waves, rule, fine, out, harmonics, still, sums, fast, all_sums, counts):
-    """Fill the answer of `balance`; return the reason for ending; the last arguments are of `room`.
+def balance_row(problem, harmonics, work, out):
+    """Fill the answer of `balance`; return the reason for ending.
 
-    The sign of the load in the parameters is set so that it opposes the unloaded motion.
+    The load is taken with the sign with which it opposes the unloaded motion.
     """
-    for k in range(4):
-        still[k, 0] = 0.0
-        for m in range(fast.shape[1]):
-            fast[k, m] = 0.0
-    h = riding(parameters[0], waves, parameters[3], rule)
-    friction = parameters[6] * parameters[3]
+    work.at_rest[:], work.fast[:] = 0.0, 0.0
+    rule, fine, counts = work.rule, work.fine, work.counts
+    h = riding(problem, rule)
+    friction = problem.friction * problem.preload
     for k in range(out.size):
         out[k] = 0.0
     out[H] = h
-    least = _excess(parameters, waves, h, 0.0, still, fine, sums, counts) + parameters[5]
+    least = excess(problem, fine, h, 0.0, work) + problem.load
     out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = counts[0], counts[1]
     sticks = counts[STUCK] > 0
     largest = least
-    if least - max(parameters[5], 0.0) <= 1e-13 * friction:
-        largest = _excess(parameters, waves, h, -1e-300, still, fine, sums, counts) + parameters[5]
+    if least - max(problem.load, 0.0) <= 1e-13 * friction:
+        largest = excess(problem, fine, h, -1e-300, work) + problem.load
     out[LEAST_AT_REST], out[LARGEST_AT_REST] = least, largest
-    way, parameters[5] = way_out(least, largest, parameters[5], friction)
+    way, load = way_out(least, largest, problem.load, friction)
+    problem = with_load(problem, load)
+    out[LOAD_SIGN] = -1.0 if load < 0.0 else 1.0
     if way == 0.0:
         out[IS_HELD] = 1.0
         return DONE
-    top = full_slip_speed(waves, parameters[7])
-    a, fa, b = 0.0, (least if way > 0.0 else largest) - parameters[5], way * top
-    fb = _excess(parameters, waves, h, b, still, rule, sums, counts)
+    top = full_slip_speed(problem)
+    a, fa, b = 0.0, (least if way > 0.0 else largest) - problem.load, way * top
+    fb = excess(problem, rule, h, b, work)
     if fb * way >= 0.0:  # full friction does not balance the load: the damper has to
-        if parameters[4] == 0.0:
+        if problem.tangential_damping == 0.0:
             return RUNAWAY
-        b += 1.000001 * fb / parameters[4]
-        fb = _excess(parameters, waves, h, b, still, rule, sums, counts)
+        b += 1.000001 * fb / problem.tangential_damping
+        fb = excess(problem, rule, h, b, work)
     v, top = b, abs(b)
     v_old, f_old = a, fa
     slope = (fb - fa) / (b - a)
     for count in range(100):
         v = trial(a, fa, b, fb, count)
-        f = _excess(parameters, waves, h, v, still, rule, sums, counts)
+        f = excess(problem, rule, h, v, work)
         if v != v_old:
             slope = (f - f_old) / (v - v_old)
         moved = abs(v - v_old)
@@ -193,7 +226,7 @@ def balance_row(parameters, waves, rule, fine, out, harmonics, still, sums, fast
         if f == 0.0 or abs(f) < 1e-13 * friction or moved < 1e-11 * top:
             break
     out[COARSE], out[RESIDUAL] = v, abs(f_old / slope)
-    f = _excess(parameters, waves, h, v, still, fine, sums, counts)
+    f = excess(problem, fine, h, v, work)
     out[QUADRATURE] = RULE_ERROR * abs((f - f_old) / slope)
     if slope < 0.0:
         v -= f / slope
@@ -203,8 +236,8 @@ def balance_row(parameters, waves, rule, fine, out, harmonics, still, sums, fast
         return DONE
     v_old, f_old, change = v, 0.0, np.inf
     for count in range(40):
-        h, change = settled(parameters, waves, h, v, fast, fine, all_sums, counts, 1)
-        f = all_sums[1] - parameters[4] * v - parameters[5]
+        h, change = settled(problem, fine, h, v, work, 1)
+        f = work.sums[1] - problem.tangential_damping * v - problem.load
         if count > 1 and abs(v - v_old) > 1e-9 * top:
             new = (f - f_old) / (v - v_old)
             if 0.5 * slope > new > 2.0 * slope:
@@ -217,37 +250,25 @@ def balance_row(parameters, waves, rule, fine, out, harmonics, still, sums, fast
     out[V], out[H], out[RESIDUAL] = v, h, change
     out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = counts[0], counts[1]
     # the coefficients fall as n^-4.5 and the tail enters the mean with its own small share of the force
-    last = all_sums.size - 1
-    out[TAIL] = np.hypot(all_sums[last - 1], all_sums[last]) / (harmonics + 1.0) ** 2
+    last = work.sums.size - 1
+    out[TAIL] = np.hypot(work.sums[last - 1], work.sums[last]) / (harmonics + 1.0) ** 2
     if sticks and abs(v) < 1e-6 * top:
         return STICKS
     return DONE if change < 1e-7 else UNSETTLED
 
 
-@native("f1 f2 f2 f2 f1 f2 f1 f2 f1 i1")
-def _balance(parameters, waves, rule, fine, out, still, sums, fast, all_sums, counts):
+@native("t i t f1")
+def _balance(problem, harmonics, work, out):
     """Fill the answer of `balance`; return the reason for ending."""
-    return balance_row(parameters, waves, rule, fine, out, fast.shape[1], still, sums, fast, all_sums, counts)
+    return balance_row(problem, harmonics, work, out)
 
 
-def room(harmonics):
-    """Return work for one problem at a time: fast motions and sums of first order, the same with harmonics, counts."""
-    return (
-        np.zeros((8, 1)),
-        np.zeros(2),
-        np.zeros((8, harmonics)),
-        np.zeros(2 + 4 * harmonics),
-        np.zeros(4, np.int64),
-    )
-
-
-def balance(parameters, waves, harmonics):
+def balance(problem, harmonics):
     """Return (reason for ending, equilibrium) of one scaled problem.
 
     Parameters
     ----------
-    parameters, waves : (11,), (contacts, 4) arrays
-        See `scaling`.
+    problem : Problem
     harmonics : int
         Of the fast motion; 0: first order.
 
@@ -257,28 +278,20 @@ def balance(parameters, waves, harmonics):
         By the names of this module.
     """
     out = np.zeros(COLUMNS)
-    return _balance(parameters.copy(), waves, *rules(), out, *room(harmonics)), out
+    return _balance(problem, harmonics, room(max(harmonics, 1)), out), out
 
 
-@native("f1 f2 f2 f2 f1 i1 f1")
-def _rest_forces(parameters, waves, rule, still, sums, counts, answer):
+@native("t t f1")
+def _rest_forces(problem, work, answer):
     """Fill the answer of `rest_tractions`; return 0."""
-    h = riding(parameters[0], waves, parameters[3], rule)
-    answer[0] = _excess(parameters, waves, h, 0.0, still, rule, sums, counts) + parameters[5]
-    answer[1] = _excess(parameters, waves, h, -1e-300, still, rule, sums, counts) + parameters[5]
+    h = riding(problem, work.rule)
+    answer[0] = excess(problem, work.fine, h, 0.0, work) + problem.load
+    answer[1] = excess(problem, work.fine, h, -1e-300, work) + problem.load
     return 0
 
 
-def rest_tractions(parameters, waves):
+def rest_tractions(problem):
     """Return the least and the largest mean tangential force of a cycle at rest; they differ where a contact sticks."""
     answer = np.zeros(2)
-    _rest_forces(
-        parameters,
-        waves,
-        quadrature(FINE_NODES),
-        np.zeros((8, 1)),
-        np.zeros(2),
-        np.zeros(4, np.int64),
-        answer,
-    )
+    _rest_forces(problem, room(1), answer)
     return float(answer[0]), float(answer[1])

@@ -9,9 +9,12 @@ rounding. Where the slider is held or hardly moves, averaging may have misjudged
 amplitude; the velocity at an amplitude larger by that is added.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from contact.jit.compiled import compiled, native
+from contact.problem import Problem, with_load, with_waves
 from contact.solve.averaged import (
     COARSE,
     COLUMNS,
@@ -20,6 +23,7 @@ from contact.solve.averaged import (
     IS_HELD,
     LARGEST_AT_REST,
     LEAST_AT_REST,
+    LOAD_SIGN,
     MADE_PER_CYCLE,
     NEAR_THRESHOLD,
     QUADRATURE,
@@ -29,16 +33,17 @@ from contact.solve.averaged import (
     H,
     V,
     balance_row,
+    excess,
     riding,
     room,
-    rules,
 )
-from contact.solve.cycle_mean import cycle
 
-# places in a row of parameters, as `scaling` orders them
-PARAMETERS = 11
+# columns of a slider, SI units: slip limit over approach, mu, chi, the viscous dampers
+MASS, HERTZ, LIMIT_SLOPE, PRELOAD, LOAD, FRICTION, CHI, NORMAL_DAMPING, TANGENTIAL_DAMPING = range(9)
 # columns of an answer, SI units; the first velocity is that of first order, errors are over max(|v|, omega |u_x|/10)
-VELOCITY, FIRST_ORDER, HEIGHT, REGIME, HELD, ERROR, FROM_WAVE, THRUST, LOAD_SIGN, STATUS, ANSWER = range(11)
+VELOCITY, FIRST_ORDER, HEIGHT, REGIME, HELD, ERROR, FROM_WAVE, THRUST, SIGN_OF_LOAD, STATUS, ANSWER = range(
+    11
+)
 UNKNOWN, STICK, SLIP, INTERMITTENT = 0, 1, 2, 3
 # Relative error of the threshold amplitude over (f_n/f)^2: at 0.75 nm, just above the seed's threshold, first order
 # errs by 12 (f_n/f)^2 in velocity (`tests/benchmarks/contact_ways.py`). At most half the amplitude is added.
@@ -51,15 +56,18 @@ EDGE = 2e-3  # velocity over the reference speed below which the threshold is ne
 MAX_AMPLITUDE_RATIO = 1e3  # larger over smaller amplitude up to which the smaller's error grows
 NEARBY = 0.1  # relative change of velocity up to which secant steps serve
 CORRECTION_ERROR = 1e-4  # share of the second-order correction that is not trusted
+# Least relative error: the periodic motion of the full equations, which this is checked against, is itself known to
+# some 1e-10 (tests/contact/test_calibration.py).
+LEAST_ERROR = 1e-9
 
 
-def states(sliders, shapes, omegas, wave_errors, ratios, which, factors, out, todo, harmonics, first, stride):
-    """Fill the rows of `out`, by the names of the columns in this module, of every `stride`-th of `todo`.
+class Given(NamedTuple):
+    """The problems of a sweep.
 
-    Parameters
+    Attributes
     ----------
     sliders : (s, 9) array
-        Mass, Hertz stiffness, slip limit over approach, preload, load, mu, chi, normal and tangential damping; SI.
+        By the names of this module; SI units.
     shapes : (w, contacts, 4) array
         Amplitudes of the waves, m: a, b of u_z = a cos + b sin, then of u_x.
     omegas, wave_errors : (w,) arrays
@@ -68,127 +76,130 @@ def states(sliders, shapes, omegas, wave_errors, ratios, which, factors, out, to
         Contact resonance over the wave's frequency, per problem.
     which, factors : (n, 2) array of int, (n,) array
         Slider and wave of each problem, factor on the amplitudes.
+    """
+
+    sliders: np.ndarray
+    shapes: np.ndarray
+    omegas: np.ndarray
+    wave_errors: np.ndarray
+    ratios: np.ndarray
+    which: np.ndarray
+    factors: np.ndarray
+
+
+def states(given: Given, out, todo, harmonics: int, first: int, stride: int) -> None:
+    """Fill the rows of `out`, by the names of the columns in this module, of every `stride`-th of `todo`.
+
+    Parameters
+    ----------
+    given : Given
+        The problems.
     out : (n, ANSWER) array
         To be filled. A row that is not reached keeps its regime and says why in its status.
     todo : (k,) array of int
-        Problems to be solved.
+        Which problems.
     harmonics : int
         Of the slider's fast motion.
     first, stride : int
         Which of `todo`.
     """
-    contacts = shapes.shape[1]
+    contacts = given.shapes.shape[1]
     _states(
-        sliders, shapes, omegas, wave_errors, ratios, which, factors, out, todo, *rules(), first, stride,
-        np.zeros(PARAMETERS), np.zeros((2, COLUMNS)), np.zeros((2, contacts, 4)), *room(harmonics),
+        given, out, todo, harmonics, first, stride, room(harmonics), np.zeros((2, COLUMNS)),
+        np.zeros((2, contacts, 4)),
     )  # fmt: skip
 
 
-@native("f2 f3 f1 f1 f1 i2 f1 f2 i1 f2 f2 i i f1 f2 f3 f2 f1 f2 f1 i1")
-def _states(sliders, shapes, omegas, wave_errors, ratios, which, factors, out, todo, rule, fine, first, stride,
-            parameters, answers, pair, still, sums, fast, all_sums, counts):  # fmt: skip
+@native("t f2 i1 i i i t f2 f3")
+def _states(given, out, todo, harmonics, first, stride, work, answers, pair):
     """Do the work of `states`; what follows `stride` is room. Return 0."""
-    harmonics = fast.shape[1]
-    state, tried = answers[0], answers[1]
-    waves, changed = pair[0], pair[1]
     for t in range(first, todo.size, stride):
         k = todo[t]
-        omega = omegas[which[k, 1]]
-        length, unit = _scaled(
-            sliders[which[k, 0]], shapes[which[k, 1]], factors[k], omega, parameters, waves
-        )
-        along = 0.0
-        for i in range(waves.shape[0]):
-            along = max(along, np.hypot(waves[i, 2], waves[i, 3]))
-        why = balance_row(
-            parameters, waves, rule, fine, state, harmonics, still, sums, fast, all_sums, counts
-        )
-        out[k, STATUS] = why
-        if why != DONE:
-            continue
-        v = state[V]
-        reference = max(abs(v), along / 10.0)
-        error = max(state[TAIL], state[RESIDUAL], state[QUADRATURE], 1e-11 * abs(v))
-        error = max(error, CORRECTION_ERROR * abs(v - state[FIRST]))
-        if state[IS_HELD] == 1.0 or abs(v) < EDGE * reference:
-            larger = 1.0 + min(THRESHOLD_ERROR * ratios[k] ** 2, MAX_THRESHOLD_ERROR)
-            _changed(waves, larger, 0.0, 0.0, changed)
-            why = balance_row(parameters, changed, rule, fine, tried, 0, still, sums, fast, all_sums, counts)
-            beyond = abs(tried[V] - state[FIRST])
-            if why == DONE and beyond > 0.0 and ratios[k] > MAX_RATIO_HELD:
-                why = NEAR_THRESHOLD
-            out[k, STATUS] = why
-            if why != DONE:
-                continue
-            error = max(error, beyond)
-            reference = max(reference, beyond) if reference == 0.0 else reference
-        lost = _from_wave(
-            parameters,
-            waves,
-            changed,
-            rule,
-            fine,
-            state[COARSE],
-            wave_errors[which[k, 1]],
-            tried,
-            still,
-            sums,
-            fast,
-            all_sums,
-            counts,
-        )
-        if not (np.isfinite(v) and np.isfinite(error) and np.isfinite(lost)):
-            continue
-        stall = state[LEAST_AT_REST]
-        if state[LARGEST_AT_REST] <= -stall:  # driven against its crests
-            stall = -state[LARGEST_AT_REST]
-        out[k, VELOCITY], out[k, FIRST_ORDER] = v * length * omega, state[FIRST] * length * omega
-        out[k, HEIGHT] = state[H] * length
-        out[k, REGIME] = STICK
-        if state[MADE_PER_CYCLE] > 0.0:
-            out[k, REGIME] = INTERMITTENT
-        elif state[SLIPS_PER_CYCLE] > 0.0:
-            out[k, REGIME] = SLIP
-        out[k, HELD] = state[IS_HELD]
-        out[k, ERROR] = error / reference if reference > 0.0 else 0.0
-        out[k, FROM_WAVE] = lost / reference if reference > 0.0 else 0.0
-        out[k, THRUST] = max(stall, 0.0) * unit
-        out[k, LOAD_SIGN] = -1.0 if parameters[5] < 0.0 else 1.0
+        slider, wave = given.sliders[given.which[k, 0]], given.which[k, 1]
+        omega = given.omegas[wave]
+        problem = _scaled(slider, given.shapes[wave], given.factors[k], omega, pair[0])
+        _state(problem, pair[1], given.ratios[k], given.wave_errors[wave], harmonics, work, answers, out[k])
+        row, speed = out[k], problem.length * omega
+        row[VELOCITY] *= speed
+        row[FIRST_ORDER] *= speed
+        row[HEIGHT] *= problem.length
+        row[THRUST] *= slider[MASS] * omega * speed
     return 0
 
 
 @compiled
-def _scaled(slider, shape, factor, omega, parameters, waves):
-    """Fill the scaled parameters and waves of one problem; return the units of length and force."""
+def _state(problem, spare, ratio, wave_error, harmonics, work, answers, row):
+    """Fill the scaled answer of one problem."""
+    state, tried = answers[0], answers[1]
+    row[STATUS] = balance_row(problem, harmonics, work, state)
+    if row[STATUS] != DONE:
+        return
+    problem = with_load(problem, state[LOAD_SIGN] * abs(problem.load))
+    along = 0.0
+    for i in range(problem.waves.shape[0]):
+        along = max(along, np.hypot(problem.waves[i, 2], problem.waves[i, 3]))
+    v = state[V]
+    reference = max(abs(v), along / 10.0)
+    error = max(state[TAIL], state[RESIDUAL], state[QUADRATURE], LEAST_ERROR * abs(v))
+    error = max(error, CORRECTION_ERROR * abs(v - state[FIRST]))
+    if state[IS_HELD] == 1.0 or abs(v) < EDGE * reference:
+        larger = 1.0 + min(THRESHOLD_ERROR * ratio**2, MAX_THRESHOLD_ERROR)
+        row[STATUS] = balance_row(_changed(problem, larger, 0.0, 0.0, spare), 0, work, tried)
+        beyond = abs(tried[V] - state[FIRST])
+        if row[STATUS] == DONE and beyond > 0.0 and ratio > MAX_RATIO_HELD:
+            row[STATUS] = NEAR_THRESHOLD
+        if row[STATUS] != DONE:
+            return
+        error = max(error, beyond)
+        reference = max(reference, beyond) if reference == 0.0 else reference
+    lost = _from_wave(problem, spare, state[COARSE], wave_error, work, tried)
+    if not (np.isfinite(v) and np.isfinite(error) and np.isfinite(lost)):
+        return
+    stall = state[LEAST_AT_REST]
+    if state[LARGEST_AT_REST] <= -stall:  # driven against its crests
+        stall = -state[LARGEST_AT_REST]
+    row[VELOCITY], row[FIRST_ORDER], row[HEIGHT] = v, state[FIRST], state[H]
+    row[REGIME] = STICK
+    if state[MADE_PER_CYCLE] > 0.0:
+        row[REGIME] = INTERMITTENT
+    elif state[SLIPS_PER_CYCLE] > 0.0:
+        row[REGIME] = SLIP
+    row[HELD] = state[IS_HELD]
+    row[ERROR] = error / reference if reference > 0.0 else 0.0
+    row[FROM_WAVE] = lost / reference if reference > 0.0 else 0.0
+    row[THRUST] = max(stall, 0.0)
+    row[SIGN_OF_LOAD] = state[LOAD_SIGN]
+
+
+@compiled
+def _scaled(slider, shape, factor, omega, waves):
+    """Return the scaled problem, with its waves in the room given."""
     contacts = waves.shape[0]
-    mass, hertz, preload = slider[0], slider[1], slider[3]
+    mass, preload = slider[MASS], slider[PRELOAD]
     reach = 0.0
     for i in range(contacts):
         for j in range(4):
             waves[i, j] = shape[i, j] * factor
-        along = np.hypot(waves[i, 2], waves[i, 3])
-        reach = max(reach, along, np.hypot(waves[i, 0], waves[i, 1]))
-    length = max((preload / (contacts * hertz)) ** (2.0 / 3.0), reach)
+        reach = max(reach, np.hypot(waves[i, 2], waves[i, 3]), np.hypot(waves[i, 0], waves[i, 1]))
+    length = max((preload / (contacts * slider[HERTZ])) ** (2.0 / 3.0), reach)
     unit = mass * omega**2 * length
-    parameters[0] = hertz * length * np.sqrt(length) / unit
-    parameters[1] = slider[6] * omega * length
-    parameters[2] = slider[7] / (mass * omega)
-    parameters[3] = preload / unit
-    parameters[4] = slider[8] / (mass * omega)
-    parameters[5] = slider[4] / unit
-    parameters[6], parameters[7] = slider[5], slider[2]
     for i in range(contacts):
         for j in range(4):
             waves[i, j] /= length
-    return length, unit
+    return Problem(
+        slider[HERTZ] * length * np.sqrt(length) / unit, slider[CHI] * omega * length,
+        slider[NORMAL_DAMPING] / (mass * omega), preload / unit, slider[TANGENTIAL_DAMPING] / (mass * omega),
+        slider[LOAD] / unit, slider[FRICTION], slider[LIMIT_SLOPE], 0.0, np.inf, 0, waves, length, omega,
+    )  # fmt: skip
 
 
 @compiled
-def _changed(waves, factor, shear, turn, out):
-    """Set waves with both amplitudes, then the tangential one and its phase, changed.
+def _changed(problem, factor, shear, turn, out):
+    """Return the problem with both amplitudes, then the tangential one and its phase, changed; `out` holds its waves.
 
     The last two by as many times more as the larger amplitude exceeds the smaller: errors are relative to the larger.
     """
+    waves = problem.waves
     for i in range(waves.shape[0]):
         normal, along = np.hypot(waves[i, 0], waves[i, 1]), np.hypot(waves[i, 2], waves[i, 3])
         small, large = min(normal, along), max(normal, along)
@@ -198,31 +209,24 @@ def _changed(waves, factor, shear, turn, out):
         out[i, 0], out[i, 1] = waves[i, 0] * factor, waves[i, 1] * factor
         out[i, 2] = more * (waves[i, 2] * co + waves[i, 3] * si)
         out[i, 3] = more * (waves[i, 3] * co - waves[i, 2] * si)
+    return with_waves(problem, out)
 
 
 @compiled
-def _from_wave(
-    parameters, waves, changed, rule, fine, base, wave_error, tried, still, sums, fast, all_sums, counts
-):
+def _from_wave(problem, spare, base, wave_error, work, tried):
     """Return the change of the first-order velocity by the wave's relative error; inf where it is not found."""
     if wave_error == 0.0:
         return 0.0
     step = max(wave_error, LEAST_STEP)
     slope = 0.0
     if base != 0.0:
-        high, low = 1.0 + LEAST_STEP, 1.0 - LEAST_STEP
-        slope = _surplus(parameters, waves, high * base, rule, still, sums, counts) - _surplus(
-            parameters, waves, low * base, rule, still, sums, counts
-        )
-        slope /= (high - low) * base
+        high, low = (1.0 + LEAST_STEP) * base, (1.0 - LEAST_STEP) * base
+        slope = (_surplus(problem, high, work) - _surplus(problem, low, work)) / (high - low)
     both = turned = 0.0
     for m in range(4):
         factor = 1.0 + step if m == 0 else 1.0 - step if m == 1 else 1.0
-        _changed(waves, factor, step if m == 2 else 0.0, step if m == 3 else 0.0, changed)
-        effect = abs(
-            _moved(parameters, changed, base, slope, rule, fine, tried, still, sums, fast, all_sums, counts)
-            - base
-        )
+        changed = _changed(problem, factor, step if m == 2 else 0.0, step if m == 3 else 0.0, spare)
+        effect = abs(_moved(changed, base, slope, work, tried) - base)
         if m < 2:
             both = max(both, effect)
         else:
@@ -231,27 +235,21 @@ def _from_wave(
 
 
 @compiled
-def _moved(parameters, waves, base, slope, rule, fine, tried, still, sums, fast, all_sums, counts):
+def _moved(problem, base, slope, work, tried):
     """Return the first-order velocity on a wave a little different, by two secant steps where they are small."""
     if slope < 0.0:
-        before, f = base, _surplus(parameters, waves, base, rule, still, sums, counts)
+        before, f = base, _surplus(problem, base, work)
         v = base - f / slope
         if abs(v - base) < NEARBY * abs(base):
-            g = _surplus(parameters, waves, v, rule, still, sums, counts)
+            g = _surplus(problem, v, work)
             if v != before and g != f:
                 last = v - g * (v - before) / (g - f)
                 if abs(last - v) < 0.1 * abs(v - base):
                     return last
-    return (
-        tried[COARSE]
-        if balance_row(parameters, waves, rule, fine, tried, 0, still, sums, fast, all_sums, counts) == DONE
-        else np.inf
-    )
+    return tried[COARSE] if balance_row(problem, 0, work, tried) == DONE else np.inf
 
 
 @compiled
-def _surplus(parameters, waves, v, rule, still, sums, counts):
-    """Return the mean traction that is left to accelerate a slider riding at a velocity."""
-    h = riding(parameters[0], waves, parameters[3], rule)
-    cycle(parameters, waves, h, v, still, rule, sums, counts)
-    return sums[1] - parameters[4] * v - parameters[5]
+def _surplus(problem, v, work):
+    """Return the mean tangential force that is left to accelerate a slider riding at a velocity."""
+    return excess(problem, work.rule, riding(problem, work.rule), v, work)

@@ -6,10 +6,12 @@ quadratic in its amplitude, is below the tolerance, the velocity equation is lef
 and 4 with its continuous extension (Hairer, Norsett and Wanner, *Solving Ordinary Differential Equations I*, II.5-6).
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from contact.jit.compiled import compiled, native
-from contact.solve.averaged import DONE, STICKS, UNSETTLED, mean_push, riding, settled
+from contact.solve.averaged import DONE, STICKS, UNSETTLED, mean_push, riding, room, settled
 from contact.solve.cycle_mean import STUCK, cycle, respond
 
 _NODES = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
@@ -34,10 +36,10 @@ _DENSE = np.array(
 
 
 @compiled
-def _climb(parameters, waves, h, w, gain, rule):
+def _climb(problem, h, w, gain, rule):
     """Return h'' of the bounce; `gain` is the second-order correction of the mean force."""
-    force, _ = mean_push(parameters[0], waves, h, rule)
-    return parameters[3] - (force + gain) * (1.0 + parameters[1] * w) - parameters[2] * w
+    force, _ = mean_push(problem, h, rule)
+    return problem.preload - (force + gain) * (1.0 + problem.contact_damping * w) - problem.normal_damping * w
 
 
 @compiled
@@ -51,31 +53,44 @@ def ripple(fast):
     return height, climb, speed
 
 
-@compiled
-def bounce(
-    parameters,
-    waves,
-    state,
-    stop,
-    rule,
-    fast,
-    sums,
-    still,
-    plain,
-    counts,
-    corrected,
-    per_period,
-    enough,
-    at,
-    rows,
-    work,
-):
-    """Follow bounce and velocity until the bounce has died or `stop`; return (phase, samples taken, reason).
+class Span(NamedTuple):
+    """What is followed, and what is recorded.
 
-    state (h, h', V) is changed in place; `enough`: largest squared bounce that counts as dead.
+    Attributes
+    ----------
+    stop : float
+        A whole number of cycles, as phase.
+    tolerance : float
+        In V; also the largest squared bounce that counts as dead.
+    per_period : int
+        Steps per period of the bounce.
+    corrected : int
+        1: with the correction of second order.
+    at, rows : (k,), (k, 2) arrays
+        Phases to report, rising; v and z_s there.
+    steps : (2,) int array
+        Steps of the bounce and of the velocity are added.
     """
-    h_end = riding(parameters[0], waves, parameters[3], rule)
-    _, slope = mean_push(parameters[0], waves, max(h_end, state[0]), rule)
+
+    stop: float
+    tolerance: float
+    per_period: int
+    corrected: int
+    at: np.ndarray
+    rows: np.ndarray
+    steps: np.ndarray
+
+
+@compiled
+def bounce(problem, state, span, work):
+    """Follow bounce and velocity until the bounce has died or the end; return (phase, samples taken, reason).
+
+    state (h, h', V) is changed in place.
+    """
+    rule, fast, sums, counts = work.rule, work.fast, work.sums, work.counts
+    stop, per_period, at, rows = span.stop, span.per_period, span.at, span.rows
+    h_end = riding(problem, rule)
+    _, slope = mean_push(problem, max(h_end, state[0]), rule)
     rate = np.sqrt(slope)
     dt = 2.0 * np.pi / rate / per_period
     h, w, v = state[0], state[1], state[2]
@@ -85,34 +100,34 @@ def bounce(
         h0, w0, v0 = h, w, v
         for half in range(2):
             e = 0.5 * d
-            a1 = _climb(parameters, waves, h, w, gain, rule)
+            a1 = _climb(problem, h, w, gain, rule)
             w2 = w + 0.5 * e * a1
-            a2 = _climb(parameters, waves, h + 0.5 * e * w, w2, gain, rule)
+            a2 = _climb(problem, h + 0.5 * e * w, w2, gain, rule)
             w3 = w + 0.5 * e * a2
-            a3 = _climb(parameters, waves, h + 0.5 * e * w2, w3, gain, rule)
+            a3 = _climb(problem, h + 0.5 * e * w2, w3, gain, rule)
             w4 = w + e * a3
-            a4 = _climb(parameters, waves, h + e * w3, w4, gain, rule)
+            a4 = _climb(problem, h + e * w3, w4, gain, rule)
             h += e / 6.0 * (w + 2.0 * w2 + 2.0 * w3 + w4)
             w += e / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
             if half == 0:
                 middle = h
-        v_middle = v + 0.5 * d * (pull - parameters[4] * v - parameters[5])
+        v_middle = v + 0.5 * d * (pull - problem.tangential_damping * v - problem.load)
         for _ in range(2 if steps == 0 else 1):
-            if corrected:
-                cycle(parameters, waves, middle, v_middle, fast, rule, sums, counts)
-                respond(parameters, sums, fast)
-                cycle(parameters, waves, middle, v_middle, fast, rule, sums, counts)
-                force, _ = mean_push(parameters[0], waves, middle, rule)
+            if span.corrected:
+                cycle(problem, middle, v_middle, fast, rule, sums, counts)
+                respond(problem, sums, fast)
+                cycle(problem, middle, v_middle, fast, rule, sums, counts)
+                force, _ = mean_push(problem, middle, rule)
                 gain = sums[0] - force
                 pull = sums[1]
             else:
-                cycle(parameters, waves, middle, v_middle, still, rule, plain, counts)
-                pull = plain[1]
-            v_middle = v + 0.5 * d * (pull - parameters[4] * v_middle - parameters[5])
+                cycle(problem, middle, v_middle, work.at_rest, rule, work.plain, counts)
+                pull = work.plain[1]
+            v_middle = v + 0.5 * d * (pull - problem.tangential_damping * v_middle - problem.load)
         if counts[STUCK] > 0:
             return phase, taken, STICKS
-        v = (v * (1.0 - 0.5 * d * parameters[4]) + d * (pull - parameters[5])) / (
-            1.0 + 0.5 * d * parameters[4]
+        v = (v * (1.0 - 0.5 * d * problem.tangential_damping) + d * (pull - problem.load)) / (
+            1.0 + 0.5 * d * problem.tangential_damping
         )
         if not np.isfinite(h + w + v):
             return phase, taken, UNSETTLED
@@ -129,56 +144,37 @@ def bounce(
         steps += 1
         largest = max(largest, (h - h_end) ** 2 + (w / rate) ** 2)
         if steps % per_period == 0:
-            if largest < enough:
+            if largest < span.tolerance:
                 break
             largest = 0.0
     state[0], state[1], state[2] = h, w, v
-    work[0] += steps
+    span.steps[0] += steps
     return phase, taken, DONE
 
 
 @compiled
-def _rate(parameters, waves, h, v, fast, rule, sums, counts, most):
+def _rate(problem, h, v, work, most):
     """Return (V', h) with height and fast motion settled at V."""
     if most > 0:
-        h, _ = settled(parameters, waves, h, v, fast, rule, sums, counts, most)
-    cycle(parameters, waves, h, v, fast, rule, sums, counts)
-    return sums[1] - parameters[4] * v - parameters[5], h
+        h, _ = settled(problem, work.rule, h, v, work, most)
+    cycle(problem, h, v, work.fast, work.rule, work.sums, work.counts)
+    return work.sums[1] - problem.tangential_damping * v - problem.load, h
 
 
 @compiled
-def accelerate(
-    parameters,
-    waves,
-    state,
-    phase,
-    stop,
-    rule,
-    fast,
-    sums,
-    counts,
-    corrected,
-    tolerance,
-    at,
-    rows,
-    taken,
-    work,
-    k,
-):
-    """Follow the velocity with the bounce dead; return the reason for ending.
-
-    `tolerance`: allowed in V per step.
-    """
+def accelerate(problem, state, phase, taken, span, work, k):
+    """Follow the velocity with the bounce dead; return the reason for ending. `k`: (7,) room."""
+    stop, at, rows, tolerance = span.stop, span.at, span.rows, 0.1 * span.tolerance
     h, v = state[0], state[2]
-    most = 3 if corrected else 0
-    if not corrected:
-        h = riding(parameters[0], waves, parameters[3], rule)
+    most = 3 if span.corrected else 0
+    if not span.corrected:
+        h = riding(problem, work.rule)
     else:
-        _rate(parameters, waves, h, v, fast, rule, sums, counts, 8)
-    k[0], h = _rate(parameters, waves, h, v, fast, rule, sums, counts, most)
+        _rate(problem, h, v, work, 8)
+    k[0], h = _rate(problem, h, v, work, most)
     top = 0.0
-    for i in range(waves.shape[0]):
-        top = max(top, np.hypot(waves[i, 2], waves[i, 3]))
+    for i in range(problem.waves.shape[0]):
+        top = max(top, np.hypot(problem.waves[i, 2], problem.waves[i, 3]))
     d = min(stop - phase, 0.02 * top / (abs(k[0]) + 1e-300))
     rejected = 0
     while phase < stop:
@@ -189,12 +185,12 @@ def accelerate(
             y = v
             for j in range(i):
                 y += d * _TABLE[i, j] * k[j]
-            k[i], h = _rate(parameters, waves, h, y, fast, rule, sums, counts, most)
+            k[i], h = _rate(problem, h, y, work, most)
         error = 0.0
         for i in range(7):
             error += d * _ERROR[i] * k[i]
         error = abs(error) / tolerance
-        if counts[STUCK] > 0:
+        if work.counts[STUCK] > 0:
             return STICKS
         if error > 1.0 and rejected < 60:
             d *= max(0.2, 0.9 * error**-0.2)
@@ -215,70 +211,53 @@ def accelerate(
         phase += d
         v = y
         k[0] = k[6]
-        work[1] += 1
+        span.steps[1] += 1
         d *= min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
     state[0], state[1], state[2] = h, 0.0, v
     return DONE
 
 
-@native("f1 f2 f1 f f2 i f i f1 f2 i1 f2 f1 f2 f1 i1 f1")
-def _response(parameters, waves, state, stop, rule, corrected, tolerance, per_period, at, rows, work, fast, sums, still,
-              plain, counts, k):  # fmt: skip
+@native("t f1 t t f1")
+def _response(problem, state, span, work, k):
     """Fill the answer of `response`; return the reason for ending."""
+    fast, rule, sums, counts = work.fast, work.rule, work.sums, work.counts
     speed = state[2]
     h, w, v = -state[0], -state[1], speed
     for _ in range(3):
-        cycle(parameters, waves, h, v, fast, rule, sums, counts)
+        cycle(problem, h, v, fast, rule, sums, counts)
         if counts[STUCK] > 0:
             return STICKS
-        respond(parameters, sums, fast)
+        respond(problem, sums, fast)
         height, climb, wiggle = ripple(fast)
         h, w, v = height - state[0], climb - state[1], speed - wiggle
     state[0], state[1], state[2] = h, w, v
-    phase, taken, why = bounce(parameters, waves, state, stop, rule, fast, sums, still, plain, counts, corrected,
-                               per_period, tolerance, at, rows, work)  # fmt: skip
-    if why == DONE and phase < stop:
-        why = accelerate(parameters, waves, state, phase, stop, rule, fast, sums, counts, corrected,
-                         0.1 * tolerance, at, rows, taken, work, k)  # fmt: skip
-    if not corrected:
+    phase, taken, why = bounce(problem, state, span, work)
+    if why == DONE and phase < span.stop:
+        why = accelerate(problem, state, phase, taken, span, work, k)
+    if not span.corrected:
         for m in range(fast.shape[1]):
             fast[0, m] = fast[1, m] = fast[2, m] = fast[3, m] = 0.0
-        cycle(parameters, waves, state[0], state[2], fast, rule, sums, counts)
-        respond(parameters, sums, fast)
+        cycle(problem, state[0], state[2], fast, rule, sums, counts)
+        respond(problem, sums, fast)
     height, climb, wiggle = ripple(fast)
     state[0], state[1], state[2] = height - state[0], climb - state[1], state[2] + wiggle
-    for m in range(at.size):
-        rows[m, 0] += wiggle
+    for m in range(span.at.size):
+        span.rows[m, 0] += wiggle
     return why
 
 
-def response(parameters, waves, state, stop, rule, harmonics, tolerance, per_period, at, rows, work):
-    """Follow the slider from (z_s, z_s', v) at phase 0 to `stop`; return the reason for ending.
+def response(problem, state, span: Span, nodes: int, harmonics: int) -> int:
+    """Follow the slider from phase 0 on; return the reason for ending.
 
     Parameters
     ----------
-    parameters, waves : arrays
-        See `scaling`.
+    problem : Problem
     state : (3,) array
-        Slider position, its rate and velocity at phase 0; changed to those at `stop`.
-    stop : float
-        A whole number of cycles, as phase.
-    rule : (2, n) array
-        Of `cycle_mean.quadrature`.
+        Slider position, its rate and velocity at phase 0; changed to those at the end.
+    span : Span
+    nodes : int
+        Of the quadrature of a smooth piece.
     harmonics : int
-        Of the fast motion in the second-order correction; 0 leaves the correction out.
-    tolerance : float
-        In V.
-    per_period : int
-        Steps per period of the bounce.
-    at, rows : (k,), (k, 2) arrays
-        Phases to report, rising; v and z_s there.
-    work : (2,) int array
-        Steps of the bounce and of the velocity are added.
+        Of the fast motion.
     """
-    number = max(harmonics, 8)
-    return _response(
-        parameters, waves, state, stop, rule, harmonics > 0, tolerance, per_period, at, rows, work,
-        np.zeros((8, number)), np.zeros(2 + 4 * number), np.zeros((8, number)), np.zeros(2), np.zeros(4, np.int64),
-        np.zeros(7),
-    )  # fmt: skip
+    return _response(problem, state, span, room(harmonics, nodes, nodes), np.zeros(7))

@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from contact.jit.compiled import plain
-from contact.scaling import LOAD, PRELOAD, TANGENTIAL_DAMPING, Scaled
+from contact.problem import Problem
 from contact.solve.cycle_mean import cycle, quadrature
 from contact.solve.roots import narrowed, trial
 
@@ -25,15 +25,14 @@ PER_PERIOD, MAX_STEPS = 48, 4000
 class CycleMeans:
     """Cycle means of the elastic law at constant height and velocity."""
 
-    def __init__(self, problem: Scaled):
+    def __init__(self, problem: Problem):
         self.problem, self.rule = problem, quadrature(12)
         self.rest, self.counts, self.sums = np.zeros((8, 1)), np.zeros(4, np.int64), np.zeros(2)
 
     def forces(self, height: float, speed: float) -> tuple[float, float]:
         """Return (<sum P>, <sum Q>)."""
         cycle(
-            self.problem.parameters,
-            self.problem.waves,
+            self.problem,
             height,
             speed,
             self.rest,
@@ -44,12 +43,12 @@ class CycleMeans:
         return float(self.sums[0]), float(self.sums[1])
 
 
-def speed_lost(problem: Scaled, heights: tuple[float, float], ratio: float, near: float) -> float:
+def speed_lost(problem: Problem, heights: tuple[float, float], ratio: float, near: float) -> float:
     """Return by how much a bounce from rest that goes on for ever changes the mean velocity, scaled.
 
     Parameters
     ----------
-    problem : Scaled
+    problem : Problem
         The elastic law.
     heights : (float, float)
         Approach at rest, where the bounce begins, and mean approach of the periodic motion; scaled.
@@ -71,11 +70,11 @@ def speed_lost(problem: Scaled, heights: tuple[float, float], ratio: float, near
 
 def _balanced_speed(means, heights, weights, near):
     """Return the velocity at which the mean tangential force over some heights balances damper and load, or NaN."""
-    parameters = means.problem.parameters
+    problem = means.problem
 
     def excess(speed):
         mean = sum(w * means.forces(h, speed)[1] for h, w in zip(heights, weights, strict=True))
-        return mean - parameters[TANGENTIAL_DAMPING] * speed - parameters[LOAD]
+        return mean - problem.tangential_damping * speed - problem.load
 
     reach = 1.05 * max(float(np.hypot(*wave[2:])) for wave in means.problem.waves)
     step = 0.05 * max(abs(near), 0.1 * reach)
@@ -104,7 +103,7 @@ def _root(function, low, high, tolerance):
 
 def _half_bounce(means, rest, step):
     """Return heights from one turning point to the other and their weights in time, which sum to one."""
-    preload = means.problem.parameters[PRELOAD]
+    preload = means.problem.preload
 
     def fall(height):
         return preload - means.forces(height, 0.0)[0]

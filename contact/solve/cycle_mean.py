@@ -142,7 +142,7 @@ def _next_slip(h, v, path, c, s, window, x1, y1, start, stop):
 
 
 @compiled
-def _gather(parameters, h, v, path, start, stop, slip, x1, y1, parted, rule, sums):
+def _gather(problem, h, v, path, start, stop, slip, x1, y1, parted, rule, sums):
     """Add the integrals of the forces from one event to the next; `slip` is the sign of slip, 0 in stick.
 
     A contact that almost parts at its trough has its singular points just off the real axis there: cut at it.
@@ -151,15 +151,15 @@ def _gather(parameters, h, v, path, start, stop, slip, x1, y1, parted, rule, sum
         trough = np.arctan2(path[5, 0], path[4, 0]) + np.pi
         trough += TURN * np.ceil((start - trough) / TURN)
         while trough < stop:
-            _piece(parameters, h, v, path, start, trough, slip, x1, y1, rule, sums)
+            _piece(problem, h, v, path, start, trough, slip, x1, y1, rule, sums)
             start, trough = trough, trough + TURN
-    _piece(parameters, h, v, path, start, stop, slip, x1, y1, rule, sums)
+    _piece(problem, h, v, path, start, stop, slip, x1, y1, rule, sums)
 
 
 @compiled
-def _piece(parameters, h, v, path, start, stop, slip, x1, y1, rule, sums):
+def _piece(problem, h, v, path, start, stop, slip, x1, y1, rule, sums):
     """Add the integrals of the forces over one smooth piece."""
-    kappa, chi, mu, c = parameters[0], parameters[1], parameters[6], parameters[7]
+    kappa, chi, mu, c = problem.stiffness, problem.contact_damping, problem.friction, problem.limit_slope
     harmonics = path.shape[1]
     width = stop - start
     if harmonics == 1 and sums.size == 2:
@@ -233,7 +233,7 @@ def _plain(kappa, mu, c, h, v, a, b, d, e, start, width, slip, offset, rule):
 
 
 @compiled
-def _stick(parameters, h, v, path, start, stop, x1, y1, parted, rule, sums):
+def _stick(problem, h, v, path, start, stop, x1, y1, parted, rule, sums):
     """Add the integrals of a stretch of stick, cut where x passes zero; return the number of passages."""
     size = np.hypot(path[7, 0], path[6, 0])
     # y of the first harmonic turns at centre - half, centre + half, and so on in every cycle
@@ -253,18 +253,18 @@ def _stick(parameters, h, v, path, start, stop, x1, y1, parted, rule, sums):
         after = x1 + place(h, v, path, right)[2] - y1
         if before * after < 0.0:
             root = _crossing(h, v, path, 0.0, 1.0, x1, y1, left, right)
-            _gather(parameters, h, v, path, begin, root, 0.0, x1, y1, parted, rule, sums)
+            _gather(problem, h, v, path, begin, root, 0.0, x1, y1, parted, rule, sums)
             begin = root
             passages += 1
         before, left = after, right
-    _gather(parameters, h, v, path, begin, stop, 0.0, x1, y1, parted, rule, sums)
+    _gather(problem, h, v, path, begin, stop, 0.0, x1, y1, parted, rule, sums)
     return passages
 
 
 @compiled
-def _contact(parameters, h, v, path, rule, sums, counts):
+def _contact(problem, h, v, path, rule, sums, counts):
     """Add the integrals of one contact over one cycle of the motion that repeats."""
-    c = parameters[7]
+    c = problem.limit_slope
     reach = np.hypot(path[4, 0], path[5, 0])
     if h <= -reach:
         return
@@ -305,14 +305,14 @@ def _contact(parameters, h, v, path, rule, sums, counts):
                 end = window[1] + TURN * np.ceil((phi + 1e-12 - window[1]) / TURN)
                 if end > stop - 1e-12:
                     end = stop
-            _gather(parameters, h, v, path, phi, end, slip, 0.0, 0.0, parted, rule, sums)
+            _gather(problem, h, v, path, phi, end, slip, 0.0, 0.0, parted, rule, sums)
             x, slip, phi = slip * c * max(place(h, v, path, end)[0], 0.0), 0.0, end
         else:
             y1 = place(h, v, path, phi)[2]
             up = _next_slip(h, v, path, c, 1.0, forward, x, y1, phi, stop)
             down = _next_slip(h, v, path, c, -1.0, backward, x, y1, phi, stop)
             end = min(up, down)
-            reversals += _stick(parameters, h, v, path, phi, end, x, y1, parted, rule, sums)
+            reversals += _stick(problem, h, v, path, phi, end, x, y1, parted, rule, sums)
             x, phi = x + place(h, v, path, end)[2] - y1, end
             if end < stop:
                 slip = 1.0 if up < down else -1.0
@@ -327,16 +327,15 @@ def _contact(parameters, h, v, path, rule, sums, counts):
 
 
 @native(
-    "f1 f2 f f f2 f2 f1 i1",
-    {"parameters": "11", "waves": "n 4", "fast": "8 k", "rule": "2 q", "sums": "2 | 2+4k", "counts": "4"},
+    "t f f f2 f2 f1 i1",
+    {"problem.waves": "n 4", "fast": "8 k", "rule": "2 q", "sums": "2 | 2+4k", "counts": "4"},
 )
-def cycle(parameters, waves, h, v, fast, rule, sums, counts):
+def cycle(problem, h, v, fast, rule, sums, counts):
     """Fill the means (sum of P, sum of Q) and the harmonics of (P (1 + chi z'), Q) over one cycle that repeats.
 
     Parameters
     ----------
-    parameters, waves : arrays
-        See `scaling`.
+    problem : Problem
     h, v : float
         Mean approach and mean velocity.
     fast : (8, K) array
@@ -358,20 +357,21 @@ def cycle(parameters, waves, h, v, fast, rule, sums, counts):
         sums[k] = 0.0
     for k in range(4):
         counts[k] = 0
+    waves = problem.waves
     for i in range(waves.shape[0]):
         for m in range(4):
             for k in range(fast.shape[1]):
                 fast[4 + m, k] = (waves[i, m] if k == 0 else 0.0) - fast[m, k]
-        _contact(parameters, h, v, fast, rule, sums, counts)
+        _contact(problem, h, v, fast, rule, sums, counts)
     for k in range(sums.size):
         sums[k] /= TURN if k < 2 else np.pi
     return 0
 
 
 @compiled
-def respond(parameters, sums, fast):
+def respond(problem, sums, fast):
     """Set the fast motion that the harmonics of the forces drive, dampers included."""
-    d_n, d_t = parameters[2], parameters[4]
+    d_n, d_t = problem.normal_damping, problem.tangential_damping
     for k in range(fast.shape[1]):
         n, m = k + 1.0, 2 + 4 * k
         # (a - i b)/(-n^2 + i n d) for forces a cos + b sin

@@ -13,6 +13,7 @@ from contact.interpolation import interpolate
 from contact.jit.compiled import compiled
 from contact.law.elastic import ANNULUS, CREEP, SEPARATED, SLIP, back_force
 from contact.law.hysteretic import front, place_on
+from contact.problem import ELASTIC
 from contact.solve.segment import BACK, CLIMB, FRONT, SPEED, TRAVEL, U_X_RATE, U_Z_RATE, P, Q, X, Z
 
 # places in the sums: integrals over phase of sum Q, of the sum of normal forces without damper, slider displacement
@@ -26,11 +27,10 @@ SINCE, CROWDING, SUMS = 11, 12, 13
 
 
 @compiled
-def account(parameters, length, column, regime, sign, shared, own, sums):
+def account(problem, length, column, regime, sign, shared, own, sums):
     """Add the integrals over one stretch to the sums."""
-    chi, d_n, d_t, q, mu, c = (
-        parameters[1], parameters[2], parameters[4], parameters[5], parameters[6], parameters[7],
-    )  # fmt: skip
+    chi, mu, c = problem.contact_damping, problem.friction, problem.limit_slope
+    d_n, d_t, q = problem.normal_damping, problem.tangential_damping, problem.load
     n = shared.shape[1]
     for k in range(n):
         weight = length * column[k, n - 1]
@@ -55,8 +55,8 @@ def account(parameters, length, column, regime, sign, shared, own, sums):
             elif regime[i] == ANNULUS:
                 z, inner = own[Z, i, k], np.sqrt(own[FRONT, i, k])
                 spread = z * np.sqrt(z) - 1.5 * z * inner + 0.5 * inner**3
-                sums[SLIP_LOSS] += weight * mu * parameters[0] * spread * (sign[i] * x_rate - c * z_rate)
-            if parameters[10] == 0.0:
+                sums[SLIP_LOSS] += weight * mu * problem.stiffness * spread * (sign[i] * x_rate - c * z_rate)
+            if problem.law == ELASTIC:
                 force = back_force(regime[i], sign[i], own[Z, i, k], own[X, i, k], normal, mu, c)
                 sums[LEAK] -= weight * force * z_rate
     sums[DISPLACEMENT] += shared[TRAVEL, n - 1]

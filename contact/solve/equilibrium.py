@@ -16,10 +16,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact import scaling
 from contact.convergence import ConvergenceError
 from contact.jit.compiled import plain
 from contact.orbit import Orbit
+from contact.problem import RECIPROCAL, Problem, immobile, scaled
 from contact.slider import Slider
 from contact.solve.averaged import full_slip_speed, way_out
 from contact.solve.collocation import collocation
@@ -38,7 +38,7 @@ class Balance:
 
     Attributes
     ----------
-    problem : scaling.Scaled
+    problem : Problem
         With the load against the direction of the unloaded motion.
     height : float
         Mean approach h.
@@ -52,7 +52,7 @@ class Balance:
         Stretches, halvings, sweeps, cycles computed (`event_driven.STRETCHES` and so on).
     """
 
-    problem: scaling.Scaled
+    problem: Problem
     height: float
     speed: float
     held: bool
@@ -62,7 +62,7 @@ class Balance:
     @property
     def load_sign(self) -> float:
         """+1 or -1: the direction of motion that the load opposes."""
-        return -1.0 if self.problem.parameters[scaling.LOAD] < 0.0 else 1.0
+        return -1.0 if self.problem.load < 0.0 else 1.0
 
     @property
     def support(self) -> float:
@@ -73,14 +73,14 @@ class Balance:
 def balanced(slider: Slider, orbits: tuple[Orbit, ...]) -> Balance:
     """Return the averaged steady state; the crests should drive towards +x (`drive.towards_plus`)."""
     start = _trough(orbits)
-    problem = scaling.scaled(slider, orbits, direction=1.0, start=start)
+    problem = scaled(slider, orbits, direction=1.0, start=start)
     high = riding_height(slider, orbits) / problem.length
     work = np.zeros(TALLY, np.int64)
     found = _at_height(slider, orbits, problem, start, high, work)
-    if problem.parameters[scaling.LAW] != scaling.RECIPROCAL:
+    if problem.law != RECIPROCAL:
         return found
     # the back force only adds to the support, so the slider rides higher: mean approach below `high`
-    preload = problem.parameters[scaling.PRELOAD]
+    preload = problem.preload
     low = -max(abs(orbit.normal) for orbit in orbits) / problem.length
     above, below = found.support - preload, -preload
     for count in range(100):
@@ -105,7 +105,7 @@ def cycle_at(
 
     `load_sign` as in `answers.sweep.MeanMotion`; the orbits as for `balanced`.
     """
-    problem = scaling.scaled(slider, orbits, direction=load_sign, start=_trough(orbits))
+    problem = scaled(slider, orbits, direction=load_sign, start=_trough(orbits))
     height, work = height / problem.length, np.zeros(TALLY, np.int64)
     if held:
         return _held(problem, height, _rest_cycles(problem, height, work), work)
@@ -121,20 +121,17 @@ def _trough(orbits):
 
 def _rest_cycles(problem, height, work):
     """Return (mean tangential force, motion) at rest of the least and of the largest deformations."""
-    far = 10.0 * (1.0 + abs(height)) * (1.0 + problem.parameters[scaling.LIMIT_SLOPE])
+    far = 10.0 * (1.0 + abs(height)) * (1.0 + problem.limit_slope)
     return traction(problem, height, 0.0, -far, work), traction(problem, height, 0.0, far, work)
 
 
 def _at_height(slider, orbits, problem, start, height, work):
     """Return the balance of the tractions at one mean approach."""
-    parameters = problem.parameters
     rest = _rest_cycles(problem, height, work)
     (least, _), (largest, _) = rest
-    way, load = plain(way_out)(
-        least, largest, parameters[scaling.LOAD], parameters[scaling.MU] * parameters[scaling.PRELOAD]
-    )
+    way, load = plain(way_out)(least, largest, problem.load, problem.friction * problem.preload)
     if load < 0.0:  # this wave drives against its crests
-        problem = scaling.scaled(slider, orbits, direction=-1.0, start=start)
+        problem = scaled(slider, orbits, direction=-1.0, start=start)
     if way == 0.0:
         return _held(problem, height, rest, work)
     speed, motion = _balance(problem, height, way, least if way > 0.0 else largest, work)
@@ -144,8 +141,8 @@ def _at_height(slider, orbits, problem, start, height, work):
 def _held(problem, height, rest, work):
     """Return the balance of a slider at rest: deformations between the extreme ones that carry the load."""
     (least, low_motion), (largest, high_motion) = rest
-    load, rounding = problem.parameters[scaling.LOAD], 1e-13 * problem.parameters[scaling.PRELOAD]
-    rounding *= problem.parameters[scaling.MU]
+    load, rounding = problem.load, 1e-13 * problem.preload
+    rounding *= problem.friction
     below, above = low_motion.state[3:], high_motion.state[3:]
     motion = low_motion
     a, b = 0.0, 1.0
@@ -162,7 +159,7 @@ def opposed(slider: Slider, orbits: tuple[Orbit, ...]) -> float:
     """Return +1 or -1, the direction of motion that a load opposes: that in which the unloaded wave drives at rest."""
     if slider.load == 0.0 or slider.friction_coefficient * slider.preload == 0.0:
         return 1.0
-    problem = scaling.scaled(slider, orbits, direction=1.0, start=0.0)
+    problem = scaled(slider, orbits, direction=1.0, start=0.0)
     height = riding_height(slider, orbits) / problem.length
     _, (largest, _) = _rest_cycles(problem, height, np.zeros(TALLY, np.int64))
     return -1.0 if largest < 0.0 else 1.0
@@ -170,7 +167,7 @@ def opposed(slider: Slider, orbits: tuple[Orbit, ...]) -> float:
 
 def traction(problem, height, speed, deformations, work):
     """Return (<sum Q>, motion) of a repeating cycle at constant height and velocity, from given deformations."""
-    motion = Motion(scaling.unmoved(problem), table=collocation(NODES), truncation=TRUNCATION)
+    motion = Motion(immobile(problem), table=collocation(NODES), truncation=TRUNCATION)
     motion.place(-height, 0.0, speed, deformations)
     for turn in range(6):
         before = motion.state[3:].copy()
@@ -186,8 +183,8 @@ def traction(problem, height, speed, deformations, work):
 
 def _balance(problem, height, way, rest_traction, work):
     """Return (v, motion) at <sum Q>(v) = d_t v + load; v has the sign `way`."""
-    damping, load = (problem.parameters[k] for k in (scaling.TANGENTIAL_DAMPING, scaling.LOAD))
-    top = plain(full_slip_speed)(problem.waves, problem.parameters[scaling.LIMIT_SLOPE])
+    damping, load = problem.tangential_damping, problem.load
+    top = plain(full_slip_speed)(problem)
 
     def excess(v, deformation):
         mean, motion = traction(problem, height, v, deformation, work)

@@ -51,14 +51,14 @@ STRETCHES, HALVINGS, SWEEPS, CYCLES, CHATTER, TALLY = 6, 7, 8, 9, 10, 12
 
 
 @compiled
-def _lay_out(parameters, waves, tau, columns, sigma, bary, state, regime, sign, phase, length, shared, own,
+def _lay_out(problem, tau, columns, sigma, bary, state, regime, sign, phase, length, shared, own,
              mobile, memory):  # fmt: skip
-    surface(phase, length, tau, waves, own)
+    surface(phase, length, tau, problem.waves, own)
     guess(state, length, tau, shared[PUSH, 0], shared[PULL, 0], shared)
     converged = sweep(
-        parameters, state, length, tau, columns, regime, sign, shared, own, mobile, sigma, bary, memory, 25,
+        problem, state, length, tau, columns, regime, sign, shared, own, mobile, sigma, bary, memory, 25,
     )  # fmt: skip
-    end_kinematics(regime, sign, state[3:], parameters[7], shared, own)
+    end_kinematics(regime, sign, state[3:], problem.limit_slope, shared, own)
     return converged
 
 
@@ -79,18 +79,18 @@ def _sharp(which, regime):
 
 
 @compiled
-def _met(parameters, waves, tau, columns, sigma, bary, rates, state, regime, sign, phase, length, end, who, which,
+def _met(problem, tau, columns, sigma, bary, rates, state, regime, sign, phase, length, end, who, which,
          shared, own, mobile, memory, values, tally):  # fmt: skip
     """Lay a stretch out from recalled accelerations to the event at its end, if any; return its length, 0 if it fails.
 
     Newton's iteration for the length and Picard's for the motion in one.
     """
-    c, band = parameters[7], parameters[8]
-    surface(phase, length, tau, waves, own)
+    c, band = problem.limit_slope, problem.stick_band
+    surface(phase, length, tau, problem.waves, own)
     integrate(state, length, tau, columns, shared)
     last = np.inf
     for _ in range(15):
-        forces(parameters, regime, sign, state[3:], shared, own, mobile, length, columns, sigma, bary, memory)
+        forces(problem, regime, sign, state[3:], shared, own, mobile, length, columns, sigma, bary, memory)
         change = 0.0
         if mobile:
             change = integrate(state, length, tau, columns, shared) / (1.0 + abs(state[0]))
@@ -102,7 +102,7 @@ def _met(parameters, waves, tau, columns, sigma, bary, rates, state, regime, sig
         end_kinematics(regime, sign, state[3:], c, shared, own)
         if who >= 0:
             value, rate = end_guard(
-                who, which, regime, sign, shared, own, waves, phase + length, c, band, memory
+                who, which, regime, sign, shared, own, problem.waves, phase + length, c, band, memory
             )
             step = -value / rate
             if not rate < 0.0 or abs(step) > 0.2 * length:
@@ -112,7 +112,7 @@ def _met(parameters, waves, tau, columns, sigma, bary, rates, state, regime, sig
                 length += step
                 if not 0.0 < length < end:
                     return 0.0
-                surface(phase, length, tau, waves, own)
+                surface(phase, length, tau, problem.waves, own)
         if arrived:
             place, other, _ = earliest(sigma, bary, rates, regime, sign, shared, own, c, band, memory, values)
             # an event that this stretch did not have: the usual way will find it
@@ -160,7 +160,7 @@ def _record(phase, length, map_, sigma, bary, shared, own, regime, sample_phase,
 
 
 @compiled
-def advance(parameters, waves, sigma, bary, taus, columns, rates, tail, state, regime, sign, phase, stop, mobile,
+def advance(problem, sigma, bary, taus, columns, rates, tail, state, regime, sign, phase, stop, mobile,
             tolerance, tally, sums, sample_phase, samples, limit, memory, count, marks, numbers, new, shared, own,
             values):  # fmt: skip
     """Move the state from one phase to another; return the reason for ending; see `travel`.
@@ -168,8 +168,8 @@ def advance(parameters, waves, sigma, bary, taus, columns, rates, tail, state, r
     The pattern's row `new` is filled, the other one is the guess.
     """
     contacts, n = regime.size, sigma.size
-    c, band, longest = parameters[7], parameters[8], parameters[9]
-    push_scale, pull_scale = parameters[3] + 1e-300, parameters[6] * parameters[3] + 1e-300
+    c, band, longest = problem.limit_slope, problem.stick_band, problem.longest
+    push_scale, pull_scale = problem.preload + 1e-300, problem.friction * problem.preload + 1e-300
     length, idle, taken, spent = longest, 0, 0, 0
     old, first, familiar = 1 - new, 0, True
     count[new] = 0
@@ -200,7 +200,7 @@ def advance(parameters, waves, sigma, bary, taus, columns, rates, tail, state, r
             end = (stop if closing else end) - phase
             if 0.0 < end <= longest and phase + end <= stop and (map_ == ROOT_AT_START) == entered:
                 recalled(numbers, old, m, shared)
-                full = _met(parameters, waves, taus[map_], columns[map_], sigma, bary, rates, state, regime, sign,
+                full = _met(problem, taus[map_], columns[map_], sigma, bary, rates, state, regime, sign,
                             phase, end, min(longest, stop - phase), who, which, shared, own, mobile, memory, values,
                             tally)  # fmt: skip
                 length = full if full > 0.0 else length
@@ -211,7 +211,7 @@ def advance(parameters, waves, sigma, bary, taus, columns, rates, tail, state, r
             if closing:
                 length = stop - phase
             map_ = ROOT_AT_START if entered else SMOOTH
-            ok, tried = _lay_out(parameters, waves, taus[map_], columns[map_], sigma, bary, state, regime, sign,
+            ok, tried = _lay_out(problem, taus[map_], columns[map_], sigma, bary, state, regime, sign,
                                  phase, length, shared, own, mobile, memory)  # fmt: skip
             tally[SWEEPS] += tried
             if not ok:
@@ -238,13 +238,13 @@ def advance(parameters, waves, sigma, bary, taus, columns, rates, tail, state, r
                 for trial in range(12):
                     if length < 1e-14:
                         length = 0.0
-                    _, tried = _lay_out(parameters, waves, taus[map_], columns[map_], sigma, bary, state, regime,
+                    _, tried = _lay_out(problem, taus[map_], columns[map_], sigma, bary, state, regime,
                                         sign, phase, length, shared, own, mobile, memory)  # fmt: skip
                     tally[SWEEPS] += tried
                     if who < 0:
                         break
                     value, rate = end_guard(
-                        who, which, regime, sign, shared, own, waves, phase + length, c, band, memory
+                        who, which, regime, sign, shared, own, problem.waves, phase + length, c, band, memory
                     )
                     if length == 0.0 or abs(value) < 1e-16 or not rate < 0.0:
                         break
@@ -274,7 +274,7 @@ def advance(parameters, waves, sigma, bary, taus, columns, rates, tail, state, r
                 continue
             familiar = True
             tally[STRETCHES] += 1
-            account(parameters, length, columns[map_, 0], regime, sign, shared, own, sums)
+            account(problem, length, columns[map_, 0], regime, sign, shared, own, sums)
             taken = _record(
                 phase, length, map_, sigma, bary, shared, own, regime, sample_phase, samples, taken
             )
@@ -298,7 +298,7 @@ def advance(parameters, waves, sigma, bary, taus, columns, rates, tail, state, r
             length = full
         if who >= 0:
             made = transit(
-                parameters, waves, sigma, bary, state, regime, sign, phase, who, which, shared, own, memory, tally,
+                problem, sigma, bary, state, regime, sign, phase, who, which, shared, own, memory, tally,
             )  # fmt: skip
             mark(sums)
             entered = entered or made
@@ -306,24 +306,23 @@ def advance(parameters, waves, sigma, bary, taus, columns, rates, tail, state, r
 
 
 @native(
-    "f1 f2 f1 f1 f2 f4 f2 f2 f1 i1 f1 f f i i f i1 f1 f1 f3 i f2 i m i1 i3 f3 f2 f3 f1",
+    "t f1 f1 f2 f4 f2 f2 f1 i1 f1 f f i i f i1 f1 f1 f3 i f2 i t i1 i3 f3 f2 f3 f1",
     {
-        "parameters": "11", "waves": "n 4", "sigma": "m", "bary": "m", "taus": "3 m", "columns": "3 2 m m",
+        "problem.waves": "n 4", "sigma": "m", "bary": "m", "taus": "3 m", "columns": "3 2 m m",
         "rates": "m m", "tail": "2 m", "state": "3+n", "regime": "n", "sign": "n", "tally": "12", "sums": "13",
         "sample_phase": "s", "samples": "s n 6", "speeds": "r 3", "memory.count": "n", "memory.kind": "n p",
         "memory.corner": "n p 4", "memory.curve": "n p 5 m", "memory.level": "n", "count": "2", "marks": "2 c 3+2n",
         "numbers": "2 c 2+2m", "shared": "6 m", "own": "11 n m", "values": "m",
     },
 )  # fmt: skip
-def travel(parameters, waves, sigma, bary, taus, columns, rates, tail, state, regime, sign, start, stop, number, mobile,
+def travel(problem, sigma, bary, taus, columns, rates, tail, state, regime, sign, start, stop, number, mobile,
            tolerance, tally, sums, sample_phase, samples, stride, speeds, limit, memory, count, marks, numbers, shared,
            own, values):  # fmt: skip
     """Move the state from one phase to another, or again and again over the same cycle; return the reason for ending.
 
     Parameters
     ----------
-    parameters, waves : arrays
-        See `scaling`.
+    problem : Problem
     sigma, bary, taus, columns, rates, tail : arrays
         See `collocation`.
     state, regime, sign : (3 + contacts,), (contacts,), (contacts,) arrays
@@ -355,7 +354,7 @@ def travel(parameters, waves, sigma, bary, taus, columns, rates, tail, state, re
     for k in range(number):
         before = sums[DISPLACEMENT]
         shared[PUSH, 0] = shared[PULL, 0] = 0.0
-        why = advance(parameters, waves, sigma, bary, taus, columns, rates, tail, state, regime, sign, start, stop,
+        why = advance(problem, sigma, bary, taus, columns, rates, tail, state, regime, sign, start, stop,
                       mobile, tolerance, tally, sums, sample_phase, samples, limit, memory, count, marks, numbers,
                       k % 2, shared, own, values)  # fmt: skip
         if why != DONE:

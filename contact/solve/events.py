@@ -38,15 +38,15 @@ from contact.solve.segment import (
 _LAST = (0, 2, 1, 2, 3, 2)
 
 
-def open_regimes(parameters, waves, phase, state, regime, sign):
+def open_regimes(problem, phase, state, regime, sign):
     """Set regime and sign of every contact, and its deformation within the slip limit, from the state at a phase."""
-    c, s = np.cos(phase), np.sin(phase)
+    waves, c, s = problem.waves, np.cos(phase), np.sin(phase)
     for i in range(regime.size):
         z = waves[i, 0] * c + waves[i, 1] * s - state[0]
         z_rate = waves[i, 1] * c - waves[i, 0] * s - state[1]
         x_rate = waves[i, 3] * c - waves[i, 2] * s - state[2]
         regime[i], sign[i], state[3 + i] = plain(opening)(
-            z, state[3 + i], z_rate, x_rate, parameters[7], parameters[8]
+            z, state[3 + i], z_rate, x_rate, problem.limit_slope, problem.stick_band
         )
 
 
@@ -108,24 +108,24 @@ def end_guard(i, which, regime, sign, shared, own, waves, phase, c, band, memory
 
 
 @compiled
-def transit(
-    parameters, waves, sigma, bary, state, regime, sign, phase, who, which, shared, own, memory, tally
-):
+def transit(problem, sigma, bary, state, regime, sign, phase, who, which, shared, own, memory, tally):
     """Take contact `who`, and all whose guards vanish at the same instant, to their next regimes and count it.
 
     Returns whether a contact was made.
     """
     contacts, n = regime.size, shared.shape[1]
-    c, band = parameters[7], parameters[8]
+    c, band = problem.limit_slope, problem.stick_band
     made = False
-    _, rate = end_guard(who, which, regime, sign, shared, own, waves, phase, c, band, memory)
+    _, rate = end_guard(who, which, regime, sign, shared, own, problem.waves, phase, c, band, memory)
     if not rate < 0.0:
         tally[GRAZE] += 1
     for i in range(contacts):
         for k in range(4):
             met = i == who and k == which
             if i != who and (regime[i] != SEPARATED or k == 0):
-                value, rate = end_guard(i, k, regime, sign, shared, own, waves, phase, c, band, memory)
+                value, rate = end_guard(
+                    i, k, regime, sign, shared, own, problem.waves, phase, c, band, memory
+                )
                 met = abs(value) < 4e-16 and rate < 0.0
             if met:
                 z_rate = own[U_Z_RATE, i, n - 1] - shared[CLIMB, n - 1]

@@ -8,10 +8,9 @@ import math
 
 import numpy as np
 
-from contact import scaling
 from contact.convergence import ConvergenceError
 from contact.law import elastic, hysteretic, mindlin
-from contact.scaling import Scaled
+from contact.problem import HYSTERETIC, Problem
 from contact.solve import energy, event_driven, events, segment, warm_start
 from contact.solve.collocation import Collocation
 
@@ -37,7 +36,7 @@ class Motion:
 
     Parameters
     ----------
-    problem : Scaled
+    problem : Problem
         The dimensionless problem.
     table : Collocation
         Points and matrices of a stretch.
@@ -45,14 +44,13 @@ class Motion:
         Allowed per stretch, relative to the friction and preload impulse of a radian.
     """
 
-    def __init__(self, problem: Scaled, *, table: Collocation, truncation: float):
+    def __init__(self, problem: Problem, *, table: Collocation, truncation: float):
         contacts = len(problem.waves)
         self.problem, self.table, self.truncation = problem, table, truncation
         self.state = np.zeros(3 + contacts)
         self.regime, self.sign = np.zeros(contacts, np.int64), np.ones(contacts)
         self.tally, self.sums = np.zeros(event_driven.TALLY, np.int64), np.zeros(energy.SUMS)
-        parameters = problem.parameters
-        remembers = parameters[scaling.LAW] == scaling.HYSTERETIC and parameters[scaling.LIMIT_SLOPE] > 0.0
+        remembers = problem.law == HYSTERETIC and problem.limit_slope > 0.0
         # energies at the start of what the sums cover, where someone noted them
         self.begun = None
         self.memory = hysteretic.blank(contacts, table.sigma.size) if remembers else None
@@ -69,7 +67,7 @@ class Motion:
         self.state[:3] = height, climb, speed
         self.state[3:] = deformations
         events.open_regimes(
-            self.problem.parameters, self.problem.waves, 0.0, self.state, self.regime, self.sign
+            self.problem, 0.0, self.state, self.regime, self.sign
         )  # fmt: skip
 
     def copy(self) -> "Motion":
@@ -100,7 +98,7 @@ class Motion:
         n = table.sigma.size
         shared, own = np.zeros((segment.ROWS, n)), np.zeros((segment.PLANES, contacts, n))
         why = event_driven.travel(
-            self.problem.parameters, self.problem.waves, table.sigma, table.bary, table.tau, table.columns, table.rates,
+            self.problem, table.sigma, table.bary, table.tau, table.columns, table.rates,
             table.tail, self.state, self.regime, self.sign, start, stop, number, mobile, self.truncation, self.tally,
             self.sums, at, samples, stride, rows, self._limit(stop - start), self.memory,
             *warm_start.blank(contacts, n), shared, own, np.empty(n),
@@ -125,10 +123,10 @@ class Motion:
 
         At phase 0: the surface's height there is what the approach is taken from.
         """
-        parameters, waves = self.problem.parameters, self.problem.waves
-        kappa, mu, c = parameters[scaling.KAPPA], parameters[scaling.MU], parameters[scaling.LIMIT_SLOPE]
+        problem = self.problem
+        kappa, mu, c = problem.stiffness, problem.friction, problem.limit_slope
         height, climb, speed = self.state[:3]
-        z = np.maximum(waves[:, 0] - height, 0.0)
+        z = np.maximum(problem.waves[:, 0] - height, 0.0)
         P = kappa * z**1.5
         stored = np.sum(0.4 * P * z)
         if self.memory is None:
@@ -140,10 +138,10 @@ class Motion:
                     self.memory, i, self.regime[i], self.sign[i], z[i], self.state[3 + i], c, table.sigma, table.bary,
                     table.rates,
                 )  # fmt: skip
-        return np.array([stored, parameters[scaling.PRELOAD] * height, 0.5 * (climb**2 + speed**2)])
+        return np.array([stored, problem.preload * height, 0.5 * (climb**2 + speed**2)])
 
     def _displace(self, height, climb, speed, deformations):
-        table, c = self.table, self.problem.parameters[scaling.LIMIT_SLOPE]
+        table, c = self.table, self.problem.limit_slope
         surface = self.problem.waves[:, 0]
         target = np.broadcast_to(np.asarray(deformations, float), self.regime.shape)
         for i in range(self.regime.size):
@@ -165,4 +163,4 @@ class Motion:
     def _limit(self, span):
         """Return the stretches that a run may take: a guard that fires for ever must fail, not hang."""
         events = 500.0 * self.regime.size * (1.0 + span / (2.0 * math.pi))
-        return int(min(events + 40.0 * span / self.problem.parameters[scaling.LONGEST], 1e9))
+        return int(min(events + 40.0 * span / self.problem.longest, 1e9))

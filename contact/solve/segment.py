@@ -10,6 +10,7 @@ import numpy as np
 from contact.jit.compiled import compiled
 from contact.law.elastic import ANNULUS, FAR_SIDE, GROW, SEPARATED, SLIP, STICK, back_force, guard, traction
 from contact.law.hysteretic import memory_guard, moment
+from contact.problem import RECIPROCAL
 
 # rows of the table of node values common to all contacts
 HEIGHT, CLIMB, TRAVEL, SPEED, PUSH, PULL, ROWS = range(7)
@@ -57,12 +58,12 @@ def _sine(t):
 
 
 @compiled
-def forces(parameters, regime, sign, start_x, shared, own, mobile, length, columns, sigma, bary, memory):
+def forces(problem, regime, sign, start_x, shared, own, mobile, length, columns, sigma, bary, memory):
     """Fill approach, deformation, forces and accelerations at the nodes from the slider's motion there."""
-    d_n, p, d_t, q = parameters[2], parameters[3], parameters[4], parameters[5]
+    d_n, p, d_t, q = problem.normal_damping, problem.preload, problem.tangential_damping, problem.load
     n = shared.shape[1]
     if memory is not None:
-        _edge(regime, parameters[7], shared, own, length, columns, memory)
+        _edge(regime, problem.limit_slope, shared, own, length, columns, memory)
     for j in range(n):
         shared[PUSH, j] = -d_n * shared[CLIMB, j] - p if mobile else 0.0
         shared[PULL, j] = -d_t * shared[SPEED, j] - q if mobile else 0.0
@@ -72,9 +73,9 @@ def forces(parameters, regime, sign, start_x, shared, own, mobile, length, colum
                 own[Z, i, j] = own[U_Z, i, j] - shared[HEIGHT, j]
                 own[P, i, j] = own[Q, i, j] = own[X, i, j] = own[BACK, i, j] = 0.0
             continue
-        _contact(parameters, i, regime[i], sign[i], start_x[i], shared, own, sigma, bary, memory)
+        _contact(problem, i, regime[i], sign[i], start_x[i], shared, own, sigma, bary, memory)
         if mobile:
-            chi = parameters[1]
+            chi = problem.contact_damping
             for j in range(n):
                 damped = own[P, i, j] * (1.0 + chi * (own[U_Z_RATE, i, j] - shared[CLIMB, j]))
                 shared[PUSH, j] += damped + own[BACK, i, j]
@@ -82,9 +83,9 @@ def forces(parameters, regime, sign, start_x, shared, own, mobile, length, colum
 
 
 @compiled
-def _contact(parameters, i, regime, sign, start_x, shared, own, sigma, bary, memory):
+def _contact(problem, i, regime, sign, start_x, shared, own, sigma, bary, memory):
     """Fill approach, deformation and forces of one contact that is not apart; branch-free where it is often used."""
-    kappa, mu, c = parameters[0], parameters[6], parameters[7]
+    kappa, mu, c = problem.stiffness, problem.friction, problem.limit_slope
     n = shared.shape[1]
     for j in range(n):
         z = own[U_Z, i, j] - shared[HEIGHT, j]
@@ -111,7 +112,7 @@ def _contact(parameters, i, regime, sign, start_x, shared, own, sigma, bary, mem
     else:
         for j in range(n):
             own[Q, i, j] = traction(regime, sign, own[Z, i, j], own[X, i, j], own[P, i, j], mu, c)
-    if parameters[10] == 1.0:
+    if problem.law == RECIPROCAL:
         for j in range(n):
             own[BACK, i, j] = back_force(regime, sign, own[Z, i, j], own[X, i, j], own[P, i, j], mu, c)
 
@@ -189,16 +190,14 @@ def still(change, last):
 
 
 @compiled
-def sweep(
-    parameters, state, length, tau, columns, regime, sign, shared, own, mobile, sigma, bary, memory, most
-):
+def sweep(problem, state, length, tau, columns, regime, sign, shared, own, mobile, sigma, bary, memory, most):
     """Iterate to the fixed point; return (converged, sweeps).
 
     The motion on entry is the first guess.
     """
     last = np.inf
     for count in range(1, most + 1):
-        forces(parameters, regime, sign, state[3:], shared, own, mobile, length, columns, sigma, bary, memory)
+        forces(problem, regime, sign, state[3:], shared, own, mobile, length, columns, sigma, bary, memory)
         if not mobile:
             return True, 1
         change = integrate(state, length, tau, columns, shared) / (1.0 + abs(state[0]))

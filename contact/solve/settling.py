@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contact import scaling
 from contact.convergence import ConvergenceError
 from contact.drive import relative_to_reference
 from contact.law import elastic
 from contact.orbit import Orbit
+from contact.problem import Problem, scaled
 from contact.slider import Slider
 from contact.solve.collocation import collocation
 from contact.solve.energy import DISPLACEMENT
@@ -45,7 +45,7 @@ class LongRun:
 
     Attributes
     ----------
-    problem : scaling.Scaled
+    problem : Problem
         Phase 0 is where u_z of the first contact passes zero upwards.
     speed, height : float
         Means of v and of -z_s.
@@ -65,7 +65,7 @@ class LongRun:
         `Motion.energy` at their start.
     """
 
-    problem: scaling.Scaled
+    problem: Problem
     speed: float
     height: float
     error: float
@@ -98,7 +98,7 @@ def long_run(
         Status "out of reach" where that would take too long, or what the motion ran into.
     """
     start = -0.5 * math.pi - float(np.angle(orbits[0].normal))
-    problem = scaling.scaled(slider, orbits, direction=direction, start=start)
+    problem = scaled(slider, orbits, direction=direction, start=start)
     rate = _relaxation(problem)
     _refuse_unless_affordable(problem, rate)
     begin = np.array(_rest(slider, orbits, problem))
@@ -157,16 +157,12 @@ def _followed(problem, begin, rate, near):
 
 def _relaxation(problem):
     """Return the rate per radian at which v settles: damper, and friction force over the range of speeds."""
-    parameters = problem.parameters
     reach = max(float(np.hypot(*wave[2:])) for wave in problem.waves) + 1e-300
-    return (
-        parameters[scaling.TANGENTIAL_DAMPING]
-        + 0.3 * parameters[scaling.MU] * parameters[scaling.PRELOAD] / reach
-    )
+    return problem.tangential_damping + 0.3 * problem.friction * problem.preload / reach
 
 
 def _refuse_unless_affordable(problem, rate):
-    stretches = problem.stretches
+    stretches = problem.segments
     if stretches > BUDGET / 30:
         raise ConvergenceError(
             "out of reach",
@@ -186,7 +182,7 @@ def _rest(slider, orbits, problem):
     """Return (z_s, z_s', v, x) at phase 0: at rest, or carried along by a surface that is slow for the contact."""
     depth = slider.rest_approach(len(orbits)) / problem.length
     friction = slider.friction_coefficient * slider.preload
-    load = math.copysign(slider.load, problem.parameters[scaling.LOAD])
+    load = math.copysign(slider.load, problem.load)
     used = min(slider.load / friction, 1.0) if friction > 0.0 else 0.0
     x = math.copysign(slider.limit_slope * depth * (1.0 - (1.0 - used) ** (2.0 / 3.0)), load)
     a, b = np.mean(problem.waves[:, :2], axis=0)

@@ -14,6 +14,7 @@ Not for a stick band (creep), nor where the contact resonance is not well resolv
 import numpy as np
 
 from contact.jit.compiled import compiled, native
+from contact.problem import from_row
 from contact.solve.end_corrections import cubic, edge_excess, last_part, passage_excess, rising_root
 
 # rows of the cells, one column per run: slider, contact forces alone, distance within the cycle, what a step is made of
@@ -61,10 +62,10 @@ def _slip_edge(scale, c, below, above, v_old, v_new, h):
 
 
 @compiled
-def _step(parameters, k, table, own, cells, m):
+def _step(problem, k, table, own, cells, m):
     """Move one run from step k of the cycle to the next; column m of `cells` is the slider, `own` its contacts."""
-    kappa, chi, d_n, p = parameters[0], parameters[1], parameters[2], parameters[3]
-    d_t, q, mu, c = parameters[4], parameters[5], parameters[6], parameters[7]
+    kappa, chi, d_n, p = problem.stiffness, problem.contact_damping, problem.normal_damping, problem.preload
+    d_t, q, mu, c = problem.tangential_damping, problem.load, problem.friction, problem.limit_slope
     u_z, u_x, w_z, w_x = table[0], table[1], table[2], table[3]
     z, x, slip = own[0], own[1], own[2]
     height, climb, speed, push, pull = (
@@ -197,11 +198,11 @@ def _step(parameters, k, table, own, cells, m):
 @native(
     "f2 f3 f2 i i1 i f3 c1 f4 f3 f2",
     {
-        "parameters": "r 11", "waves": "r n 4", "states": "r 3+n", "per_cycle": "r", "rows": "r m 3",
+        "numbers": "r 13", "waves": "r n 4", "states": "r 3+n", "per_cycle": "r", "rows": "r m 3",
         "tables": "r 4 s n", "own": "r 3 n", "cells": "10 r",
     },
 )  # fmt: skip
-def _abreast(parameters, waves, states, number, per_cycle, stride, rows, envelope, tables, own, cells):
+def _abreast(numbers, waves, states, number, per_cycle, stride, rows, envelope, tables, own, cells):
     """Do the work of `abreast`; return whether all is finite."""
     runs, n = waves.shape[0], waves.shape[1]
     shaped = envelope.size > 0
@@ -209,7 +210,7 @@ def _abreast(parameters, waves, states, number, per_cycle, stride, rows, envelop
     most = 0
     for m in range(runs):
         _tabulate(waves[m], per_cycle[m], e, e, tables[m])
-        _begin(parameters[m], states[m], per_cycle[m], tables[m], own[m], cells, m)
+        _begin(from_row(numbers[m], waves[m]), states[m], per_cycle[m], tables[m], own[m], cells, m)
         most = max(most, per_cycle[m])
     for cycle in range(number):
         for m in range(runs):
@@ -220,7 +221,7 @@ def _abreast(parameters, waves, states, number, per_cycle, stride, rows, envelop
         for k in range(most):
             for m in range(runs):
                 if k < per_cycle[m]:
-                    _step(parameters[m], k, tables[m], own[m], cells, m)
+                    _step(from_row(numbers[m], waves[m]), k, tables[m], own[m], cells, m)
         for m in range(runs):
             if not np.isfinite(cells[HEIGHT, m] + cells[CLIMB, m] + cells[SPEED, m]):
                 return False
@@ -236,15 +237,15 @@ def _abreast(parameters, waves, states, number, per_cycle, stride, rows, envelop
 
 
 @compiled
-def _begin(parameters, state, per_cycle, table, own, cells, m):
+def _begin(problem, state, per_cycle, table, own, cells, m):
     """Set the forces of the first instant and what stays the same."""
     h = 2.0 * np.pi / per_cycle
-    cells[STEP, m], cells[INVERSE, m] = h, 1.0 / parameters[7]
+    cells[STEP, m], cells[INVERSE, m] = h, 1.0 / problem.limit_slope
     cells[DAMP_N, m], cells[DAMP_T, m] = (
-        1.0 / (1.0 + 0.5 * h * parameters[2]),
-        1.0 / (1.0 + 0.5 * h * parameters[4]),
+        1.0 / (1.0 + 0.5 * h * problem.normal_damping),
+        1.0 / (1.0 + 0.5 * h * problem.tangential_damping),
     )
-    kappa, chi, mu, c = parameters[0], parameters[1], parameters[6], parameters[7]
+    kappa, chi, mu, c = problem.stiffness, problem.contact_damping, problem.friction, problem.limit_slope
     cells[HEIGHT, m], cells[CLIMB, m], cells[SPEED, m] = state[0], state[1], state[2]
     push, pull = 0.0, 0.0
     for i in range(own.shape[1]):
@@ -259,13 +260,13 @@ def _begin(parameters, state, per_cycle, table, own, cells, m):
     cells[PUSH, m], cells[PULL, m] = push, pull
 
 
-def abreast(parameters, waves, states, number, per_cycle, stride, rows, envelope) -> bool:
+def abreast(problems, states, number, per_cycle, stride, rows, envelope) -> bool:
     """Move several runs through whole cycles, side by side; return whether all have stayed finite.
 
     Parameters
     ----------
-    parameters, waves : (k, 11), (k, n, 4) arrays
-        See `scaling`; one row per run.
+    problems : list of Problem
+        One per run, all of n contacts.
     states : (k, 3 + n) array
         z_s, z_s', v, x_1..x_n; changed in place.
     number : int
@@ -277,20 +278,12 @@ def abreast(parameters, waves, states, number, per_cycle, stride, rows, envelope
     envelope : (0,) or (number + 1,) complex array
         Factor on the waves at the ends of the cycles; empty: the waves as they are.
     """
+    numbers, waves = np.array([each.row for each in problems]), np.array([each.waves for each in problems])
     runs, n = waves.shape[:2]
     room = np.empty((runs, 4, int(np.max(per_cycle)) + 1, n)), np.empty((runs, 3, n)), np.zeros((CELL, runs))
-    return bool(_abreast(parameters, waves, states, number, per_cycle, stride, rows, envelope, *room))
+    return bool(_abreast(numbers, waves, states, number, per_cycle, stride, rows, envelope, *room))
 
 
-def steps(parameters, waves, state, number, per_cycle, stride, rows, envelope) -> bool:
+def steps(problem, state, number, per_cycle, stride, rows, envelope) -> bool:
     """Move one run through whole cycles of equal steps: `abreast` of one."""
-    return abreast(
-        parameters[None],
-        waves[None],
-        state[None],
-        number,
-        np.array([per_cycle]),
-        stride,
-        rows[None],
-        envelope,
-    )
+    return abreast([problem], state[None], number, np.array([per_cycle]), stride, rows[None], envelope)

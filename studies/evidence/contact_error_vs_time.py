@@ -91,7 +91,7 @@ def _rows(seed: Seed, amplitude: float, cycles: int, chosen: tuple, tolerances: 
 
     def stepped(per_cycle, cycles=cycles):
         state = begin.copy()
-        steps(problem.parameters, problem.waves, state, cycles, per_cycle, 0, nothing, no_envelope)
+        steps(problem, state, cycles, per_cycle, 0, nothing, no_envelope)
         return float(state[2])
 
     def averaged(tolerance):
@@ -102,9 +102,7 @@ def _rows(seed: Seed, amplitude: float, cycles: int, chosen: tuple, tolerances: 
         return found.velocity_at_burst_end / problem.speed
 
     def fixed(per_cycle, cycles=cycles):
-        return peers.naive(
-            problem.parameters, problem.waves[0], begin, cycles, per_cycle, BAND / problem.speed
-        )
+        return peers.naive(problem.row, problem.waves[0], begin, cycles, per_cycle, BAND / problem.speed)
 
     import numpy as np
 

@@ -147,8 +147,6 @@ def simulated():
     for A in amplitudes:
         problem = rest_problem(SLIDER, (orbit(A),))
         begins.append((problem, rest(SLIDER, (orbit(A),), problem, nodes=12, truncation=1e-10)))
-    parameters = np.array([problem.parameters for problem, _ in begins])
-    waves = np.array([problem.waves for problem, _ in begins])
     states = np.array([motion.state for _, motion in begins])
     for _, motion in begins:
         motion.turn(compared)
@@ -158,7 +156,7 @@ def simulated():
 
         def half(first, cycles, moved, n=per_cycle):
             own = np.ascontiguousarray(moved[first::2])
-            abreast(parameters[first::2].copy(), waves[first::2].copy(), own, cycles, np.full(len(own), n), 0,
+            abreast([problem for problem, _ in begins[first::2]], own, cycles, np.full(len(own), n), 0,
                     np.empty((len(own), 0, 3)), flat)  # fmt: skip
             moved[first::2] = own
 

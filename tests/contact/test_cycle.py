@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from contact import scaling
 from contact.solve.averaged import mean_push, riding
 from contact.solve.cycle_mean import MADE, SLIPS, STUCK, cycle, quadrature, respond
 from contact.solve.equilibrium import balanced, traction
@@ -14,7 +13,7 @@ from tests.contact.motors import orbit, slider
 
 def means(problem, h, v, nodes=20):
     sums, counts = np.zeros(2), np.zeros(4, np.int64)
-    cycle(problem.parameters, problem.waves, h, v, np.zeros((8, 1)), quadrature(nodes), sums, counts)
+    cycle(problem, h, v, np.zeros((8, 1)), quadrature(nodes), sums, counts)
     return sums, counts
 
 
@@ -25,12 +24,12 @@ def test_mean_forces_are_those_of_the_general_motion(A, share):
     problem = balanced(slider(), (orbit(A),)).problem
     h = riding_height(slider(), orbit(A)) / problem.length
     v = share * float(np.hypot(*problem.waves[0, 2:]))
-    friction = problem.parameters[scaling.MU] * problem.parameters[scaling.PRELOAD]
+    friction = problem.friction * problem.preload
     (push, pull), _ = means(problem, h, v)
     general, _ = traction(problem, h, v, 0.0, np.zeros(TALLY, int))
     # where slip hardly begins both ways lose digits
     assert pull == pytest.approx(general, abs=2e-7 * friction)
-    assert push == pytest.approx(problem.parameters[scaling.PRELOAD], rel=1e-11)
+    assert push == pytest.approx(problem.preload, rel=1e-11)
 
 
 def test_three_contacts_of_general_phase():
@@ -40,7 +39,7 @@ def test_three_contacts_of_general_phase():
     (push, pull), counts = means(problem, h, 0.2)
     general, _ = traction(problem, h, 0.2, 0.0, np.zeros(TALLY, int))
     assert pull == pytest.approx(general, rel=1e-8)
-    assert push == pytest.approx(problem.parameters[scaling.PRELOAD], rel=1e-11)
+    assert push == pytest.approx(problem.preload, rel=1e-11)
     assert counts[MADE] == 3
     assert counts[SLIPS] >= 3
     assert counts[STUCK] == 0
@@ -50,7 +49,7 @@ def test_beyond_the_surface_velocity_friction_is_full():
     problem = balanced(slider(), (orbit(3e-9),)).problem
     h = riding_height(slider(), orbit(3e-9)) / problem.length
     (push, pull), _ = means(problem, h, 5.0)
-    assert pull == pytest.approx(-problem.parameters[scaling.MU] * push, rel=1e-13)
+    assert pull == pytest.approx(-problem.friction * push, rel=1e-13)
 
 
 def test_a_sticking_cycle_says_so():
@@ -61,25 +60,24 @@ def test_a_sticking_cycle_says_so():
 
 def test_the_mean_push_and_the_riding_height_are_the_closed_ones():
     problem = balanced(slider(), (orbit(10e-9),)).problem
-    kappa, p = problem.parameters[scaling.KAPPA], problem.parameters[scaling.PRELOAD]
+    kappa = problem.stiffness
     rule, a = quadrature(24), float(np.hypot(*problem.waves[0, :2]))
     for h in (-0.9 * a, -0.2 * a, 0.3 * a, 0.999 * a, 1.7 * a):
-        force, slope = mean_push(kappa, problem.waves, h, rule)
+        force, slope = mean_push(problem, h, rule)
         assert force == pytest.approx(kappa * mean_power(h, a), rel=1e-10)
         step = 1e-5 * a
         rise = kappa * (mean_power(h + step, a) - mean_power(h - step, a)) / (2.0 * step)
         assert slope == pytest.approx(rise, rel=1e-6)  # the difference quotient's own error
     height = riding_height(slider(), orbit(10e-9)) / problem.length
-    assert riding(kappa, problem.waves, p, rule) == pytest.approx(height, rel=1e-10)
+    assert riding(problem, rule) == pytest.approx(height, rel=1e-10)
 
 
 def test_the_fast_motion_obeys_its_equation():
     # Property: z'' + d z' = F harmonic by harmonic, and the same for the travel
     sums, fast = np.zeros(2 + 4 * 3), np.zeros((8, 3))
     sums[2:] = np.arange(1.0, 13.0)
-    parameters = np.zeros(12)
-    parameters[scaling.NORMAL_DAMPING], parameters[scaling.TANGENTIAL_DAMPING] = 0.3, 0.07
-    respond(parameters, sums, fast)
+    problem = balanced(slider(), (orbit(3e-9),)).problem._replace(normal_damping=0.3, tangential_damping=0.07)
+    respond(problem, sums, fast)
     phase = np.linspace(0.0, 2.0 * np.pi, 7)
     for row, damping, first in ((0, 0.3, 2), (2, 0.07, 4)):
         second = force = 0.0

@@ -76,9 +76,7 @@ def test_48_steps_per_cycle_keep_five_digits(A, allowed):
     motion = rest(slider(), (orbit(A),), problem, nodes=14, truncation=1e-11)
     state = motion.state.copy()
     motion.turn(1500)
-    assert steps(
-        problem.parameters, problem.waves, state, 1500, 48, 0, np.empty((0, 3)), np.empty(0, complex)
-    )
+    assert steps(problem, state, 1500, 48, 0, np.empty((0, 3)), np.empty(0, complex))
     reference = max(abs(motion.state[2]), 0.07 * A / problem.length)
     assert abs(state[2] - motion.state[2]) / reference < allowed
     # the height too, against the rest approach
@@ -109,10 +107,10 @@ def test_slip_and_stick_are_followed_to_high_order():
     gained, nothing, flat = [], np.empty((0, 3)), np.empty(0, complex)
     for _ in range(40):
         state = motion.state.copy()
-        assert steps(problem.parameters, problem.waves, state, 1, 48, 0, nothing, flat)
+        assert steps(problem, state, 1, 48, 0, nothing, flat)
         motion.turn(1)
         gained.append(state[2] - motion.state[2])
-    impulse = 2.0 * np.pi * problem.parameters[6] * problem.parameters[3]
+    impulse = 2.0 * np.pi * problem.friction * problem.preload
     assert np.sqrt(np.mean(np.square(gained))) < 2.5e-6 * impulse
 
 

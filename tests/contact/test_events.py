@@ -9,9 +9,10 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from contact import ConvergenceError, scaling
+from contact import ConvergenceError
 from contact.answers.methods import rest, rest_problem
 from contact.law import elastic
+from contact.problem import scaled
 from contact.solve.collocation import ROOT_AT_END, ROOT_AT_START, SMOOTH, collocation
 from contact.solve.motion import Motion
 from contact.solve.roots import first_root
@@ -83,11 +84,11 @@ def test_grazing_bounces_do_not_gain_energy():
     motion = rest(
         s,
         (orbit(0.0),),
-        scaling.scaled(s, (orbit(0.0),), direction=1.0, start=0.0),
+        scaled(s, (orbit(0.0),), direction=1.0, start=0.0),
         nodes=16,
         truncation=1e-13,
     )
-    kappa, p = motion.problem.parameters[scaling.KAPPA], motion.problem.parameters[scaling.PRELOAD]
+    kappa, p = motion.problem.stiffness, motion.problem.preload
 
     def energy():
         z, w = motion.state[:2]
@@ -106,11 +107,11 @@ def test_grazing_bounces_do_not_gain_energy():
 def test_a_ball_in_flight_over_many_cycles_is_caught_at_its_first_contact():
     # Off-the-shelf event solvers step over contacts: nothing pulls their step down in flight
     s = slider()
-    problem = scaling.scaled(s, (orbit(1e-9),), direction=1.0, start=0.0)
+    problem = scaled(s, (orbit(1e-9),), direction=1.0, start=0.0)
     motion = Motion(problem, table=collocation(16), truncation=1e-12)
     gap = 0.5
     motion.place(1e-9 / problem.length + gap, 0.0, 0.0)
-    p, d_n = problem.parameters[scaling.PRELOAD], problem.parameters[scaling.NORMAL_DAMPING]
+    p, d_n = problem.preload, problem.normal_damping
     before = 0
     while motion.tally[elastic.CONTACT] == 0:
         before = motion.tally[9]
@@ -133,7 +134,7 @@ def test_the_deformation_is_bounded_and_forgotten_in_flight():
 
 def test_overflow_is_said_not_returned():
     motion = Motion(
-        scaling.scaled(slider(), (orbit(1e-9),), direction=1.0, start=0.0),
+        scaled(slider(), (orbit(1e-9),), direction=1.0, start=0.0),
         table=collocation(8),
         truncation=1e-8,
     )
@@ -184,8 +185,8 @@ def test_kernels_are_cached_under_a_digest_of_all_their_sources(monkeypatch):
 def test_a_kernel_refuses_what_its_machine_code_would_misread():
     from contact.solve import averaged
 
-    parameters, waves = np.zeros(11), np.zeros((1, 4))
+    problem = scaled(slider(), (orbit(1e-9),), direction=1.0, start=0.0)
     with pytest.raises(TypeError, match="f1 expected, got int64"):
-        averaged.balance(parameters.astype(np.int64), waves, 0)
+        averaged._balance(problem, 0, averaged.room(1), np.zeros(averaged.COLUMNS, np.int64))
     with pytest.raises(TypeError, match="f2 expected"):
-        averaged.balance(parameters, np.zeros((1, 8))[:, ::2], 0)
+        averaged.balance(problem._replace(waves=np.zeros((1, 8))[:, ::2]), 0)

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from scipy.special import gamma
 
-from contact import scaling, steady
+from contact import steady
 from contact.law import elastic
+from contact.problem import scaled, without_wave
 from contact.solve import energy, limits
 from contact.solve.collocation import collocation
 from contact.solve.equilibrium import balanced
@@ -36,7 +37,7 @@ def thrown(case, speed_t=0.0, **changed):
     )  # fmt: skip
     deepest = (1.25 * mass * speed**2 / s.hertz_stiffness) ** 0.4
     wave = orbit(deepest, frequency=speed / deepest / (2.0 * math.pi))  # sets the units, then is silent
-    problem = scaling.quiet(scaling.scaled(s, (wave,), direction=1.0, start=0.0))
+    problem = without_wave(scaled(s, (wave,), direction=1.0, start=0.0))
     motion = Motion(problem, table=collocation(16), truncation=1e-10)
     motion.place(1e-9, -speed / problem.speed, speed_t)
     return s, motion, speed, deepest
@@ -99,7 +100,7 @@ def test_the_stick_slip_valve_opens_and_closes_twice_a_cycle(over):
     s = slider()
     x_max = s.limit_slope * s.rest_approach(1)
     wave = (Orbit(frequency=2.2e6, normal=0.0, tangential=(1.0 + over) * x_max),)
-    problem = scaling.scaled(s, wave, direction=1.0, start=0.0)
+    problem = scaled(s, wave, direction=1.0, start=0.0)
     motion = Motion(problem, table=collocation(16), truncation=1e-12)
     motion.place(-s.rest_approach(1) / problem.length, 0.0, 0.0, x_max / problem.length)
     motion.turn(1, mobile=False)
@@ -119,7 +120,7 @@ def test_the_stick_slip_valve_stays_shut_below_the_slip_limit():
     s = slider()
     x_max = s.limit_slope * s.rest_approach(1)
     wave = (Orbit(frequency=2.2e6, normal=0.0, tangential=(1.0 - 1e-9) * x_max),)
-    problem = scaling.scaled(s, wave, direction=1.0, start=0.0)
+    problem = scaled(s, wave, direction=1.0, start=0.0)
     motion = Motion(problem, table=collocation(16), truncation=1e-12)
     motion.place(-s.rest_approach(1) / problem.length, 0.0, 0.0, wave[0].tangential.real / problem.length)
     motion.turn(300, mobile=False)

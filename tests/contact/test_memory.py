@@ -5,10 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from contact import burst, contact_history, scaling, steady
+from contact import burst, contact_history, steady
 from contact.answers.ledger import ledger
 from contact.convergence import ConvergenceError
 from contact.law import elastic, hysteretic
+from contact.problem import scaled
 from contact.solve import event_driven
 from contact.solve.collocation import collocation
 from contact.solve.energy import chain_energy
@@ -125,7 +126,7 @@ def test_no_closed_loop_gives_energy_out(path):
 
 
 def motion_of(s, A, nodes=16, truncation=1e-12):
-    problem = scaling.scaled(s, (orbit(A),), direction=1.0, start=-0.5 * np.pi)
+    problem = scaled(s, (orbit(A),), direction=1.0, start=-0.5 * np.pi)
     motion = Motion(problem, table=collocation(nodes), truncation=truncation)
     motion.place(-s.rest_approach(1) / problem.length, 0.0, 0.0, 0.0)
     return motion

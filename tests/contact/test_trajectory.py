@@ -44,7 +44,7 @@ def test_stepped_and_exact_agree_within_the_stepped_estimate(A):
 
 def test_stepped_converges_to_the_exact_at_order_above_two():
     # Events fall anywhere in the step, so the order shows only over large refinements
-    from contact.scaling import scaled
+    from contact.problem import scaled
     from contact.solve.time_stepping import steps
 
     s, o = slider(), orbit(5e-9)
@@ -54,8 +54,7 @@ def test_stepped_converges_to_the_exact_at_order_above_two():
     def error(per_cycle):
         state = np.array([-s.rest_approach(1) / problem.length, 0.0, 0.0, 0.0])
         assert steps(
-            problem.parameters,
-            problem.waves,
+            problem,
             state,
             200,
             per_cycle,

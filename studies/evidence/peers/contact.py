@@ -1,6 +1,6 @@
 r"""The seed's contact as others would integrate it: event solvers off the shelf, and fixed steps as an engineer writes.
 
-In the scaled units of ``contact.scaling``; one contact, elastic law.  State z_s, z_s', v, x.  An event solver gets the
+In the scaled units of ``contact.problem``; one contact, elastic law.  State z_s, z_s', v, x.  An event solver gets the
 right-hand side of the regime it is in, compiled, and three guards that are positive inside; at an event the regime is
 changed on the far side and the solver starts anew.  SUNDIALS is reached through scikit-sundae, if that is installed.
 
@@ -85,7 +85,7 @@ def with_events(problem, state, cycles, segment, *, limit):
 
     Parameters
     ----------
-    problem : contact.scaling.Scaled
+    problem : contact.problem.Problem
         One contact.
     state : (4,) array
         At phase 0, in stick.
@@ -96,7 +96,7 @@ def with_events(problem, state, cycles, segment, *, limit):
     limit : float
         s of run time.
     """
-    par, wave = problem.parameters, problem.waves[0]
+    par, wave = problem.row, problem.waves[0]
     t, stop, y = 0.0, 2.0 * np.pi * cycles, state.copy()
     regime, sign, events, begun = STICK, 1.0, 0, time.perf_counter()
     while t < stop * (1.0 - 1e-15):
