@@ -286,12 +286,11 @@ def sparse_solution(matrix, load: np.ndarray) -> np.ndarray:
     -------
     ndarray, shape (n, m)
     """
-    from importlib.util import find_spec
-
-    from scipy.sparse import triu
     from scipy.sparse.linalg import splu
 
-    if find_spec("pypardiso") is None:
+    try:
+        return _pardiso_solution(matrix, load)
+    except (ImportError, AttributeError, TypeError):  # no pypardiso, no MKL, or another private interface
         factor = splu(
             matrix.tocsc().astype(complex),
             permc_spec="MMD_AT_PLUS_A",
@@ -299,9 +298,14 @@ def sparse_solution(matrix, load: np.ndarray) -> np.ndarray:
             options={"SymmetricMode": True},
         )
         return factor.solve(load.astype(complex))
-    from pypardiso import PyPardisoSolver
 
-    solver = PyPardisoSolver(mtype=6, phase=13)  # complex symmetric; the public solve() takes float64 only
+
+def _pardiso_solution(matrix, load: np.ndarray) -> np.ndarray:
+    """Solve with MKL Pardiso; the public ``solve`` of pypardiso takes float64 only."""
+    from pypardiso import PyPardisoSolver
+    from scipy.sparse import triu
+
+    solver = PyPardisoSolver(mtype=6, phase=13)  # complex symmetric
     upper = triu(matrix, format="csr").astype(complex)
     upper.sort_indices()
     answer = solver._call_pardiso(upper, np.asfortranarray(load, dtype=complex))

@@ -493,13 +493,14 @@ def test_the_page_carries_the_field(page, found):
 
 
 def test_what_the_program_reads_is_installed_with_it():
-    """Scenes and templates are package data."""
+    """Scenes, their reference and schema, templates and the marker of type hints are package data."""
     root = Path(__file__).parents[2]
     patterns = tomllib.loads((root / "pyproject.toml").read_text())["tool"]["setuptools"]["package-data"][
         "studies"
     ]
     read = {path for suffix in ("toml", "html") for path in (root / "studies").rglob(f"*.{suffix}")}
     assert len(read) > 5
+    read |= {root / "studies" / name for name in ("py.typed", "scenes/README.md", "scenes/schema.json")}
     assert read == {path for pattern in patterns for path in (root / "studies").glob(pattern)}
 
 
