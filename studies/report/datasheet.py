@@ -83,12 +83,13 @@ class Datasheet:
     steps: tuple = field(repr=False)
 
     def to_dict(self) -> dict:
-        """Return what datasheet.json holds: title, rated level and the rows."""
+        """Return what datasheet.json holds: title, rated level, the rows and the model error."""
         level = "amplitude_m" if self.record.scene.wave is not None else "voltage_V"
         rows = [
             {key: value for key, value in vars(row).items() if value not in (None, "")} for row in self.rows
         ]
-        return {"title": self.record.scene.title, f"rated_{level}": self.rated, "rows": rows}
+        whole = {"title": self.record.scene.title, f"rated_{level}": self.rated, "rows": rows}
+        return whole | ({"model_error": self.record.model_error} if self.record.model_error else {})
 
 
 def datasheet(

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from studies.chain.model_error import sentences
 from studies.record import provenance
 from studies.report.datasheet import SETTLED, Datasheet, Row
 from studies.report.figures import COLOURS, as_svg, legend_below, velocity
@@ -53,6 +54,7 @@ def page(sheet: Datasheet) -> str:
         pictures=[{"data": as_svg(draw, size=PICTURE), "caption": caption} for draw, caption in drawn],
         limits=(*(f"{each[0].upper()}{each[1:]}." for each in record.left_out), *model_limits(record.scene)),
         warnings=record.warnings,
+        model_error=sentences(record),
         tolerance=f"{record.tolerance:g}",
         version=provenance()["version"],
         written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
@@ -69,6 +71,12 @@ def table(sheet: Datasheet) -> str:
         lines += [
             f"  {each['name']:<{name}}  {each['value']:>{value}}  {each['error']:<10}  {each['condition']}".rstrip()
             for each in (_written(row) for row in sheet.rows if row.group == group)
+        ]
+    if sheet.record.model_error:
+        lines += [
+            "",
+            "Model error, apart from the errors above",
+            *(f"  {each}" for each in sentences(sheet.record)),
         ]
     return "\n".join(lines)
 

@@ -57,10 +57,11 @@ def serve() -> None:
     from studies.report.figures import draw_run
 
     given = sys.stdin.buffer.read()
+    if not given:  # the run ended without pictures, and nobody reads an answer
+        return
     failure = None
-    if given:
-        try:
-            draw_run(*pickle.loads(given))
-        except Exception as error:
-            failure = error
+    try:
+        draw_run(*pickle.loads(given))
+    except Exception as error:
+        failure = error
     sys.stdout.buffer.write(pickle.dumps(failure))

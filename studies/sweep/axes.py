@@ -148,6 +148,9 @@ def _ranged(key, rule, text):
     if unit is None:
         raise SceneError(f"--over {key}", f"takes words: give a list with commas, got {shown(text)}")
     low, high = (si_value(f"--over {key}", toml_value(part), unit) for part in parts[:2])
+    bare = [isinstance(toml_value(part), int | float) for part in parts[:2]]
+    if bare[0] != bare[1] and (low, high)[bare.index(True)] != 0:
+        raise SceneError(f"--over {key}", f"must have a unit at both ends or at neither, got {shown(text)}")
     logarithmic = len(parts) == 4
     if logarithmic and not (low > 0 and high > 0):
         raise SceneError(

@@ -5,12 +5,14 @@ import re
 import shutil
 import subprocess
 from dataclasses import replace
+from html import unescape
 
 import numpy as np
 import pytest
 
 from contact import steady, step
 from studies.__main__ import main
+from studies.chain.model_error import sentences
 from studies.refusal import SceneError
 from studies.report import datasheet_page
 from studies.report.datasheet import datasheet
@@ -131,6 +133,14 @@ def test_its_pictures_can_be_read(sheet, draw):
     figure, ax = new_figure(*datasheet_page.PICTURE)
     draw(sheet, ax)
     assert_legible(figure)
+
+
+def test_it_says_what_the_model_leaves_out_with_its_size(sheet):
+    sizes = sentences(sheet.record)
+    assert any(each.startswith("finite aperture") for each in sizes)
+    for text in (unescape(datasheet_page.page(sheet)), datasheet_page.table(sheet)):
+        assert all(each in text for each in sizes)
+    assert sheet.to_dict()["model_error"] == sheet.record.model_error
 
 
 @pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")

@@ -64,6 +64,14 @@ def test_a_change_that_breaks_a_rule_names_the_key(changes, words):
         Scene.load("twente").replace(**changes)
 
 
+@pytest.mark.parametrize(
+    "voltage", [np.linspace(5, 60, 3), np.array([5, 6]), range(5, 60, 10), np.float64(7.0)]
+)
+def test_voltages_come_from_an_array_or_a_range(voltage):
+    changed = Scene.load("twente").replace(drive={"voltage": voltage})
+    assert changed.drive.voltage == tuple(np.atleast_1d(voltage).astype(float))
+
+
 def test_a_run_takes_a_name_a_path_or_a_scene(contact, record, tmp_path):
     from studies.scene.toml import document
 

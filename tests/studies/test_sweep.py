@@ -99,6 +99,7 @@ def test_values_of_an_axis(key, text, values):
         ({"slider": "1"}, {}, "is a block"),
         ({"transducer.name": "a"}, {}, "say which one"),
         ({"slider.preload": "1:2"}, {}, "must be START:STOP:N"),
+        ({"slider.preload": "5:40 mN:3"}, {}, "must have a unit at both ends or at neither, got '5:40 mN:3'"),
         ({"slider.preload": "1:2:0"}, {}, "1 to"),
         ({"slider.preload": "0:2:5:log"}, {}, "above 0"),
         ({"slider.preload": "1 kg:2 kg:5"}, {}, "a force"),

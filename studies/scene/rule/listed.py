@@ -18,7 +18,11 @@ class Listed(Rule):
     distinct: bool = False
 
     def read(self, path, value):
-        """Return a tuple, or what ``alone`` makes of a single value."""
+        """Return a tuple, or what ``alone`` makes of a single value; arrays and ranges are lists."""
+        if hasattr(value, "tolist"):
+            value = value.tolist()
+        elif isinstance(value, range):
+            value = list(value)
         if not isinstance(value, (list, tuple)):
             if self.alone is not None:
                 return self.alone.read(path, value)
