@@ -147,8 +147,9 @@ def _ranged(key, rule, text):
     unit = unit_of(rule)
     if unit is None:
         raise SceneError(f"--over {key}", f"takes words: give a list with commas, got {shown(text)}")
-    low, high = (si_value(f"--over {key}", toml_value(part), unit) for part in parts[:2])
-    bare = [isinstance(toml_value(part), int | float) for part in parts[:2]]
+    ends = [toml_value(part) for part in parts[:2]]
+    low, high = (si_value(f"--over {key}", end, unit) for end in ends)
+    bare = [isinstance(end, int | float) for end in ends]
     if bare[0] != bare[1] and (low, high)[bare.index(True)] != 0:
         raise SceneError(f"--over {key}", f"must have a unit at both ends or at neither, got {shown(text)}")
     logarithmic = len(parts) == 4
