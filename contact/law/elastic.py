@@ -7,7 +7,9 @@ the difference between the normal force and that at a smaller approach, the appr
 
 For a sphere this is Cattaneo's and Mindlin's Q = mu P (1 - (1 - |x|/x_max)^(3/2)) (Johnson, *Contact Mechanics*,
 section 7.2; Feenstra and Breedveld, eq. 2) with x_max = 3 mu P/(16 a G) = c z exactly. For a punch it is Q = 8 R G x
-up to mu P at the same x_max = c z: nothing slips before. The initial stiffness is 8 a G for both. Stick and slip together are the *stop
+up to mu P at the same x_max = c z: nothing slips before. The initial stiffness is 8 a G for both.
+
+Stick and slip together are the *stop
 operator*: x follows the difference of surface and slider velocity, and is kept within [-c z, c z]. Q is smooth between
 x = 0 (for a sphere the curvature jumps there), |x| = x_max and z = 0.
 
