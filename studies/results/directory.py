@@ -106,7 +106,7 @@ class ResultDirectory:
         if replaced and not self._written:
             then, now = origin_of(manifest), origin_of(about)
             of = "" if then == now else f" of {named(then)}"
-            self.notes.append(f"replaced in {self.target}: {_listed(replaced)}{of}")
+            self.notes.append(f"replaced the former result in {self.target}: {_listed(replaced)}{of}")
         if renamed:
             pairs = [f"{name} is now {kept}" for name, kept in renamed.items()]
             self.notes.append(f"kept in {self.target}, as sawmotor did not write them: {_listed(pairs)}")
@@ -174,7 +174,7 @@ def _refuse_others(target: Path, origin: Origin, *, chosen: bool) -> None:
     if not target.exists():
         return
     if not target.is_dir():
-        raise RunError(f"the result directory {str(target)!r} cannot be written: a file of that name exists")
+        raise SceneError("--out", f"must name a directory, and {str(target)!r} is a file")
     held, then = {each.name for each in target.iterdir()}, origin_of(read_manifest(target))
     kinds = [kind for mark, kind in MARKS.items() if mark in held]
     if held - HIDDEN and not kinds and not then:
