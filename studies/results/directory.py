@@ -174,7 +174,7 @@ def _refuse_others(target: Path, origin: Origin, *, chosen: bool) -> None:
     if not target.exists():
         return
     if not target.is_dir():
-        raise SceneError("--out", f"must name a directory, and {str(target)!r} is a file")
+        raise RunError(f"the result directory {str(target)!r} cannot be written: a file of that name exists")
     held, then = {each.name for each in target.iterdir()}, origin_of(read_manifest(target))
     kinds = [kind for mark, kind in MARKS.items() if mark in held]
     if held - HIDDEN and not kinds and not then:

@@ -99,14 +99,6 @@ def test_check_warns_of_what_the_layout_alone_shows(call):
     assert call("check", "twente")[2] == ""
 
 
-def test_a_file_is_no_result_directory(call, tmp_path):
-    (tmp_path / "out").write_text("mine")
-    status, _, err = call("run", "twente-contact", "--out", str(tmp_path / "out"))
-    assert status == 2
-    assert "--out must name a directory" in err
-    assert (tmp_path / "out").read_text() == "mine"
-
-
 def test_a_run_that_is_ended_leaves_no_work_files(tmp_path):
     words = [sys.executable, "-m", "studies", "run", "twente", "--out", "here"]
     path = os.pathsep.join(each for each in sys.path if each)
