@@ -45,6 +45,7 @@ _HOME = {
     "outer_gaps": "geometry",
     "periodic_wave": "cell_wave",
     "PeriodicWave": "cell_wave",
+    "planned_levels": "discretize.refinement",
     "plate_wavenumbers": "analytic.lamb",
     "point_load": "analytic.point_load",
     "PointLoad": "analytic.point_load",
