@@ -38,7 +38,9 @@ def test_a_contact_that_hangs_in_the_air_changes_nothing():
 
 
 def test_heights_go_to_the_contacts_in_their_order():
-    scene = Scene.load("twente").replace(slider=THREE | {"heights": ["0 nm", "-3 nm", "2 nm"]})
+    scene = Scene.load("twente").replace(
+        slider=THREE | {"heights": ["0 nm", "-3 nm", "2 nm"], "preload": "1 mN"}
+    )
     assert bridge.contact_slider(scene.slider).heights == (0.0, -3e-9, 2e-9)
 
 
