@@ -111,8 +111,7 @@ def _tell(result: ResultDirectory | None) -> None:
 
 
 def _explain(scene: Scene, wanted: float, *, as_json: bool) -> int:
-    from studies.report.explanation import explanation
-    from studies.report.plan import plan
+    from studies.report.explanation import explanation, plan
 
     planned = plan(scene, tolerance=wanted)
     if as_json:
@@ -262,6 +261,7 @@ def scenes(arguments: argparse.Namespace) -> int:
 
 def check(arguments: argparse.Namespace) -> int:
     """Check a scene without running it and print what a run would do."""
+    from studies.chain.warnings import scene_warnings
     from studies.scene.resolved import resolved
 
     file = changed_file(arguments)
@@ -269,6 +269,8 @@ def check(arguments: argparse.Namespace) -> int:
         scene = resolved(Scene.from_file(file))
     print(f"{arguments.scene}: {scene.title or 'no title'}")
     print("\n".join(f"  {line}" for line in _contents(scene)))
+    for warning in scene_warnings(scene):
+        print(f"sawmotor: warning: {warning}", file=sys.stderr)
     return 0
 
 
