@@ -34,6 +34,7 @@ FADE = (
 )  # of the surface wave's wavenumber: lateral wavenumbers between which the integral fades out
 NEARLY_ZERO = 3e-4  # of the same: k_y in the place of 0, which makes the constant potential a double root
 NEARLY_REAL = 0.3  # |Im k| / |Re k| below which a mode's power flux tells its direction
+NEAR = 0.02  # relative distance of k at which a mode's localisation counts half
 TWIN_SHARE, TWIN_DISTANCE = (
     0.4,
     0.03,
@@ -129,7 +130,7 @@ class CutSource:
         """Modes at every node, which follow one another closely from 0 on."""
         size = self.section.size
         estimates = [(k, *np.random.default_rng(0).normal(size=(2, size))) for k in self.followed]
-        previous, out = self.followed, []
+        previous, out, surface = self.followed, [], self.wavenumber
         for node in nodes:
             lateral = max(abs(node), NEARLY_ZERO * self.wavenumber) * (node / abs(node) if node else 1.0)
             second, first, adjoint, zeroth = self.section.lateral_matrices(
@@ -143,10 +144,11 @@ class CutSource:
                 k, shapes, left = (np.stack(each, axis=-1) for each in zip(*found, strict=True))
             else:
                 k, shapes, left = _all_pairs(second, skew, zeroth, self.section.lateral_odd)
-            out.append(self._poles(k, shapes, left, first @ shapes - 1j * (second @ shapes) * k))
+            out.append(self._poles(k, shapes, left, first @ shapes - 1j * (second @ shapes) * k, surface))
+            surface = next(iter(out[-1].wavenumbers[out[-1].surface & out[-1].right]), surface)
         return out
 
-    def _poles(self, k, shapes, left, flux) -> _Poles:
+    def _poles(self, k, shapes, left, flux, expected: complex) -> _Poles:
         """Forward modes that are not local, of eigenpairs with their left eigenvectors (n, m) and fluxes."""
         section, unit = self.section, self.section.length_unit
         nearly_real = abs(k.imag) < NEARLY_REAL * abs(k.real)
@@ -155,11 +157,15 @@ class CutSource:
         kept = (~nearly_real | (right == (k.real > 0))) & (
             abs(k.imag) < LOCAL * self.wavenumber * unit / (2 * np.pi)
         )
-        share = np.where(nearly_real, section.surface_share(shapes), 0.0)
         surface = np.zeros(len(k), dtype=bool)
-        for side in (k.real > 0, k.real < 0):
-            best = np.argmax(np.where(side, share, 0.0))
-            surface |= side & (share > TWIN_SHARE * share[best]) & (abs(k / k[best] - 1) < TWIN_DISTANCE)
+        for side in (
+            right,
+            ~right,
+        ):  # the most localised mode near that of the k_y before, and its twin in a plate
+            apart = abs(k) / abs(expected * unit) - 1
+            share = section.surface_share(shapes) / (1 + (apart / NEAR) ** 2) * (side & nearly_real & kept)
+            best = np.argmax(share)
+            surface |= (share > TWIN_SHARE * share[best]) & (abs(k / k[best] - 1) < TWIN_DISTANCE)
         turn = np.ones((4, 1), dtype=complex)
         if section.solid.mirror_y is not None:  # fields that change sign under y -> -y are scaled by i
             turn[section.solid.mirror_y] = 1j

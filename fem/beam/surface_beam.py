@@ -101,7 +101,8 @@ class SurfaceBeam:
 
         The integral's follows from half as many nodes.  The section's error is relative to the section's amplitude,
         which interference may make larger than the beam's.  The modes' is what the sum of the modes at k_y = 0 leaves
-        of the section's motion; nearer than a wavelength to the fingers the field contains it.
+        of the section's motion; nearer than a wavelength to the fingers, and where the surface wave alone is followed,
+        the field contains it as far as the aperture goes.
         """
         fine, coarse = self._both_rules(x, y)
         size = abs(fine[[0, 2]]).max(axis=0)
@@ -137,7 +138,7 @@ class SurfaceBeam:
         for number in np.unique(group):
             some = group == number
             total[..., some] = self._modal(x[some], y[some], float(distance[some].min()))
-            if number == 0 and self.complete:
+            if self.complete and (number == 0 or self._follows_one_mode):
                 total[..., some] += self._local(x[some], y[some])
         if self.mirror_width is None:
             total += self._static(x, y)
@@ -185,6 +186,10 @@ class SurfaceBeam:
         rest = self.wave.motion(places) - sent.T[[0, 2]]
         rest[0] -= source.static * (2 * to_the_left - nodes.charge.sum())
         return rest
+
+    @property
+    def _follows_one_mode(self) -> bool:
+        return isinstance(self.source, CutSource) and bool(self.source.followed)
 
     @property
     def _resolved(self) -> float:
@@ -260,7 +265,8 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     Parameters
     ----------
     wave : SurfaceWave
-        Of `fem.driven_wave`, ends absorbing, the solid isotropic about z.
+        Of `fem.driven_wave`, ends absorbing.  Unless the solid is isotropic about z the first evaluation takes some
+        seconds, for an eigenvalue problem at every lateral wavenumber, and transducers receive as in the section.
     mirror_width : float, optional
         Distance in m of two side faces that reflect like mirrors (u_y = 0, no shear traction); without, the stator is
         infinitely wide.  The true, free faces lie between neither: the difference bounds how much the width matters.
@@ -272,7 +278,7 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     Raises
     ------
     BeamError
-        For other cuts and ends, and a width smaller than an aperture.
+        For other ends, and a width smaller than an aperture.
     """
     solution = wave.solution
     stator = solution.fields.stator
