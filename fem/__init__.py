@@ -15,6 +15,8 @@ _HOME = {
     "automatic_period": "analytic.half_space",
     "Band": "solve.band",
     "BeamError": "beam.surface_beam",
+    "best_frequency": "solve.passband",
+    "best_period": "solve.passband",
     "blas_on_one_thread": "threads",
     "bulk_velocities": "analytic.lamb",
     "burst_response": "solve.burst",

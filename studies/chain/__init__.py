@@ -135,14 +135,6 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
     begun = time.perf_counter()
     slider = scene.slider
     place = scene.stator.length / 2 if slider is None else slider.position
-    if scene.frequency == "center":
-        from studies.chain.center import center_frequency
-
-        try:
-            drive = replace(scene.drive, frequency=center_frequency(scene, place, progress=say))
-        except fem.ConvergenceError as error:
-            raise RunError(f"looking for the centre frequency: {error}") from None
-        scene = replace(scene, drive=drive)
     places = (place,) if slider is None else _places(place, slider)
     block, transducers = resolved.stator(scene.stator), resolved.transducers(scene)
 

@@ -66,12 +66,11 @@ def driven_parts(scene: Scene, tolerance: float, speed: float) -> tuple[list[Par
     from fem import stator_size
     from fem.discretize import refinement
 
-    about = _with_frequency(scene)
-    block, row = resolved.stator(about.stator), resolved.transducers(about)
+    block, row = resolved.stator(scene.stator), resolved.transducers(scene)
     goal = tolerance if scene.slider is None else tolerance * SHARE
     planned = refinement.planned_levels(block, goal)
     sizes = {
-        level: stator_size(block, row, frequency=about.frequency, resolution=refinement.LEVELS[level])
+        level: stator_size(block, row, frequency=scene.frequency, resolution=refinement.LEVELS[level])
         for level in {*planned, 1}
     }
     levels = [
@@ -103,10 +102,7 @@ def driven_parts(scene: Scene, tolerance: float, speed: float) -> tuple[list[Par
         seconds=cost.band_seconds(one, scene.stator.ends),
         band_bytes=sizes[1].block_bytes,
     )
-    if scene.frequency == "center":
-        how = ("many frequencies of a band, then Brent's search for the largest amplitude",)
-        parts.insert(0, replace(band, name="centre frequency", facts=how))
-    left_out = [*driven_left_out(block, about.frequency)]
+    left_out = [*driven_left_out(block, scene.frequency)]
     if scene.slider is not None and scene.burst is not None:
         left_out += _ring_up(scene, parts, band)
     return parts, left_out
@@ -186,8 +182,7 @@ def contact_part(scene: Scene) -> Part:
         facts.append(f"its kernels are compiled first, {kernels.how_often()}: about {cost.COMPILE:g} s")
     seconds = cost.contact_seconds(points, slider.law, contacts, ready=ready)
     if scene.burst is not None:
-        frequency = _with_frequency(scene).frequency
-        cycles, way = scene.burst * frequency, _way(scene, scene.burst * frequency)
+        cycles, way = scene.burst * scene.frequency, _way(scene, scene.burst * scene.frequency)
         seconds += cost.burst_seconds(points, way, slider.law, cycles)
         facts.append(f"burst: {cycles:.4g} cycles of the wave, {WAYS[way]}, at each of them")
     return Part(name="contact", equations=contact_equations(slider), facts=tuple(facts), seconds=seconds)
@@ -202,13 +197,6 @@ def _way(scene: Scene, cycles: float) -> str:
     if slider.law != "elastic" or slider.reciprocal or slider.stick_band > 0:
         return "exact"
     return "stepped" if rings else "exact" if cycles <= EXACT_CYCLES else "averaged"
-
-
-def _with_frequency(scene: Scene) -> Scene:
-    """Return the scene with a number for "center": the half-space's wave over the driven period."""
-    if scene.frequency != "center":
-        return scene
-    return replace(scene, drive=replace(scene.drive, frequency=resolved.nominal_frequency(scene)))
 
 
 def _covered(scene: Scene) -> bool:

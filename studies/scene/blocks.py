@@ -160,8 +160,9 @@ class Transducer(Block):
     finger_pairs: Annotated[int, Count(100_000), "Number of periods: 10 pairs are 20 fingers."]
     period: Annotated[
         float | str,
-        Quantity("m", words=("auto",)),
-        "Length of two fingers and two gaps, one wavelength; auto: that of the wave at drive.frequency.",
+        Quantity("m", words=("auto", "half-space")),
+        "Length of two fingers and two gaps, one wavelength; auto: that of the strongest surface wave per volt "
+        "at drive.frequency, for these fingers alone; half-space: part metallised, without reflections.",
     ] = "auto"
     metallisation: Annotated[
         float, Quantity(below=1.0), "Width of a finger over the pitch (finger and gap), 0.001 to 0.999."
@@ -216,7 +217,8 @@ class Drive(Block):
     frequency: Annotated[
         float | str,
         Quantity("Hz", words=("center",)),
-        "Frequency of the source; center: that of the largest surface amplitude (needs a given period).",
+        "Frequency of the source; center: that of the strongest surface wave per volt, for the driven fingers alone "
+        "(needs a given period).",
     ]
     transducer: Annotated[
         str | None,

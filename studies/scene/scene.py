@@ -198,8 +198,10 @@ class Scene(Block):
             rule = 'must be a number in Hz without a transducer, got "center"'
             yield self.refusal("drive.frequency", rule)
         for index, transducer in enumerate(self.transducer):
-            if transducer.period == "auto":
-                rule = 'must be a length in m where drive.frequency is "center", got "auto"'
+            if isinstance(transducer.period, str):
+                rule = (
+                    f'must be a length in m where drive.frequency is "center", got {shown(transducer.period)}'
+                )
                 yield self.refusal(f"transducer.{index}.period", rule)
 
     def _of_transducers(self) -> Iterator[SceneError]:
@@ -212,7 +214,7 @@ class Scene(Block):
             if transducer.aperture > self.stator.width:
                 rule = f"must be at most stator.width, {self.stator.width:g} m, got {transducer.aperture:g} m"
                 yield self.refusal(f"{at}.aperture", rule)
-            known = 0.0 if transducer.period == "auto" else transducer.period
+            known = 0.0 if isinstance(transducer.period, str) else transducer.period
             gap = (1 - transducer.metallisation) * transducer.finger_pairs / transducer.fingers
             half = known * (transducer.finger_pairs - gap) / 2
             left, right = transducer.center - half, transducer.center + half

@@ -54,7 +54,10 @@ class Variation:
         if scene.burst is not None:
             return resolved(scene)
         if scene.stator is not None:
-            found["transducer"] = self._resolved_source(*_source_blocks(scene)).transducer
+            source = self._resolved_source(*_source_blocks(scene))
+            found["transducer"] = source.transducer
+            if scene.transducer:
+                found["drive"] = replace(scene.drive, frequency=source.frequency)
         if scene.slider is not None:
             stator = None if scene.slider.ball is None else scene.stator
             found["slider"] = self._resolved_slider(scene.slider, stator)
