@@ -100,10 +100,10 @@ def best_match(source: complex, admittance: complex, frequency: float) -> Ladder
     Examples
     --------
     >>> from fem import best_match
-    >>> for element in best_match(50.0, 7.27e-3 + 26.98e-3j, 2.2e6):
+    >>> for element in best_match(50 + 0j, 7.27e-3 + 26.98e-3j, 2.2e6):
     ...     print(f"{element.place}_{element.kind} {element.value:.4g}")
-    series_C 1.096e-09
-    shunt_L 1.979e-06
+    shunt_L 1.73e-06
+    series_L 1.092e-06
     """
     if not source.real > 0:
         raise ValueError(f"a match needs a source with a resistance, got {source:g} ohm")
@@ -113,9 +113,7 @@ def best_match(source: complex, admittance: complex, frequency: float) -> Ladder
     # Seen towards the load the section must be the conjugate of the source's impedance.
     for susceptance in _partners(admittance.real, source.real):  # shunt at the load, then series
         seen = 1 / complex(admittance.real, susceptance)
-        found.append(
-            (("series", -source.imag - seen.imag), ("shunt", susceptance - admittance.imag))
-        )
+        found.append((("series", -source.imag - seen.imag), ("shunt", susceptance - admittance.imag)))
     load, inner = 1 / admittance, 1 / source
     for reactance in _partners(load.real, inner.real):  # series at the load, then shunt
         seen = 1 / complex(load.real, reactance)
