@@ -18,10 +18,10 @@ import numpy as np
 from fem.analytic.coupled_modes import relative_amplitude
 from fem.analytic.half_space import automatic_period
 from fem.analytic.quasistatic import transducer_estimate
-from fem.condense.transducer import transducer_block
+from fem.condense.transducer import Condensation, transducer_blocks
 from fem.discretize.refinement import LEVELS
 from fem.discretize.section import discretise
-from fem.geometry import Stator, Transducer, outer_gaps
+from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
 from fem.threads import one_blas_thread
 from fem.waveguide.modes import guided_modes, power
@@ -84,7 +84,7 @@ def _best_period(stator: Stator, transducer: Transducer, frequency: float) -> fl
 
     def power_at(period: float) -> float:
         block, row = _alone(stator, replace(transducer, period=period))
-        pieces = [transducer_block(section, frequency, row, outer_gaps(block, (row,))[0], level)]
+        pieces = transducer_blocks(Condensation(section, frequency), block, (row,), level)
         return surface_power(joined_fields(block, (row,), pieces, modes=modes, resolution=level))
 
     return _largest(power_at, guess, transducer.finger_pairs)
