@@ -1,9 +1,9 @@
 """Ladders of lumped elements between a source and a transducer, and the L-section that matches the two.
 
 An element in series has an impedance Z, one across the line an admittance 1/Z; L: i omega L (1 - i/Q), C:
-(1 - i/Q)^-1 / (i omega C) with a series resistance, R.  Voltage and current are carried from the transducer's electrodes
-to the source, element by element, each with the power that it takes (Pozar, *Microwave Engineering*, 4th ed., 2012,
-section 4.4; matching by an L-section: section 5.1).
+(1 + i/Q) / (i omega C), both with a series resistance; R.  Voltage and current are carried from the transducer's
+electrodes to the source, element by element, each with the power that it takes (Pozar, *Microwave Engineering*, 4th
+ed., 2012, section 4.4; matching by an L-section: section 5.1).
 """
 
 from dataclasses import dataclass

@@ -2,8 +2,8 @@
 
 With I = Y V (currents into the positive electrodes), a source of voltage S behind an impedance Z obeys V + Z I = S, a
 loaded transducer V + Z I = 0, a short one V = 0, an open one I = 0.  Behind a ladder with V' = A V + B I and
-I' = C V + D I at the source's end it is V' + Z I' = S.  This is the only module that knows which transducers are driven:
-everything below it solves for unit voltage at every port.
+I' = C V + D I at the source's end it is V' + Z I' = S.  This is the only module that knows which transducers are
+driven: everything below it solves for unit voltage at every port.
 """
 
 from collections.abc import Mapping

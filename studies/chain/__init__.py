@@ -16,6 +16,7 @@ from studies.chain.model_error import model_error
 from studies.chain.neglected import driven_left_out, free_left_out
 from studies.chain.points import SliderAnswer, slider_answer
 from studies.chain.ring_up import ring_up, ring_up_left_out
+from studies.chain.source_powers import powers, with_available_power
 from studies.chain.warnings import warnings_of
 from studies.record import Record
 from studies.refusal import RunError, SceneError
@@ -182,6 +183,8 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
             if wave.relative_error >= before:
                 break
         blocks = _slider_blocks(answer, tolerance)
+    sources = powers(scene, wave)
+    blocks["points"] = with_available_power(blocks["points"], sources)
     record = Record(
         scene=scene,
         tolerance=tolerance,
@@ -196,6 +199,7 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
             "power_residual": wave.power_residual,
             "admittance_relative_error": wave.admittance_error,
         }
+        | sources
         | _several_sources(wave),
         left_out=driven_left_out(block, scene.frequency)
         + ring_up_left_out(scene, ringing, blocks.get("trajectories", ())),

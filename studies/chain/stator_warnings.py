@@ -95,7 +95,12 @@ def _off_resonance(record: Record) -> Iterator[str]:
     """Yield a warning where another frequency would give a larger wave, by coupled modes of the driven transducer."""
     scene = record.scene
     driven = _driven(scene)
-    if driven.pattern is not None or driven.split or scene.drive.source_impedance:
+    if (
+        driven.pattern is not None
+        or driven.split
+        or scene.drive.source_impedance
+        or scene.drive.match != "none"
+    ):
         return
     import numpy as np
 

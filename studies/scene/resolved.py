@@ -5,6 +5,7 @@ the scene kept with a result runs again without asking anything.  What only the 
 layout) is refused here.
 """
 
+import math
 from contextlib import contextmanager
 from dataclasses import replace
 
@@ -12,6 +13,8 @@ from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.blocks import IsotropicSolid, PiezoelectricSolid, Slider, Stator, Transducer
 from studies.scene.endless import refuse_endless_burst
+
+MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 of the power
 
 __all__ = ["resolved", "resolved_slider", "solid", "stator", "transducers"]
 
@@ -28,6 +31,8 @@ def resolved(scene: Scene) -> Scene:
         if scene.transducer:
             scene = _with_source_numbers(scene)
         _check_layout(scene)
+        if scene.transducer:
+            scene = _with_circuit(scene)
     if scene.slider is None:
         return scene
     if scene.burst is not None:
@@ -117,7 +122,38 @@ def drive(scene: Scene):
     """Return the ``fem.Drive`` of a scene with transducers."""
     from fem import Drive
 
-    return Drive(sources=scene.drive.driven, impedance=scene.drive.source_impedance)
+    return Drive(
+        sources=scene.drive.driven, impedance=scene.drive.source_impedance, match=_ladder(scene.drive.match)
+    )
+
+
+def _ladder(match: str | tuple) -> tuple:
+    """Return the ``fem.Element`` objects of a ladder as read."""
+    from fem import Element
+
+    found = []
+    for each in () if isinstance(match, str) else match:
+        name, value = each[0]
+        place, kind = name.split("_")
+        found.append(Element(place=place, kind=kind, value=value, quality=dict(each).get("Q", math.inf)))
+    return tuple(found)
+
+
+def _with_circuit(scene: Scene) -> Scene:
+    """Find the voltages of given powers, and the elements of an automatic match from the stator's admittance."""
+    import fem
+
+    found = {} if scene.drive.power is None else {"voltage": scene.drive.levels, "power": None}
+    if scene.drive.match == "auto":
+        row, name = transducers(scene), scene.drive.transducer
+        ports = fem.port_admittance(
+            stator(scene.stator), row, frequency=scene.frequency, tolerance=MATCH_TOLERANCE
+        )
+        load = fem.solve_circuit(ports.matrix, ports.names, row, name, scene.frequency).admittance
+        with _refused("drive.match"):
+            ladder = fem.best_match(complex(scene.drive.source_impedance), load, scene.frequency)
+        found["match"] = tuple(((f"{each.place}_{each.kind}", each.value),) for each in ladder) or "none"
+    return replace(scene, drive=replace(scene.drive, **found)) if found else scene
 
 
 def _with_source_numbers(scene: Scene) -> Scene:

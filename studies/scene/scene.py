@@ -128,7 +128,7 @@ class Scene(Block):
     @property
     def levels(self) -> tuple[float, ...]:
         """Peak voltages in V, or given normal amplitudes in m; empty for a free wave."""
-        return self.wave.normal_amplitude if self.wave is not None else self.drive.voltage or ()
+        return self.wave.normal_amplitude if self.wave is not None else self.drive.levels
 
     @property
     def frequency(self) -> float | str:
@@ -170,7 +170,10 @@ class Scene(Block):
             yield self.refusal("drive", rule)
             return
         names = [transducer.name for transducer in self.transducer]
-        for key in ("transducer", "voltage"):
+        level = "voltage" if drive.power is None else "power"
+        if drive.match != "none" and not names:
+            yield self.refusal("drive.match", "must be absent without a [[transducer]]: nothing is driven")
+        for key in ("transducer", level):
             given = getattr(drive, key) is not None
             if given and not names and not (key == "transducer" and drive.sources is not None):
                 rule = "must be absent without a [[transducer]]: nothing is driven"

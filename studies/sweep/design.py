@@ -197,7 +197,7 @@ def _question(table, axes, tolerance, also) -> Question:
         key
         for key in keys
         if key.startswith(("stator.", "transducer.", "drive."))
-        and key not in ("drive.voltage", "drive.burst")
+        and key not in ("drive.voltage", "drive.power", "drive.burst")
     )
     design = Design(question=question, axes=axes)
     moved = tuple(key for key in PLACE_KEYS if key in keys)

@@ -205,7 +205,14 @@ class _Fixed:
     def __init__(self, scene: Scene):
         self.scene = scene
         drive = scene.drive
-        self._own = (scene.stator, scene.transducer, drive.transducer, drive.sources, drive.source_impedance)
+        self._own = (
+            scene.stator,
+            scene.transducer,
+            drive.transducer,
+            drive.sources,
+            drive.source_impedance,
+            drive.match,
+        )
 
     def __eq__(self, other):
         return self._own == other._own
