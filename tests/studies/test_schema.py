@@ -39,6 +39,7 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "drive.source_impedance": [50, [1, 2]],
     "drive.sources": [{"left": 1, "right": "0.5 at 90 deg"}, {"right": [0.3, -1]}],
     "slider.contacts": [2, ["-1 mm", 0, "1 mm"]],
+    "slider.heights": [["0 nm", "-3 nm", 2e-9]],
     "slider.preload": ["weight", "5 mN", 0],
     "slider.gravity": [0],
     "slider.load": ["1 uN"],
@@ -85,6 +86,8 @@ def changed(path: str, value) -> dict:
     table = json.loads(json.dumps(read_table("twente-contact" if path.startswith("wave") else "twente")))
     if path == "slider.ball":
         del table["slider"]["effective_modulus"], table["slider"]["tangential_modulus"]
+    if path == "slider.heights":
+        table["slider"]["contacts"] = ["-1 mm", 0, "1 mm"]
     holder = table
     *blocks, last = [int(part) if part.isdigit() else part for part in path.split(".")]
     for block in blocks:
