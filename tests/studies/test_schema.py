@@ -39,6 +39,7 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "drive.source_impedance": [50, [1, 2]],
     "drive.sources": [{"left": 1, "right": "0.5 at 90 deg"}, {"right": [0.3, -1]}],
     "slider.contacts": [2, ["-1 mm", 0, "1 mm"]],
+    "slider.shape": ["punch"],
     "slider.heights": [["0 nm", "-3 nm", 2e-9]],
     "slider.preload": ["weight", "5 mN", 0],
     "slider.gravity": [0],
