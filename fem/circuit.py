@@ -133,7 +133,7 @@ def solve_circuit(
         if name not in everyone:
             raise ValueError(f"the driven transducer must be one of {', '.join(everyone)}, got {name!r}")
         if name not in names:
-            raise ValueError(f"the driven transducer must have two combs, but {name!r} has not")
+            raise ValueError(f"the driven transducer must have two electrodes, but {name!r} has not")
     size = len(names)
     system, source = np.eye(size, dtype=complex), np.zeros(size, dtype=complex)
     for row, name in enumerate(names):
