@@ -1,7 +1,7 @@
 """Joining condensed pieces: mirror, join, repeat by doubling, and the way back to every line.
 
 Two neighbours share a line; eliminating it gives the superelement of both (substructuring).  N equal pieces take about
-log2(N) joins instead of N (block cyclic reduction, Buzbee, Golub and Nielson 1970), and the unknowns between are
+log2(N) joins instead of N (superelement cyclic reduction, Buzbee, Golub and Nielson 1970), and the unknowns between are
 found again from the sides, level by level.
 """
 

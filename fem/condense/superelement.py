@@ -8,7 +8,7 @@ displacements and potentials there:
     [g_left, g_right, q+, q-] = A [u_left, u_right, V+, V-],      A complex symmetric.
 
 g is the outward nodal flux (-f on the left, +f on the right) and q = int grad psi . D = -Q, the charge with its sign
-turned.  A finger is equipotential: phi on its surface nodes, corners included, is the potential of its electrode.
+reflected.  A finger is equipotential: phi on its surface nodes, corners included, is the potential of its electrode.
 """
 
 from collections.abc import Callable
