@@ -2,7 +2,7 @@ r"""Events at the end of a segment: which guard vanishes first, how fast, and wh
 
 import numpy as np
 
-from contact.jit.compiled import compiled, plain
+from contact.jit.compiled import compiled
 from contact.kinematics import at_phase, slip_speed
 from contact.law.elastic import (
     ANNULUS,
@@ -43,7 +43,7 @@ def open_regimes(problem, phase, state):
         u_z, u_z_rate, _, u_x_rate = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
         z = u_z + problem.paths.height[i] - slider[POSITION]
         z_rate, x_rate = u_z_rate - slider[NORMAL_VELOCITY], u_x_rate - slider[VELOCITY]
-        state.regime[i], state.sign[i], state.deformation[i] = plain(opening)(
+        state.regime[i], state.sign[i], state.deformation[i] = opening(
             z, state.deformation[i], z_rate, x_rate, problem.limit_slope, problem.stick_band
         )
 

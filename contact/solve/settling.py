@@ -14,6 +14,7 @@ import numpy as np
 
 from contact.convergence import ConvergenceError
 from contact.drive import relative_to_reference
+from contact.kinematics import at_phase, tangential_amplitude
 from contact.law import elastic
 from contact.orbit import Orbit
 from contact.problem import Problem, scaled
@@ -130,7 +131,7 @@ def reached_instead(
 
 def _followed(problem, begin, rate, near):
     """Return the mean of the motion from one start."""
-    motion = Motion(problem, table=collocation(14), truncation=1e-11)
+    motion = Motion(problem, grid=collocation(14), truncation=1e-11)
     motion.place(*begin)
     budget = BUDGET / (MEMORY if motion.memory is not None else 1.0)
     block, passed, spent = 1, 0, 0
@@ -157,7 +158,7 @@ def _followed(problem, begin, rate, near):
 
 def _relaxation(problem):
     """Return the rate per radian at which v settles: damper, and friction force over the range of speeds."""
-    reach = max(float(np.hypot(*wave[2:])) for wave in problem.waves) + 1e-300
+    reach = float(np.max(tangential_amplitude(problem.paths, np.arange(problem.contacts)))) + 1e-300
     return problem.tangential_damping + 0.3 * problem.friction * problem.preload / reach
 
 
@@ -184,11 +185,12 @@ def _rest(slider, orbits, problem):
     friction = slider.friction_coefficient * slider.preload
     load = math.copysign(slider.load, problem.load)
     used = min(slider.load / friction, 1.0) if friction > 0.0 else 0.0
-    x = math.copysign(slider.limit_slope * depth * (1.0 - (1.0 - used) ** (2.0 / 3.0)), load)
-    a, b = np.mean(problem.waves[:, :2], axis=0)
+    x = elastic.deformation(depth, used, slider.limit_slope, slider.contact_shape)
+    x = math.copysign(x, load)
     if slider.tangential_resonance(len(orbits)) < SLOW * orbits[0].frequency:
         return -depth, 0.0, 0.0, x
-    return a - depth, b, float(np.mean(problem.waves[:, 3])), x
+    u_z, z_rate, _, x_rate = at_phase(problem.paths, np.arange(problem.contacts), 1.0, 0.0)
+    return float(np.mean(u_z)) - depth, float(np.mean(z_rate)), float(np.mean(x_rate)), x
 
 
 def _stuck(motion):
@@ -226,8 +228,8 @@ def _repeating(problem, motion, period, gap, passed):
     begin, before = motion.copy(), motion.energy()
     motion.tally[:], motion.sums[:] = 0, 0.0
     motion.turn(period)
-    coarse = Motion(problem, table=collocation(10), truncation=1e-8)
-    coarse.state, coarse.regime, coarse.sign = begin.state.copy(), begin.regime.copy(), begin.sign.copy()
+    coarse = Motion(problem, grid=collocation(10), truncation=1e-8)
+    coarse.state[:], coarse.regime[:], coarse.sign[:] = begin.state, begin.regime, begin.sign
     if begin.memory is None:
         coarse.turn(period)
         error = abs(coarse.sums[DISPLACEMENT] - motion.sums[DISPLACEMENT]) / (2.0 * math.pi * period)

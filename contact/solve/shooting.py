@@ -100,7 +100,7 @@ def periodic(
     ConvergenceError
         If the fixed point is not reached to 1e-6.
     """
-    motion = Motion(balance.problem, table=collocation(nodes), truncation=truncation)
+    motion = Motion(balance.problem, grid=collocation(nodes), truncation=truncation)
     base = motion
     work, before = np.zeros(TALLY, np.int64), np.zeros(3)
 
