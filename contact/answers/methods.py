@@ -185,9 +185,8 @@ def _stepped(slider, orbits, problem, cycles, stride, tolerance, envelope):
     late = cycles // inner // 2
 
     def follow(k):
-        state, rows = begin.state.copy(), np.empty((cycles // inner, 3))
-        if not steps(problem, state, cycles, STEPS[k][0], inner, rows, envelope):
-            raise ConvergenceError("not finite", "the stepped motion overflowed; use method exact")
+        state = begin.state.copy()
+        rows = steps(problem, state, cycles, STEPS[k][0], stride=inner, envelope=envelope)
         return np.append(rows[late:, 0], state[2]), state, rows
 
     k = max(next(k for k, (_, down_to) in enumerate(STEPS) if tolerance >= down_to), fits[1])

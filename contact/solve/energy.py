@@ -100,7 +100,11 @@ def chain_energy(memory, i, regime, s, z, x, c, grid):
             total += parts[1] - parts[0]
             continue
         curve = memory.curve[i, k]
-        end = place_on(curve, stop, c, grid.sigma, grid.bary) if 2.0 * c * stop < curve[1, -1] - curve[0, -1] else 1.0
+        end = (
+            place_on(curve, stop, c, grid.sigma, grid.bary)
+            if 2.0 * c * stop < curve[1, -1] - curve[0, -1]
+            else 1.0
+        )
         middle, half = 0.5 * (end - 1.0), 0.5 * (end + 1.0)
         profile, slope = 0.5 * (curve[0] + curve[1]), grid.rates @ curve[2]
 

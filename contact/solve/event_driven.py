@@ -105,7 +105,8 @@ class Work(NamedTuple):
 def room(contacts: int, nodes: int, thread: int) -> Work:
     """Return the work arrays of a thread, which are the same every time."""
     return Work(
-        Nodes(np.zeros((ROWS, nodes)), np.zeros((PLANES, contacts, nodes)), np.empty(nodes)), blank(contacts, nodes)
+        Nodes(np.zeros((ROWS, nodes)), np.zeros((PLANES, contacts, nodes)), np.empty(nodes)),
+        blank(contacts, nodes),
     )
 
 
@@ -305,7 +306,7 @@ def _is_full(state, memory):
 
 @compiled
 def _from_last_cycle(problem, grid, state, work, task, memory, course):
-    """Return the segment that the last cycle had here, laid out to the same end or the same event; length 0 without it."""
+    """Return the segment that the last cycle had here, laid out to the same end or event; length 0 without it."""
     pattern, old, m = work.pattern, course.old, course.match
     nothing = segment_at(course.phase, 0.0, SMOOTH, 0)
     if m < 0:
@@ -400,13 +401,13 @@ def advance(problem, grid, state, work, task, memory, cycle):
 @native(
     "t t t t t t",
     {
-        "problem.paths.height": "n", "grid.sigma": "m", "grid.bary": "m", "grid.tau": "3 m",
-        "grid.integrals": "3 2 m m", "grid.rates": "m m", "grid.tail": "2 m", "state.slider": "3",
-        "state.deformation": "n", "state.sign": "n", "state.regime": "n", "state.tally": "12", "state.sums": "13",
-        "work.nodes.slider": "10 m", "work.nodes.contact": "11 n m", "work.nodes.guard": "m",
-        "work.pattern.regime": "2 c n", "work.pattern.acceleration": "2 c 2 m", "task.at": "s", "task.samples": "s n 6",
-        "task.rows": "r 3", "memory.count": "n", "memory.kind": "n p", "memory.corner": "n p 4",
-        "memory.curve": "n p 5 m", "memory.level": "n",
+        "problem.paths.height": "n", "problem.paths.normal_cos": "n", "problem.paths.tangential_cos": "n",
+        "grid.sigma": "m", "grid.bary": "m", "grid.tau": "3 m", "grid.integrals": "3 2 m m", "grid.rates": "m m",
+        "grid.tail": "2 m", "state.slider": "3", "state.deformation": "n", "state.sign": "n", "state.regime": "n",
+        "state.tally": "12", "state.sums": "13", "work.nodes.slider": "10 m", "work.nodes.contact": "11 n m",
+        "work.nodes.guard": "m", "work.pattern.regime": "2 c n", "work.pattern.acceleration": "2 c 2 m",
+        "task.at": "s", "task.samples": "s n 6", "task.rows": "r 3", "memory.count": "n", "memory.kind": "n p",
+        "memory.corner": "n p 4", "memory.curve": "n p 5 m", "memory.level": "n",
     },
 )  # fmt: skip
 def travel(problem, grid, state, work, task, memory):

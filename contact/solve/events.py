@@ -96,7 +96,7 @@ def end_guard(problem, state, nodes, i, which, phase, memory):
 
 @compiled
 def transit(problem, grid, state, nodes, segment, phase, memory):
-    """Take the contact whose guard ends the segment, and all whose guards vanish at the same phase, to their next regimes.
+    """Take the contact whose guard ends the segment, and all whose guards vanish then, to their next regimes.
 
     Returns whether a contact was made.
     """

@@ -142,8 +142,12 @@ class Motion:
             stored += mu * kappa * c * np.sum(elastic.friction_energy(z, stick, problem.shape))
         elif self.memory is not None:
             for i in range(z.size):
-                stored += mu * kappa * energy.chain_energy(
-                    self.memory, i, self.regime[i], self.sign[i], z[i], state.deformation[i], c, self.grid
+                stored += (
+                    mu
+                    * kappa
+                    * energy.chain_energy(
+                        self.memory, i, self.regime[i], self.sign[i], z[i], state.deformation[i], c, self.grid
+                    )
                 )
         return np.array([stored, problem.preload * height, 0.5 * (climb**2 + speed**2)])
 
@@ -153,11 +157,26 @@ class Motion:
         target = np.broadcast_to(np.asarray(deformations, float), self.regime.shape)
         for i in range(self.regime.size):
             # a memory is known at the end of a run, where the surface is as at phase 0
-            x, old, new = state.deformation[i], surface[i] - state.slider[segment.POSITION], surface[i] - height
+            x, old, new = (
+                state.deformation[i],
+                surface[i] - state.slider[segment.POSITION],
+                surface[i] - height,
+            )
             if old == new and target[i] == x and self.regime[i] != elastic.SEPARATED:
                 continue
             self.regime[i], self.sign[i], state.deformation[i] = hysteretic.jump(
-                self.memory, i, self.regime[i], self.sign[i], old, x, new, target[i], c, grid.sigma, grid.bary, grid.rates
+                self.memory,
+                i,
+                self.regime[i],
+                self.sign[i],
+                old,
+                x,
+                new,
+                target[i],
+                c,
+                grid.sigma,
+                grid.bary,
+                grid.rates,
             )
         state.slider[:] = height, climb, speed
 

@@ -15,7 +15,6 @@ from contact.law.elastic import ANNULUS, FAR_SIDE, GROW, SEPARATED, SLIP, back_f
 from contact.law.hysteretic import memory_guard, moment
 from contact.law.normal import load
 from contact.problem import RECIPROCAL
-from contact.solve.collocation import SMOOTH
 
 # what `State.slider` holds
 POSITION, NORMAL_VELOCITY, VELOCITY = 0, 1, 2
@@ -63,7 +62,7 @@ class State(NamedTuple):
 
 
 class Nodes(NamedTuple):
-    """Values at the nodes of a segment: of the slider (ROWS, n), of the contacts (PLANES, contacts, n), of a guard (n,)."""
+    """Values at the nodes: of the slider (ROWS, n), of the contacts (PLANES, contacts, n), of a guard (n,)."""
 
     slider: np.ndarray
     contact: np.ndarray
@@ -241,7 +240,12 @@ def integrate(grid, state, nodes, segment):
         travel = length * (v * tau + length * slider[TANGENTIAL_TWICE, j])
         moved = max(abs(height - slider[HEIGHT, j]), abs(travel - slider[TRAVEL, j]))
         moved = max(moved, abs(climb - slider[CLIMB, j]), abs(speed - slider[SPEED, j]))
-        slider[HEIGHT, j], slider[CLIMB, j], slider[TRAVEL, j], slider[SPEED, j] = height, climb, travel, speed
+        slider[HEIGHT, j], slider[CLIMB, j], slider[TRAVEL, j], slider[SPEED, j] = (
+            height,
+            climb,
+            travel,
+            speed,
+        )
         # a motion that is not finite must not pass for one that does not change
         change = max(change, moved if moved < 1e100 else 1e300)
     return change
