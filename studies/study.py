@@ -30,7 +30,7 @@ __all__ = [
 # name of a study: the package that holds it
 STUDIES = {
     "voltage_to_velocity": "motor",
-    "rayleigh": "stator",
+    "rayleigh": "evidence",
     "seed_figures": "papers",
     "admittance": "stator",
     "beam": "stator",

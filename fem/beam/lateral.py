@@ -42,8 +42,10 @@ class LateralRule:
         return LateralRule(nodes=self.nodes.conj(), weights=self.weights.conj())
 
 
-def lateral_rule(highest: float, reach: float, distance: float) -> LateralRule:
-    """Nodes and weights of the integral over k_y, without side faces.
+def lateral_rule(
+    highest: float, reach: float, distance: float, mirror_width: float | None = None
+) -> LateralRule:
+    """Nodes and weights of the integral over k_y.
 
     Parameters
     ----------
@@ -53,11 +55,19 @@ def lateral_rule(highest: float, reach: float, distance: float) -> LateralRule:
         Half the aperture and the largest |y| together, m.
     distance : float
         From the nearest charge to the nearest point along x, m; a length over which the field is not resolved nearer.
+    mirror_width : float, optional
+        Distance in m of two faces y = const that reflect; the rule is then the exact sum and has no coarser one.
 
     Returns
     -------
     LateralRule
     """
+    if mirror_width is not None:
+        fade, top = (float(np.hypot(highest, each / distance)) for each in EVANESCENT)
+        nodes = np.arange(int(top * mirror_width / (2 * np.pi)) + 1) * (2 * np.pi / mirror_width)
+        weights = 2 / mirror_width * _faded(nodes, fade, top)
+        weights[0] *= 0.5
+        return LateralRule(nodes=nodes, weights=weights)
     offset = min(GROWTH / reach, MAX_TILT * highest)
     scale = 3.0 * offset
     fade, top = (float(np.hypot(highest, each / distance)) + scale for each in EVANESCENT)
@@ -69,15 +79,6 @@ def lateral_rule(highest: float, reach: float, distance: float) -> LateralRule:
     return LateralRule(
         nodes=t + 1j * offset * tilt, weights=weights * (1.0 + 1j * (offset / scale) * (1.0 - tilt**2))
     )
-
-
-def mirrored_rule(highest: float, width: float, distance: float) -> LateralRule:
-    """Nodes 2 pi n / width and weights of the sum over all images in two faces y = +-width / 2; else as above."""
-    fade, top = (float(np.hypot(highest, each / distance)) for each in EVANESCENT)
-    nodes = np.arange(int(top * width / (2 * np.pi)) + 1) * (2 * np.pi / width)
-    weights = 2 / width * _faded(nodes, fade, top)
-    weights[0] *= 0.5
-    return LateralRule(nodes=nodes, weights=weights)
 
 
 def _faded(t: np.ndarray, start: float, stop: float) -> np.ndarray:

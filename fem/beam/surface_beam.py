@@ -12,18 +12,21 @@ On the axis y = 0, u_y vanishes by symmetry.
 
 Left out: the charge near the ends of the fingers, which counts as some 0.07 periods more aperture at each, so that
 nothing nearer than a wavelength to the ends is resolved (evanescent modes that reach less far end there with the
-aperture); that a passive transducer's charges follow the mean of the wave over its aperture - 0.89 to 0.96 of the
-section's for 20 wavelengths - and not the section's wave: an error of that share of what it sends back.
+aperture); what a finite aperture changes in a transducer's response to its own charges (reception.py has the others').
 """
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from fem.beam.charges import ElectrodeCharges, electrode_charges
-from fem.beam.lateral import lateral_rule, mirrored_rule
+from fem.beam.lateral import lateral_rule
 from fem.beam.line_source import LineSource, isotropic_about_normal, line_source
+from fem.beam.reception import with_apertures
+from fem.circuit import Circuit
+from fem.results.solution import Solution, driven_solution
 from fem.results.surface_wave import SurfaceWave
 
 GROUPS = (
@@ -47,7 +50,9 @@ class SurfaceBeam:
     Attributes
     ----------
     wave : SurfaceWave
-        Of the section, whose charges these are.
+        Of the section.
+    circuit : Circuit
+        Voltages and currents with each transducer receiving the mean of the beams over its aperture.
     source : LineSource
     charges : tuple of ElectrodeCharges
         Of each transducer from left to right.
@@ -65,6 +70,7 @@ class SurfaceBeam:
     """
 
     wave: SurfaceWave
+    circuit: Circuit
     source: LineSource = field(repr=False)
     charges: tuple[ElectrodeCharges, ...] = field(repr=False)
     apertures: tuple[float, ...]
@@ -115,20 +121,18 @@ class SurfaceBeam:
         return self.wave.phase_velocity / self.wave.frequency
 
     @cached_property
-    def _nodes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Places and charges of all nodes from left to right, and the transducers that they belong to."""
-        owners = np.repeat(np.arange(len(self.charges)), [len(each.x) for each in self.charges])
-        return (
-            np.concatenate([each.x for each in self.charges]),
-            np.concatenate([each.charge for each in self.charges]),
-            owners,
-        )
+    def _nodes(self) -> "_Nodes":
+        return _nodes_of(self.charges)
+
+    @cached_property
+    def _section_nodes(self) -> "_Nodes":
+        return _nodes_of(_charges_of(self.wave.solution))
 
     def _both_rules(self, x, y) -> tuple[np.ndarray, np.ndarray]:
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
         shape, x, y = x.shape, x.ravel(), y.ravel()
         self._refuse(x, y)
-        nodes = self._nodes[0]
+        nodes = self._nodes.x
         after = np.searchsorted(nodes, x).clip(1, len(nodes) - 1)
         distance = np.minimum(abs(x - nodes[after - 1]), abs(x - nodes[after]))
         group = np.searchsorted(np.multiply(GROUPS, self._wavelength), distance)
@@ -154,27 +158,24 @@ class SurfaceBeam:
         source, resolved = self.source, max(distance, GROUPS[0] * self._wavelength)
         chosen = source.lasting(distance, self._least_lasting)
         highest = float(np.sqrt((source.wavenumbers**2).real.max()))
-        if self.mirror_width is None:
-            rule = lateral_rule(highest, max(self.apertures) / 2 + abs(y).max(), resolved)
-            backward = source.wavenumbers[chosen].real < 0
-            parts = ((chosen[~backward], rule), (chosen[backward], rule.conjugate))
-        else:
-            parts = ((chosen, mirrored_rule(highest, self.mirror_width, resolved)),)
+        reach = max(self.apertures) / 2 + abs(y).max()
+        rule = lateral_rule(highest, reach, resolved, self.mirror_width)
+        backward = source.wavenumbers[chosen].real < 0
         places, column = np.unique(x, return_inverse=True)
         lines, row = np.unique(y, return_inverse=True)
         total = np.zeros((2, 3, len(x)), dtype=complex)
-        for modes, rule in parts:
+        for modes, contour in ((chosen[~backward], rule), (chosen[backward], rule.conjugate)):
             if not len(modes):
                 continue
-            along, motion = source.turned(modes, rule.nodes)
-            if self.mirror_width is not None:
-                along, motion = source.with_static(along, motion, rule.nodes)
-            spectra = [each * np.sinc(rule.nodes * each / (2 * np.pi)) for each in self.apertures]
-            sent = self._sent(along, motion, places, spectra)
-            phases = np.outer(rule.nodes, lines)
+            along, motion = source.turned(modes, contour.nodes)
+            if self.mirror_width is not None and not backward[chosen == modes[0]]:
+                along, motion = source.with_static(along, motion, contour.nodes)
+            spectra = [each * np.sinc(contour.nodes * each / (2 * np.pi)) for each in self.apertures]
+            sent = _sent(self._nodes, along, motion, places, spectra)
+            phases = np.outer(contour.nodes, lines)
             even, odd = np.cos(phases), -1j * np.sin(phases)
             for coarse, step in ((0, 1), (1, 1 if self.mirror_width is not None else 2)):
-                weighted = sent[..., ::step] * (step * rule.weights[::step])
+                weighted = sent[..., ::step] * (step * contour.weights[::step])
                 for place in range(len(places)):
                     here = np.flatnonzero(column == place)
                     for part, lateral in ((0, even), (1, odd), (2, even)):
@@ -184,50 +185,19 @@ class SurfaceBeam:
     def _local(self, x, y) -> np.ndarray:
         """What the section has beyond the modes above, within the aperture of the nearest transducer, (3, points)."""
         places, column = np.unique(x, return_inverse=True)
-        nodes, charge, owners = self._nodes
-        modes = self.source.lasting(0.0, self._least_lasting)
-        sent = self._sent(*self.source.turned(modes, np.zeros(1)), places, np.ones((len(self.apertures), 1)))[
-            ..., 0
-        ]
-        to_the_left = np.append(0.0, np.cumsum(charge))[np.searchsorted(nodes, places, side="right")]
+        nodes, source = self._section_nodes, self.source
+        along, motion = source.turned(source.lasting(0.0, self._least_lasting), np.zeros(1))
+        sent = _sent(nodes, along, motion, places, np.ones((len(self.apertures), 1)))[..., 0]
+        to_the_left = np.append(0.0, np.cumsum(nodes.charge))[np.searchsorted(nodes.x, places, side="right")]
         rest = self.wave.motion(places) - sent.T[[0, 2]]
-        rest[0] -= self.source.static * (2 * to_the_left - charge.sum())
-        nearest = owners[abs(places[:, None] - nodes).argmin(axis=1)]
+        rest[0] -= source.static * (2 * to_the_left - nodes.charge.sum())
+        nearest = nodes.owner[abs(places[:, None] - nodes.x).argmin(axis=1)]
         within = abs(y) < np.divide(self.apertures, 2)[nearest[column]]
         return np.insert(rest, 1, 0.0, axis=0)[:, column] * within
 
     @property
     def _least_lasting(self) -> float:
         return LOCAL / (GROUPS[0] * self._wavelength)
-
-    def _sent(self, along, motion, places, spectra) -> np.ndarray:
-        """Spectra of u at places from all charges, shape (places, 3, n)."""
-        mirrored = motion * np.array([-1, 1, 1])[:, None, None]
-        return self._from_side(along, motion, places, spectra, 1) + self._from_side(
-            along, mirrored, places, spectra, -1
-        )
-
-    def _from_side(self, along, motion, places, spectra, side: int) -> np.ndarray:
-        """Spectra of u at places from the charges on one side (1: to their left), shape (places, 3, n)."""
-        x, charge, owner = self._nodes
-        x, places = side * x[::side], side * places[::side]
-        counts = np.searchsorted(x, places, side="right" if side > 0 else "left")
-        out = np.zeros((len(places), 3, len(spectra[0])), dtype=complex)
-        arrived = np.zeros((len(along), len(spectra[0])), dtype=complex)
-        steps: dict[int, np.ndarray] = {}
-        for number, (strength, of) in enumerate(zip(charge[::side], owner[::side], strict=True)):
-            if number:
-                step = x[number] - x[number - 1]
-                key = round(step / SAME_STEP)
-                if key not in steps:
-                    steps[key] = np.exp(-1j * along * step)
-                arrived *= steps[key]
-            arrived += strength * spectra[of]
-            for place in np.flatnonzero(counts == number + 1):
-                out[place] = np.sum(
-                    motion * (arrived * np.exp(-1j * along * (places[place] - x[number]))), axis=1
-                )
-        return out[::side]
 
     def _static(self, x, y) -> np.ndarray:
         """Field of the pole at k = 0, where kappa = -i |k_y|, in closed form, shape (3, points).
@@ -249,6 +219,55 @@ class SurfaceBeam:
                 out[0, some] += (np.sign(distance) * inward) @ charge
                 out[1, some] += sideways @ charge
         return out * (self.source.static / np.pi)
+
+
+class _Nodes(NamedTuple):
+    """Places and charges of all nodes from left to right, and the transducers that they belong to."""
+
+    x: np.ndarray
+    charge: np.ndarray
+    owner: np.ndarray
+
+
+def _charges_of(solution: Solution) -> tuple[ElectrodeCharges, ...]:
+    return tuple(electrode_charges(solution, index) for index in range(len(solution.fields.transducers)))
+
+
+def _nodes_of(charges: tuple[ElectrodeCharges, ...]) -> _Nodes:
+    return _Nodes(
+        x=np.concatenate([each.x for each in charges]),
+        charge=np.concatenate([each.charge for each in charges]),
+        owner=np.repeat(np.arange(len(charges)), [len(each.x) for each in charges]),
+    )
+
+
+def _sent(nodes: _Nodes, along, motion, places, spectra) -> np.ndarray:
+    """Spectra of u at places from all charges, shape (places, 3, n)."""
+    mirrored = motion * np.array([-1, 1, 1])[:, None, None]
+    return _from_side(nodes, along, motion, places, spectra, 1) + _from_side(
+        nodes, along, mirrored, places, spectra, -1
+    )
+
+
+def _from_side(nodes: _Nodes, along, motion, places, spectra, side: int) -> np.ndarray:
+    """Spectra of u at places from the charges on one side (1: to their left), shape (places, 3, n)."""
+    x, places = side * nodes.x[::side], side * places[::side]
+    counts = np.searchsorted(x, places, side="right" if side > 0 else "left")
+    out = np.zeros((len(places), 3, len(spectra[0])), dtype=complex)
+    arrived = np.zeros((len(along), len(spectra[0])), dtype=complex)
+    steps: dict[int, np.ndarray] = {}
+    for number, (charge, owner) in enumerate(zip(nodes.charge[::side], nodes.owner[::side], strict=True)):
+        if number:
+            step = x[number] - x[number - 1]
+            key = round(step / SAME_STEP)
+            if key not in steps:
+                steps[key] = np.exp(-1j * along * step)
+            arrived *= steps[key]
+        arrived += charge * spectra[owner]
+        for place in np.flatnonzero(counts == number + 1):
+            further = np.exp(-1j * along * (places[place] - x[number]))
+            out[place] = np.sum(motion * (arrived * further), axis=1)
+    return out[::side]
 
 
 def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> SurfaceBeam:
@@ -279,16 +298,18 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
         raise BeamError(
             f"the field in three dimensions needs a solid isotropic about z, which {stator.solid.name} is not"
         )
-    transducers = solution.fields.transducers
-    apertures = tuple(each.aperture for each in transducers)
+    apertures = tuple(each.aperture for each in solution.fields.transducers)
     if mirror_width is not None and not max(apertures) <= mirror_width < np.inf:
         raise BeamError(
             f"mirror_width must be at least the largest aperture, {max(apertures):g} m, got {mirror_width!r}"
         )
+    if len(apertures) > 1:
+        solution = driven_solution(with_apertures(solution.fields, mirror_width), solution.circuit.drive)
     return SurfaceBeam(
         wave=wave,
+        circuit=solution.circuit,
         source=line_source(solution.fields.modes),
-        charges=tuple(electrode_charges(solution, index) for index in range(len(transducers))),
+        charges=_charges_of(solution),
         apertures=apertures,
         mirror_width=mirror_width,
     )
