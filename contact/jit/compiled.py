@@ -170,6 +170,8 @@ class Native(Kernel):
         """
         name = f"{self.__module__}-{self.__name__}-{hashlib.sha256(words.encode()).hexdigest()[:8]}.o"
         with _LOCK:
+            if words in self._loaded:  # by another thread
+                return
             try:
                 code = lambda: _machine_code(self, words.split(), arguments)  # noqa: E731
                 self._loaded[words] = _kept(name) or _made(name, code)

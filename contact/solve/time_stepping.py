@@ -143,12 +143,10 @@ def _release(problem, passage, x, slip):
 
 
 @compiled
-def _stick(problem, passage, x):
-    """Return (x, slip, excess of Q) of a contact that sticks at the start of the step."""
+def _stick(problem, passage, x, sticks):
+    """Return (x, slip, excess of Q) of a contact that sticks at the start of the step, or `sticks` all along."""
     limit, deformation = problem.limit_slope * passage.z_new, x + passage.along
-    if abs(deformation) < limit:  # stick all along
-        if x * deformation >= 0.0:
-            return deformation, 0.0, 0.0
+    if sticks:  # past x = 0
         force, x_rate = (
             problem.friction * problem.stiffness * load(passage.z_new, problem.shape),
             passage.x_rate_new,
@@ -206,6 +204,20 @@ def _close(problem, passage):
 
 
 @compiled
+def _passed(problem, passage, x, slip, sticks):
+    """Return (x, slip, excess of P, excess of Q) after the step; an excess is that of the trapezoidal sum."""
+    if passage.z_new <= 0.0:
+        return _release(problem, passage, x, slip)
+    if passage.z_old <= 0.0:
+        return _close(problem, passage)
+    if slip == 0.0:
+        x, slip, excess = _stick(problem, passage, x, sticks)
+        return x, slip, 0.0, excess
+    x, slip = _slip(problem, passage, slip)
+    return x, slip, 0.0, 0.0
+
+
+@compiled
 def _step(problem, k, table, own, slider, m):
     """Move one run from step k of the cycle to the next; column m of `slider` is its motion, `own` its contacts."""
     h, mu, kappa = slider[STEP, m], problem.friction, problem.stiffness
@@ -219,30 +231,27 @@ def _step(problem, k, table, own, slider, m):
     climb_next, speed_next = 2.0 * climb_half - climb, 2.0 * speed_half - speed
     push, pull, push_excess, pull_excess = 0.0, 0.0, 0.0, 0.0
     for i in range(own.shape[1]):
-        z_old, z_new, x, slip, normal = own[Z, i], table[U_Z, k + 1, i] - height, own[X, i], own[SLIP, i], 0.0
+        z_old, z_new, x, slip = own[Z, i], table[U_Z, k + 1, i] - height, own[X, i], own[SLIP, i]
         own[Z, i] = z_new
         if z_old <= 0.0 and z_new <= 0.0:
             continue
-        passage = Passage(
-            h, z_old, z_new, table[W_Z, k, i] - climb, table[W_Z, k + 1, i] - climb_next, table[W_X, k, i] - speed,
-            table[W_X, k + 1, i] - speed_next, table[U_X, k + 1, i] - table[U_X, k, i] - travel,
-            table[W_X, k + 1, i] - table[W_X, k, i], height,
-        )  # fmt: skip
-        if z_new <= 0.0:
-            x, slip, normal, tangential = _release(problem, passage, x, slip)
-        elif z_old <= 0.0:
-            x, slip, normal, tangential = _close(problem, passage)
-        elif slip == 0.0:
-            x, slip, tangential = _stick(problem, passage, x)
+        along, z_rate = table[U_X, k + 1, i] - table[U_X, k, i] - travel, table[W_Z, k + 1, i] - climb_next
+        moved = x + along
+        sticks = z_old > 0.0 and slip == 0.0 and abs(moved) < problem.limit_slope * z_new
+        if sticks and x * moved >= 0.0:
+            x = moved
         else:
-            x, slip = _slip(problem, passage, slip)
-            tangential = 0.0
+            passage = Passage(
+                h, z_old, z_new, table[W_Z, k, i] - climb, z_rate, table[W_X, k, i] - speed,
+                table[W_X, k + 1, i] - speed_next, along, table[W_X, k + 1, i] - table[W_X, k, i], height,
+            )  # fmt: skip
+            x, slip, normal, tangential = _passed(problem, passage, x, slip, sticks)
+            push_excess += normal
+            pull_excess += tangential
         own[X, i], own[SLIP, i] = x, slip
-        push_excess += normal
-        pull_excess += tangential
         if z_new > 0.0:
             elastic = kappa * load(z_new, problem.shape)
-            push += elastic * (1.0 + problem.contact_damping * passage.z_rate_new)
+            push += elastic * (1.0 + problem.contact_damping * z_rate)
             if slip != 0.0:
                 pull += slip * mu * elastic
             else:
@@ -302,8 +311,10 @@ def _abreast(runs, states, task, work):
                     slider[TRAVELLED, m] / (2.0 * np.pi),
                 )
     for m in range(per_cycle.size):
-        states[m, :3] = slider[HEIGHT : SPEED + 1, m]
-        states[m, 3:] = work.contact[m, X]
+        for row in (HEIGHT, CLIMB, SPEED):
+            states[m, row] = slider[row, m]
+        for i in range(work.contact.shape[2]):
+            states[m, 3 + i] = work.contact[m, X, i]
     return True
 
 
@@ -315,7 +326,8 @@ def _begin(problem, state, per_cycle, work, m):
     slider[STEP, m], slider[INVERSE, m] = h, 1.0 / problem.limit_slope
     slider[DAMP_N, m] = 1.0 / (1.0 + 0.5 * h * problem.normal_damping)
     slider[DAMP_T, m] = 1.0 / (1.0 + 0.5 * h * problem.tangential_damping)
-    slider[HEIGHT : SPEED + 1, m] = state[:3]
+    for row in (HEIGHT, CLIMB, SPEED):
+        slider[row, m] = state[row]
     push, pull = 0.0, 0.0
     for i in range(own.shape[1]):
         x, z, slip = state[3 + i], table[U_Z, 0, i] - slider[HEIGHT, m], 0.0
