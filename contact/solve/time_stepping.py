@@ -20,7 +20,17 @@ from contact.jit.compiled import compiled, native
 from contact.kinematics import Paths, at_phase, of_run, slip_speed
 from contact.law.normal import load
 from contact.problem import from_row
-from contact.solve.end_corrections import cubic, edge_excess, last_part, passage_excess, rising_root
+from contact.solve.end_corrections import (
+    closing_share,
+    contact_edge,
+    cubic,
+    curvature,
+    edge_excess,
+    last_part,
+    passage_excess,
+    rising_root,
+    slip_edge,
+)
 
 # rows of `Work.slider`, one column per run: motion, contact forces, distance within the cycle, what a step is made of
 HEIGHT, CLIMB, SPEED, NORMAL, TANGENTIAL, TRAVELLED, STEP, DAMP_N, DAMP_T, INVERSE, ROWS = range(11)
@@ -56,7 +66,7 @@ class Work(NamedTuple):
 
 
 class Passage(NamedTuple):
-    """What one contact does in a step: approach and rates at its ends, surface minus slider travel, z_s at its end."""
+    """What one contact does in a step: approach and rates at its ends, surface minus slider travel, changes of rates."""
 
     h: float
     z_old: float
@@ -66,8 +76,8 @@ class Passage(NamedTuple):
     x_rate_old: float
     x_rate_new: float
     along: float
-    bend: float
-    height: float
+    z_bend: float
+    x_bend: float
 
 
 @compiled
@@ -84,29 +94,6 @@ def _tabulate(paths, per_cycle, before, after, table):
             table[W_Z, k, i] = e.real * w_z - e.imag * u_z + turn.real * u_z + turn.imag * w_z
             table[U_X, k, i] = e.real * u_x + e.imag * w_x
             table[W_X, k, i] = e.real * w_x - e.imag * u_x + turn.real * u_x + turn.imag * w_x
-
-
-@compiled
-def contact_edge(problem, z_rate, z_bend, h):
-    """Return the coefficients of t^1.5 and t^2.5 in the elastic force at contact or release."""
-    first = problem.stiffness * z_rate * np.sqrt(z_rate)
-    return first, first * min(max(0.75 * z_bend / z_rate, -1.0 / h), 1.0 / h)
-
-
-@compiled
-def slip_edge(problem, below, above, v_old, v_new, h):
-    """Return what the rule's sum has too much for mu P - |Q| where stick ends within the step.
-
-    It is mu K (z - |x|/c)^1.5; `below` and `above` are |x| - c z at the ends of the step, v their rates.
-    """
-    if above <= 0.0:
-        return 0.0
-    c = problem.limit_slope
-    s = rising_root(below, above, h * v_old, h * v_new)
-    v_edge = max(v_old + s * (v_new - v_old), 0.0)
-    bend = 0.75 * (v_old - v_new) / max(v_edge, 1e-300)
-    first = problem.friction * problem.stiffness * v_edge / c * np.sqrt(v_edge / c)
-    return edge_excess(s, h, first, first * min(max(bend, -1.0), 1.0) / h)
 
 
 @compiled
@@ -134,12 +121,17 @@ def _release(problem, passage, x, slip):
     r0, r1 = h * passage.z_rate_old, h * passage.z_rate_new
     s = rising_root(-passage.z_old, -passage.z_new, -r0, -r1)
     rate = max(-(r0 + s * (r1 - r0)) / h, 1e-6)
-    first, second = contact_edge(problem, rate, -passage.height, h)
+    first, second = contact_edge(problem, rate, passage.z_bend, h)
     sign, tangential = 1.0 if x > 0.0 else -1.0, 0.0
     if slip == 0.0:  # it must have slipped before
         sign, tangential = _leave_stick(problem, passage, x)
-    normal = edge_excess(s, h, first * (1.0 - problem.contact_damping * rate), second)
-    return 0.0, 0.0, normal, tangential + sign * problem.friction * edge_excess(s, h, first, second)
+    normal = edge_excess(s, h, first * (1.0 - problem.contact_damping * rate), second, problem.shape)
+    return (
+        0.0,
+        0.0,
+        normal,
+        tangential + sign * problem.friction * edge_excess(s, h, first, second, problem.shape),
+    )
 
 
 @compiled
@@ -151,7 +143,7 @@ def _stick(problem, passage, x, sticks):
             problem.friction * problem.stiffness * load(passage.z_new, problem.shape),
             passage.x_rate_new,
         )
-        bend = 0.375 * force * x_rate * abs(x_rate) / (limit * limit)
+        bend = curvature(problem.shape) * force * x_rate * abs(x_rate) / (limit * limit)
         return deformation, 0.0, passage_excess(x / (x - deformation), passage.h, bend)
     sign, excess = _leave_stick(problem, passage, x)
     _, v_new = _slip_speeds(problem, passage, sign)
@@ -173,21 +165,20 @@ def _slip(problem, passage, sign):
 @compiled
 def _close(problem, passage):
     """Return (x, slip, excess of P, excess of Q) of a contact that closes."""
-    c, h, height = problem.limit_slope, passage.h, passage.height
+    c, h, shape = problem.limit_slope, passage.h, problem.shape
     r0, r1 = h * passage.z_rate_old, h * passage.z_rate_new
     s = rising_root(passage.z_old, passage.z_new, r0, r1)
     y0, y1 = h * passage.x_rate_old, h * passage.x_rate_new
     rate, drift = max((r0 + s * (r1 - r0)) / h, 1e-6), (y0 + s * (y1 - y0)) / h
     sign = 1.0 if drift > 0.0 else -1.0
-    first, second = contact_edge(problem, rate, -height, h)
-    normal = edge_excess(1.0 - s, h, first * (1.0 + problem.contact_damping * rate), second)
+    first, second = contact_edge(problem, rate, passage.z_bend, h)
+    normal = edge_excess(1.0 - s, h, first * (1.0 + problem.contact_damping * rate), second, shape)
     ratio = min(sign * drift / (c * rate), 1.0)
-    root = np.sqrt(1.0 - ratio)
-    share, turn = 1.0 - (1.0 - ratio) * root, 0.0
+    (share, steep), turn = closing_share(ratio, shape), 0.0
     if ratio < 1.0:
-        turn = 0.75 * root * (sign * passage.bend / (h * c) + ratio * height) / rate
+        turn = steep * (sign * passage.x_bend / c - ratio * passage.z_bend) / rate
         turn = min(max(turn, -1.0 / h), 1.0 / h)
-    excess = edge_excess(1.0 - s, h, first * share, second * share + first * turn)
+    excess = edge_excess(1.0 - s, h, first * share, second * share + first * turn, shape)
     tangential = sign * problem.friction * excess
     x, limit = passage.along - cubic(s, 0.0, passage.along, y0, y1), c * passage.z_new
     if ratio == 1.0:
@@ -243,7 +234,8 @@ def _step(problem, k, table, own, slider, m):
         else:
             passage = Passage(
                 h, z_old, z_new, table[W_Z, k, i] - climb, z_rate, table[W_X, k, i] - speed,
-                table[W_X, k + 1, i] - speed_next, along, table[W_X, k + 1, i] - table[W_X, k, i], height,
+                table[W_X, k + 1, i] - speed_next, along, problem.paths.height[i] - height,
+                (table[W_X, k + 1, i] - table[W_X, k, i]) / h,
             )  # fmt: skip
             x, slip, normal, tangential = _passed(problem, passage, x, slip, sticks)
             push_excess += normal
