@@ -56,8 +56,8 @@ DONE, NOT_FINITE, TOO_MANY, STIFF, FULL = 0, 1, 2, 3, 4
 STRETCHES, HALVINGS, SWEEPS, CYCLES, CHATTER, TALLY = 6, 7, 8, 9, 10, 12
 # what became of an attempt at a segment
 ACCEPTED, TOO_ROUGH, NOT_CONVERGED, EVENT_AT_START = 0, 1, 2, 3
-# columns of `Task.samples` after z, x, P and Q, and of `Task.rows`
-REGIME, SLIDER_VELOCITY, SAMPLED = 4, 5, 6
+# columns of `Task.samples` and of `Task.rows`
+APPROACH, DEFORMATION, NORMAL_FORCE, TANGENTIAL_FORCE, REGIME, SLIDER_VELOCITY, SAMPLED = range(7)
 ROW_VELOCITY, ROW_POSITION, ROW_MEAN_VELOCITY, ROW = 0, 1, 2, 3
 
 

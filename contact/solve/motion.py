@@ -87,9 +87,10 @@ class Motion:
             twin.memory = hysteretic.copy(self.memory)
         return twin
 
-    def clear(self) -> None:
-        """Set what has been counted and summed to zero."""
+    def begin(self) -> np.ndarray:
+        """Set what has been counted and summed to zero; return the energies at this start."""
         self.tally[:], self.sums[:] = 0, 0.0
+        return self.energy()
 
     def turn(self, number: int, *, mobile: bool = True, stride: int = 0) -> np.ndarray:
         """Move through `number` whole cycles; return rows (v, z_s, mean v) every `stride` cycles."""
@@ -179,6 +180,13 @@ class Motion:
                 grid.rates,
             )
         state.slider[:] = height, climb, speed
+
+    @property
+    def sticks(self) -> bool:
+        """Whether some contact sticks, all others are apart, and nothing else has happened since `begin`."""
+        moved = elastic.CONTACT, elastic.RELEASE, elastic.STICK_TO_SLIP, elastic.SLIP_TO_STICK
+        rest = (self.regime == elastic.STICK) | (self.regime == elastic.SEPARATED)
+        return bool(np.all(rest) and np.any(self.regime)) and not np.any(self.tally[list(moved)])
 
     def smallest_gap(self) -> float:
         """Return the smallest time between two events since the sums were cleared, s; inf if there were not two."""

@@ -66,7 +66,7 @@ class Work(NamedTuple):
 
 
 class Passage(NamedTuple):
-    """What one contact does in a step: approach and rates at its ends, surface minus slider travel, changes of rates."""
+    """What one contact does in a step: approach and rates at its ends, surface minus slider travel, accelerations."""
 
     h: float
     z_old: float
