@@ -74,9 +74,8 @@ def release_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
         return math.inf if slider.preload > 0.0 else 0.0
 
     def least(factor):
-        return np.min(
-            riding_height(slider, tuple(o.scaled(factor) for o in listed)) + heights - factor * reach
-        )
+        h = riding_height(slider, tuple(o.scaled(factor) for o in listed))
+        return float(np.min(h + heights - factor * reach))
 
     elastic = _falling_root(least, slider, listed)
     friction = slider.friction_coefficient * slider.preload

@@ -1,9 +1,10 @@
 r"""Independent oracle for the hysteretic law and punches: every contact is a row of springs, followed in small steps.
 
 Method of dimensionality reduction (Popov and Hess, *Method of Dimensionality Reduction in Contact Mechanics and
-Friction*, 2015, ch. 5): springs at s on -a..a under the profile s^2/R (sphere) or 0 (punch), each with normal stiffness
-E ds, tangential stiffness 4 G ds and the friction limit mu times its own normal force. The slider on its contacts is moved by velocity
-Verlet in SI units. Nothing is shared with the product: no events, no memory of turning points, no scaling.
+Friction*, 2015, ch. 5): springs at s on -a..a under the profile s^2/R (sphere) or 0 (punch), each with normal
+stiffness E ds, tangential stiffness 4 G ds and the friction limit mu times its own normal force. The slider on its
+contacts is moved by velocity Verlet in SI units. Nothing is shared with the product: no events, no memory of turning
+points, no scaling.
 
 Errors: of the springs' sums order 1.5 in their number (the edge of the contact falls between two springs), of the
 motion order 1 to 2 in the step.
