@@ -15,6 +15,7 @@ _HOME = {
     "automatic_period": "analytic.half_space",
     "Band": "solve.band",
     "BeamError": "beam.surface_beam",
+    "beam_refusal": "beam.surface_beam",
     "blas_on_one_thread": "threads",
     "bulk_velocities": "analytic.lamb",
     "burst_response": "solve.burst",

@@ -22,6 +22,7 @@ import numpy as np
 from fem.beam.charges import ElectrodeCharges, electrode_charges
 from fem.beam.lateral import LateralRule, lateral_rule
 from fem.beam.line_source import LineSource, isotropic_about_normal, line_source
+from fem.geometry import Stator
 from fem.results.surface_wave import SurfaceWave
 
 NEAREST = 0.5  # wavelengths from the fingers, within which the field is not given
@@ -192,6 +193,17 @@ def _static(source, charges, aperture, side, x, y) -> np.ndarray:
     return out * (source.static / np.pi)
 
 
+def beam_refusal(stator: Stator) -> str:
+    """Why the field in three dimensions of a stator is not known, in a sentence; empty where it is."""
+    if stator.ends != "absorbing":
+        return f"the field in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}"
+    if not isotropic_about_normal(stator.solid):
+        return (
+            f"the field in three dimensions needs a solid isotropic about z, which {stator.solid.name} is not"
+        )
+    return ""
+
+
 def surface_beam(wave: SurfaceWave) -> SurfaceBeam:
     """Field in three dimensions of a driven stator, from the section's solution.
 
@@ -210,13 +222,9 @@ def surface_beam(wave: SurfaceWave) -> SurfaceBeam:
         For other cuts and ends.
     """
     solution = wave.solution
-    stator = solution.fields.stator
-    if stator.ends != "absorbing":
-        raise BeamError(f"the field in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}")
-    if not isotropic_about_normal(stator.solid):
-        raise BeamError(
-            f"the field in three dimensions needs a solid isotropic about z, which {stator.solid.name} is not"
-        )
+    refusal = beam_refusal(solution.fields.stator)
+    if refusal:
+        raise BeamError(refusal)
     transducers = solution.fields.transducers
     return SurfaceBeam(
         wave=wave,

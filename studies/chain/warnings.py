@@ -14,6 +14,7 @@ from studies.record import Record
 
 __all__ = ["warnings_of"]
 
+SIDEWAYS = 0.1  # |u_y| over |u_x| from which it is said
 CREEP = 0.01  # of the surface's own speed along x
 
 
@@ -24,7 +25,7 @@ def warnings_of(record: Record) -> tuple[str, ...]:
         for each in OF_THE_STATOR:
             found += each(record)
     if scene.slider is not None:
-        for each in (_same_place, _pressure, _reversal, _other_motion, _all_stick):
+        for each in (_same_place, _sideways, _pressure, _reversal, _other_motion, _all_stick):
             found += each(record)
     return tuple(found)
 
@@ -39,6 +40,16 @@ def _same_place(record: Record) -> Iterator[str]:
         )
 
 
+def _sideways(record: Record) -> Iterator[str]:
+    """Yield a warning where the surface moves a ball sideways, which the contact leaves out."""
+    ratio = record.wave.get("largest_lateral_ratio", 0.0)
+    if ratio > SIDEWAYS:
+        yield (
+            f"the surface moves sideways under a ball, |u_y/u_x| = {ratio:.2g}, but the contact follows it along "
+            "x alone: keep the balls nearer to the middle of the beam"
+        )
+
+
 def _pressure(record: Record) -> Iterator[str]:
     """Yield warnings where the Hertz pressure passes what ball or stator bear, at rest or on the highest crest."""
     from contact import riding_height
@@ -50,7 +61,7 @@ def _pressure(record: Record) -> Iterator[str]:
         return
     level = max(scene.levels)
     if record.surface_wave is not None:
-        orbits = bridge.scaled(bridge.orbits_per_volt(record.surface_wave, scene.slider), level)
+        orbits = bridge.scaled(bridge.orbits_per_volt(record.surface_motion, scene.slider), level)
     else:
         orbits = bridge.scaled(bridge.given_orbits(scene.wave), level)
     approach = riding_height(slider, orbits) + max(abs(orbit.normal) for orbit in orbits)

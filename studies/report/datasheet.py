@@ -284,7 +284,7 @@ def _resonances(record: Record, driven: DrivenContact, say) -> list[Row]:
     if scene.transducer:
         from studies.chain.center import ACCURACY, center_frequency
 
-        best = center_frequency(scene, scene.slider.position, progress=say)
+        best = center_frequency(scene, scene.slider.center[0], progress=say)
         rows.append(Row(group="resonance", name="frequency of the largest wave", value=best, unit="Hz", error=ACCURACY,
                         condition="at the slider, fingers as they are"))  # fmt: skip
     return [

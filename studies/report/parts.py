@@ -215,7 +215,7 @@ def _covered(scene: Scene) -> bool:
     """Return whether the slider's centre stands over a transducer."""
     halves = [each.finger_pairs * each.period / 2 for each in scene.transducer]
     pairs = zip(scene.transducer, halves, strict=True)
-    return any(abs(scene.slider.position - each.center) <= half for each, half in pairs)
+    return any(abs(scene.slider.center[0] - each.center) <= half for each, half in pairs)
 
 
 def _level(size, seconds: float) -> Level:
