@@ -1,9 +1,11 @@
 r"""The slider's equations in the wave's own units: one named tuple that every kernel takes.
 
 Unit of time 1/omega (so time is phase), of length ell = max(rest approach, largest |u_z| or |u_x|), of force
-m omega^2 ell. With zeta_i = u_i - z_s:
+m omega^2 ell. With approach zeta_i:
 
-    z_s'' = sum kappa zeta_i^1.5 (1 + chi zeta_i') - d_n z_s' - p,    v' = sum Q_i - d_t v - q.
+    z_s'' = sum kappa p(zeta_i) (1 + chi zeta_i') - d_n z_s' - p,    v' = sum Q_i - d_t v - q,
+
+with p(zeta) the load of `law.normal` and zeta_i of `kinematics`.
 """
 
 import math
@@ -12,6 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.jit.compiled import compiled
+from contact.kinematics import Paths
+from contact.law import normal
 from contact.orbit import Orbit
 from contact.slider import Slider
 
@@ -25,7 +29,7 @@ class Problem(NamedTuple):
     Attributes
     ----------
     stiffness : float
-        kappa of P = kappa z^1.5, of one contact.
+        kappa of P = kappa p(z), of one contact.
     contact_damping : float
         chi.
     normal_damping, tangential_damping : float
@@ -42,8 +46,10 @@ class Problem(NamedTuple):
         Longest segment of the event-driven solver.
     law : int
         ELASTIC, RECIPROCAL or HYSTERETIC.
-    waves : (n, 4) array
-        Per contact a, b of u_z = a cos phi + b sin phi, then a, b of u_x.
+    shape : int
+        Of each contact, SPHERE or PUNCH of `law.normal`.
+    paths : Paths
+        Of the contacts.
     length : float
         ell, m.
     omega : float
@@ -61,9 +67,15 @@ class Problem(NamedTuple):
     stick_band: float
     longest: float
     law: int
-    waves: np.ndarray
+    shape: int
+    paths: Paths
     length: float
     omega: float
+
+    @property
+    def contacts(self) -> int:
+        """Number of contacts."""
+        return len(self.paths.height)
 
     @property
     def speed(self) -> float:
@@ -78,35 +90,25 @@ class Problem(NamedTuple):
     @property
     def row(self) -> np.ndarray:
         """The numbers that `from_row` takes, as an array."""
-        return np.array([*self[:10], float(self.law), self.length, self.omega])
+        return np.array([*self[:12], self.length, self.omega], float)
 
 
 @compiled
-def from_row(row, waves):
-    """Return the problem with these numbers (`Problem.row`) and waves."""
+def from_row(row, paths):
+    """Return the problem with these numbers (`Problem.row`) and paths."""
     return Problem(
-        row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], int(row[10]), waves, row[11],
-        row[12],
+        row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], int(row[10]), int(row[11]),
+        paths, row[12], row[13],
     )  # fmt: skip
 
 
 @compiled
-def with_load(problem, load):
-    """Return the problem with another load."""
+def changed(problem, load, paths):
+    """Return the problem with another load and other paths."""
     return Problem(
         problem.stiffness, problem.contact_damping, problem.normal_damping, problem.preload,
         problem.tangential_damping, load, problem.friction, problem.limit_slope, problem.stick_band, problem.longest,
-        problem.law, problem.waves, problem.length, problem.omega,
-    )  # fmt: skip
-
-
-@compiled
-def with_waves(problem, waves):
-    """Return the problem with other waves."""
-    return Problem(
-        problem.stiffness, problem.contact_damping, problem.normal_damping, problem.preload,
-        problem.tangential_damping, problem.load, problem.friction, problem.limit_slope, problem.stick_band,
-        problem.longest, problem.law, waves, problem.length, problem.omega,
+        problem.law, problem.shape, paths, problem.length, problem.omega,
     )  # fmt: skip
 
 
@@ -126,10 +128,9 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
     reach = max(max(abs(o.normal), abs(o.tangential)) for o in orbits)
     length = max(slider.rest_approach(len(orbits)), reach, 1e-300)
     unit = slider.mass * omega**2 * length
-    kappa = slider.hertz_stiffness * length**1.5 / unit
-    turned = [
-        (o.normal * np.exp(1j * start) / length, o.tangential * np.exp(1j * start) / length) for o in orbits
-    ]
+    kappa = slider.normal_stiffness * float(normal.load(length, slider.contact_shape)) / unit
+    turn = np.exp(1j * start) / length
+    u_z, u_x = np.array([o.normal * turn for o in orbits]), np.array([o.tangential * turn for o in orbits])
     viscous = max(slider.normal_damping, slider.tangential_damping) / (slider.mass * omega)
     law = HYSTERETIC if slider.law == "hysteretic" else RECIPROCAL if slider.reciprocal else ELASTIC
     return Problem(
@@ -144,19 +145,29 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
         stick_band=slider.stick_band / (omega * length),
         longest=min(
             2.0 * math.pi / 8.0 if reach > 0.0 else math.inf,
-            _longest(kappa, len(orbits), max(viscous, slider.contact_damping * omega * length * kappa)),
+            _longest(
+                kappa,
+                slider.contact_shape,
+                len(orbits),
+                max(viscous, slider.contact_damping * omega * length * kappa),
+            ),
         ),
         law=law,
-        waves=np.array([[n.real, -n.imag, t.real, -t.imag] for n, t in turned]),
+        shape=slider.contact_shape,
+        paths=Paths(np.zeros(len(orbits)), u_z.real.copy(), -u_z.imag, u_x.real.copy(), -u_x.imag),
         length=length,
         omega=omega,
     )
 
 
-def _longest(kappa, contacts, damping):
+def largest_resonance(kappa: float, shape: int, contacts: int) -> float:
+    """Return the largest contact resonance over the wave's frequency; the approach is at most twice the unit."""
+    return math.sqrt(contacts * kappa * float(normal.slope(2.0, shape)))
+
+
+def _longest(kappa, shape, contacts, damping):
     """Return the longest segment that contact and dampers allow: Picard's iteration gains nothing on a longer one."""
-    stiffest = math.sqrt(1.5 * contacts * kappa * math.sqrt(2.0) + 1e-300)
-    return min(0.8 / stiffest, 2.0 / (damping + 1e-300))
+    return min(0.8 / (largest_resonance(kappa, shape, contacts) + 1e-150), 2.0 / (damping + 1e-300))
 
 
 def immobile(problem: Problem) -> Problem:
@@ -169,6 +180,6 @@ def without_wave(problem: Problem) -> Problem:
     damping = max(
         problem.normal_damping, problem.tangential_damping, problem.contact_damping * problem.stiffness
     )
-    return problem._replace(
-        longest=_longest(problem.stiffness, len(problem.waves), damping), waves=np.zeros_like(problem.waves)
-    )
+    paths = Paths(problem.paths.height, *np.zeros((4, problem.contacts)))
+    longest = _longest(problem.stiffness, problem.shape, problem.contacts, damping)
+    return problem._replace(longest=longest, paths=paths)

@@ -64,6 +64,7 @@ class Circuit:
         Ports with a source, those of amplitude 0 last; the first is that of ``admittance`` and ``voltage``.
     aperture : float
         Of its transducer, m.
+    drive : Drive
     """
 
     names: tuple[str, ...]
@@ -71,6 +72,7 @@ class Circuit:
     currents: np.ndarray = field(repr=False)
     sources: tuple[int, ...]
     aperture: float
+    drive: Drive
 
     @property
     def admittance(self) -> complex:
@@ -151,4 +153,5 @@ def solve_circuit(
         currents=admittances @ voltages,
         sources=tuple(names.index(name) for name in by_amplitude),
         aperture=everyone[by_amplitude[0]].aperture,
+        drive=drive,
     )

@@ -134,7 +134,9 @@ def _by_port(by_strip: _Strips, transducers: tuple[Transducer, ...], frequency: 
     charges = ports.T @ by_strip.charges @ ports
     return DirectSolution(
         names=tuple(each.name for each in two),
-        admittances=charge_admittances(charges, [each.aperture for each in two], frequency),
+        admittances=charge_admittances(
+            charges, np.minimum.outer(*2 * [[each.aperture for each in two]]), frequency
+        ),
         unknowns=by_strip.unknowns,
         surface=lambda places: by_strip.surface(places) @ ports,
     )

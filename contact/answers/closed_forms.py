@@ -11,6 +11,8 @@ import math
 
 from contact.convergence import ConvergenceError
 from contact.drive import drive_direction
+from contact.law.elastic import back_load
+from contact.law.normal import load
 from contact.orbit import Orbit
 from contact.slider import Slider
 from contact.solve.limits import riding_height
@@ -53,8 +55,10 @@ def closed_form(slider: Slider, orbits: tuple[Orbit, ...]) -> dict | None:
 def _sliding(slider):
     """Return mu times the mean of the elastic normal forces of contacts that slip all the time, N."""
     friction = slider.friction_coefficient * slider.preload
-    # the reciprocal force of a slipping contact is mu P c/2, and carries its share of the preload
-    back = 0.5 * slider.friction_coefficient * slider.limit_slope
+    # the reciprocal force of a slipping contact is a fixed share of P, and carries its share of the preload
+    shape = slider.contact_shape
+    share = back_load(1.0, 0.0, shape) / load(1.0, shape)
+    back = share * slider.friction_coefficient * slider.limit_slope
     return friction / (1.0 + back) if slider.reciprocal and slider.law == "elastic" else friction
 
 

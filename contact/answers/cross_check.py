@@ -16,6 +16,7 @@ from contact.answers.methods import rest_problem, why_not_stepped
 from contact.answers.steady import SteadyState
 from contact.convergence import ConvergenceError
 from contact.drive import reference_speed, towards_plus
+from contact.kinematics import normal_amplitude, tangential_amplitude
 from contact.problem import HYSTERETIC
 
 # steps per cycle, the last for the answer and all for its error, and nodes of the exact way
@@ -79,8 +80,9 @@ def second_opinion(state: SteadyState) -> SecondOpinion:
     a, b = runs[-1]
     if state.velocity == 0.0:
         # held: what the springs may give and take back is no motion
-        reach = slider.limit_slope * (abs(begin[0]) + max(np.hypot(*problem.waves[:, :2].T)))
-        reach += max(np.hypot(*problem.waves[:, 2:].T))
+        every = np.arange(problem.contacts)
+        reach = slider.limit_slope * (abs(begin[0]) + max(normal_amplitude(problem.paths, every)))
+        reach += max(tangential_amplitude(problem.paths, every))
         error, found = 2.0 * reach / (2.0 * math.pi * (cycles // 4)), [b]
     else:
         begin[2] += BESIDE * reference

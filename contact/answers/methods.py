@@ -13,6 +13,9 @@ import numpy as np
 from contact.answers.averaged import averaged_run, why_not
 from contact.convergence import ConvergenceError
 from contact.drive import reference_speed
+from contact.law.elastic import deformation
+from contact.law.normal import load
+from contact.problem import largest_resonance
 
 METHODS = ("auto", "exact", "stepped", "averaged")
 # up to here "auto" follows every event, whatever the tolerance
@@ -56,7 +59,7 @@ def rest(slider, orbits, problem, *, nodes, truncation):
     depth = slider.rest_approach(contacts) / problem.length
     friction = slider.friction_coefficient * slider.preload
     used = min(slider.load / friction, 1.0) if friction > 0.0 else 0.0
-    x = slider.limit_slope * depth * (1.0 - (1.0 - used) ** (2.0 / 3.0))
+    x = deformation(depth, used, slider.limit_slope, slider.contact_shape)
     motion.place(-depth, 0.0, 0.0, math.copysign(x, problem.load))
     return motion
 
@@ -201,7 +204,7 @@ def _stepped(slider, orbits, problem, cycles, stride, tolerance, envelope):
     begin.state[:] = state
     statistics = {
         "steps_per_cycle": STEPS[k][0], "cycles": cycles,
-        "omega_n_dt": _stiffness(problem) * 2.0 * math.pi / STEPS[k][0],
+        "omega_n_dt": _resonance(problem) * 2.0 * math.pi / STEPS[k][0],
     }  # fmt: skip
     every = stride // inner
     return begin, rows[every - 1 :: every], error, statistics
@@ -212,27 +215,29 @@ def _divisor(number, most):
     return next(d for d in range(min(number, most), 0, -1) if number % d == 0)
 
 
-def _stiffness(problem):
-    """Return the largest contact resonance over the wave's frequency; the approach is at most twice the unit."""
-    return math.sqrt(1.5 * problem.stiffness * len(problem.waves) * math.sqrt(2.0))
+def _resonance(problem):
+    return largest_resonance(problem.stiffness, problem.shape, problem.contacts)
 
 
 def why_not_stepped(slider, problem, per_cycle):
     """Return why fixed steps cannot follow this motion, or an empty string."""
     if slider.stick_band > 0.0:
         return "slider.stick_band needs the events"
+    if slider.shape == "punch":
+        return "its corrections at the events are those of a sphere"
     if slider.law != "elastic" or slider.reciprocal:
         return "it knows the elastic law without its reciprocal force only"
     if slider.limit_slope == 0.0:
         return "no friction"
     step = 2.0 * math.pi / per_cycle
-    if step * _stiffness(problem) > LARGEST_STEP:
+    turn = step * _resonance(problem)
+    if turn > LARGEST_STEP:
         return (
-            f"the contact resonance is too fast: omega_n dt = {step * _stiffness(problem):.3g} with {per_cycle} steps "
+            f"the contact resonance is too fast: omega_n dt = {turn:.3g} with {per_cycle} steps "
             f"per cycle, more than {LARGEST_STEP}"
         )
     # Hunt-Crossley's force enters by the rate, to first order in the step
-    if step * problem.contact_damping * problem.stiffness * 2.0**1.5 > LARGEST_DAMPING:
+    if step * problem.contact_damping * problem.stiffness * load(2.0, problem.shape) > LARGEST_DAMPING:
         return f"the contact's damper is too fast for {per_cycle} steps per cycle"
     if step * max(problem.normal_damping, problem.tangential_damping) > LARGEST_STEP:
         return f"the dampers are too fast for {per_cycle} steps per cycle"

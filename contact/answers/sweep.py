@@ -22,6 +22,7 @@ from contact.answers.averaged import HARMONICS, STIFFEST_STEADY, refuse_unless_a
 from contact.answers.closed_forms import closed_form
 from contact.convergence import ConvergenceError
 from contact.drive import reference_speed, towards_plus
+from contact.kinematics import Paths
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
 
@@ -230,7 +231,11 @@ def _rows(sliders, waves, which, factors, wave_errors, threads):
     factors = np.asarray(factors, float)
     parameters = np.array([_parameters(slider) for slider in sliders])
     sides, driven = zip(*(towards_plus(orbits) for orbits in waves), strict=True)
-    shapes = np.array([[_quarters(orbit) for orbit in orbits] for orbits in driven])
+    u_z, u_x = (
+        np.array([[getattr(orbit, name) for orbit in orbits] for orbits in driven])
+        for name in ("normal", "tangential")
+    )
+    paths = Paths(np.zeros((len(waves), contacts)), u_z.real.copy(), -u_z.imag, u_x.real.copy(), -u_x.imag)
     omegas = np.array([orbits[0].omega for orbits in waves])
     resonances = np.array([slider.normal_resonance(contacts) for slider in sliders])
     ratios = resonances[which[:, 0]] * 2.0 * math.pi / omegas[which[:, 1]]
@@ -244,7 +249,7 @@ def _rows(sliders, waves, which, factors, wave_errors, threads):
         if not apply[k]:
             _fill_closed(sliders[pair[0]], driven[pair[1]], factors[k], out[k])
     todo = np.flatnonzero(apply)
-    given = columns.Given(parameters, shapes, omegas, np.asarray(wave_errors, float), ratios, which, factors)
+    given = columns.Given(parameters, paths, omegas, np.asarray(wave_errors, float), ratios, which, factors)
     _spread(given, out, todo, threads)
     for column in (columns.VELOCITY, columns.FIRST_ORDER):
         moving = np.flatnonzero(np.nan_to_num(out[:, column]) != 0.0)  # no negative zero
@@ -271,13 +276,9 @@ def _fill_closed(slider, orbits, factor, row):
 
 def _parameters(s: Slider) -> tuple[float, ...]:
     return (
-        s.mass, s.hertz_stiffness, s.limit_slope, s.preload, s.load, s.friction_coefficient, s.contact_damping,
-        s.normal_damping, s.tangential_damping,
+        s.mass, s.normal_stiffness, s.limit_slope, s.preload, s.load, s.friction_coefficient, s.contact_damping,
+        s.normal_damping, s.tangential_damping, float(s.contact_shape),
     )  # fmt: skip
-
-
-def _quarters(orbit: Orbit) -> tuple[float, ...]:
-    return orbit.normal.real, -orbit.normal.imag, orbit.tangential.real, -orbit.tangential.imag
 
 
 def _spread(given, out, todo, threads):

@@ -13,6 +13,7 @@ from contact import bounds
 from contact.answers.methods import rest, rest_problem, silence
 from contact.convergence import ConvergenceError
 from contact.drive import available, towards_plus
+from contact.kinematics import at_phase
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
 from contact.solve.averaged_sweep import MAX_RATIO_HELD
@@ -116,8 +117,8 @@ def contact_history(
     at = offset + turn * cycles * np.arange(1, count + 1) / count
     samples = motion.move(offset, offset + turn * cycles * (1.0 + 1e-13), at)
     force = slider.mass * problem.omega**2 * problem.length
-    waves = motion.problem.waves
-    v_t = np.cos(at)[:, None] * waves[:, 3] - np.sin(at)[:, None] * waves[:, 2]
+    every = np.arange(motion.problem.contacts)
+    v_t = at_phase(motion.problem.paths, every, np.cos(at)[:, None], np.sin(at)[:, None])[3]
     return History(
         slider=slider, orbits=listed, time=(at - offset + turn * skip) / problem.omega,
         approach=samples[:, :, 0] * problem.length, deformation=side * samples[:, :, 1] * problem.length,
@@ -151,16 +152,19 @@ def _steady_motion(slider, orbits):
     if instead is not None:
         return instead.motion
     motion, problem = found.motion, rest_problem(slider, orbits)
-    motion.move(0.0, _phase_between(motion.problem.waves[0], problem.waves[0]), np.empty(0))
+    motion.move(0.0, _phase_between(motion.problem.paths, problem.paths), np.empty(0))
     motion.problem = problem
     return motion
 
 
 def _phase_between(first, second):
-    """Return the phase in [0, 2 pi) after which a contact's wave (a, b of u_z, a, b of u_x) is the other one."""
-    normal, tangential = (
-        complex(*second[k : k + 2]) / complex(*first[k : k + 2]) if np.any(first[k : k + 2]) else 0.0
-        for k in (0, 2)
-    )
+    """Return the phase in [0, 2 pi) after which the first contact's path is the other one."""
+
+    def quotient(cos, sin):
+        before = complex(getattr(first, cos)[0], getattr(first, sin)[0])
+        return complex(getattr(second, cos)[0], getattr(second, sin)[0]) / before if before else 0.0
+
+    normal = quotient("normal_cos", "normal_sin")
+    tangential = quotient("tangential_cos", "tangential_sin")
     # u = a cos phi + b sin phi: a + i b turns backwards
     return float(-np.angle(normal or tangential) % (2.0 * math.pi))

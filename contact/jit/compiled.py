@@ -31,6 +31,7 @@ from contact.jit.shapes import check_shapes
 
 HERE = Path(__file__).parents[1]  # the package, with all its kernels
 PACKAGE_CACHE = HERE / "__pycache__"
+_MARKS = (b"@compiled", b"@formula", b"@native", b"@summed")
 _FROZEN = ("collocation.py", "problem.py", "compiled.py", "compiler.py")
 _PLAIN = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 _LOCK = threading.RLock()
@@ -47,6 +48,11 @@ def compiled(function):
 def summed(function):
     """Return the function, compiled like the others, its sums in the order that suits the processor; a decorator."""
     return function if _PLAIN else Kernel(function, {"reassoc", "nsz"})
+
+
+def formula(function):
+    """Return the function, inlined in kernels and plain Python for Python (numbers or arrays); a decorator."""
+    return function if _PLAIN else Formula(function)
 
 
 def native(types: str, shapes: Mapping[str, str] | None = None):
@@ -104,6 +110,14 @@ class Kernel:
         return _numba().njit(nogil=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)(
             self.function
         )
+
+
+class Formula(Kernel):
+    """A few lines of arithmetic: from Python they are run as Python, without waiting for a compiler."""
+
+    def __call__(self, *arguments):
+        """Run the function itself."""
+        return self.function(*arguments)
 
 
 class Native(Kernel):
@@ -343,7 +357,7 @@ def _digest():
     digest = hashlib.sha256()
     for path in sorted(HERE.rglob("*.py")):
         text = path.read_bytes()
-        if b"@compiled" in text or b"@native" in text or path.name in _FROZEN:
+        if any(mark in text for mark in _MARKS) or path.name in _FROZEN:
             digest.update(text)
     digest.update(f"{version('numba')} {version('llvmlite')} {llvm.get_host_cpu_name()}".encode())
     digest.update(llvm.get_host_cpu_features().flatten().encode())

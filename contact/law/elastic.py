@@ -1,4 +1,17 @@
-r"""Stick, slip and separation of one contact: what bounds each regime and what follows it.
+r"""The elastic law: the tangential force as a function of approach and deformation; stick, slip and separation.
+
+Ciavarella, J. Appl. Mech. 65 (1998) 998, and Jaeger, Arch. Appl. Mech. 68 (1998) 245: the tangential force is mu times
+the difference between the normal force and that at a smaller approach, the approach of the part that sticks,
+
+    Q = mu (P(z) - P(z_s)) sign x,   z_s = z - |x|/c,   c = mu E/(4 G),   1/G = (2 - nu_1)/G_1 + (2 - nu_2)/G_2.
+
+For a sphere this is Cattaneo's and Mindlin's Q = mu P (1 - (1 - |x|/x_max)^(3/2)) (Johnson, *Contact Mechanics*,
+section 7.2; Feenstra and Breedveld, eq. 2) with x_max = 3 mu P/(16 a G) = c z exactly. For a punch it is Q = 8 R G x
+up to mu P at the same x_max = c z: nothing slips before. The initial stiffness is 8 a G for both.
+
+Stick and slip together are the *stop
+operator*: x follows the difference of surface and slider velocity, and is kept within [-c z, c z]. Q is smooth between
+x = 0 (for a sphere the curvature jumps there), |x| = x_max and z = 0.
 
 Guards are positive inside a regime; their first root ends it. With s the sign of deformation or slip,
 v_f = s (v_t - v_s) - c z' the slip speed (Feenstra and Breedveld, eq. 3, with the sign that the paper leaves out):
@@ -13,7 +26,11 @@ DV, so the contact still counts as stuck and carries mu P. With DV = 0 stick and
 Every transition lands on its far side: the state is set to the new regime's side of the guard, so that none chatters.
 """
 
-from contact.jit.compiled import compiled
+import numpy as np
+
+from contact.jit.compiled import formula
+from contact.kinematics import slip_speed
+from contact.law.normal import approach, energy, load, slope
 
 SEPARATED, STICK, SLIP, CREEP = 0, 1, 2, 3
 # of the hysteretic law, instead of stick: slip of an outer annulus, and an edge that grows without slip (`memory`)
@@ -27,7 +44,44 @@ WIPE_OUT = 11
 NAMES = ("contact", "release", "stick_to_slip", "slip_to_stick", "reversal", "graze")
 
 
-@compiled
+def limit_slope(friction_coefficient, effective_modulus, tangential_modulus):
+    """Return c = mu E/4G, dimensionless: the slip limit x_max over the approach z."""
+    return friction_coefficient * effective_modulus / (4.0 * tangential_modulus)
+
+
+@formula
+def friction_load(z, stick, shape):
+    """Return |Q|/(mu K) with z_s = `stick` = z - |x|/c, below 0 in full slip; past x = 0 the branch is continued."""
+    return load(z, shape) - load(stick, shape)
+
+
+@formula
+def friction_energy(z, stick, shape):
+    """Return W/(mu K c), W the integral of Q dx from 0 to |x| = c (z - z_s) at constant z."""
+    return (z - stick) * load(z, shape) - energy(z, shape) + energy(stick, shape)
+
+
+@formula
+def back_load(z, stick, shape):
+    """Return dW/dz/(mu K c) at constant x, the reciprocal normal force; zero for a punch."""
+    return (z - stick) * slope(z, shape) - load(z, shape) + load(stick, shape)
+
+
+@formula
+def deformation(z, share, c, shape):
+    """Return x at which Q is a share of mu P."""
+    return c * (z - approach((1.0 - share) * load(z, shape), shape))
+
+
+@formula
+def tangential_force(x, z, friction, c, shape):
+    """Return Q for any x, held at the friction limit beyond c z; `friction` is mu K. Numbers or arrays."""
+    if c == 0.0:
+        return 0.0 * x
+    return np.sign(x) * friction * friction_load(z, z - abs(x) / c, shape)
+
+
+@formula
 def guard(regime, which, sign, z, x, z_rate, x_rate, c, band):
     """Return guard number `which` (0, 1, 2) of a regime; 1.0 where the regime has no such guard."""
     if which == 0:
@@ -35,28 +89,28 @@ def guard(regime, which, sign, z, x, z_rate, x_rate, c, band):
     if regime == STICK:
         return FAR_SIDE + c * z - sign * x if which == 1 else FAR_SIDE + sign * x
     if regime == SLIP and which == 1:
-        return FAR_SIDE + sign * x_rate - c * z_rate - band
+        return FAR_SIDE + slip_speed(sign, z_rate, x_rate, c) - band
     if regime == CREEP:
-        return FAR_SIDE + (band - (sign * x_rate - c * z_rate) if which == 1 else sign * x - c * z)
+        return FAR_SIDE + (band - slip_speed(sign, z_rate, x_rate, c) if which == 1 else sign * x - c * z)
     return 1.0
 
 
-@compiled
+@formula
 def follow(regime, which, sign, z, x, z_rate, x_rate, c, band):
     """Return (regime, sign, x, kind of event) on the far side of guard `which`."""
-    slip_speed = sign * x_rate - c * z_rate
+    speed = slip_speed(sign, z_rate, x_rate, c)
     if which == 0:
         if regime != SEPARATED:
             return SEPARATED, sign, 0.0, RELEASE
         sign = -1.0 if x_rate < 0.0 else 1.0
-        slip_speed = sign * x_rate - c * z_rate
-        if slip_speed > band:
+        speed = slip_speed(sign, z_rate, x_rate, c)
+        if speed > band:
             return SLIP, sign, 0.0, CONTACT
-        return (CREEP if slip_speed > 0.0 else STICK), sign, 0.0, CONTACT
+        return (CREEP if speed > 0.0 else STICK), sign, 0.0, CONTACT
     if regime == STICK:
         if which == 2:
             return STICK, -sign, 0.0, REVERSAL
-        if slip_speed > band:
+        if speed > band:
             return SLIP, sign, sign * c * z, STICK_TO_SLIP
         return (CREEP if band > 0.0 else STICK), sign, sign * c * z, STICK_TO_SLIP
     if regime == SLIP:
@@ -66,7 +120,7 @@ def follow(regime, which, sign, z, x, z_rate, x_rate, c, band):
     return STICK, sign, sign * c * z, SLIP_TO_STICK
 
 
-@compiled
+@formula
 def opening(z, x, z_rate, x_rate, c, band):
     """Return (regime, sign, x) of a contact that is found with approach z and deformation x."""
     if z < 0.0 or (z == 0.0 and z_rate <= 0.0):
@@ -76,37 +130,29 @@ def opening(z, x, z_rate, x_rate, c, band):
         sign = -1.0
     if sign * x >= c * z * (1.0 - 1e-13):
         x = sign * c * z
-        slip_speed = sign * x_rate - c * z_rate
-        if slip_speed > band:
+        speed = slip_speed(sign, z_rate, x_rate, c)
+        if speed > band:
             return SLIP, sign, x
-        if slip_speed > 0.0 and band > 0.0:
+        if speed > 0.0 and band > 0.0:
             return CREEP, sign, x
     return STICK, sign, x
 
 
-@compiled
-def traction(regime, sign, z, x, normal_force, mu, c):
-    """Return Q; in stick the smooth branch of sign s is continued past x = 0 and held at mu P past the limit."""
-    if regime == SEPARATED or c * z <= 0.0:
-        return 0.0
-    if regime == STICK:
-        left = 1.0 - sign * x / (c * z)
-        if left <= 0.0:
-            return sign * mu * normal_force
-        return sign * mu * normal_force * (1.0 - left * left**0.5)
-    return sign * mu * normal_force
+@formula
+def traction(regime, sign, z, x, friction, c, shape):
+    """Return Q; in stick the smooth branch of sign s is continued past x = 0 and held at mu P past the limit.
 
-
-@compiled
-def back_force(regime, sign, z, x, normal_force, mu, c):
-    """Return dW/dz at constant x, W the energy of the tangential spring: mu P c (2.5 w(r) - r w'(r)), r = s x/(c z).
-
-    W = mu P c z w(r), w = r - 0.4 (1 - (1 - r)^2.5), P proportional to z^1.5; at the slip limit it is mu P c/2.
+    `friction` is mu K.
     """
+    if regime == SEPARATED or z <= 0.0 or c <= 0.0:
+        return 0.0
+    return sign * friction * friction_load(z, z - sign * x / c if regime == STICK else 0.0, shape)
+
+
+@formula
+def back_force(regime, sign, z, x, friction, c, shape):
+    """Return dW/dz at constant x, W the energy of the tangential spring; mu P c/2 for a sphere at the slip limit."""
     if regime == SEPARATED or z <= 0.0 or c == 0.0:
         return 0.0
-    if regime != STICK:
-        return 0.5 * mu * normal_force * c
-    left = max(1.0 - sign * x / (c * z), 0.0)
-    power = left * left**0.5
-    return mu * normal_force * c * (2.5 * (0.6 - left + 0.4 * left * power) - (1.0 - left) * (1.0 - power))
+    stick = max(z - sign * x / c, 0.0) if regime == STICK else 0.0
+    return friction * c * back_load(z, stick, shape)

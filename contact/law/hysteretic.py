@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.interpolation import interpolate
-from contact.jit.compiled import compiled
+from contact.jit.compiled import compiled, formula
 from contact.law.elastic import (
     ANNULUS,
     CONTACT,
@@ -38,6 +38,7 @@ from contact.law.elastic import (
     STICK_TO_SLIP,
     WIPE_OUT,
 )  # fmt: skip
+from contact.law.normal import SPHERE, load
 
 # corner: eta, u, w and the moment M at the inner end of a piece; curve: u, w, M and the rates of u, w in sigma
 ETA, U, W, MOMENT = 0, 1, 2, 3
@@ -85,7 +86,7 @@ def front(memory, i, s, z, x, c, sigma, bary):
     own, other = (U, W) if s > 0.0 else (W, U)
     if kind != 0:
         eta = min(max(s * (corner[other] - level) / (2.0 * c), 0.0), z)
-        return eta, corner[MOMENT] + kind * (eta * np.sqrt(eta) - corner[ETA] * np.sqrt(corner[ETA]))
+        return eta, corner[MOMENT] + kind * (load(eta, SPHERE) - load(corner[ETA], SPHERE))
     curve = memory.curve[i, k]
     values, rates = curve[own - 1], curve[own + 2]
     if s * (values[0] - level) <= 0.0:
@@ -121,13 +122,19 @@ def moment(memory, i, regime, s, z, x, c, sigma, bary):
     """Return (M, eta_f) of a contact with approach z and deformation x: Q = mu K M."""
     if regime == SEPARATED or z <= 0.0:
         return 0.0, 0.0
-    power = z * np.sqrt(z)
+    power = load(z, SPHERE)
     if regime == SLIP:
         return s * power, 0.0
     if regime == GROW:
         return memory.level[i], z
     eta, below = front(memory, i, s, z, x, c, sigma, bary)
-    return below + s * (power - eta * np.sqrt(eta)), eta
+    return below + s * (power - load(eta, SPHERE)), eta
+
+
+@formula
+def annulus_slip(z, eta):
+    """Return the force of the slipping springs over mu K and their share of the slip speed: eta to z, eta the front."""
+    return load(z, SPHERE) - 1.5 * z * np.sqrt(eta) + 0.5 * load(eta, SPHERE)
 
 
 @compiled
@@ -170,7 +177,7 @@ def freeze(memory, i, regime, s, z, x, c, sigma, bary):
     corner[ETA], corner[U], corner[W], corner[MOMENT] = eta, y - c * eta, y + c * eta, below
     memory.kind[i, k] = 1 if s > 0.0 else -1
     memory.count[i] = k + 1
-    memory.level[i] = below + s * (z * np.sqrt(z) - eta * np.sqrt(eta))
+    memory.level[i] = below + s * (load(z, SPHERE) - load(eta, SPHERE))
     return True
 
 
@@ -261,7 +268,7 @@ def jump(memory, i, regime, s, old_z, old_x, z, x, c, sigma, bary, rates):
         if dz > 0.0:
             root = np.sqrt(old_z) + 0.5 * (sigma + 1.0) * (np.sqrt(z) - np.sqrt(old_z))
             line = root**2  # so that M is a polynomial
-            level = memory.level[i] + dx / (c * dz) * (line * root - old_z * np.sqrt(old_z))
+            level = memory.level[i] + dx / (c * dz) * (line * root - load(old_z, SPHERE))
             write_curve(memory, i, line, old_x + dx / dz * (line - old_z), level, c, rates)
         return GROW, s, x
     s = 1.0 if dx > 0.0 else -1.0

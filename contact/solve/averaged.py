@@ -15,7 +15,9 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.jit.compiled import compiled, native, summed
-from contact.problem import with_load
+from contact.kinematics import normal_amplitude, tangential_amplitude
+from contact.law.normal import approach, load, slope
+from contact.problem import changed
 from contact.solve.cycle_mean import STUCK, circle, cycle, quadrature, respond
 from contact.solve.roots import narrowed, trial
 
@@ -65,50 +67,48 @@ def room(harmonics: int, nodes: int = NODES, fine_nodes: int = FINE_NODES) -> Wo
 
 
 @summed
-def _mean_powers(h, a, half, rule):
-    """Return the sums of z^1.5 and z^0.5 over the half of a cycle that is in contact."""
+def _mean_loads(h, a, half, rule, shape):
+    """Return the sums of p(z) and dp/dz over the half of a cycle that is in contact."""
     force = rate = 0.0
     for j in range(rule.shape[1]):
         co, _ = circle(half * rule[0, j])
-        z = h + a * co
-        z = z if z > 0.0 else 0.0
-        root = np.sqrt(z)
-        force += rule[1, j] * z * root
-        rate += rule[1, j] * root
+        force += rule[1, j] * load(h + a * co, shape)
+        rate += rule[1, j] * slope(h + a * co, shape)
     return force, rate
 
 
 @compiled
 def mean_push(problem, h, rule):
     """Return the cycle mean of sum P at constant approach and its derivative in h; it depends on h/|u_z| alone."""
-    kappa, waves = problem.stiffness, problem.waves
-    total = slope = force = rate = 0.0
-    last = -1.0
-    for i in range(waves.shape[0]):
-        a = np.hypot(waves[i, 0], waves[i, 1])
-        if a != last:
+    kappa, paths = problem.stiffness, problem.paths
+    total = steepness = force = rate = 0.0
+    last_a = last_z = -1.0
+    for i in range(paths.height.size):
+        a, z = normal_amplitude(paths, i), h + paths.height[i]
+        if a != last_a or z != last_z:
             force = rate = 0.0
-            last = a
-            if h > -a:
-                half = np.pi if h >= a else np.arccos(-h / a)
-                force, rate = _mean_powers(h, a, half, rule)
+            last_a, last_z = a, z
+            if z > -a:
+                half = np.pi if z >= a else np.arccos(-z / a)
+                force, rate = _mean_loads(z, a, half, rule, problem.shape)
                 force *= kappa * half / np.pi
-                rate *= 1.5 * kappa * half / np.pi
+                rate *= kappa * half / np.pi
         total += force
-        slope += rate
-    return total, slope
+        steepness += rate
+    return total, steepness
 
 
 @compiled
 def riding(problem, rule):
     """Return the mean approach at which the cycle mean of sum P is the preload (safeguarded Newton)."""
-    kappa, waves, target = problem.stiffness, problem.waves, problem.preload
-    n = waves.shape[0]
-    high = (target / (kappa * n)) ** (2.0 / 3.0)
-    reach = 0.0
+    paths = problem.paths
+    n, target = paths.height.size, problem.preload
+    least, reach, low = np.inf, 0.0, np.inf
     for i in range(n):
-        reach = max(reach, np.hypot(waves[i, 0], waves[i, 1]))
-    low = -reach
+        a = normal_amplitude(paths, i)
+        reach, least, low = max(reach, a), min(least, paths.height[i]), min(low, -a - paths.height[i])
+    # the mean load is at least that of the mean approach, and every contact is at least as high as the lowest
+    high = approach(target / (problem.stiffness * n), problem.shape) - least
     h = high
     for _ in range(80):
         force, slope = mean_push(problem, h, rule)
@@ -157,9 +157,9 @@ def excess(problem, rule, h, v, work):
 @compiled
 def full_slip_speed(problem):
     """Return the slider velocity beyond which every contact slips all the time, max |u_x| + c |u_z|, scaled."""
-    waves, c, top = problem.waves, problem.limit_slope, 0.0
-    for i in range(waves.shape[0]):
-        top = max(top, np.hypot(waves[i, 2], waves[i, 3]) + c * np.hypot(waves[i, 0], waves[i, 1]))
+    paths, c, top = problem.paths, problem.limit_slope, 0.0
+    for i in range(paths.height.size):
+        top = max(top, tangential_amplitude(paths, i) + c * normal_amplitude(paths, i))
     return top
 
 
@@ -198,9 +198,9 @@ def balance_row(problem, harmonics, work, out):
     if least - max(problem.load, 0.0) <= 1e-13 * friction:
         largest = excess(problem, fine, h, -1e-300, work) + problem.load
     out[LEAST_AT_REST], out[LARGEST_AT_REST] = least, largest
-    way, load = way_out(least, largest, problem.load, friction)
-    problem = with_load(problem, load)
-    out[LOAD_SIGN] = -1.0 if load < 0.0 else 1.0
+    way, force = way_out(least, largest, problem.load, friction)
+    problem = changed(problem, force, problem.paths)
+    out[LOAD_SIGN] = -1.0 if force < 0.0 else 1.0
     if way == 0.0:
         out[IS_HELD] = 1.0
         return DONE

@@ -14,7 +14,9 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.jit.compiled import compiled, native
-from contact.problem import Problem, with_load, with_waves
+from contact.kinematics import Paths, at_phase, normal_amplitude, of_run, tangential_amplitude
+from contact.law.normal import approach, load
+from contact.problem import Problem, changed
 from contact.solve.averaged import (
     COARSE,
     COLUMNS,
@@ -39,7 +41,9 @@ from contact.solve.averaged import (
 )
 
 # columns of a slider, SI units: slip limit over approach, mu, chi, the viscous dampers
-MASS, HERTZ, LIMIT_SLOPE, PRELOAD, LOAD, FRICTION, CHI, NORMAL_DAMPING, TANGENTIAL_DAMPING = range(9)
+MASS, STIFFNESS, LIMIT_SLOPE, PRELOAD, LOAD, FRICTION, CHI, NORMAL_DAMPING, TANGENTIAL_DAMPING, SHAPE = range(
+    10
+)
 # columns of an answer, SI units; the first velocity is that of first order, errors are over max(|v|, omega |u_x|/10)
 VELOCITY, FIRST_ORDER, HEIGHT, REGIME, HELD, ERROR, FROM_WAVE, THRUST, SIGN_OF_LOAD, STATUS, ANSWER = range(
     11
@@ -66,10 +70,10 @@ class Given(NamedTuple):
 
     Attributes
     ----------
-    sliders : (s, 9) array
+    sliders : (s, 10) array
         By the names of this module; SI units.
-    shapes : (w, contacts, 4) array
-        Amplitudes of the waves, m: a, b of u_z = a cos + b sin, then of u_x.
+    paths : Paths
+        Of the waves, m; arrays (w, contacts), the heights zero.
     omegas, wave_errors : (w,) arrays
         rad/s; relative.
     ratios : (n,) array
@@ -79,7 +83,7 @@ class Given(NamedTuple):
     """
 
     sliders: np.ndarray
-    shapes: np.ndarray
+    paths: Paths
     omegas: np.ndarray
     wave_errors: np.ndarray
     ratios: np.ndarray
@@ -103,22 +107,20 @@ def states(given: Given, out, todo, harmonics: int, first: int, stride: int) -> 
     first, stride : int
         Which of `todo`.
     """
-    contacts = given.shapes.shape[1]
-    _states(
-        given, out, todo, harmonics, first, stride, room(harmonics), np.zeros((2, COLUMNS)),
-        np.zeros((2, contacts, 4)),
-    )  # fmt: skip
+    contacts = given.paths.height.shape[1]
+    pair = Paths(*np.zeros((5, contacts))), Paths(*np.zeros((5, contacts)))
+    _states(given, out, todo, harmonics, first, stride, room(harmonics), np.zeros((2, COLUMNS)), *pair)
 
 
-@native("t f2 i1 i i i t f2 f3")
-def _states(given, out, todo, harmonics, first, stride, work, answers, pair):
+@native("t f2 i1 i i i t f2 t t")
+def _states(given, out, todo, harmonics, first, stride, work, answers, paths, spare):
     """Do the work of `states`; what follows `stride` is room. Return 0."""
     for t in range(first, todo.size, stride):
         k = todo[t]
         slider, wave = given.sliders[given.which[k, 0]], given.which[k, 1]
         omega = given.omegas[wave]
-        problem = _scaled(slider, given.shapes[wave], given.factors[k], omega, pair[0])
-        _state(problem, pair[1], given.ratios[k], given.wave_errors[wave], harmonics, work, answers, out[k])
+        problem = _scaled(slider, of_run(given.paths, wave), given.factors[k], omega, paths)
+        _state(problem, spare, given.ratios[k], given.wave_errors[wave], harmonics, work, answers, out[k])
         row, speed = out[k], problem.length * omega
         row[VELOCITY] *= speed
         row[FIRST_ORDER] *= speed
@@ -134,17 +136,17 @@ def _state(problem, spare, ratio, wave_error, harmonics, work, answers, row):
     row[STATUS] = balance_row(problem, harmonics, work, state)
     if row[STATUS] != DONE:
         return
-    problem = with_load(problem, state[LOAD_SIGN] * abs(problem.load))
+    problem = changed(problem, state[LOAD_SIGN] * abs(problem.load), problem.paths)
     along = 0.0
-    for i in range(problem.waves.shape[0]):
-        along = max(along, np.hypot(problem.waves[i, 2], problem.waves[i, 3]))
+    for i in range(problem.paths.height.size):
+        along = max(along, tangential_amplitude(problem.paths, i))
     v = state[V]
     reference = max(abs(v), along / 10.0)
     error = max(state[TAIL], state[RESIDUAL], state[QUADRATURE], LEAST_ERROR * abs(v))
     error = max(error, CORRECTION_ERROR * abs(v - state[FIRST]))
     if state[IS_HELD] == 1.0 or abs(v) < EDGE * reference:
         larger = 1.0 + min(THRESHOLD_ERROR * ratio**2, MAX_THRESHOLD_ERROR)
-        row[STATUS] = balance_row(_changed(problem, larger, 0.0, 0.0, spare), 0, work, tried)
+        row[STATUS] = balance_row(_with_error(problem, larger, 0.0, 0.0, spare), 0, work, tried)
         beyond = abs(tried[V] - state[FIRST])
         if row[STATUS] == DONE and beyond > 0.0 and ratio > MAX_RATIO_HELD:
             row[STATUS] = NEAR_THRESHOLD
@@ -172,44 +174,46 @@ def _state(problem, spare, ratio, wave_error, harmonics, work, answers, row):
 
 
 @compiled
-def _scaled(slider, shape, factor, omega, waves):
-    """Return the scaled problem, with its waves in the room given."""
-    contacts = waves.shape[0]
+def _scaled(slider, given, factor, omega, paths):
+    """Return the scaled problem, with its paths in the room given."""
+    contacts, shape = paths.height.size, int(slider[SHAPE])
     mass, preload = slider[MASS], slider[PRELOAD]
     reach = 0.0
     for i in range(contacts):
-        for j in range(4):
-            waves[i, j] = shape[i, j] * factor
-        reach = max(reach, np.hypot(waves[i, 2], waves[i, 3]), np.hypot(waves[i, 0], waves[i, 1]))
-    length = max((preload / (contacts * slider[HERTZ])) ** (2.0 / 3.0), reach)
+        reach = max(reach, factor * tangential_amplitude(given, i), factor * normal_amplitude(given, i))
+    length = max(approach(preload / (contacts * slider[STIFFNESS]), shape), reach)
     unit = mass * omega**2 * length
     for i in range(contacts):
-        for j in range(4):
-            waves[i, j] /= length
+        paths.normal_cos[i] = given.normal_cos[i] * factor / length
+        paths.normal_sin[i] = given.normal_sin[i] * factor / length
+        paths.tangential_cos[i] = given.tangential_cos[i] * factor / length
+        paths.tangential_sin[i] = given.tangential_sin[i] * factor / length
     return Problem(
-        slider[HERTZ] * length * np.sqrt(length) / unit, slider[CHI] * omega * length,
+        slider[STIFFNESS] * load(length, shape) / unit, slider[CHI] * omega * length,
         slider[NORMAL_DAMPING] / (mass * omega), preload / unit, slider[TANGENTIAL_DAMPING] / (mass * omega),
-        slider[LOAD] / unit, slider[FRICTION], slider[LIMIT_SLOPE], 0.0, np.inf, 0, waves, length, omega,
+        slider[LOAD] / unit, slider[FRICTION], slider[LIMIT_SLOPE], 0.0, np.inf, 0, shape, paths, length,
+        omega,
     )  # fmt: skip
 
 
 @compiled
-def _changed(problem, factor, shear, turn, out):
-    """Return the problem with both amplitudes, then the tangential one and its phase, changed; `out` holds its waves.
+def _with_error(problem, factor, shear, turn, out):
+    """Return the problem with both amplitudes, then the tangential one and its phase, changed; `out` holds its paths.
 
     The last two by as many times more as the larger amplitude exceeds the smaller: errors are relative to the larger.
     """
-    waves = problem.waves
-    for i in range(waves.shape[0]):
-        normal, along = np.hypot(waves[i, 0], waves[i, 1]), np.hypot(waves[i, 2], waves[i, 3])
+    paths = problem.paths
+    for i in range(paths.height.size):
+        normal, along = normal_amplitude(paths, i), tangential_amplitude(paths, i)
         small, large = min(normal, along), max(normal, along)
         slender = min(large / small, MAX_AMPLITUDE_RATIO) if small > 0.0 else 1.0
         co, si = np.cos(turn * slender), np.sin(turn * slender)
         more = factor * (1.0 + shear * slender)
-        out[i, 0], out[i, 1] = waves[i, 0] * factor, waves[i, 1] * factor
-        out[i, 2] = more * (waves[i, 2] * co + waves[i, 3] * si)
-        out[i, 3] = more * (waves[i, 3] * co - waves[i, 2] * si)
-    return with_waves(problem, out)
+        _, _, ahead, rate = at_phase(paths, i, co, si)
+        out.height[i] = paths.height[i]
+        out.normal_cos[i], out.normal_sin[i] = paths.normal_cos[i] * factor, paths.normal_sin[i] * factor
+        out.tangential_cos[i], out.tangential_sin[i] = more * ahead, more * rate
+    return changed(problem, problem.load, out)
 
 
 @compiled
@@ -225,8 +229,8 @@ def _from_wave(problem, spare, base, wave_error, work, tried):
     both = turned = 0.0
     for m in range(4):
         factor = 1.0 + step if m == 0 else 1.0 - step if m == 1 else 1.0
-        changed = _changed(problem, factor, step if m == 2 else 0.0, step if m == 3 else 0.0, spare)
-        effect = abs(_moved(changed, base, slope, work, tried) - base)
+        other = _with_error(problem, factor, step if m == 2 else 0.0, step if m == 3 else 0.0, spare)
+        effect = abs(_moved(other, base, slope, work, tried) - base)
         if m < 2:
             both = max(both, effect)
         else:

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.jit.compiled import compiled, native
+from contact.kinematics import tangential_amplitude
 from contact.solve.averaged import DONE, STICKS, UNSETTLED, mean_push, riding, room, settled
 from contact.solve.cycle_mean import STUCK, cycle, respond
 
@@ -173,8 +174,8 @@ def accelerate(problem, state, phase, taken, span, work, k):
         _rate(problem, h, v, work, 8)
     k[0], h = _rate(problem, h, v, work, most)
     top = 0.0
-    for i in range(problem.waves.shape[0]):
-        top = max(top, np.hypot(problem.waves[i, 2], problem.waves[i, 3]))
+    for i in range(problem.paths.height.size):
+        top = max(top, tangential_amplitude(problem.paths, i))
     d = min(stop - phase, 0.02 * top / (abs(k[0]) + 1e-300))
     rejected = 0
     while phase < stop:

@@ -14,6 +14,7 @@ import math
 import numpy as np
 
 from contact.jit.compiled import plain
+from contact.kinematics import tangential_amplitude
 from contact.problem import Problem
 from contact.solve.cycle_mean import cycle, quadrature
 from contact.solve.roots import narrowed, trial
@@ -76,7 +77,7 @@ def _balanced_speed(means, heights, weights, near):
         mean = sum(w * means.forces(h, speed)[1] for h, w in zip(heights, weights, strict=True))
         return mean - problem.tangential_damping * speed - problem.load
 
-    reach = 1.05 * max(float(np.hypot(*wave[2:])) for wave in means.problem.waves)
+    reach = 1.05 * float(np.max(tangential_amplitude(problem.paths, np.arange(problem.contacts))))
     step = 0.05 * max(abs(near), 0.1 * reach)
     low = high = near
     for _ in range(40):

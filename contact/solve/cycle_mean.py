@@ -19,6 +19,8 @@ from functools import cache
 import numpy as np
 
 from contact.jit.compiled import compiled, native, summed
+from contact.law.elastic import friction_load
+from contact.law.normal import load
 
 TURN = 2.0 * np.pi
 # places in the counts: contacts made, slips begun, reversals, contacts that stick on with their memory
@@ -178,6 +180,7 @@ def _piece(problem, h, v, path, start, stop, slip, x1, y1, rule, sums):
             slip,
             x1 - y1,
             rule,
+            problem.shape,
         )
         sums[0] += push
         sums[1] += pull
@@ -186,13 +189,13 @@ def _piece(problem, h, v, path, start, stop, slip, x1, y1, rule, sums):
         z, z_rate, y, _, co, si = place(h, v, path, start + width * rule[0, j])
         if z <= 0.0:
             continue
-        elastic = kappa * z * np.sqrt(z) * width * rule[1, j]
+        weight = kappa * width * rule[1, j]
+        elastic = weight * load(z, problem.shape)
         if slip != 0.0:
             pull = slip * mu * elastic
         else:
             x = x1 + y - y1
-            left = max(1.0 - abs(x) / (c * z), 0.0)
-            pull = mu * elastic * (1.0 - left * np.sqrt(left))
+            pull = mu * weight * friction_load(z, z - abs(x) / c, problem.shape)
             if x < 0.0:
                 pull = -pull
         push = elastic * (1.0 + chi * z_rate)
@@ -211,22 +214,18 @@ def _piece(problem, h, v, path, start, stop, slip, x1, y1, rule, sums):
 
 
 @summed
-def _plain(kappa, mu, c, h, v, a, b, d, e, start, width, slip, offset, rule):
+def _plain(kappa, mu, c, h, v, a, b, d, e, start, width, slip, offset, rule, shape):
     """Return the integrals of normal force and traction over a smooth piece of a path of one harmonic."""
     push, pull = 0.0, 0.0
     for j in range(rule.shape[1]):
         phi = start + width * rule[0, j]
         co, si = circle(phi)
         z = h + a * co + b * si
-        up = z if z > 0.0 else 0.0
-        power = up * np.sqrt(up)
+        power = load(z, shape)
         weight = width * rule[1, j]
         push += weight * power
-        # mu P (1 - (1 - |x|/c z)^1.5)
         x = offset + d * co + e * si - v * phi
-        left = up - abs(x) / c
-        left = left if left > 0.0 else 0.0
-        stuck = power - left * np.sqrt(left)
+        stuck = friction_load(z, z - abs(x) / c, shape)
         stuck = -stuck if x < 0.0 else stuck
         pull += weight * (stuck if slip == 0.0 else slip * power)
     return kappa * push, mu * kappa * pull
@@ -328,7 +327,14 @@ def _contact(problem, h, v, path, rule, sums, counts):
 
 @native(
     "t f f f2 f2 f1 i1",
-    {"problem.waves": "n 4", "fast": "8 k", "rule": "2 q", "sums": "2 | 2+4k", "counts": "4"},
+    {
+        "problem.paths.height": "n",
+        "problem.paths.normal_cos": "n",
+        "fast": "8 k",
+        "rule": "2 q",
+        "sums": "2 | 2+4k",
+        "counts": "4",
+    },
 )
 def cycle(problem, h, v, fast, rule, sums, counts):
     """Fill the means (sum of P, sum of Q) and the harmonics of (P (1 + chi z'), Q) over one cycle that repeats.
@@ -357,12 +363,16 @@ def cycle(problem, h, v, fast, rule, sums, counts):
         sums[k] = 0.0
     for k in range(4):
         counts[k] = 0
-    waves = problem.waves
-    for i in range(waves.shape[0]):
+    paths = problem.paths
+    for i in range(paths.height.size):
         for m in range(4):
             for k in range(fast.shape[1]):
-                fast[4 + m, k] = (waves[i, m] if k == 0 else 0.0) - fast[m, k]
-        _contact(problem, h, v, fast, rule, sums, counts)
+                fast[4 + m, k] = -fast[m, k]
+        fast[4, 0] += paths.normal_cos[i]
+        fast[5, 0] += paths.normal_sin[i]
+        fast[6, 0] += paths.tangential_cos[i]
+        fast[7, 0] += paths.tangential_sin[i]
+        _contact(problem, h + paths.height[i], v, fast, rule, sums, counts)
     for k in range(sums.size):
         sums[k] /= TURN if k < 2 else np.pi
     return 0

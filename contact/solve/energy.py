@@ -12,7 +12,7 @@ import numpy as np
 from contact.interpolation import interpolate
 from contact.jit.compiled import compiled
 from contact.law.elastic import ANNULUS, CREEP, SEPARATED, SLIP, back_force
-from contact.law.hysteretic import front, place_on
+from contact.law.hysteretic import annulus_slip, front, place_on
 from contact.problem import ELASTIC
 from contact.solve.segment import BACK, CLIMB, FRONT, SPEED, TRAVEL, U_X_RATE, U_Z_RATE, P, Q, X, Z
 
@@ -53,11 +53,12 @@ def account(problem, length, column, regime, sign, shared, own, sums):
             if regime[i] == SLIP or regime[i] == CREEP:
                 sums[SLIP_LOSS] += weight * traction * (x_rate - sign[i] * c * z_rate)
             elif regime[i] == ANNULUS:
-                z, inner = own[Z, i, k], np.sqrt(own[FRONT, i, k])
-                spread = z * np.sqrt(z) - 1.5 * z * inner + 0.5 * inner**3
+                spread = annulus_slip(own[Z, i, k], own[FRONT, i, k])
                 sums[SLIP_LOSS] += weight * mu * problem.stiffness * spread * (sign[i] * x_rate - c * z_rate)
             if problem.law == ELASTIC:
-                force = back_force(regime[i], sign[i], own[Z, i, k], own[X, i, k], normal, mu, c)
+                force = back_force(
+                    regime[i], sign[i], own[Z, i, k], own[X, i, k], mu * problem.stiffness, c, problem.shape
+                )
                 sums[LEAK] -= weight * force * z_rate
     sums[DISPLACEMENT] += shared[TRAVEL, n - 1]
     if sums[SINCE] > 0.0:

@@ -53,7 +53,7 @@ STRETCHES, HALVINGS, SWEEPS, CYCLES, CHATTER, TALLY = 6, 7, 8, 9, 10, 12
 @compiled
 def _lay_out(problem, tau, columns, sigma, bary, state, regime, sign, phase, length, shared, own,
              mobile, memory):  # fmt: skip
-    surface(phase, length, tau, problem.waves, own)
+    surface(phase, length, tau, problem.paths, own)
     guess(state, length, tau, shared[PUSH, 0], shared[PULL, 0], shared)
     converged = sweep(
         problem, state, length, tau, columns, regime, sign, shared, own, mobile, sigma, bary, memory, 25,
@@ -86,7 +86,7 @@ def _met(problem, tau, columns, sigma, bary, rates, state, regime, sign, phase, 
     Newton's iteration for the length and Picard's for the motion in one.
     """
     c, band = problem.limit_slope, problem.stick_band
-    surface(phase, length, tau, problem.waves, own)
+    surface(phase, length, tau, problem.paths, own)
     integrate(state, length, tau, columns, shared)
     last = np.inf
     for _ in range(15):
@@ -102,7 +102,7 @@ def _met(problem, tau, columns, sigma, bary, rates, state, regime, sign, phase, 
         end_kinematics(regime, sign, state[3:], c, shared, own)
         if who >= 0:
             value, rate = end_guard(
-                who, which, regime, sign, shared, own, problem.waves, phase + length, c, band, memory
+                who, which, regime, sign, shared, own, problem.paths, phase + length, c, band, memory
             )
             step = -value / rate
             if not rate < 0.0 or abs(step) > 0.2 * length:
@@ -112,7 +112,7 @@ def _met(problem, tau, columns, sigma, bary, rates, state, regime, sign, phase, 
                 length += step
                 if not 0.0 < length < end:
                     return 0.0
-                surface(phase, length, tau, problem.waves, own)
+                surface(phase, length, tau, problem.paths, own)
         if arrived:
             place, other, _ = earliest(sigma, bary, rates, regime, sign, shared, own, c, band, memory, values)
             # an event that this stretch did not have: the usual way will find it
@@ -244,7 +244,7 @@ def advance(problem, sigma, bary, taus, columns, rates, tail, state, regime, sig
                     if who < 0:
                         break
                     value, rate = end_guard(
-                        who, which, regime, sign, shared, own, problem.waves, phase + length, c, band, memory
+                        who, which, regime, sign, shared, own, problem.paths, phase + length, c, band, memory
                     )
                     if length == 0.0 or abs(value) < 1e-16 or not rate < 0.0:
                         break
@@ -308,7 +308,8 @@ def advance(problem, sigma, bary, taus, columns, rates, tail, state, regime, sig
 @native(
     "t f1 f1 f2 f4 f2 f2 f1 i1 f1 f f i i f i1 f1 f1 f3 i f2 i t i1 i3 f3 f2 f3 f1",
     {
-        "problem.waves": "n 4", "sigma": "m", "bary": "m", "taus": "3 m", "columns": "3 2 m m",
+        "problem.paths.height": "n", "problem.paths.normal_cos": "n", "problem.paths.tangential_cos": "n",
+        "sigma": "m", "bary": "m", "taus": "3 m", "columns": "3 2 m m",
         "rates": "m m", "tail": "2 m", "state": "3+n", "regime": "n", "sign": "n", "tally": "12", "sums": "13",
         "sample_phase": "s", "samples": "s n 6", "speeds": "r 3", "memory.count": "n", "memory.kind": "n p",
         "memory.corner": "n p 4", "memory.curve": "n p 5 m", "memory.level": "n", "count": "2", "marks": "2 c 3+2n",

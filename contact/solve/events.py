@@ -5,7 +5,8 @@ The table of node values of the stretch is that of `segment`.
 
 import numpy as np
 
-from contact.jit.compiled import compiled, plain
+from contact.jit.compiled import compiled
+from contact.kinematics import at_phase
 from contact.law.elastic import (
     ANNULUS,
     CONTACT,
@@ -40,14 +41,13 @@ _LAST = (0, 2, 1, 2, 3, 2)
 
 def open_regimes(problem, phase, state, regime, sign):
     """Set regime and sign of every contact, and its deformation within the slip limit, from the state at a phase."""
-    waves, c, s = problem.waves, np.cos(phase), np.sin(phase)
+    paths, c, s = problem.paths, np.cos(phase), np.sin(phase)
     for i in range(regime.size):
-        z = waves[i, 0] * c + waves[i, 1] * s - state[0]
-        z_rate = waves[i, 1] * c - waves[i, 0] * s - state[1]
-        x_rate = waves[i, 3] * c - waves[i, 2] * s - state[2]
-        regime[i], sign[i], state[3 + i] = plain(opening)(
-            z, state[3 + i], z_rate, x_rate, problem.limit_slope, problem.stick_band
-        )
+        u_z, u_z_rate, _, u_x_rate = at_phase(paths, i, c, s)
+        regime[i], sign[i], state[3 + i] = opening(
+            paths.height[i] + u_z - state[0], state[3 + i], u_z_rate - state[1], u_x_rate - state[2],
+            problem.limit_slope, problem.stick_band,
+        )  # fmt: skip
 
 
 @compiled
@@ -73,13 +73,12 @@ def earliest(sigma, bary, rates, regime, sign, shared, own, c, band, memory, val
 
 
 @compiled
-def end_guard(i, which, regime, sign, shared, own, waves, phase, c, band, memory):
+def end_guard(i, which, regime, sign, shared, own, paths, phase, c, band, memory):
     """Return a guard at the end of the stretch and its rate there."""
     n = shared.shape[1] - 1
     z_rate, x_rate = own[U_Z_RATE, i, n] - shared[CLIMB, n], own[U_X_RATE, i, n] - shared[SPEED, n]
-    co, si = np.cos(phase), np.sin(phase)
-    z_second = -waves[i, 0] * co - waves[i, 1] * si - shared[PUSH, n]
-    x_second = -waves[i, 2] * co - waves[i, 3] * si - shared[PULL, n]
+    u_z, _, u_x, _ = at_phase(paths, i, np.cos(phase), np.sin(phase))
+    z_second, x_second = -u_z - shared[PUSH, n], -u_x - shared[PULL, n]
     if memory is not None and regime[i] >= ANNULUS:
         value, rate = memory_guard(
             memory,
@@ -116,7 +115,7 @@ def transit(problem, sigma, bary, state, regime, sign, phase, who, which, shared
     contacts, n = regime.size, shared.shape[1]
     c, band = problem.limit_slope, problem.stick_band
     made = False
-    _, rate = end_guard(who, which, regime, sign, shared, own, problem.waves, phase, c, band, memory)
+    _, rate = end_guard(who, which, regime, sign, shared, own, problem.paths, phase, c, band, memory)
     if not rate < 0.0:
         tally[GRAZE] += 1
     for i in range(contacts):
@@ -124,7 +123,7 @@ def transit(problem, sigma, bary, state, regime, sign, phase, who, which, shared
             met = i == who and k == which
             if i != who and (regime[i] != SEPARATED or k == 0):
                 value, rate = end_guard(
-                    i, k, regime, sign, shared, own, problem.waves, phase, c, band, memory
+                    i, k, regime, sign, shared, own, problem.paths, phase, c, band, memory
                 )
                 met = abs(value) < 4e-16 and rate < 0.0
             if met:

@@ -16,8 +16,8 @@ import math
 import numpy as np
 
 from contact.convergence import ConvergenceError
-from contact.law import hertz
-from contact.law.mindlin import slip_limit, tangential_force
+from contact.law import normal
+from contact.law.elastic import tangential_force
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
 
@@ -26,8 +26,8 @@ _PSI = 0.25 * math.pi * (_NODES + 1.0)
 _SIN, _RATE = np.sin(_PSI), 0.25 * math.pi * _WEIGHTS * np.cos(_PSI)
 
 
-def mean_power(height: float, amplitude: float, power: float = 1.5) -> float:
-    """Return the cycle mean of max(h + A cos phi, 0)^power, 1.5 or 0.5; h and A in m.
+def mean_load(height: float, amplitude: float, shape: int, of=normal.load) -> float:
+    """Return the cycle mean of p(h + A cos phi), or of dp/dz with `of=normal.slope`; h and A in m.
 
     Gauss-Legendre on the arc in contact, half-angle beta, with phi = beta sin(psi): the root at the end of the arc
     becomes smooth.
@@ -36,16 +36,14 @@ def mean_power(height: float, amplitude: float, power: float = 1.5) -> float:
     if h <= -A:
         return 0.0
     if A == 0.0:
-        return h**power
+        return float(of(h, shape))
     beta = math.pi if h >= A else 2.0 * math.asin(math.sqrt(0.5 * (A + h) / A))
     phi = beta * _SIN
     if h >= A:
         z = h + A * np.cos(phi)
     else:  # h + A cos(phi) = A (cos phi - cos beta), without cancellation
         z = 2.0 * A * np.sin(0.5 * (beta + phi)) * np.sin(0.5 * (beta - phi))
-    z = np.maximum(z, 0.0)
-    root = np.sqrt(z)
-    return float(beta / math.pi * np.dot(_RATE, root if power == 0.5 else z * root))
+    return float(beta / math.pi * np.dot(_RATE, of(z, shape)))
 
 
 def riding_height(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
@@ -54,23 +52,26 @@ def riding_height(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
     Negative when the slider hops: it rides above the undisturbed surface.
     """
     amplitudes = [abs(orbit.normal) for orbit in as_orbits(orbits)]
-    target = slider.preload / slider.hertz_stiffness
+    shape, target = slider.contact_shape, slider.preload / slider.normal_stiffness
     high = slider.rest_approach(len(amplitudes))
     low = -max(amplitudes)
     if high == 0.0 or low == 0.0:
         return high if low == 0.0 else low
 
-    # Convexity of z^1.5: the mean at z0 is at least that of z0 itself, so [low, high] brackets the root. The mean to
-    # the power 2/3 is nearly straight in h, and Newton's method from above on it takes a few steps.
+    # Convexity of p: the mean at z0 is at least p(z0) itself, so [low, high] brackets the root. The approach with the
+    # mean load is nearly straight in h, and Newton's method from above on it takes a few steps.
     h = high
     for _ in range(100):
-        mean = sum(mean_power(h, A) for A in amplitudes)
+        mean = sum(mean_load(h, A, shape) for A in amplitudes)
         if mean > target:
             high = h
         else:
             low = h
-        slope = sum(1.5 * mean_power(h, A, 0.5) for A in amplitudes)
-        step = 1.5 * (target ** (2.0 / 3.0) * mean ** (1.0 / 3.0) - mean) / slope if mean > 0.0 else math.inf
+        slope = sum(mean_load(h, A, shape, normal.slope) for A in amplitudes)
+        step = math.inf
+        if mean > 0.0:
+            z = normal.approach(mean, shape)
+            step = float((normal.approach(target, shape) - z) * normal.slope(z, shape) / slope)
         if abs(step) <= 2e-15 * (abs(h) + max(amplitudes)) or high - low <= 4e-16 * (abs(low) + abs(high)):
             break
         h = h + step if low < h + step < high else 0.5 * (low + high)
@@ -83,8 +84,9 @@ def release_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
     top = float(np.max(amplitudes))
     if top == 0.0:
         return math.inf
-    mean = sum(mean_power(1.0, float(A) / top) for A in amplitudes)
-    return float(hertz.approach(slider.preload / mean, slider.hertz_stiffness)) / top
+    shape = slider.contact_shape
+    mean = sum(mean_load(1.0, float(A) / top, shape) for A in amplitudes)
+    return float(normal.approach(slider.preload / mean / slider.normal_stiffness, shape)) / top
 
 
 def threshold_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
@@ -105,8 +107,9 @@ def threshold_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float
     # room for the offsets: h over the factor is fixed where it ends, and the preload gives the factor
     end = max(abs(o.tangential - c * o.normal) + abs(o.tangential + c * o.normal) for o in listed) / (2.0 * c)
     unit = max(end, max(abs(o.normal) for o in listed))
-    mean = sum(mean_power(end / unit, abs(o.normal) / unit) for o in listed)
-    most = float(hertz.approach(slider.preload / mean, slider.hertz_stiffness)) / unit
+    shape = slider.contact_shape
+    mean = sum(mean_load(end / unit, abs(o.normal) / unit, shape) for o in listed)
+    most = float(normal.approach(slider.preload / mean / slider.normal_stiffness, shape)) / unit
     if _holding_margin(slider, listed, most * (1.0 - 1e-9)) >= 0.0:
         return most
     return _bracketed_root(lambda factor: _holding_margin(slider, listed, factor), 0.0, most)
@@ -146,9 +149,9 @@ def _holding_margin(slider, orbits, factor):
         room = min(room, 0.5 * (up + down) / (c * slider.rest_approach(len(orbits))))
         z = h + (orbit.normal * phase).real
         u_x = (orbit.tangential * phase).real
-        x_max, limit = slip_limit(z, c), mu * hertz.normal_force(z, slider.hertz_stiffness)
-        highest += float(np.mean(tangential_force(u_x + up, x_max, limit)))
-        lowest += float(np.mean(tangential_force(u_x - down, x_max, limit)))
+        friction = mu * slider.normal_stiffness
+        highest += float(np.mean(tangential_force(u_x + up, z, friction, c, slider.contact_shape)))
+        lowest += float(np.mean(tangential_force(u_x - down, z, friction, c, slider.contact_shape)))
     scale = mu * slider.preload
     return min(room, (highest - load) / scale, (load - lowest) / scale)
 

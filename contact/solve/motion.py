@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from contact.convergence import ConvergenceError
-from contact.law import elastic, hysteretic, mindlin
+from contact.law import elastic, hysteretic, normal
 from contact.problem import HYSTERETIC, Problem
 from contact.solve import energy, event_driven, events, segment, warm_start
 from contact.solve.collocation import Collocation
@@ -45,7 +45,7 @@ class Motion:
     """
 
     def __init__(self, problem: Problem, *, table: Collocation, truncation: float):
-        contacts = len(problem.waves)
+        contacts = problem.contacts
         self.problem, self.table, self.truncation = problem, table, truncation
         self.state = np.zeros(3 + contacts)
         self.regime, self.sign = np.zeros(contacts, np.int64), np.ones(contacts)
@@ -126,12 +126,12 @@ class Motion:
         problem = self.problem
         kappa, mu, c = problem.stiffness, problem.friction, problem.limit_slope
         height, climb, speed = self.state[:3]
-        z = np.maximum(problem.waves[:, 0] - height, 0.0)
-        P = kappa * z**1.5
-        stored = np.sum(0.4 * P * z)
-        if self.memory is None:
-            stored += np.sum(mindlin.stored_energy(self.state[3:], c * z, mu * P))
-        else:
+        z = np.maximum(problem.paths.height + problem.paths.normal_cos - height, 0.0)
+        stored = kappa * np.sum(normal.energy(z, problem.shape))
+        if self.memory is None and c > 0.0:
+            stick = np.maximum(z - np.abs(self.state[3:]) / c, 0.0)
+            stored += mu * kappa * c * np.sum(elastic.friction_energy(z, stick, problem.shape))
+        elif self.memory is not None:
             table = self.table
             for i in range(z.size):
                 stored += mu * kappa * energy.chain_energy(
@@ -142,7 +142,7 @@ class Motion:
 
     def _displace(self, height, climb, speed, deformations):
         table, c = self.table, self.problem.limit_slope
-        surface = self.problem.waves[:, 0]
+        surface = self.problem.paths.height + self.problem.paths.normal_cos
         target = np.broadcast_to(np.asarray(deformations, float), self.regime.shape)
         for i in range(self.regime.size):
             # a memory is known at the end of a run, where the surface is as at phase 0

@@ -8,8 +8,21 @@ about (omega_n L)^2/2: four digits and more at a wave of 2 MHz, and a shorter st
 import numpy as np
 
 from contact.jit.compiled import compiled
-from contact.law.elastic import ANNULUS, FAR_SIDE, GROW, SEPARATED, SLIP, STICK, back_force, guard, traction
+from contact.kinematics import at_phase
+from contact.law.elastic import (
+    ANNULUS,
+    FAR_SIDE,
+    GROW,
+    SEPARATED,
+    SLIP,
+    STICK,
+    back_force,
+    friction_load,
+    guard,
+    traction,
+)
 from contact.law.hysteretic import memory_guard, moment
+from contact.law.normal import load
 from contact.problem import RECIPROCAL
 
 # rows of the table of node values common to all contacts
@@ -21,14 +34,13 @@ _SHORT = 0.8
 
 
 @compiled
-def surface(phase, length, tau, waves, own):
-    """Fill the surface's displacement (u_x relative to the start) and velocity at the nodes."""
+def surface(phase, length, tau, paths, own):
+    """Fill the surface's displacement (u_z with the contact's height, u_x from the start) and velocity at the nodes."""
     c0, s0 = np.cos(phase), np.sin(phase)
     short = length <= _SHORT
-    for i in range(waves.shape[0]):
-        # in the frame of the start: u_z = a cos t + b sin t
-        a, b = waves[i, 0] * c0 + waves[i, 1] * s0, waves[i, 1] * c0 - waves[i, 0] * s0
-        d, e = waves[i, 2] * c0 + waves[i, 3] * s0, waves[i, 3] * c0 - waves[i, 2] * s0
+    for i in range(paths.height.size):
+        # in the frame of the start: u_z = a cos t + b sin t, u_x = d cos t + e sin t
+        a, b, d, e = at_phase(paths, i, c0, s0)
         for j in range(tau.size):
             t = length * tau[j]
             if short:
@@ -36,7 +48,7 @@ def surface(phase, length, tau, waves, own):
             else:
                 s, v = np.sin(t), 1.0 - np.cos(t)
             c = 1.0 - v
-            own[U_Z, i, j] = a * c + b * s
+            own[U_Z, i, j] = paths.height[i] + a * c + b * s
             own[U_X, i, j] = e * s - d * v
             own[U_Z_RATE, i, j] = b * c - a * s
             own[U_X_RATE, i, j] = e * c - d * s
@@ -92,15 +104,12 @@ def _contact(problem, i, regime, sign, start_x, shared, own, sigma, bary, memory
         x = sign * c * z if regime == SLIP else start_x + own[U_X, i, j] - shared[TRAVEL, j]
         own[Z, i, j] = z
         own[X, i, j] = x
-        up = z if z > 0.0 else 0.0
-        own[P, i, j] = kappa * up * np.sqrt(up)
+        own[P, i, j] = kappa * load(z, problem.shape)
         own[BACK, i, j] = 0.0
     if regime == STICK and c > 0.0:
         for j in range(n):
             z = own[Z, i, j]
-            left = 1.0 - sign * own[X, i, j] / (c * (z if z > 1e-300 else 1e-300))
-            left = min(max(left, 0.0), 1e100)
-            full = sign * mu * own[P, i, j] * (1.0 - left * np.sqrt(left))
+            full = sign * mu * kappa * friction_load(z, z - sign * own[X, i, j] / c, problem.shape)
             own[Q, i, j] = full if z > 0.0 else 0.0
     elif memory is not None and regime >= ANNULUS:
         for j in range(n):
@@ -111,10 +120,12 @@ def _contact(problem, i, regime, sign, start_x, shared, own, sigma, bary, memory
             own[Q, i, j] = mu * kappa * level
     else:
         for j in range(n):
-            own[Q, i, j] = traction(regime, sign, own[Z, i, j], own[X, i, j], own[P, i, j], mu, c)
+            own[Q, i, j] = traction(regime, sign, own[Z, i, j], own[X, i, j], mu * kappa, c, problem.shape)
     if problem.law == RECIPROCAL:
         for j in range(n):
-            own[BACK, i, j] = back_force(regime, sign, own[Z, i, j], own[X, i, j], own[P, i, j], mu, c)
+            own[BACK, i, j] = back_force(
+                regime, sign, own[Z, i, j], own[X, i, j], mu * kappa, c, problem.shape
+            )
 
 
 @compiled

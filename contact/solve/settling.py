@@ -14,6 +14,7 @@ import numpy as np
 
 from contact.convergence import ConvergenceError
 from contact.drive import relative_to_reference
+from contact.kinematics import at_phase, tangential_amplitude
 from contact.law import elastic
 from contact.orbit import Orbit
 from contact.problem import Problem, scaled
@@ -157,7 +158,7 @@ def _followed(problem, begin, rate, near):
 
 def _relaxation(problem):
     """Return the rate per radian at which v settles: damper, and friction force over the range of speeds."""
-    reach = max(float(np.hypot(*wave[2:])) for wave in problem.waves) + 1e-300
+    reach = float(np.max(tangential_amplitude(problem.paths, np.arange(problem.contacts)))) + 1e-300
     return problem.tangential_damping + 0.3 * problem.friction * problem.preload / reach
 
 
@@ -184,11 +185,12 @@ def _rest(slider, orbits, problem):
     friction = slider.friction_coefficient * slider.preload
     load = math.copysign(slider.load, problem.load)
     used = min(slider.load / friction, 1.0) if friction > 0.0 else 0.0
-    x = math.copysign(slider.limit_slope * depth * (1.0 - (1.0 - used) ** (2.0 / 3.0)), load)
-    a, b = np.mean(problem.waves[:, :2], axis=0)
+    x = elastic.deformation(depth, used, slider.limit_slope, slider.contact_shape)
+    x = math.copysign(x, load)
     if slider.tangential_resonance(len(orbits)) < SLOW * orbits[0].frequency:
         return -depth, 0.0, 0.0, x
-    return a - depth, b, float(np.mean(problem.waves[:, 3])), x
+    u_z, z_rate, _, x_rate = at_phase(problem.paths, np.arange(problem.contacts), 1.0, 0.0)
+    return float(np.mean(u_z)) - depth, float(np.mean(z_rate)), float(np.mean(x_rate)), x
 
 
 def _stuck(motion):

@@ -14,6 +14,8 @@ Not for a stick band (creep), nor where the contact resonance is not well resolv
 import numpy as np
 
 from contact.jit.compiled import compiled, native
+from contact.kinematics import Paths, at_phase, of_run
+from contact.law.normal import load
 from contact.problem import from_row
 from contact.solve.end_corrections import cubic, edge_excess, last_part, passage_excess, rising_root
 
@@ -22,7 +24,7 @@ HEIGHT, CLIMB, SPEED, PUSH, PULL, TRAVELLED, STEP, DAMP_N, DAMP_T, INVERSE, CELL
 
 
 @compiled
-def _tabulate(waves, per_cycle, before, after, table):
+def _tabulate(paths, per_cycle, before, after, table):
     """Fill surface displacement and velocity of one cycle under an envelope that goes from `before` to `after`."""
     u_z, u_x, w_z, w_x = table[0], table[1], table[2], table[3]
     h = 2.0 * np.pi / per_cycle
@@ -30,11 +32,11 @@ def _tabulate(waves, per_cycle, before, after, table):
     for k in range(per_cycle + 1):
         co, si = np.cos(h * (k % per_cycle)), np.sin(h * (k % per_cycle))
         e = before + (after - before) * (k / per_cycle)
-        for i in range(waves.shape[0]):
-            u, w = waves[i, 0] * co + waves[i, 1] * si, waves[i, 1] * co - waves[i, 0] * si
-            u_z[k, i] = e.real * u + e.imag * w
+        for i in range(paths.height.size):
+            u, w, along, drift = at_phase(paths, i, co, si)
+            u_z[k, i] = paths.height[i] + e.real * u + e.imag * w
             w_z[k, i] = e.real * w - e.imag * u + turn.real * u + turn.imag * w
-            u, w = waves[i, 2] * co + waves[i, 3] * si, waves[i, 3] * co - waves[i, 2] * si
+            u, w = along, drift
             u_x[k, i] = e.real * u + e.imag * w
             w_x[k, i] = e.real * w - e.imag * u + turn.real * u + turn.imag * w
 
@@ -109,7 +111,7 @@ def _step(problem, k, table, own, cells, m):
         z_rate, x_rate = w_z[k + 1, i] - climb_next, w_x[k + 1, i] - speed_next
         limit = c * z_new
         along = u_x[k + 1, i] - u_x[k, i] - travel
-        elastic = kappa * z_new * np.sqrt(z_new)
+        elastic = kappa * load(z_new, problem.shape)
         if z_old > 0.0 and slip[i] == 0.0:
             old = x[i]
             deformation = old + along
@@ -117,8 +119,8 @@ def _step(problem, k, table, own, cells, m):
                 x[i] = deformation
                 push += elastic * (1.0 + chi * z_rate)
                 # mu P (1 - (1 - |x|/c z)^1.5) without its division
-                left = z_new - abs(deformation) * cells[INVERSE, m]
-                force = mu * (elastic - kappa * left * np.sqrt(left))
+                stick = z_new - abs(deformation) * cells[INVERSE, m]
+                force = mu * (elastic - kappa * load(stick, problem.shape))
                 pull += force if deformation > 0.0 else -force
                 if old * deformation < 0.0:
                     bend = 0.375 * mu * elastic * x_rate * abs(x_rate) / (limit * limit)
@@ -181,8 +183,8 @@ def _step(problem, k, table, own, cells, m):
         if slip[i] != 0.0:
             pull += slip[i] * mu * elastic
         else:
-            left = max(z_new - abs(x[i]) * cells[INVERSE, m], 0.0)
-            force = mu * (elastic - kappa * left * np.sqrt(left))
+            stick = z_new - abs(x[i]) * cells[INVERSE, m]
+            force = mu * (elastic - kappa * load(stick, problem.shape))
             pull += force if x[i] > 0.0 else -force
     climb = (climb_half + 0.5 * h * (push - p) - push_excess) * cells[DAMP_N, m]
     speed = (speed_half + 0.5 * h * (pull - q) - pull_excess) * cells[DAMP_T, m]
@@ -196,32 +198,32 @@ def _step(problem, k, table, own, cells, m):
 
 
 @native(
-    "f2 f3 f2 i i1 i f3 c1 f4 f3 f2",
+    "f2 t f2 i i1 i f3 c1 f4 f3 f2",
     {
-        "numbers": "r 13", "waves": "r n 4", "states": "r 3+n", "per_cycle": "r", "rows": "r m 3",
-        "tables": "r 4 s n", "own": "r 3 n", "cells": "10 r",
+        "numbers": "r 14", "paths.height": "r n", "paths.normal_cos": "r n", "states": "r 3+n",
+        "per_cycle": "r", "rows": "r m 3", "tables": "r 4 s n", "own": "r 3 n", "cells": "10 r",
     },
 )  # fmt: skip
-def _abreast(numbers, waves, states, number, per_cycle, stride, rows, envelope, tables, own, cells):
+def _abreast(numbers, paths, states, number, per_cycle, stride, rows, envelope, tables, own, cells):
     """Do the work of `abreast`; return whether all is finite."""
-    runs, n = waves.shape[0], waves.shape[1]
+    runs, n = paths.height.shape
     shaped = envelope.size > 0
     e = envelope[0] if shaped else 1.0 + 0.0j
     most = 0
     for m in range(runs):
-        _tabulate(waves[m], per_cycle[m], e, e, tables[m])
-        _begin(from_row(numbers[m], waves[m]), states[m], per_cycle[m], tables[m], own[m], cells, m)
+        _tabulate(of_run(paths, m), per_cycle[m], e, e, tables[m])
+        _begin(from_row(numbers[m], of_run(paths, m)), states[m], per_cycle[m], tables[m], own[m], cells, m)
         most = max(most, per_cycle[m])
     for cycle in range(number):
         for m in range(runs):
             cells[TRAVELLED, m] = 0.0
             if shaped:
-                _tabulate(waves[m], per_cycle[m], envelope[cycle], envelope[cycle + 1], tables[m])
+                _tabulate(of_run(paths, m), per_cycle[m], envelope[cycle], envelope[cycle + 1], tables[m])
         # runs do not wait for each other: the processor works at several at once
         for k in range(most):
             for m in range(runs):
                 if k < per_cycle[m]:
-                    _step(from_row(numbers[m], waves[m]), k, tables[m], own[m], cells, m)
+                    _step(from_row(numbers[m], of_run(paths, m)), k, tables[m], own[m], cells, m)
         for m in range(runs):
             if not np.isfinite(cells[HEIGHT, m] + cells[CLIMB, m] + cells[SPEED, m]):
                 return False
@@ -251,11 +253,11 @@ def _begin(problem, state, per_cycle, table, own, cells, m):
     for i in range(own.shape[1]):
         x, z, slip = state[3 + i], table[0, 0, i] - state[0], 0.0
         if z > 0.0:
-            elastic = kappa * z * np.sqrt(z)
+            elastic = kappa * load(z, problem.shape)
             push += elastic * (1.0 + chi * (table[2, 0, i] - state[1]))
-            left = max(1.0 - abs(x) / (c * z), 0.0)
-            pull += np.sign(x) * mu * elastic * (1.0 - left * np.sqrt(left))
-            slip = np.sign(x) if left < 1e-13 else 0.0
+            stick = z - abs(x) / c
+            pull += np.sign(x) * mu * (elastic - kappa * load(stick, problem.shape))
+            slip = np.sign(x) if stick < 1e-13 * z else 0.0
         own[0, i], own[1, i], own[2, i] = z, x, slip
     cells[PUSH, m], cells[PULL, m] = push, pull
 
@@ -278,10 +280,11 @@ def abreast(problems, states, number, per_cycle, stride, rows, envelope) -> bool
     envelope : (0,) or (number + 1,) complex array
         Factor on the waves at the ends of the cycles; empty: the waves as they are.
     """
-    numbers, waves = np.array([each.row for each in problems]), np.array([each.waves for each in problems])
-    runs, n = waves.shape[:2]
+    numbers = np.array([each.row for each in problems])
+    paths = Paths(*(np.array(rows) for rows in zip(*(each.paths for each in problems), strict=True)))
+    runs, n = paths.height.shape
     room = np.empty((runs, 4, int(np.max(per_cycle)) + 1, n)), np.empty((runs, 3, n)), np.zeros((CELL, runs))
-    return bool(_abreast(numbers, waves, states, number, per_cycle, stride, rows, envelope, *room))
+    return bool(_abreast(numbers, paths, states, number, per_cycle, stride, rows, envelope, *room))
 
 
 def steps(problem, state, number, per_cycle, stride, rows, envelope) -> bool:

@@ -1,11 +1,7 @@
 """Charge of the electrodes of a solved section: what drives a stator whose fingers are massless and thin.
 
 The reactions of the potential at the surface's nodes are summed over the columns that meet there, so that a field
-outside follows from the sum over the nodes of charge times the response of the bare surface.  The transform
-
-    T(k) = sum_j q_j exp(i k (x_j - x_0))
-
-is evaluated finger by finger from the moments of the charge, exp(i k c) sum_n (i k)^n m_n, m_n = sum q (x - c)^n / n!.
+outside follows from the sum over the nodes of charge times the response of the bare surface.
 """
 
 from dataclasses import dataclass, field
@@ -18,8 +14,6 @@ from fem.results.evaluation import column_fields
 from fem.results.solution import Solution
 
 SAME_NODE = 1e-9  # length units: nodes of neighbouring columns that are nearer are one
-MOMENT_ERROR = 1e-14  # of a finger's transform from its moments
-MAX_MOMENTS = 40  # a finger that is longer in radians is summed node by node
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,56 +34,23 @@ class ElectrodeCharges:
     charge: np.ndarray = field(repr=False)
     finger: np.ndarray = field(repr=False)
 
-    @cached_property
-    def _fingers(self) -> list[tuple[float, np.ndarray, np.ndarray]]:
-        """Middle, distances of the nodes from it, and charges of each finger."""
-        found = []
-        for number in np.unique(self.finger):
-            here = self.finger == number
-            middle = 0.5 * (self.x[here][0] + self.x[here][-1])
-            found.append((middle, self.x[here] - middle, self.charge[here]))
-        return found
-
     def transform(self, wavenumbers: np.ndarray, origin: float) -> np.ndarray:
-        """T(k) in C/m per V.
+        """T(k) = sum_j q_j exp(i k (x_j - x_0)) in C/m per V, for k in rad/m of any shape and x_0 = ``origin`` in m."""
+        k = np.asarray(wavenumbers)
+        return np.exp(1j * np.multiply.outer(k, self.x - origin)) @ self.charge
 
-        Parameters
-        ----------
-        wavenumbers : ndarray
-            rad/m, complex, any shape.
-        origin : float
-            x_0 in m.
-
-        Returns
-        -------
-        ndarray, shape as the wavenumbers
-        """
-        slope = 1j * np.asarray(wavenumbers, dtype=complex)
-        total = np.zeros_like(slope)
-        for middle, distances, charges in self._fingers:
-            phase = np.exp(slope * (middle - origin))
-            size = float(abs(slope).max(initial=0.0) * abs(distances).max())
-            moments = _moments(distances, charges, size)
-            if moments is None:
-                total += phase * (np.exp(slope[..., None] * distances) @ charges)
-                continue
-            series = np.full_like(slope, moments[-1])
-            for moment in moments[-2::-1]:
-                series = series * slope + moment
-            total += phase * series
-        return total
-
-
-def _moments(distances: np.ndarray, charges: np.ndarray, size: float) -> np.ndarray | None:
-    """Moments of a finger over n!, as many as exponents up to ``size`` need; None if they are too many."""
-    moments, power, bound = [], charges, 1.0
-    for order in range(MAX_MOMENTS):
-        moments.append(power.sum())
-        power = power * distances / (order + 1)
-        bound *= size / (order + 1)
-        if bound < MOMENT_ERROR and order + 1 > 2 * size:
-            return np.array(moments)
-    return None
+    @cached_property
+    def pairs(self) -> tuple[np.ndarray, np.ndarray]:
+        """Places (m) and charges of two lumps per finger with its charge, dipole and spread: for static fields."""
+        places, charges = [], []
+        for number in np.unique(self.finger):
+            x, charge = (each[self.finger == number] for each in (self.x, self.charge))
+            middle = 0.5 * (x[0] + x[-1])
+            total, dipole, spread = (np.sum(charge * (x - middle) ** power) for power in range(3))
+            half = np.sqrt(abs(spread / total)) or x[-1] - x[0]
+            places += [middle - half, middle + half]
+            charges += [(total - dipole / half) / 2, (total + dipole / half) / 2]
+        return np.array(places), np.array(charges)
 
 
 def electrode_charges(solution: Solution, index: int) -> ElectrodeCharges:

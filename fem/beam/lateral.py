@@ -8,16 +8,19 @@ keeps its distance (+ for modes whose phase runs along their power, - for the ot
 the contour, so that the trapezoidal rule in t converges exponentially, as exp(-2 pi D / h) (Trefethen and Weideman,
 SIAM Review 56 (2014) 385), and half as many nodes leave the square root of its error.  The factor exp(D r) by which
 the integrand grows, r the farthest lateral distance from a point to the aperture, bounds D.
+
+Between two faces that reflect like mirrors the field is periodic in y: a sum over k_y = 2 pi n / width.
 """
 
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.special import erfc
 
 GROWTH = 4.0  # D r; half or twice as much takes 1.5 times as many nodes
 MAX_TILT = 0.04  # D over the largest wavenumber, where the aperture is a few wavelengths only
 SPACING = 0.36  # h / D: 1e-8 on the seed's stator; half as many nodes give 1e-4
-EVANESCENT = 20.0  # exponent at which evanescent k_y are cut off
+EVANESCENT = (13.0, 20.0)  # exponents between which evanescent k_y are faded out
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,7 +42,9 @@ class LateralRule:
         return LateralRule(nodes=self.nodes.conj(), weights=self.weights.conj())
 
 
-def lateral_rule(highest: float, reach: float, distance: float) -> LateralRule:
+def lateral_rule(
+    highest: float, reach: float, distance: float, mirror_width: float | None = None
+) -> LateralRule:
     """Nodes and weights of the integral over k_y.
 
     Parameters
@@ -49,20 +54,32 @@ def lateral_rule(highest: float, reach: float, distance: float) -> LateralRule:
     reach : float
         Half the aperture and the largest |y| together, m.
     distance : float
-        From the nearest charge to the nearest point along x, m.
+        From the nearest charge to the nearest point along x, m; a length over which the field is not resolved nearer.
+    mirror_width : float, optional
+        Distance in m of two faces y = const that reflect; the rule is then the exact sum and has no coarser one.
 
     Returns
     -------
     LateralRule
     """
+    if mirror_width is not None:
+        fade, top = (float(np.hypot(highest, each / distance)) for each in EVANESCENT)
+        nodes = np.arange(int(top * mirror_width / (2 * np.pi)) + 1) * (2 * np.pi / mirror_width)
+        weights = 2 / mirror_width * _faded(nodes, fade, top)
+        weights[0] *= 0.5
+        return LateralRule(nodes=nodes, weights=weights)
     offset = min(GROWTH / reach, MAX_TILT * highest)
     scale = 3.0 * offset
-    top = float(np.hypot(highest, EVANESCENT / distance)) + scale
+    fade, top = (float(np.hypot(highest, each / distance)) + scale for each in EVANESCENT)
     count = 2 * int(np.ceil(top / (SPACING * offset) / 2))
     t = np.linspace(0.0, top, count + 1)
-    weights = np.full(count + 1, t[1] / np.pi)
-    weights[[0, -1]] *= 0.5
+    weights = t[1] / np.pi * _faded(t, fade, top)
+    weights[0] *= 0.5
     tilt = np.tanh(t / scale)
     return LateralRule(
         nodes=t + 1j * offset * tilt, weights=weights * (1.0 + 1j * (offset / scale) * (1.0 - tilt**2))
     )
+
+
+def _faded(t: np.ndarray, start: float, stop: float) -> np.ndarray:
+    return 0.5 * erfc(5.0 * (2.0 * (t - start) / (stop - start) - 1.0))

@@ -23,6 +23,7 @@ from fem.materials import Solid, rotated
 from fem.waveguide.modes import GuidedModes
 
 SYMMETRY = 1e-9  # of the moduli, to which a solid must be isotropic about z
+KEPT = 1e-12  # share of a mode's amplitude that must be left at the nearest point for it to count
 GENERIC_TURN = 33.0  # degrees; no crystal class has such an axis
 
 
@@ -32,6 +33,8 @@ class LineSource:
 
     Attributes
     ----------
+    numbers : ndarray of int, shape (modes,)
+        Of the modes in `GuidedModes`.
     wavenumbers : ndarray, shape (modes,)
         rad/m; no zero among them.
     amplitudes : ndarray, shape (modes,)
@@ -42,15 +45,48 @@ class LineSource:
         u_x of the pole at k = 0, m per C/m; 0 where the section is grounded.
     """
 
+    numbers: np.ndarray = field(repr=False)
     wavenumbers: np.ndarray = field(repr=False)
     amplitudes: np.ndarray = field(repr=False)
     tangential: np.ndarray = field(repr=False)
     normal: np.ndarray = field(repr=False)
     static: complex
 
-    def lasting(self, distance: float, kept: float) -> np.ndarray:
-        """Indices of the modes whose amplitude after a distance (m) is still above a share ``kept``."""
-        return np.flatnonzero(self.wavenumbers.imag * distance > np.log(kept))
+    def lasting(self, distance: float, decay: float = np.inf) -> np.ndarray:
+        """Indices of the modes that keep 1e-12 over a distance (m) and decay less than exp(-``decay``) a metre."""
+        rate = -self.wavenumbers.imag
+        return np.flatnonzero((rate * distance < -np.log(KEPT)) & (rate < decay))
+
+    def turned(self, modes: np.ndarray, lateral: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Some modes at other lateral wavenumbers: kappa_p, shape (modes, n), and u_x, u_y, u_z, shape (3, modes, n).
+
+        Of waves to the right and k_y as given; u_y turns its sign with k_y, u_x to the left.
+        """
+        k = self.wavenumbers[modes, None]
+        along = np.where(k.real < 0, -1, 1) * np.sqrt(k**2 - lateral**2)
+        along[along.imag > 0] *= -1
+        tangential = np.broadcast_to(self.tangential[modes, None], along.shape)
+        return along, np.stack(
+            [tangential, tangential * (lateral / along), self.normal[modes, None] * (k / along)]
+        )
+
+    def with_static(self, along, motion, lateral) -> tuple[np.ndarray, np.ndarray]:
+        """Append the pole at k = 0, kappa = -i k_y, to modes at real lateral wavenumbers that begin with 0."""
+        pole = np.zeros((3, 1, len(lateral)), dtype=complex)
+        pole[0], pole[1] = self.static, 1j * self.static * (lateral > 0)
+        return np.vstack([along, -1j * lateral]), np.concatenate([motion, pole], axis=1)
+
+    def of_modes(self, numbers: np.ndarray) -> "LineSource":
+        """Some modes alone, by their numbers in `GuidedModes`."""
+        some = np.isin(self.numbers, numbers)
+        return LineSource(
+            numbers=self.numbers[some],
+            wavenumbers=self.wavenumbers[some],
+            amplitudes=self.amplitudes[some],
+            tangential=self.tangential[some],
+            normal=self.normal[some],
+            static=0.0,
+        )
 
 
 def isotropic_about_normal(solid: Solid) -> bool:
@@ -100,6 +136,7 @@ def line_source(modes: GuidedModes) -> LineSource:
     amplitudes = scale * modes.right_amplitudes(line - slope * linear)[moving]
     tangential, normal = section.surface_rows @ modes.right[:, moving]
     return LineSource(
+        numbers=moving,
         wavenumbers=modes.wavenumbers[moving] / section.length_unit,
         amplitudes=amplitudes,
         tangential=tangential * amplitudes,

@@ -1,34 +1,43 @@
 """Surface motion in three dimensions of a stator whose fingers end at y = +-W/2, per volt of the source.
 
 The charge on the fingers is that of the section within the aperture and zero beyond.  For every lateral wavenumber the
-bare stator's response to it is a sum of guided modes (line_source.py), so that at x to the right of a transducer
+bare stator's response to it is a sum of guided modes (line_source.py): at x, what the charges q_j to the left send,
 
-    u(x, y) = int dk_y / 2 pi  W sinc(k_y W / 2) exp(-i k_y y) sum_p a_p(k_y) T(kappa_p) exp(-i kappa_p (x - x_0)),
+    u(x, y) = int dk_y / 2 pi  W sinc(k_y W / 2) exp(-i k_y y) sum_p a_p(k_y) sum_j q_j exp(-i kappa_p (x - x_j)),
 
-T the charges' transform, taken at kappa_p.  The contributions of all transducers add up: massless fingers scatter by
-their charges alone.
+and the same from the right.  The contributions of all transducers add up: massless fingers scatter by their charges
+alone.  So the field is known between and under the fingers too.
 
 On the axis y = 0, u_y vanishes by symmetry.
 
-Left out: the charge near the ends of the fingers, which counts as some 0.07 periods more aperture at each; side faces;
-that a passive transducer's charges follow the mean of the wave over its aperture - 0.89 to 0.96 of the section's for
-20 wavelengths - and not the section's wave: an error of that share of what it sends back.
+Left out: the charge near the ends of the fingers, which counts as some 0.07 periods more aperture at each, so that
+nothing nearer than a wavelength to the ends is resolved (evanescent modes that reach less far end there with the
+aperture); what a finite aperture changes in a transducer's response to its own charges (reception.py has the others').
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from fem.beam.charges import ElectrodeCharges, electrode_charges
-from fem.beam.lateral import LateralRule, lateral_rule
+from fem.beam.lateral import lateral_rule
 from fem.beam.line_source import LineSource, isotropic_about_normal, line_source
+from fem.beam.reception import with_apertures
+from fem.circuit import Circuit
 from fem.geometry import Stator
+from fem.results.solution import Solution, driven_solution
 from fem.results.surface_wave import SurfaceWave
 
-NEAREST = 0.5  # wavelengths from the fingers, within which the field is not given
-KEPT = 1e-12  # share of a mode's amplitude that must be left at the nearest point for it to count
+GROUPS = (
+    1.0,
+    8.0,
+)  # wavelengths from the charges between which points share a rule; nothing nearer is resolved in y
+LOCAL = 12.0  # exponent over the first of these by which a mode decays that nothing sideways reaches
 RULE_GAIN = 1.5  # power of the coarse rule's error that bounds the fine one's; 1.8 measured, 2 in theory
-STATIC_CHUNK = 2000  # points at a time whose distances to all nodes are tabulated
+STATIC_CHUNK = 2000  # points at a time whose distances to all fingers are tabulated
+SAME_STEP = 1e-15  # m: steps from node to node that differ by less share their phases
 
 
 class BeamError(ValueError):
@@ -42,12 +51,18 @@ class SurfaceBeam:
     Attributes
     ----------
     wave : SurfaceWave
-        Of the section, whose charges these are.
+        Of the section.
+    circuit : Circuit
+        Voltages and currents with each transducer receiving the mean of the beams over its aperture.
     source : LineSource
     charges : tuple of ElectrodeCharges
         Of each transducer from left to right.
     apertures : tuple of float
         m.
+    mirror_width : float or None
+        m between two side faces that reflect like mirrors; None where nothing comes back from the sides.
+    complete : bool
+        Whether all modes of the section take part.
 
     Examples
     --------
@@ -56,9 +71,12 @@ class SurfaceBeam:
     """
 
     wave: SurfaceWave
+    circuit: Circuit
     source: LineSource = field(repr=False)
     charges: tuple[ElectrodeCharges, ...] = field(repr=False)
     apertures: tuple[float, ...]
+    mirror_width: float | None = None
+    complete: bool = True
 
     def motion(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
         """u_x, u_y and u_z in m per V.
@@ -66,7 +84,8 @@ class SurfaceBeam:
         Parameters
         ----------
         x, y : float or ndarray
-            m from the stator's left end and from the middle of the apertures; broadcast against each other.
+            m from the stator's left end and from the middle of the apertures; broadcast against each other.  Many
+            points at few x, or on a grid, cost little more than few points.
 
         Returns
         -------
@@ -75,7 +94,7 @@ class SurfaceBeam:
         Raises
         ------
         BeamError
-            Within half a wavelength of the fingers, where the modes do not converge.
+            Outside the stator.
         """
         return self._both_rules(x, y)[0]
 
@@ -85,112 +104,134 @@ class SurfaceBeam:
         The integral's follows from half as many nodes.  The section's error is relative to the section's amplitude,
         which interference may make larger than the beam's.
         """
+        return self.motion_and_error(x, y)[1]
+
+    def motion_and_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0):
+        """`motion` and `relative_error` at once."""
         fine, coarse = self._both_rules(x, y)
         size = abs(fine[[0, 2]]).max(axis=0)
         largest = float(size.max())
         rule = (abs(fine - coarse).max(axis=0) / largest) ** RULE_GAIN * largest / size
         section = abs(self.wave.motion(np.broadcast_arrays(x, y)[0])).max(axis=0)
-        return rule + self.wave.relative_error * np.maximum(1.0, section / size)
+        return fine, rule + self.wave.relative_error * np.maximum(1.0, section / size)
+
+    @property
+    def surface_mode(self) -> "SurfaceBeam":
+        """The part of the field that the surface wave alone carries."""
+        modes = self.wave.solution.fields.modes.rayleigh
+        return replace(self, source=self.source.of_modes(modes), complete=False)
+
+    @property
+    def _wavelength(self) -> float:
+        return self.wave.phase_velocity / self.wave.frequency
+
+    @cached_property
+    def _nodes(self) -> "_Nodes":
+        return _nodes_of(self.charges)
+
+    @cached_property
+    def _section_nodes(self) -> "_Nodes":
+        return _nodes_of(_charges_of(self.wave.solution))
 
     def _both_rules(self, x, y) -> tuple[np.ndarray, np.ndarray]:
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
-        flat = x.ravel(), y.ravel()
-        self._refuse(*flat)
-        total = np.zeros((2, 3, x.size), dtype=complex)
-        for charges, aperture in zip(self.charges, self.apertures, strict=True):
-            for side in (1, -1):
-                edge = charges.x[-1] if side > 0 else charges.x[0]
-                beyond = side * (flat[0] - edge) > 0
-                if beyond.any():
-                    total[..., beyond] += self._sent(
-                        charges, aperture, side, *(each[beyond] for each in flat)
-                    )
-        return tuple(total.reshape(2, 3, *x.shape))
+        shape, x, y = x.shape, x.ravel(), y.ravel()
+        self._refuse(x, y)
+        nodes = self._nodes.x
+        after = np.searchsorted(nodes, x).clip(1, len(nodes) - 1)
+        distance = np.minimum(abs(x - nodes[after - 1]), abs(x - nodes[after]))
+        group = np.searchsorted(np.multiply(GROUPS, self._wavelength), distance)
+        total = np.empty((2, 3, len(x)), dtype=complex)
+        for number in np.unique(group):
+            some = group == number
+            total[..., some] = self._modal(x[some], y[some], float(distance[some].min()))
+            if number == 0 and self.complete:
+                total[..., some] += self._local(x[some], y[some])
+        if self.mirror_width is None:
+            total += self._static(x, y)
+        return tuple(total.reshape(2, 3, *shape))
 
     def _refuse(self, x, y):
-        if not np.all(np.isfinite(y)):
-            raise BeamError("y must be finite")
-        length, near = self.wave.length, NEAREST * self.wave.phase_velocity / self.wave.frequency
-        if not np.all((x >= 0) & (x <= length)):
-            raise BeamError(f"x must lie on the stator, 0 to {length:g} m")
-        for charges in self.charges:
-            inside = (x > charges.x[0] - near) & (x < charges.x[-1] + near)
-            if inside.any():
-                raise BeamError(
-                    f"x = {x[inside][0]:g} m lies under a transducer or within half a wavelength, {near:.3g} m, of its "
-                    "fingers: the field in three dimensions is not known there"
-                )
+        if not np.all((x >= 0) & (x <= self.wave.length)):
+            raise BeamError(f"x must lie on the stator, 0 to {self.wave.length:g} m")
+        limit = np.inf if self.mirror_width is None else self.mirror_width / 2
+        if not np.all(np.isfinite(y) & (abs(y) <= limit)):
+            raise BeamError(f"y must be finite and lie between the side faces, +-{limit:g} m")
 
-    def _sent(self, charges, aperture: float, side: int, x, y) -> np.ndarray:
-        """Motion that one transducer sends to one side, by the rule and by every second node, (2, 3, points)."""
-        edge = charges.x[-1] if side > 0 else charges.x[0]
-        along = side * (x - edge)
-        source, reach = self.source, aperture / 2 + abs(y).max()
-        modes = source.lasting(along.min(), KEPT)
-        rule = lateral_rule(float(np.sqrt((source.wavenumbers[modes] ** 2).real.max())), reach, along.min())
+    def _modal(self, x, y, distance: float) -> np.ndarray:
+        """Sum of the modes at points that are at least a distance from all charges, by both rules, (2, 3, points)."""
+        source, resolved = self.source, max(distance, GROUPS[0] * self._wavelength)
+        chosen = source.lasting(distance, self._least_lasting)
+        highest = float(np.sqrt((source.wavenumbers**2).real.max()))
+        reach = max(self.apertures) / 2 + abs(y).max()
+        rule = lateral_rule(highest, reach, resolved, self.mirror_width)
+        backward = source.wavenumbers[chosen].real < 0
+        places, column = np.unique(x, return_inverse=True)
+        lines, row = np.unique(y, return_inverse=True)
         total = np.zeros((2, 3, len(x)), dtype=complex)
-        backward = source.wavenumbers[modes].real < 0
-        for chosen, contour, sign in ((modes[~backward], rule, 1), (modes[backward], rule.conjugate, -1)):
-            if len(chosen):
-                sent = _Spectrum(source, chosen, contour, sign, charges, aperture, edge, side)
-                total += sent.motion(along, y)
-        total += _static(source, charges, aperture, side, x, y)
-        total[:, 0] *= side
+        for modes, contour in ((chosen[~backward], rule), (chosen[backward], rule.conjugate)):
+            if not len(modes):
+                continue
+            along, motion = source.turned(modes, contour.nodes)
+            if self.mirror_width is not None and not backward[chosen == modes[0]]:
+                along, motion = source.with_static(along, motion, contour.nodes)
+            spectra = [each * np.sinc(contour.nodes * each / (2 * np.pi)) for each in self.apertures]
+            sent = _sent(self._nodes, along, motion, places, spectra)
+            phases = np.outer(contour.nodes, lines)
+            even, odd = np.cos(phases), -1j * np.sin(phases)
+            for coarse, step in ((0, 1), (1, 1 if self.mirror_width is not None else 2)):
+                weighted = sent[..., ::step] * (step * contour.weights[::step])
+                for place in range(len(places)):
+                    here = np.flatnonzero(column == place)
+                    for part, lateral in ((0, even), (1, odd), (2, even)):
+                        total[coarse, part, here] += weighted[place, part] @ lateral[::step, row[here]]
         return total
 
+    def _local(self, x, y) -> np.ndarray:
+        """What the section has beyond the modes above, within the aperture of the nearest transducer, (3, points)."""
+        places, column = np.unique(x, return_inverse=True)
+        nodes, source = self._section_nodes, self.source
+        along, motion = source.turned(source.lasting(0.0, self._least_lasting), np.zeros(1))
+        sent = _sent(nodes, along, motion, places, np.ones((len(self.apertures), 1)))[..., 0]
+        to_the_left = np.append(0.0, np.cumsum(nodes.charge))[np.searchsorted(nodes.x, places, side="right")]
+        rest = self.wave.motion(places) - sent.T[[0, 2]]
+        rest[0] -= source.static * (2 * to_the_left - nodes.charge.sum())
+        nearest = nodes.owner[abs(places[:, None] - nodes.x).argmin(axis=1)]
+        within = abs(y) < np.divide(self.apertures, 2)[nearest[column]]
+        return np.insert(rest, 1, 0.0, axis=0)[:, column] * within
 
-class _Spectrum:
-    """Amplitudes of some modes over k_y, of one transducer to one side; x -> -x turns the sign of u_x alone."""
+    @property
+    def _least_lasting(self) -> float:
+        return LOCAL / (GROUPS[0] * self._wavelength)
 
-    def __init__(self, source, chosen, rule: LateralRule, sign, charges, aperture, edge, side):
-        wavenumbers = source.wavenumbers[chosen, None]
-        self.lateral = rule.nodes
-        self.along = sign * np.sqrt(wavenumbers**2 - rule.nodes**2)
-        weights = rule.weights * aperture * np.sinc(rule.nodes * aperture / (2 * np.pi))
-        common = weights * charges.transform(side * self.along, edge)
-        tangential = source.tangential[chosen, None] * common
-        self.shares = np.stack(
-            [
-                tangential,
-                tangential * (rule.nodes / self.along),
-                source.normal[chosen, None] * (wavenumbers / self.along) * common,
-            ]
-        )
+    def _static(self, x, y) -> np.ndarray:
+        """Field of the pole at k = 0, where kappa = -i |k_y|, in closed form, shape (3, points).
 
-    def motion(self, along, y) -> np.ndarray:
-        """Sum over modes and k_y, by all nodes and by every second one, shape (2, 3, points)."""
-        out = np.empty((2, 3, len(along)), dtype=complex)
-        places, where = np.unique(along, return_inverse=True)
-        for number, place in enumerate(places):
-            here = np.flatnonzero(where == number)
-            spectrum = np.sum(self.shares * np.exp(-1j * self.along * place), axis=1)
-            angles = np.outer(self.lateral, y[here])
-            even, odd = np.cos(angles), -1j * np.sin(angles)
-            for coarse, step in ((0, 1), (1, 2)):
-                some = step * spectrum[:, ::step]
-                out[coarse][:, here] = some @ even[::step]
-                out[coarse, 1, here] = some[1] @ odd[::step]
-        return out
+        The integral over k_y of a charge at a distance X is a Laplace transform: with b = W/2 +- y, sum of
+        arctan(b / X) / pi for u_x and difference of log(X^2 + b^2) / 2 pi for u_y.
+        """
+        out = np.zeros((3, len(x)), dtype=complex)
+        if self.source.static == 0:
+            return out
+        for charges, aperture in zip(self.charges, self.apertures, strict=True):
+            nodes, charge = charges.pairs
+            for start in range(0, len(x), STATIC_CHUNK):
+                some = slice(start, start + STATIC_CHUNK)
+                distance = np.subtract.outer(x[some], nodes)
+                above, below = (aperture / 2 + sign * y[some, None] for sign in (1, -1))
+                inward = np.arctan2(above, abs(distance)) + np.arctan2(below, abs(distance))
+                sideways = 0.5 * np.log((distance**2 + above**2) / (distance**2 + below**2))
+                out[0, some] += (np.sign(distance) * inward) @ charge
+                out[1, some] += sideways @ charge
+        return out * (self.source.static / np.pi)
 
 
-def _static(source, charges, aperture, side, x, y) -> np.ndarray:
-    """Near field of the pole at k = 0, where kappa = -i |k_y|, in closed form, shape (3, points).
+class _Nodes(NamedTuple):
+    """Places and charges of all nodes from left to right, and the transducers that they belong to."""
 
-    The integral over k_y of a node at a distance X is a Laplace transform: with b = W/2 +- y, sum of arctan(b / X) / pi
-    for u_x and difference of log(X^2 + b^2) / 2 pi for u_y.
-    """
-    out = np.zeros((3, len(x)), dtype=complex)
-    if source.static == 0:
-        return out
-    for start in range(0, len(x), STATIC_CHUNK):
-        some = slice(start, start + STATIC_CHUNK)
-        distance = side * np.subtract.outer(x[some], charges.x)
-        above, below = (aperture / 2 + sign * y[some, None] for sign in (1, -1))
-        inward = np.arctan2(above, distance) + np.arctan2(below, distance)
-        sideways = 0.5 * np.log((distance**2 + above**2) / (distance**2 + below**2))
-        out[0, some] = inward @ charges.charge
-        out[1, some] = sideways @ charges.charge
-    return out * (source.static / np.pi)
+    x: np.ndarray
+    charge: np.ndarray
+    owner: np.ndarray
 
 
 def beam_refusal(stator: Stator) -> str:
@@ -204,13 +245,57 @@ def beam_refusal(stator: Stator) -> str:
     return ""
 
 
-def surface_beam(wave: SurfaceWave) -> SurfaceBeam:
+def _charges_of(solution: Solution) -> tuple[ElectrodeCharges, ...]:
+    return tuple(electrode_charges(solution, index) for index in range(len(solution.fields.transducers)))
+
+
+def _nodes_of(charges: tuple[ElectrodeCharges, ...]) -> _Nodes:
+    return _Nodes(
+        x=np.concatenate([each.x for each in charges]),
+        charge=np.concatenate([each.charge for each in charges]),
+        owner=np.repeat(np.arange(len(charges)), [len(each.x) for each in charges]),
+    )
+
+
+def _sent(nodes: _Nodes, along, motion, places, spectra) -> np.ndarray:
+    """Spectra of u at places from all charges, shape (places, 3, n)."""
+    mirrored = motion * np.array([-1, 1, 1])[:, None, None]
+    return _from_side(nodes, along, motion, places, spectra, 1) + _from_side(
+        nodes, along, mirrored, places, spectra, -1
+    )
+
+
+def _from_side(nodes: _Nodes, along, motion, places, spectra, side: int) -> np.ndarray:
+    """Spectra of u at places from the charges on one side (1: to their left), shape (places, 3, n)."""
+    x, places = side * nodes.x[::side], side * places[::side]
+    counts = np.searchsorted(x, places, side="right" if side > 0 else "left")
+    out = np.zeros((len(places), 3, len(spectra[0])), dtype=complex)
+    arrived = np.zeros((len(along), len(spectra[0])), dtype=complex)
+    steps: dict[int, np.ndarray] = {}
+    for number, (charge, owner) in enumerate(zip(nodes.charge[::side], nodes.owner[::side], strict=True)):
+        if number:
+            step = x[number] - x[number - 1]
+            key = round(step / SAME_STEP)
+            if key not in steps:
+                steps[key] = np.exp(-1j * along * step)
+            arrived *= steps[key]
+        arrived += charge * spectra[owner]
+        for place in np.flatnonzero(counts == number + 1):
+            further = np.exp(-1j * along * (places[place] - x[number]))
+            out[place] = np.sum(motion * (arrived * further), axis=1)
+    return out[::side]
+
+
+def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> SurfaceBeam:
     """Field in three dimensions of a driven stator, from the section's solution.
 
     Parameters
     ----------
     wave : SurfaceWave
         Of `fem.driven_wave`, ends absorbing, the solid isotropic about z.
+    mirror_width : float, optional
+        Distance in m of two side faces that reflect like mirrors (u_y = 0, no shear traction); without, the stator is
+        infinitely wide.  The true, free faces lie between neither: the difference bounds how much the width matters.
 
     Returns
     -------
@@ -219,16 +304,24 @@ def surface_beam(wave: SurfaceWave) -> SurfaceBeam:
     Raises
     ------
     BeamError
-        For other cuts and ends.
+        For other cuts and ends, and a width smaller than an aperture.
     """
     solution = wave.solution
     refusal = beam_refusal(solution.fields.stator)
     if refusal:
         raise BeamError(refusal)
-    transducers = solution.fields.transducers
+    apertures = tuple(each.aperture for each in solution.fields.transducers)
+    if mirror_width is not None and not max(apertures) <= mirror_width < np.inf:
+        raise BeamError(
+            f"mirror_width must be at least the largest aperture, {max(apertures):g} m, got {mirror_width!r}"
+        )
+    if len(apertures) > 1:
+        solution = driven_solution(with_apertures(solution.fields, mirror_width), solution.circuit.drive)
     return SurfaceBeam(
         wave=wave,
+        circuit=solution.circuit,
         source=line_source(solution.fields.modes),
-        charges=tuple(electrode_charges(solution, index) for index in range(len(transducers))),
-        apertures=tuple(each.aperture for each in transducers),
+        charges=_charges_of(solution),
+        apertures=apertures,
+        mirror_width=mirror_width,
     )

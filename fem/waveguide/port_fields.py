@@ -26,7 +26,7 @@ from fem.geometry import Stator, Transducer, outer_gaps
 from fem.materials.christoffel import slowest_wavelength
 from fem.waveguide.ends import Walls
 from fem.waveguide.modes import PROPAGATING, GuidedModes, guided_modes
-from fem.waveguide.network import Network, Scatterer
+from fem.waveguide.network import Network, PortSolution, Scatterer
 
 CUT_OFF = 1e-3  # rad per slowest wavelength: a mode's wavenumber below which its square, all that is known, is rounding
 MAX_COLUMNS = 150_000  # finger-edge element columns of all transducers; about 1 min of condensation
@@ -212,7 +212,7 @@ def joined_fields(
     PortFields
     """
     section = modes.section
-    unit, medium = section.length_unit, section.solid
+    unit = section.length_unit
     potentials = [electrode_potentials(transducer, section.floats) for transducer in transducers]
     scatterers = {
         id(block): Scatterer(block=block, modes=modes, potentials=own)
@@ -228,12 +228,31 @@ def joined_fields(
         stop=stator.length / unit - inset,
         ends=walls or stator.ends,
     )
-    solution = network.solve()
+    return connected(stator, transducers, network, network.solve(), resolution=resolution)
+
+
+def connected(
+    stator: Stator,
+    transducers: tuple[Transducer, ...],
+    network: Network,
+    solution: PortSolution,
+    *,
+    resolution: Resolution,
+    own_apertures: bool = False,
+) -> PortFields:
+    """Fields per volt at the ports from those per unit of potential: no transducer carries a net charge.
+
+    With ``own_apertures`` each transducer's charge is that of its whole aperture, not of the beam that two share.
+    """
+    section, modes = network.modes.section, network.modes
+    medium = section.solid
+    potentials = [scatterer.potentials for scatterer in network.scatterers]
     counts = [own.shape[1] for own in potentials]
     owners = np.repeat(np.arange(len(transducers)), counts)
     apertures = np.array([transducer.aperture for transducer in transducers])[owners]
+    widths = apertures[:, None] if own_apertures else np.minimum.outer(apertures, apertures)
     charge_unit = medium.stress_unit / medium.potential_unit**2
-    admittances = charge_admittances(solution.charges * charge_unit, apertures, modes.frequency)
+    admittances = charge_admittances(solution.charges * charge_unit, widths, modes.frequency)
     voltage = np.concatenate([own.sum(axis=0) == 0 for own in potentials])  # +1/2 and -1/2; a mean has 1s
     uncharged = _uncharged(admittances, voltage)
     volts = uncharged / medium.potential_unit
@@ -256,15 +275,15 @@ def joined_fields(
     )
 
 
-def charge_admittances(charges: np.ndarray, apertures, frequency: float) -> np.ndarray:
+def charge_admittances(charges: np.ndarray, widths: np.ndarray, frequency: float) -> np.ndarray:
     """Admittance matrix of reactions int grad psi . D, minus the charges per metre of aperture.
 
     Parameters
     ----------
     charges : ndarray, shape (n, n)
         C/m per V.
-    apertures : array_like, shape (n,)
-        m; two transducers share the narrower beam.
+    widths : ndarray, broadcast to (n, n)
+        m, of the beam that two transducers share: the narrower aperture.
     frequency : float
         Hz.
 
@@ -273,8 +292,7 @@ def charge_admittances(charges: np.ndarray, apertures, frequency: float) -> np.n
     ndarray, shape (n, n)
         S.
     """
-    apertures = np.asarray(apertures)
-    return -2j * np.pi * frequency * np.minimum(apertures[:, None], apertures[None, :]) * charges
+    return -2j * np.pi * frequency * widths * charges
 
 
 def _uncharged(admittances: np.ndarray, voltage: np.ndarray) -> np.ndarray:

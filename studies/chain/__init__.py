@@ -164,7 +164,9 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
                 raise RunError(str(error)) from None
             wave = error.reached  # it is recorded with its error, which says whether it is good enough
         try:
-            return surface_motion(wave, places, wanted)
+            motion = surface_motion(wave, wanted)
+            motion.errors(places)
+            return motion
         except fem.BeamError as error:
             scene.refuse("stator.diffraction", f"must be false or absent: {error}")
 

@@ -27,11 +27,10 @@ def driven_left_out(stator: "fem.Stator", frequency: float) -> tuple[str, ...]:
 
 def diffraction_left_out(scene: Scene, motion: SurfaceMotion) -> tuple[str, ...]:
     """Return why the wave does not spread in the answer of a driven stator; nothing where it does."""
-    if motion.reason:
-        where = "" if motion.beam is None else " at some of the contacts"
-        return (f"diffraction, the wave{where} is that of the plane section: {motion.reason}",)
     if motion.beam is not None:
         return ()
+    if motion.reason:
+        return (f"diffraction, the wave is that of the plane section: {motion.reason}",)
     said = "is false" if scene.stator.diffraction is False else "is absent, and the scene has no slider"
     return (f"diffraction, the wave is that of the plane section: stator.diffraction {said}",)
 

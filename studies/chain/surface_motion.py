@@ -5,7 +5,7 @@ amplitude depends on x and y and a motion u_y arises beside the axis.  `surface_
 for a scene: every answer that needs an orbit takes it from there.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 __all__ = ["SurfaceMotion", "surface_motion", "wanted_diffraction"]
 
@@ -25,74 +25,55 @@ class SurfaceMotion:
     beam : fem.SurfaceBeam or None
         Of the finite aperture; None where the section stands for it.
     reason : str
-        Why it cannot be computed, at all or at some place; empty where it is, or is not wanted.
+        Why it cannot be computed; empty where it is, or is not wanted.
     """
 
     wave: object = field(repr=False)
     beam: object = field(default=None, repr=False)
     reason: str = ""
+    _known: dict = field(default_factory=dict, init=False, repr=False)
 
     def at(self, places):
-        """Return u_x, u_y and u_z in m per V at places (x, y) in m, complex, shape (3, places).
-
-        Each by itself, so that an answer depends on its own place alone to the last bit.
-        """
+        """Return u_x, u_y and u_z in m per V at places (x, y) in m, complex, shape (3, places)."""
         import numpy as np
 
-        return np.array([self._at(place) for place in places]).T
-
-    def _at(self, place: tuple[float, float]):
-        import fem
-
-        if self.beam is not None:
-            try:
-                return self.beam.motion(*place)
-            except fem.BeamError:
-                pass  # beside the fingers; `reason` says so
-        tangential, normal = self.wave.motion(place[0])
-        return tangential, 0j, normal
+        return np.array([each for each, _ in self._known_at(places)]).T
 
     def along(self, x, y: float):
         """Return u_x, u_y and u_z at many x in m on a line of constant y, complex, shape (3, len(x))."""
-        import numpy as np
+        return self._both(x, y)[0]
 
-        import fem
-
-        if self.beam is not None:
-            try:
-                return self.beam.motion(x, y)
-            except fem.BeamError:
-                pass
-        return self.at([(each, y) for each in np.asarray(x, dtype=float).tolist()])
+    def errors(self, places):
+        """Return the estimated error at places (x, y) over max(|u_x|, |u_z|) at each."""
+        return [error for _, error in self._known_at(places)]
 
     def relative_error(self, places) -> float:
-        """Return the largest estimated error at places (x, y) over max(|u_x|, |u_z|) there."""
-        return max(self._error(place) for place in places)
+        """Return the largest of these errors."""
+        return float(max(self.errors(places)))
 
-    def _error(self, place: tuple[float, float]) -> float:
-        import fem
+    def _known_at(self, places) -> list:
+        """Return motion and error at each place; those that are new are computed together."""
+        new = [place for place in dict.fromkeys(places) if place not in self._known]
+        if new:
+            motions, errors = self._both(*zip(*new, strict=True))
+            self._known |= zip(new, zip(motions.T, errors, strict=True), strict=True)
+        return [self._known[place] for place in places]
+
+    def _both(self, x, y):
+        import numpy as np
 
         if self.beam is not None:
-            try:
-                return float(self.beam.relative_error(*place))
-            except fem.BeamError:
-                pass
-        return self.wave.relative_error
+            return self.beam.motion_and_error(x, y)
+        tangential, normal = self.wave.motion(np.asarray(x, dtype=float))
+        return np.array([tangential, np.zeros_like(normal), normal]), np.full(
+            np.shape(normal), self.wave.relative_error
+        )
 
     def surface_mode_at(self, place: tuple[float, float]) -> complex:
         """Return the surface mode's part of u_z at a place (x, y) beside the transducers."""
-        import numpy as np
-
         if self.beam is None:
             return complex(self.wave.rayleigh_motion(place[0])[1])
-        source = self.beam.source
-        piece = next(each for each in self.wave.pieces if hasattr(each, "rayleigh"))
-        kept = np.isin(source.wavenumbers, piece.wavenumbers[piece.rayleigh])
-        parts = {
-            name: getattr(source, name)[kept]
-            for name in ("wavenumbers", "amplitudes", "tangential", "normal")
-        }
-        return complex(replace(self.beam, source=replace(source, static=0.0, **parts)).motion(*place)[2])
+        return complex(self.beam.surface_mode.motion(*place)[2])
 
     def standing_wave_ratio(self, place: tuple[float, float]) -> float:
         """Return the largest over the smallest |u_z| within a wavelength either side of a place (x, y)."""
@@ -115,36 +96,30 @@ class SurfaceMotion:
         return self.wave.standing_wave_ratio(x)
 
 
-def surface_motion(wave, places, diffraction: bool | None) -> SurfaceMotion:
-    """Return what stands for the motion of a solved stator at some places.
+def surface_motion(wave, diffraction: bool | None) -> SurfaceMotion:
+    """Return what stands for the motion of a solved stator.
 
     Parameters
     ----------
     wave : fem.SurfaceWave
-    places : sequence of (float, float)
-        x and y in m, where it is needed.
     diffraction : bool or None
         True: the finite aperture; False: the plane section; None: the finite aperture where it can be computed.
 
     Raises
     ------
     fem.BeamError
-        If diffraction is True and it cannot be computed there.
+        If diffraction is True and it cannot be computed.
     """
     import fem
 
     if diffraction is False:
         return SurfaceMotion(wave=wave)
-    beam, reason = None, ""
     try:
-        beam = fem.surface_beam(wave)
-        for place in places:
-            beam.motion(*place)
+        return SurfaceMotion(wave=wave, beam=fem.surface_beam(wave))
     except fem.BeamError as error:
         if diffraction:
             raise
-        reason = str(error)
-    return SurfaceMotion(wave=wave, beam=beam, reason=reason)
+        return SurfaceMotion(wave=wave, reason=str(error))
 
 
 def wanted_diffraction(given: bool | None, has_slider: bool) -> bool | None:

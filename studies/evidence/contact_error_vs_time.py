@@ -102,7 +102,9 @@ def _rows(seed: Seed, amplitude: float, cycles: int, chosen: tuple, tolerances: 
         return found.velocity_at_burst_end / problem.speed
 
     def fixed(per_cycle, cycles=cycles):
-        return peers.naive(problem.row, problem.waves[0], begin, cycles, per_cycle, BAND / problem.speed)
+        return peers.naive(
+            problem.row, peers.first_wave(problem), begin, cycles, per_cycle, BAND / problem.speed
+        )
 
     import numpy as np
 

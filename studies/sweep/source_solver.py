@@ -180,12 +180,11 @@ def _solved(question, name, step, scene, places) -> Source:
     known = next(motion.wave for motion, _ in answers if motion is not None)
     tangential, normal, errors, covered = [], [], [], []
     for motion, some in answers:
-        for place in some:
-            u_x, _, u_z = (0j, 0j, 0j) if motion is None else motion.at([place])[:, 0]
-            tangential.append(complex(u_x))
-            normal.append(complex(u_z))
-            errors.append(None if motion is None else motion.relative_error([place]))
-            covered.append(bool(known.covered(place[0])))
+        tangential_of, _, normal_of = [[0j] * len(some)] * 3 if motion is None else motion.at(some)
+        tangential += map(complex, tangential_of)
+        normal += map(complex, normal_of)
+        errors += [None] * len(some) if motion is None else map(float, motion.errors(some))
+        covered += [bool(known.covered(x)) for x, _ in some]
     return Source(
         name=name, step=step, frequency=float(known.frequency), places=places, tangential=tuple(tangential),
         normal=tuple(normal), errors=tuple(errors), covered=tuple(covered), admittance=complex(known.admittance),
@@ -199,7 +198,7 @@ def _motion(question: Question, scene: Scene, places, step: int) -> SurfaceMotio
 
     wave = _wave(question, scene, tuple(dict.fromkeys(x for x, _ in places)), step)
     try:
-        return surface_motion(wave, places, wanted_diffraction(scene.stator.diffraction, question.has_slider))
+        return surface_motion(wave, wanted_diffraction(scene.stator.diffraction, question.has_slider))
     except fem.BeamError as error:
         raise SceneError("stator.diffraction", f"must be false or absent: {error}") from None
 

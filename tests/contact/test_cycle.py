@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
+from contact.kinematics import normal_amplitude, tangential_amplitude
+from contact.law.normal import SPHERE
 from contact.solve.averaged import mean_push, riding
 from contact.solve.cycle_mean import MADE, SLIPS, STUCK, cycle, quadrature, respond
 from contact.solve.equilibrium import balanced, traction
 from contact.solve.event_driven import TALLY
-from contact.solve.limits import mean_power, riding_height
+from contact.solve.limits import mean_load, riding_height
 from tests.contact.motors import orbit, slider
 
 
@@ -23,7 +25,7 @@ def means(problem, h, v, nodes=20):
 def test_mean_forces_are_those_of_the_general_motion(A, share):
     problem = balanced(slider(), (orbit(A),)).problem
     h = riding_height(slider(), orbit(A)) / problem.length
-    v = share * float(np.hypot(*problem.waves[0, 2:]))
+    v = share * float(tangential_amplitude(problem.paths, 0))
     friction = problem.friction * problem.preload
     (push, pull), _ = means(problem, h, v)
     general, _ = traction(problem, h, v, 0.0, np.zeros(TALLY, int))
@@ -61,12 +63,12 @@ def test_a_sticking_cycle_says_so():
 def test_the_mean_push_and_the_riding_height_are_the_closed_ones():
     problem = balanced(slider(), (orbit(10e-9),)).problem
     kappa = problem.stiffness
-    rule, a = quadrature(24), float(np.hypot(*problem.waves[0, :2]))
+    rule, a = quadrature(24), float(normal_amplitude(problem.paths, 0))
     for h in (-0.9 * a, -0.2 * a, 0.3 * a, 0.999 * a, 1.7 * a):
         force, slope = mean_push(problem, h, rule)
-        assert force == pytest.approx(kappa * mean_power(h, a), rel=1e-10)
+        assert force == pytest.approx(kappa * mean_load(h, a, SPHERE), rel=1e-10)
         step = 1e-5 * a
-        rise = kappa * (mean_power(h + step, a) - mean_power(h - step, a)) / (2.0 * step)
+        rise = kappa * (mean_load(h + step, a, SPHERE) - mean_load(h - step, a, SPHERE)) / (2.0 * step)
         assert slope == pytest.approx(rise, rel=1e-6)  # the difference quotient's own error
     height = riding_height(slider(), orbit(10e-9)) / problem.length
     assert riding(problem, rule) == pytest.approx(height, rel=1e-10)

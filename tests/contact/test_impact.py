@@ -35,7 +35,7 @@ def thrown(case, speed_t=0.0, **changed):
         radius=radius, mass=mass, preload=1e-12, effective_modulus=modulus, tangential_modulus=0.2 * modulus,
         normal_damping=0.0, tangential_damping=0.0, friction_coefficient=0.1, **changed,
     )  # fmt: skip
-    deepest = (1.25 * mass * speed**2 / s.hertz_stiffness) ** 0.4
+    deepest = (1.25 * mass * speed**2 / s.normal_stiffness) ** 0.4
     wave = orbit(deepest, frequency=speed / deepest / (2.0 * math.pi))  # sets the units, then is silent
     problem = without_wave(scaled(s, (wave,), direction=1.0, start=0.0))
     motion = Motion(problem, table=collocation(16), truncation=1e-10)

@@ -8,21 +8,21 @@ from hypothesis import strategies as st
 from contact import burst, contact_history, steady
 from contact.answers.ledger import Ledger, ledger, together
 from contact.answers.methods import rest, rest_problem, silence
-from contact.law import elastic, hertz, mindlin
+from contact.law import elastic
+from contact.law.normal import PUNCH, SPHERE, stiffness
 from tests.contact.motors import orbit, slider
 
 E, G, MU, RADIUS = 71e9, 13.3e9, 0.23, 1.7e-3
-C = mindlin.limit_slope(MU, E, G)
+C = elastic.limit_slope(MU, E, G)
 
 
 def spring(z, x):
     """Return (W, Q, dW/dz) of the tangential spring at approach z and deformation x."""
-    P = hertz.normal_force(z, hertz.stiffness(RADIUS, E))
-    arguments = (x, mindlin.slip_limit(z, C), MU * P)
+    friction, stick = MU * stiffness(RADIUS, E, SPHERE), z - np.abs(x) / C
     return (
-        mindlin.stored_energy(*arguments),
-        mindlin.tangential_force(*arguments),
-        mindlin.reciprocal_force(*arguments, C),
+        friction * C * elastic.friction_energy(z, stick, SPHERE),
+        elastic.tangential_force(x, z, friction, C, SPHERE),
+        friction * C * elastic.back_load(z, stick, SPHERE),
     )
 
 
@@ -49,16 +49,18 @@ def test_a_closed_loop_in_stick_does_no_work(dz, dx, lag):
 
 
 @pytest.mark.parametrize("share", [-0.7, -0.01, 0.2, 0.999])
-def test_the_kernel_has_the_same_reciprocal_force(share):
-    z, P = 0.7, 1.3
-    x = share * 0.11 * z
-    expected = mindlin.reciprocal_force(x, 0.11 * z, 0.4 * P, 0.11)
-    sign = 1.0 if x >= 0.0 else -1.0
-    assert elastic.back_force(elastic.STICK, sign, z, x, P, 0.4, 0.11) == pytest.approx(expected, rel=1e-12)
-    limit = mindlin.reciprocal_force(0.11 * z, 0.11 * z, 0.4 * P, 0.11)
-    assert elastic.back_force(elastic.SLIP, sign, z, sign * 0.11 * z, P, 0.4, 0.11) == pytest.approx(
-        limit, rel=1e-15
-    )
+def test_the_reciprocal_force_is_the_closed_form_of_the_sphere_and_zero_for_a_punch(share):
+    # W = mu P c z w(r), w = r - 0.4 (1 - (1 - r)^2.5), P ~ z^1.5: dW/dz = mu P c (2.5 w - r w')
+    z, friction, c, r = 0.7, 0.4 * 1.3, 0.11, abs(share)
+    w, slope = r - 0.4 * (1.0 - (1.0 - r) ** 2.5), 1.0 - (1.0 - r) ** 1.5
+    sign, x = np.sign(share), share * c * z
+    expected = friction * z**1.5 * c * (2.5 * w - r * slope)
+    back = elastic.back_force(elastic.STICK, sign, z, x, friction, c, SPHERE)
+    assert back == pytest.approx(expected, rel=1e-12, abs=1e-16)
+    limit = elastic.back_force(elastic.SLIP, sign, z, sign * c * z, friction, c, SPHERE)
+    assert limit == pytest.approx(0.5 * friction * z**1.5 * c, rel=1e-15)
+    for regime in (elastic.STICK, elastic.SLIP):
+        assert abs(elastic.back_force(regime, sign, z, x, friction, c, PUNCH)) < 1e-16
 
 
 @pytest.mark.parametrize("reciprocal", [False, True])
@@ -110,9 +112,9 @@ def test_work_slip_and_leak_are_those_of_the_sampled_forces():
     slip_speed = h.surface_velocity[:, 0] - h.slider_velocity - np.gradient(x, step)
     slip = np.sum((h.tangential_force[:, 0] * slip_speed)[h.regime[:, 0] == "slip"]) * step
     assert found.slip == pytest.approx(slip, rel=1e-3)  # a sample at each end of slip
-    back = mindlin.reciprocal_force(
-        x, s.limit_slope * z, s.friction_coefficient * h.normal_force[:, 0], s.limit_slope
-    )
+    friction, c = s.friction_coefficient * s.normal_stiffness, s.limit_slope
+    stick = np.maximum(z - np.abs(x) / c, 0.0)
+    back = friction * c * elastic.back_load(np.maximum(z, 0.0), stick, SPHERE)
     assert found.leak == pytest.approx(-np.sum(back * np.gradient(z, step)) * step, rel=1e-5)
     assert found.leak / found.wave_tangential == pytest.approx(0.0117, rel=1e-2)
 

@@ -7,13 +7,14 @@ import pytest
 
 from contact.jit.shapes import check_shapes
 
-Problem = namedtuple("Problem", "parameters waves")
-DECLARED = {"problem.waves": "n 4", "state": "3+n", "sums": "2 | 2+4k", "fast": "8 k"}
+Problem = namedtuple("Problem", "parameters paths")
+Paths = namedtuple("Paths", "height")
+DECLARED = {"problem.paths.height": "n", "state": "3+n", "sums": "2 | 2+4k", "fast": "8 k"}
 
 
 def given(**changed):
     arrays = {
-        "problem": Problem(np.zeros(11), np.zeros((2, 4))), "state": np.zeros(5), "sums": np.zeros(14),
+        "problem": Problem(np.zeros(11), Paths(np.zeros(2))), "state": np.zeros(5), "sums": np.zeros(14),
         "fast": np.zeros((8, 3)),
     }  # fmt: skip
     return arrays | changed
@@ -34,7 +35,7 @@ def test_shapes_that_belong_together_pass():
             r"fast has the shape \(8, 4\), but \(8 k\) is expected with n = 2, k = 3",
         ),
         ({"sums": np.zeros(15)}, r"sums has the shape \(15,\), but \(2 \| 2\+4k\) is expected"),
-        ({"problem": Problem(None, np.zeros((2, 3)))}, r"problem.waves has the shape \(2, 3\)"),
+        ({"problem": Problem(None, Paths(np.zeros((2, 3))))}, r"problem.paths.height has the shape \(2, 3\)"),
         ({"state": np.zeros((5, 1))}, "state has the shape"),
         ({"state": np.zeros(2)}, "state has the shape"),
     ],

@@ -89,7 +89,7 @@ def test_a_run_says_how_far_it_went(small):
     scene = small.replace(drive={"burst": "4 ms", "voltage": "120 V"}, slider={"travel": True})
     moved, still = (run(each, tolerance=0.05) for each in (scene, scene.replace(slider={"travel": False})))
     travel = moved.points[0]["travel_m"]
-    level, trajectory = still.trajectories[0]
+    _, trajectory = still.trajectories[0]
     on = trajectory.time <= trajectory.duration
     assert travel == pytest.approx(np.trapezoid(trajectory.velocity[on], trajectory.time[on]), rel=0.1)
     assert moved.points[0]["velocity_at_burst_end_m_per_s"] == pytest.approx(

@@ -1,0 +1,72 @@
+"""Reception of a beam by transducers of finite aperture."""
+
+import numpy as np
+import pytest
+from scipy.special import hankel2
+
+from fem.beam.reception import aperture_coupling, with_apertures
+from fem.beam.surface_beam import surface_beam
+from tests.fem.stators import comb, cut, plate, solution, wave_of
+
+
+def test_coupling_of_two_apertures_is_a_double_integral_of_a_hankel_function():
+    k, sender, receiver, distance = 6300.0 - 30j, 5e-3, 2e-3, 12e-3
+    (y, outer), (other, inner) = (np.polynomial.legendre.leggauss(n) for n in (40, 80))
+    lateral = np.subtract.outer(receiver / 2 * y, sender / 2 * other)
+    mean = outer / 2 @ (hankel2(0, k * np.hypot(distance, lateral)) @ (inner * sender / 2))
+    expected = k / 2 * mean * np.exp(1j * k * distance)
+    assert aperture_coupling(np.array([k]), sender, receiver, distance)[0] == pytest.approx(
+        expected, rel=1e-7
+    )
+    images = [
+        hankel2(0, k * np.hypot(distance, lateral + number * 6e-3)) @ (inner * sender / 2)
+        for number in range(-90, 91)
+    ]
+    expected = k / 2 * (outer / 2 @ sum(images)) * np.exp(1j * k * distance)
+    found = aperture_coupling(np.array([k]), sender, receiver, distance, 6e-3)[0]
+    assert found == pytest.approx(expected, rel=1e-6)
+
+
+def stator_of_three(first: float, second: float):
+    stator = plate(cut("PZT-8", "Z", quality=200.0), length=40.0, thickness=1.3)
+    apertures = (first, second, second)
+    three = [
+        comb(stator, name, at, finger_pairs=pairs, aperture=aperture)
+        for name, at, pairs, aperture in zip("abc", (6.0, 20.0, 33.0), (3, 4, 2), apertures, strict=True)
+    ]
+    return solution(stator, tuple(three))
+
+
+def test_reciprocity_of_unequal_apertures():
+    section = stator_of_three(20e-3, 8e-3).fields
+    found = with_apertures(section).admittances
+    np.testing.assert_allclose(found, found.T, atol=1e-9 * abs(found[0, 1]))
+    assert abs(found[0, 1] - section.admittances[0, 1]) > 0.01 * abs(found[0, 1])
+
+
+def test_wide_apertures_are_the_section():
+    """The middle transducer scatters what passes between the outer ones; the difference falls as 1 / W."""
+    left = []
+    for aperture in (5.0, 10.0):
+        section = stator_of_three(aperture, aperture).fields
+        change = abs(with_apertures(section).admittances / section.admittances - 1)
+        left.append(change.max())
+    assert left[1] < 1e-3
+    assert left[1] == pytest.approx(left[0] / 2, rel=0.02)
+
+
+def test_an_open_transducer_sees_the_mean_of_the_beam():
+    """Its voltage, over the section's, is the mean over its aperture of the wave that one driven transducer sends."""
+    stator = plate(cut("PZT-8", "Z", quality=60.0), length=30.0, thickness=np.inf)
+    driven = comb(stator, "a", 6.0, aperture=5e-3)
+    far = comb(stator, "b", 22.0, aperture=3e-3)
+    both = surface_beam(wave_of(solution(stator, (driven, far))))
+    alone = surface_beam(wave_of(solution(stator, (driven,)))).surface_mode
+    y, weights = np.polynomial.legendre.leggauss(20)
+    mean = alone.motion(far.center, 1.5e-3 * y)[2] @ weights / 2
+    expected = mean / alone.wave.rayleigh_motion(far.center)[1]
+    shares = aperture_coupling(alone.source.wavenumbers, 5e-3, 3e-3, far.center - driven.center)
+    assert shares.mean() == pytest.approx(expected, abs=1e-3)
+    found = both.circuit.voltages[1] / both.wave.circuit.voltages[1]
+    assert found == pytest.approx(expected, abs=0.06)  # bulk waves take part
+    assert abs(found - 1) > 0.2
