@@ -56,7 +56,7 @@ class SurfaceMotion:
         new = [place for place in dict.fromkeys(places) if place not in self._known]
         if new:
             motions, errors = self._both(*zip(*new, strict=True))
-            self._known |= zip(new, zip(motions.T, errors, strict=True), strict=True)
+            self._known.update(zip(new, zip(motions.T, map(float, errors), strict=True), strict=True))
         return [self._known[place] for place in places]
 
     def _both(self, x, y):

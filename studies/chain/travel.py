@@ -209,16 +209,18 @@ def with_travel(trajectory, travel: Travel):
 
 
 def _slide(known, old, start: float, after):
-    """Return a decaying speed that begins elsewhere: the same curve, shifted in time."""
+    """Return a decaying speed that begins elsewhere: the same curve, shifted in time, with its slope beyond its ends."""
     size = abs(old)
     if size[0] == 0.0 or size[-1] >= size[0]:
         return old[1:] + (start - old[0])
-    first = np.argmax(size <= 0.5 * size[0]) or len(size) - 1
-    slope = (size[0] - size[first]) / known[first]
-    if abs(start) >= size[0]:
-        early = (abs(start) - size[0]) / slope
-        return np.where(
-            after < early, start - np.sign(start) * slope * after, np.interp(after - early, known, old)
-        )
-    skipped = known[np.argmax(size <= abs(start))]
-    return np.interp(after + skipped, known, old)
+    half = int(np.argmax(size <= 0.5 * size[0])) or len(size) - 1
+    slope = (size[half] - size[0]) / known[half]
+    below = int(np.argmax(size <= abs(start)))
+    if abs(start) >= size[0] or below == 0:
+        shift = (abs(start) - size[0]) / slope
+    else:
+        shift = np.interp(-abs(start), -size[below - 1 : below + 1], known[below - 1 : below + 1])
+    at = after + shift
+    shifted = np.interp(at, known, old)
+    beyond = np.minimum(at, 0.0) + (np.maximum(at - known[-1], 0.0) if size[-1] > 0.05 * size[0] else 0.0)
+    return shifted + np.sign(start) * slope * beyond
