@@ -4,8 +4,7 @@ Conventions: exp(+i omega t), complex peak amplitudes, SI; x along the propagati
 z < 0; Voigt order 11 22 33 23 13 12 with engineering shear.  The folders are the steps of the method: materials -
 geometry - analytic (answers without a mesh) - discretize (elements through the depth) - condense (superelements) -
 waveguide (guided modes, ends, network) - circuit - results - solve (error estimate, bands, bursts) - beam (a finite
-aperture in three dimensions).  Two checks stand beside them: direct (the whole stator as one sparse matrix) and
-cell_wave (a meshed cell of one wavelength).
+aperture in three dimensions).  A check stands beside them: direct (the whole stator as one sparse matrix).
 """
 
 from importlib import import_module
@@ -17,7 +16,6 @@ _HOME = {
     "BeamError": "beam.surface_beam",
     "beam_refusal": "beam.surface_beam",
     "blas_on_one_thread": "threads",
-    "bulk_velocities": "analytic.lamb",
     "burst_response": "solve.burst",
     "BurstEnvelope": "solve.burst",
     "catalogue": "materials",
@@ -44,15 +42,11 @@ _HOME = {
     "material": "materials",
     "one_blas_thread": "threads",
     "outer_gaps": "geometry",
-    "periodic_wave": "cell_wave",
-    "PeriodicWave": "cell_wave",
-    "plate_wavenumbers": "analytic.lamb",
     "point_load": "analytic.point_load",
     "PointLoad": "analytic.point_load",
     "port_admittance": "solve.port_admittance",
     "PortAdmittance": "solve.port_admittance",
     "rayleigh": "analytic.half_space",
-    "rayleigh_velocity": "analytic.lamb",
     "read_vtu": "results.files",
     "reference_matrices": "discretize.spectral",
     "relative_amplitude": "analytic.coupled_modes",
@@ -60,6 +54,7 @@ _HOME = {
     "rotated": "materials",
     "rotation_matrix": "materials.rotation",
     "SegmentModes": "results.segment_modes",
+    "set_workers": "threads",
     "side_by_side": "threads",
     "slowest_wavelength": "materials.christoffel",
     "Solid": "materials",

@@ -4,7 +4,6 @@ Its matrices are small and many.  Threads of a BLAS that wait for each other, an
 process, make it several times slower than one (69 s against 5 s were seen); frequencies and scenes are what to spread.
 """
 
-import os
 import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator
@@ -12,10 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from functools import wraps
 
-WORKERS = 2  # threads over frequencies; the linear algebra of each runs outside the interpreter's lock
-VARIABLE = (
-    "SAWMOTOR_THREADS"  # of the environment: another number of them, 1 where processes share the machine
-)
+_workers = 2  # threads over frequencies; the linear algebra of each runs outside the interpreter's lock
 
 
 class _Limit:
@@ -86,8 +82,14 @@ def one_blas_thread(work: Callable) -> Callable:
     return limited
 
 
+def set_workers(number: int) -> None:
+    """Set how many threads of this process work side by side: 1 where processes share the machine."""
+    global _workers
+    _workers = number
+
+
 @one_blas_thread
-def side_by_side(work: Callable, items: Iterable, *, workers: int | None = None) -> list:
-    """Return what ``work`` gives for every item, in their order, ``workers`` at a time."""
-    with ThreadPoolExecutor(workers or int(os.environ.get(VARIABLE, WORKERS))) as pool:
+def side_by_side(work: Callable, items: Iterable) -> list:
+    """Return what ``work`` gives for every item, in their order, as many at a time as `set_workers` allows."""
+    with ThreadPoolExecutor(_workers) as pool:
         return list(pool.map(work, items))

@@ -5,7 +5,7 @@ log2(N) joins instead of N (block cyclic reduction, Buzbee, Golub and Nielson 19
 found again from the sides, level by level.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -56,16 +56,16 @@ def joined(left: Block, right: Block, *, phi: int | None = None, comb: int | Non
     return Block(size=n, matrix=matrix, width=left.width + right.width, parts=(left, right, back))
 
 
-def repeated(block: Block, count: int) -> Block:
+def repeated(block: Block, count: int, join: Callable[[Block, Block], Block] = joined) -> Block:
     """Block of ``count`` equal neighbours, by doubling."""
     result, power = None, block
     while True:
         if count & 1:
-            result = power if result is None else joined(result, power)
+            result = power if result is None else join(result, power)
         count >>= 1
         if not count:
             return result
-        power = joined(power, power)
+        power = join(power, power)
 
 
 def swapped(block: Block) -> Block:

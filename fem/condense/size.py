@@ -1,17 +1,14 @@
-"""How large a driven stator's discretised problem is, counted from the geometry before anything is solved.
-
-The counts follow what `fem.condense.transducer` does: equal columns are condensed once, equal runs of fingers joined
-once.
-"""
+"""How large a driven stator's discretised problem is, counted by the walk of `fem.condense.transducer` without work."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from fem.condense.superelement import PORTS
-from fem.discretize.grading import Resolution, edge_layers, graded
+from fem.condense.transducer import transducer_blocks
+from fem.discretize.grading import Resolution
 from fem.discretize.section import Section, discretise
-from fem.geometry import Stator, Transducer, outer_gaps
+from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
 
 
@@ -75,6 +72,39 @@ class StatorSize:
         return (joins + columns) * (16 if self.complex else 8)
 
 
+@dataclass(eq=False)
+class _Counted:
+    """In the place of a superelement: columns in it, and the joins that its columns took."""
+
+    columns: int = 1
+    joins: int = 0
+
+
+class _Count:
+    """In the place of a condensation: counts what it would do."""
+
+    def __init__(self, section: Section):
+        self.length_unit, self.mirror = section.length_unit, section.odd is not None
+        self.condensed = self.joins = self.images = 0
+
+    def column(self, width, comb):
+        self.condensed += 1
+        return _Counted()
+
+    def joined(self, left, right, comb=None):
+        self.joins += 1
+        return _Counted(left.columns + right.columns, left.joins + right.joins + 1)
+
+    def mirrored(self, block):
+        self.images += block.joins
+        return block
+
+    def swapped(self, block):
+        return block
+
+    opened = swapped
+
+
 def stator_size(
     stator: Stator, transducers: tuple[Transducer, ...], *, frequency: float, resolution: Resolution
 ) -> StatorSize:
@@ -97,76 +127,14 @@ def stator_size(
     unit = slowest_wavelength(stator.solid, frequency)
     scale = min(each.finger_width / 2 for each in row)
     section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)
-    counts = np.zeros(4, dtype=int)
-    known: dict[tuple, int] = {}
-    for each, gaps in zip(row, outer_gaps(stator, row), strict=True):
-        key = (each.signs, each.pitch, each.metallisation, gaps)
-        if key not in known:
-            known[key], *new = _transducer(each, gaps, unit, resolution, mirror=section.odd is not None)
-            counts[1:] += new
-        counts[0] += known[key]
-    columns, condensed, joins, mirrored = counts.tolist()
+    count = _Count(section)
+    blocks = transducer_blocks(count, stator, row, resolution)
     return StatorSize(
         section=section,
         resolution=resolution,
-        columns=columns,
-        condensed=condensed,
-        joins=joins,
-        mirrored=mirrored,
-        scatterers=len(known),
+        columns=sum(block.columns for block in blocks),
+        condensed=count.condensed,
+        joins=count.joins,
+        mirrored=count.images,
+        scatterers=len({id(block) for block in blocks}),
     )
-
-
-def _transducer(transducer, gaps, unit, resolution, *, mirror) -> tuple[int, int, int, int]:
-    """Columns of a transducer, those that are condensed, joins, and joins with a mirror image."""
-    half_gap = transducer.half_gap / unit
-    outer = [half_gap if abs(gap / unit - half_gap) < 1e-9 * half_gap else gap / unit for gap in gaps]
-    last = len(transducer.signs) - 1
-    kinds = [
-        (sign != "0", outer[0] if place == 0 else half_gap, outer[1] if place == last else half_gap, sign)
-        for place, sign in enumerate(transducer.signs)
-    ]
-    finger = transducer.finger_width / unit
-    cells = {
-        (metal, left, right): _finger(finger / 2, left, right, resolution, mirror)
-        if metal
-        else _bare(left + finger + right, resolution)
-        for metal, left, right, _ in kinds
-    }
-    columns = sum(cells[kind[:3]][0] for kind in kinds)
-    condensed, joins, images = (sum(cell[part] for cell in cells.values()) for part in (1, 2, 3))
-    return columns, condensed, joins + _runs(kinds), images
-
-
-def _finger(half_finger, left, right, resolution, mirror) -> tuple[int, int, int, int]:
-    smallest = min(half_finger, left, right)
-    metal, before, after = (
-        graded(length, edge_layers(resolution, length, smallest), largest=resolution.element_size)
-        for length in (half_finger, left, right)
-    )
-    columns = 2 * len(metal) + len(before) + len(after)
-    bare = {round(width, 12) for width in (*before, *after)}
-    condensed = len({round(width, 12) for width in metal}) + len(bare)
-    even = abs(left - right) < 1e-9 * left
-    joins = len(before) + len(metal) - 1
-    if mirror and even:
-        return columns, condensed, 1 + joins, joins
-    return columns, condensed, 1 + joins + len(after) + len(metal) - 1, 0
-
-
-def _bare(width, resolution) -> tuple[int, int, int, int]:
-    count = len(graded(width, 0, largest=resolution.element_size))
-    return count, 1, count.bit_length() - 1 + count.bit_count() - 1, 0
-
-
-def _runs(kinds: list[tuple]) -> int:
-    """Joins of a row of cells, halved until single; equal runs count once."""
-    seen: set[tuple] = set()
-    open_runs = [tuple(kinds)]
-    while open_runs:
-        run = open_runs.pop()
-        if len(run) > 1 and run not in seen:
-            seen.add(run)
-            half = 2 ** ((len(run) - 1).bit_length() - 1)
-            open_runs += [run[:half], run[half:]]
-    return len(seen)

@@ -1,11 +1,13 @@
 """Superelement of a transducer: from the columns of a finger's cell to a whole row of fingers.
 
 A cell is half a gap, a finger and half a gap, condensed in two halves of which one is the mirror image of the other
-where x -> -x is a symmetry; equal runs of cells are joined once.
+where x -> -x is a symmetry; equal runs of cells are joined once.  The walk from columns to transducers is written once,
+for any `Assembly`: `Condensation` does the work, `fem.condense.size` counts it.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -13,6 +15,67 @@ from fem.condense.join import joined, mirrored, opened, repeated, swapped
 from fem.condense.superelement import Block, condensed
 from fem.discretize.grading import Resolution, edge_layers, graded
 from fem.discretize.section import Section
+from fem.geometry import Stator, Transducer, outer_gaps
+
+
+class Assembly(Protocol):
+    """What the walk asks for: columns of elements, and what is made of them.
+
+    ``mirror`` says whether x -> -x is a symmetry; a finger is on electrode 0 until it is swapped.
+    """
+
+    length_unit: float
+    mirror: bool
+
+    def column(self, width: float, comb: int | None) -> Block:
+        """Condense one column of elements."""
+
+    def joined(self, left: Block, right: Block, comb: int | None = None) -> Block:
+        """Join two neighbours; ``comb`` if a finger lies on the line they share."""
+
+    def mirrored(self, block: Block) -> Block:
+        """Reflect in x -> -x."""
+
+    def swapped(self, block: Block) -> Block:
+        """Put the fingers on the other electrode."""
+
+    def opened(self, block: Block) -> Block:
+        """Cut the finger off from its electrode."""
+
+
+@dataclass(frozen=True)
+class Condensation:
+    """Superelements of a section at a frequency in Hz."""
+
+    section: Section
+    frequency: float
+
+    @property
+    def length_unit(self) -> float:
+        """Length unit in m."""
+        return self.section.length_unit
+
+    @property
+    def mirror(self) -> bool:
+        """Whether x -> -x is a symmetry."""
+        return self.section.odd is not None
+
+    def column(self, width: float, comb: int | None) -> Block:
+        """Condense one column of elements."""
+        return condensed(self.section, self.frequency, width=width, comb=comb)
+
+    def joined(self, left: Block, right: Block, comb: int | None = None) -> Block:
+        """Join two neighbours."""
+        phi = None if comb is None else self.section.surface_dofs["phi"]
+        return joined(left, right, phi=phi, comb=comb)
+
+    def mirrored(self, block: Block) -> Block:
+        """Reflect in x -> -x."""
+        solid = self.section.solid
+        return mirrored(block, self.section.odd, bool(solid.parity[solid.fields.index("phi")]))
+
+    swapped = staticmethod(swapped)
+    opened = staticmethod(opened)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,38 +91,20 @@ class FingerShape:
         return abs(self.half_gaps[0] - self.half_gaps[1]) < 1e-9 * self.half_gaps[0]
 
 
-def half_cells(
-    section: Section, frequency: float, shape: FingerShape, resolution: Resolution
-) -> tuple[Block, Block]:
-    """Condense the two halves of a finger's cell: gap to mid-finger, and mid-finger to gap, comb 0.
-
-    Parameters
-    ----------
-    section : Section
-    frequency : float
-        Hz.
-    shape : FingerShape
-    resolution : Resolution
-        Edge layers on either side of each finger edge, and the largest column.
-
-    Returns
-    -------
-    rising, falling : Block
-        Mirror images of each other where x -> -x is a symmetry.
-    """
-    phi = section.surface_dofs["phi"]
+def half_cells(make: Assembly, shape: FingerShape, resolution: Resolution) -> tuple[Block, Block]:
+    """Condense the two halves of a finger's cell: gap to mid-finger, and mid-finger to gap, comb 0."""
     done: dict[tuple, Block] = {}
 
     def piece(width: float, comb: int | None) -> Block:
         key = (round(width, 12), comb)
         if key not in done:
-            done[key] = condensed(section, frequency, width=width, comb=comb)
+            done[key] = make.column(width, comb)
         return done[key]
 
     def row(widths: np.ndarray, comb: int | None) -> Block:
         block = piece(widths[0], comb)
         for width in widths[1:]:
-            block = joined(block, piece(width, comb), phi=phi, comb=comb)
+            block = make.joined(block, piece(width, comb), comb)
         return block
 
     smallest = min(shape.half_finger, *shape.half_gaps)
@@ -67,25 +112,19 @@ def half_cells(
         graded(length, edge_layers(resolution, length, smallest), largest=resolution.element_size)
         for length in (shape.half_finger, *shape.half_gaps)
     )
-    rising = joined(row(left, None), row(metal[::-1], 0), phi=phi, comb=0)
-    if section.odd is not None and shape.even:
-        return rising, mirrored(rising, section.odd, bool(section.odd[phi]))
-    return rising, joined(row(metal, 0), row(right[::-1], None), phi=phi, comb=0)
+    rising = make.joined(row(left, None), row(metal[::-1], 0), 0)
+    if make.mirror and shape.even:
+        return rising, make.mirrored(rising)
+    return rising, make.joined(row(metal, 0), row(right[::-1], None), 0)
 
 
-def finger_cell(section: Section, frequency: float, shape: FingerShape, resolution: Resolution) -> Block:
-    """Condense half a gap, a finger of comb 0 and half a gap; parameters as in `half_cells`."""
-    rising, falling = half_cells(section, frequency, shape, resolution)
-    return joined(rising, falling, phi=section.surface_dofs["phi"], comb=0)
-
-
-def bare_cell(section: Section, frequency: float, width: float, resolution: Resolution) -> Block:
-    """Condense a stretch of bare surface as wide as a finger's cell (length units)."""
-    widths = graded(width, 0, largest=resolution.element_size)
-    return repeated(condensed(section, frequency, width=widths[0], comb=None), len(widths))
+def finger_cell(make: Assembly, shape: FingerShape, resolution: Resolution) -> Block:
+    """Condense half a gap, a finger of comb 0 and half a gap."""
+    return make.joined(*half_cells(make, shape, resolution), 0)
 
 
 def fingers_in_row(
+    make: Assembly,
     signs: str,
     gaps: Callable[[int], tuple[float, float]],
     cell: Callable[[float, float], Block],
@@ -95,68 +134,78 @@ def fingers_in_row(
 
     Parameters
     ----------
+    make : Assembly
     signs : str
         "+", "-", "0" (left out) or "o" (open) for each finger.
     gaps : callable
         Number of a finger -> bare surface left and right of it.
     cell, bare : callable
         Both gaps -> block of a finger of comb 0, or of bare surface of the same width.
-
-    Returns
-    -------
-    Block
     """
     singles: dict[tuple, Block] = {}
 
     def single(sign: str, left: float, right: float) -> Block:
         if (sign, left, right) not in singles:
-            make = {
+            kinds = {
                 "+": cell,
-                "-": lambda *gap: swapped(cell(*gap)),
+                "-": lambda *gap: make.swapped(cell(*gap)),
                 "0": bare,
-                "o": lambda *gap: opened(cell(*gap)),
+                "o": lambda *gap: make.opened(cell(*gap)),
             }
-            singles[sign, left, right] = make[sign](left, right)
+            singles[sign, left, right] = kinds[sign](left, right)
         return singles[sign, left, right]
 
-    kinds = [(sign, *gaps(place)) for place, sign in enumerate(signs)]
+    fingers = [(sign, *gaps(place)) for place, sign in enumerate(signs)]
     runs: dict[tuple, Block] = {}
 
     def run(start: int, stop: int) -> Block:
-        key = tuple(kinds[start:stop])
+        key = tuple(fingers[start:stop])
         if key not in runs:
             if stop - start == 1:
-                runs[key] = single(*kinds[start])
+                runs[key] = single(*fingers[start])
             else:
                 half = start + 2 ** ((stop - start - 1).bit_length() - 1)
-                runs[key] = joined(run(start, half), run(half, stop))
+                runs[key] = make.joined(run(start, half), run(half, stop))
         return runs[key]
 
-    return run(0, len(kinds))
+    return run(0, len(fingers))
 
 
-def transducer_block(section, frequency, transducer, gaps, resolution) -> Block:
-    """Superelement of a transducer from the beginning to the end of its outer gaps (m)."""
-    unit = section.length_unit
+def transducer_blocks(
+    make: Assembly, stator: Stator, transducers: tuple[Transducer, ...], resolution: Resolution
+) -> list[Block]:
+    """Superelements of transducers from left to right, between their outer gaps; equal ones are the same object."""
+    made: dict[tuple, Block] = {}
+    blocks = []
+    for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
+        key = (transducer.signs, transducer.pitch, transducer.metallisation, gaps)
+        if key not in made:
+            made[key] = _transducer_block(make, transducer, gaps, resolution)
+        blocks.append(made[key])
+    return blocks
+
+
+def _transducer_block(make: Assembly, transducer: Transducer, gaps, resolution: Resolution) -> Block:
+    unit = make.length_unit
     half_gap = transducer.half_gap / unit
     made: dict[tuple, Block] = {}
 
     def cell(left: float, right: float) -> Block:
         if (left, right) not in made:
             shape = FingerShape(half_finger=transducer.finger_width / 2 / unit, half_gaps=(left, right))
-            made[left, right] = finger_cell(section, frequency, shape, resolution)
+            made[left, right] = finger_cell(make, shape, resolution)
         return made[left, right]
 
-    def bare(width: float) -> Block:
-        if width not in made:
-            made[width] = bare_cell(section, frequency, width, resolution)
-        return made[width]
+    def bare(left: float, right: float) -> Block:
+        widths = graded(left + transducer.finger_width / unit + right, 0, largest=resolution.element_size)
+        return repeated(make.column(widths[0], None), len(widths), make.joined)
 
     outer = [half_gap if abs(gap / unit - half_gap) < 1e-9 * half_gap else gap / unit for gap in gaps]
     last = len(transducer.signs) - 1
     return fingers_in_row(
+        make,
         transducer.signs,
         lambda place: (outer[0] if place == 0 else half_gap, outer[1] if place == last else half_gap),
         cell,
-        lambda left, right: bare(left + transducer.finger_width / unit + right),
+        bare,
     )

@@ -194,11 +194,9 @@ def burst_response(
     """
     low, high = band.limits
     if not low < frequency < high:
-        raise ValueError(
-            f"burst.frequency must lie in the band, {low:g} to {high:g} Hz, got {frequency!r} Hz"
-        )
+        raise ValueError(f"frequency must lie in the band, {low:g} to {high:g} Hz, got {frequency!r} Hz")
     if not (np.isfinite(duration) and duration > 0):
-        raise ValueError(f"burst.duration must be positive and finite, got {duration!r} s")
+        raise ValueError(f"duration must be positive and finite, got {duration!r} s")
     known: dict[float, tuple[complex, complex, float]] = {}
 
     def motions(frequencies: np.ndarray) -> np.ndarray:

@@ -10,9 +10,9 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.condense.join import joined, lines
+from fem.condense.join import lines
 from fem.condense.superelement import PORTS, Block
-from fem.condense.transducer import fingers_in_row
+from fem.condense.transducer import Condensation, fingers_in_row
 from fem.discretize.section import Section
 from fem.geometry import Transducer
 from fem.results.solution import driven_solution
@@ -122,16 +122,25 @@ def finger_key(transducer: Transducer) -> tuple[float, float]:
     return transducer.finger_width, 2 * transducer.half_gap
 
 
-def even_row(transducer: Transducer, cell: Callable[[], Block], bare: Callable[[], Block]) -> Block:
-    """Block of a transducer whose gaps are all alike, from the cell of a finger of comb 0 and a bare one."""
-    return fingers_in_row(
-        transducer.signs, lambda place: (0.0, 0.0), lambda *gaps: cell(), lambda *gaps: bare()
-    )
+def even_rows(
+    make: Condensation, transducers: tuple[Transducer, ...], cell: Callable[[tuple[float, float]], Block]
+) -> list[Block]:
+    """Superelements of transducers whose gaps are all alike, from the cell of a finger of comb 0 by `finger_key`."""
 
+    def no_bare_cell(*gaps):
+        raise ValueError("a band of frequencies takes transducers without left-out fingers")
 
-def no_bare_cells() -> Block:
-    """Refuse: the half cells of a band all carry a finger."""
-    raise ValueError("a band of frequencies takes transducers without left-out fingers")
+    cells: dict[tuple, Block] = {}
+    rows: dict[tuple, Block] = {}
+    for each in transducers:
+        key = finger_key(each)
+        if key not in cells:
+            cells[key] = cell(key)
+        if (key, each.signs) not in rows:
+            rows[key, each.signs] = fingers_in_row(
+                make, each.signs, lambda place: (0.0, 0.0), lambda *gaps, key=key: cells[key], no_bare_cell
+            )
+    return [rows[finger_key(each), each.signs] for each in transducers]
 
 
 def bases_of(
@@ -177,14 +186,8 @@ def _end_fields(modes: GuidedModes, ends: str, kept: float) -> list[np.ndarray]:
 def snapshots(stator, transducers, section, frequency, halves, resolution, drive, kept):
     """Fields on the lines in mid-gap and in mid-finger, of every port and every mode that may arrive; the solution."""
     modes = guided_modes(section, frequency)
-    phi = section.surface_dofs["phi"]
-    rows: dict[tuple, Block] = {}
-    for each in transducers:
-        key = (*finger_key(each), each.signs)
-        if key not in rows:
-            cell = joined(*halves[finger_key(each)], phi=phi, comb=0)
-            rows[key] = even_row(each, lambda cell=cell: cell, no_bare_cells)
-    blocks = [rows[(*finger_key(each), each.signs)] for each in transducers]
+    make = Condensation(section, frequency)
+    blocks = even_rows(make, transducers, lambda key: make.joined(*halves[key], 0))
     fields_of_ports = joined_fields(stator, transducers, blocks, modes=modes, resolution=resolution)
     network, volt = fields_of_ports.network, section.solid.potential_unit
     n = section.size
@@ -204,5 +207,5 @@ def snapshots(stator, transducers, section, frequency, halves, resolution, drive
             (fingers if count % 2 else gaps).append(sides[:n])
         gaps.append(together[n : 2 * n])
     dead = np.hstack(fingers)
-    dead[phi] = 0.0
+    dead[section.surface_dofs["phi"]] = 0.0
     return np.hstack(gaps), dead, driven_solution(fields_of_ports, drive)

@@ -15,14 +15,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fem.circuit import Drive
-from fem.condense.join import joined, mirrored
 from fem.condense.superelement import Block
-from fem.condense.transducer import FingerShape, half_cells
+from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.discretize.grading import Resolution
 from fem.discretize.spectral import lagrange_weights
 from fem.geometry import Stator, Transducer
 from fem.results.solution import Solution, driven_solution
-from fem.solve.reduced_basis import WALL_WIDTH, ReducedSection, even_row, finger_key, no_bare_cells
+from fem.solve.reduced_basis import WALL_WIDTH, ReducedSection, even_rows
 from fem.waveguide.ends import EndPieces, Walls, end_pieces
 from fem.waveguide.modes import guided_modes
 from fem.waveguide.port_fields import PortFields, joined_fields
@@ -58,7 +57,7 @@ class FullPieces:
         if key not in self._halves:
             unit = full.length_unit
             shape = FingerShape(half_finger=key[0] / 2 / unit, half_gaps=(key[1] / 2 / unit,) * 2)
-            self._halves[key] = half_cells(full, self.frequency, shape, model.resolution)
+            self._halves[key] = half_cells(Condensation(full, self.frequency), shape, model.resolution)
         gap, finger = model.section.basis, model.finger_basis
         r = model.section.size
         lines = (gap, finger) if side == 0 else (finger, gap)
@@ -120,14 +119,8 @@ class ReducedModel:
             raise ValueError(f"frequency must lie in the band, {low:g} to {high:g} Hz, got {frequency!r} Hz")
         weights = lagrange_weights(self.nodes, (2 * np.pi * frequency) ** 2)
         full = FullPieces(self, frequency)
-        made: dict[tuple, Block] = {}
-        blocks = []
-        for transducer in self.transducers:
-            key = (*finger_key(transducer), transducer.signs)
-            if key not in made:
-                cell = self._cell(finger_key(transducer), weights, full)
-                made[key] = even_row(transducer, lambda cell=cell: cell, no_bare_cells)
-            blocks.append(made[key])
+        make = Condensation(self.section, frequency)
+        blocks = even_rows(make, self.transducers, lambda key: self._cell(make, key, weights, full))
         walls = None
         if self.walls is not None:
             matrices = tuple(np.tensordot(weights, self.walls, axes=1))
@@ -145,7 +138,7 @@ class ReducedModel:
         """Solve for a drive at a frequency of the band (Hz)."""
         return driven_solution(self.port_fields(frequency), drive)
 
-    def _cell(self, key: tuple[float, float], weights: np.ndarray, full: FullPieces) -> Block:
+    def _cell(self, make, key: tuple[float, float], weights: np.ndarray, full: FullPieces) -> Block:
         halves, section = self.half_cells[key], self.section
 
         def block(stack: np.ndarray) -> Block:
@@ -156,8 +149,7 @@ class ReducedModel:
 
         rising = block(halves.rising)
         if halves.falling is None:
-            parity = section.solid.parity[section.solid.fields.index("phi")]
-            falling = mirrored(rising, section.odd, bool(parity))
+            falling = make.mirrored(rising)
         else:
             falling = block(halves.falling)
-        return joined(expanded(rising, 0), expanded(falling, 1))
+        return make.joined(expanded(rising, 0), expanded(falling, 1))

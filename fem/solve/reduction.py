@@ -6,7 +6,7 @@ import numpy as np
 
 from fem.circuit import Drive
 from fem.condense.superelement import PORTS
-from fem.condense.transducer import FingerShape, half_cells
+from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section, discretise
 from fem.discretize.spectral import chebyshev_nodes
@@ -115,7 +115,7 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
         halves = {}
         for key in kinds:
             shape = FingerShape(half_finger=key[0] / 2 / unit, half_gaps=(key[1] / 2 / unit,) * 2)
-            halves[key] = half_cells(section, frequency, shape, resolution)
+            halves[key] = half_cells(Condensation(section, frequency), shape, resolution)
         walls = seen = solution = None
         if stator.ends != "absorbing":
             ends = end_pieces(section, frequency, stator, resolution, width=WALL_WIDTH)

@@ -24,9 +24,8 @@ from functools import cached_property
 import numpy as np
 
 from fem.analytic.half_space import automatic_period
-from fem.condense.join import joined, opened
 from fem.condense.superelement import Block
-from fem.condense.transducer import FingerShape, finger_cell, half_cells
+from fem.condense.transducer import Condensation, FingerShape, finger_cell, half_cells
 from fem.convergence import ConvergenceError
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section, discretise
@@ -99,21 +98,25 @@ class Grating:
     resolution: Resolution
     middle: float
 
+    def _make(self, frequency: float) -> Condensation:
+        return Condensation(self.section, frequency)
+
     @cached_property
     def _halves(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Nodes in omega^2 and the matrices of both half cells there, shape (nodes, 2 n + 2, 2 n + 2)."""
         low, high = ((2 * np.pi * self.middle * (1 + side * REACH)) ** 2 for side in (-1, 1))
         squares = chebyshev_nodes(low, high, NODES)
         pairs = [
-            half_cells(self.section, float(np.sqrt(square)) / (2 * np.pi), self.shape, self.resolution)
+            half_cells(self._make(float(np.sqrt(square)) / (2 * np.pi)), self.shape, self.resolution)
             for square in squares
         ]
         return squares, *(np.stack([pair[side].matrix for pair in pairs]) for side in (0, 1))
 
     def cell(self, frequency: float, *, open_fingers: bool) -> Block:
         """Condensed cell at a frequency in Hz."""
+        make = self._make(frequency)
         if abs(frequency / self.middle - 1) > REACH:
-            whole = finger_cell(self.section, frequency, self.shape, self.resolution)
+            whole = finger_cell(make, self.shape, self.resolution)
         else:
             squares, *halves = self._halves
             weights = lagrange_weights(squares, (2 * np.pi * frequency) ** 2)
@@ -121,8 +124,8 @@ class Grating:
                 Block(size=self.section.size, matrix=np.tensordot(weights, half, axes=1), width=1.0)
                 for half in halves
             )
-            whole = joined(rising, falling, phi=self.section.surface_dofs["phi"], comb=0)
-        return opened(whole) if open_fingers else whole
+            whole = make.joined(rising, falling, 0)
+        return make.opened(whole) if open_fingers else whole
 
     def edge_matrix(self, omega_squared: float, *, open_fingers: bool) -> np.ndarray:
         """B of lambda = -1, shape (n, n)."""

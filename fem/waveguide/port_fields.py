@@ -18,7 +18,7 @@ import numpy as np
 
 from fem.condense.join import widths
 from fem.condense.superelement import Block
-from fem.condense.transducer import transducer_block
+from fem.condense.transducer import Condensation, transducer_blocks
 from fem.convergence import ConvergenceError
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section, discretise
@@ -167,13 +167,7 @@ def solve_ports(
     unit = slowest_wavelength(stator.solid, frequency)
     scale = min(transducer.finger_width / 2 for transducer in transducers)
     section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)
-    made: dict[tuple, Block] = {}
-    blocks = []
-    for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
-        key = (transducer.signs, transducer.pitch, transducer.metallisation, gaps)
-        if key not in made:
-            made[key] = transducer_block(section, frequency, transducer, gaps, resolution)
-        blocks.append(made[key])
+    blocks = transducer_blocks(Condensation(section, frequency), stator, transducers, resolution)
     modes = guided_modes(section, frequency)
     if modes.nearest_cut_off < CUT_OFF:
         raise ConvergenceError(

@@ -209,7 +209,7 @@ def with_travel(trajectory, travel: Travel):
 
 
 def _slide(known, old, start: float, after):
-    """Return a decaying speed that begins elsewhere: the same curve, shifted in time, with its slope beyond its ends."""
+    """Return a decaying speed that begins elsewhere: the same curve shifted in time, its slope going on beyond it."""
     size = abs(old)
     if size[0] == 0.0 or size[-1] >= size[0]:
         return old[1:] + (start - old[0])

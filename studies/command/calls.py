@@ -262,6 +262,7 @@ def scenes(arguments: argparse.Namespace) -> int:
 
 def check(arguments: argparse.Namespace) -> int:
     """Check a scene without running it and print what a run would do."""
+    from studies.chain.warnings import scene_warnings
     from studies.scene.resolved import resolved
 
     file = changed_file(arguments)
@@ -269,6 +270,8 @@ def check(arguments: argparse.Namespace) -> int:
         scene = resolved(Scene.from_file(file))
     print(f"{arguments.scene}: {scene.title or 'no title'}")
     print("\n".join(f"  {line}" for line in _contents(scene)))
+    for warning in scene_warnings(scene):
+        print(f"sawmotor: warning: {warning}", file=sys.stderr)
     return 0
 
 

@@ -70,6 +70,11 @@ def read_measured(path: str | Path) -> Measured:
     if level is None or speed is None:
         wanted = "voltage_V (or normal_amplitude_m) and velocity_m_per_s (or velocity_mm_per_s)"
         raise SceneError(OPTION, f"{str(path)!r} must have the columns {wanted}, got {', '.join(names)}")
+    bare = next((name for name in ("error", "velocity_error", "sigma", "uncertainty") if name in names), None)
+    if bare is not None:
+        raise SceneError(
+            OPTION, f"{str(path)!r}: the column {bare} has no unit; name it error_m_per_s or error_mm_per_s"
+        )
     error = next((f"error_{unit}" for unit in SPEEDS if f"error_{unit}" in names), None)
     key, factor = LEVELS[level]
     columns = {name: [_number(path, rows, row, names.index(name)) for row in range(1, len(rows))]

@@ -59,6 +59,9 @@ def solved_sources(
 def keep_to(threads: int | None) -> None:
     """Keep this process, a worker, to so many threads; None leaves it as it is."""
     if threads is not None:
+        from fem import set_workers
+
+        set_workers(threads)
         os.environ["SAWMOTOR_THREADS"] = str(threads)
 
 

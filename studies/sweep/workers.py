@@ -166,8 +166,11 @@ def _settle() -> None:
     import signal
     from multiprocessing.connection import wait
 
+    from fem import set_workers
+
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "SAWMOTOR_THREADS"):
         os.environ[name] = "1"
+    set_workers(1)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     driver = multiprocessing.parent_process()
 

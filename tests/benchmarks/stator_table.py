@@ -21,7 +21,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem import coupling, frequency_band, material, periodic_wave, rayleigh, rotated
+from fem import coupling, frequency_band, material, rayleigh, rotated
 from fem.condense.join import repeated
 from fem.condense.superelement import condensed
 from fem.direct import direct_solution
@@ -36,6 +36,7 @@ from fem.waveguide.ends import Walls
 from studies.evidence.fem_error_vs_time import LIMITS, problem, reference, seconds_at
 from studies.evidence.peers.attempt import attempted
 from studies.evidence.peers.contenders import CURVES, missing
+from studies.evidence.peers.periodic_wave import periodic_wave
 
 # Largest element (wavelengths) and layers of the direct mesh's stretches: at 0.05 they still err by 1.4e-10; more
 # layers at an absorbing end are more than scikit-fem can place points in.

@@ -78,7 +78,7 @@ def test_a_run_and_a_study_of_one_name_have_directories_of_their_own(call, tmp_p
     from studies.study import StudyRecord
 
     record = StudyRecord(name="rayleigh", panels=(), findings=(), seconds=0.0)
-    monkeypatch.setattr("studies.stator.rayleigh.run", lambda progress: record)
+    monkeypatch.setattr("studies.evidence.rayleigh.run", lambda progress: record)
     assert call("study", "rayleigh")[0] == 0
     assert call("run", "rayleigh", "--no-plot")[0] == 0
     assert {path.name for path in (tmp_path / "results").iterdir()} == {"rayleigh", "rayleigh-study"}
@@ -128,7 +128,7 @@ def test_a_contradicted_finding_is_code_1(call, monkeypatch):
         return StudyRecord(name="rayleigh", panels=(), findings=(finding,), seconds=0.0)
 
     for confirmed, code in ((True, 0), (False, 1)):
-        monkeypatch.setattr("studies.stator.rayleigh.run", lambda progress, held=confirmed: record(held))
+        monkeypatch.setattr("studies.evidence.rayleigh.run", lambda progress, held=confirmed: record(held))
         status, _, err = call("study", "rayleigh", "--out", str(code))
         assert status == code
         assert ("ratio is 2, expected 1" in err) is (code == 1)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from fem.analytic.half_space import rayleigh
-from fem.analytic.lamb import bulk_velocities, plate_wavenumbers, rayleigh_velocity
 from fem.materials import isotropic
 from studies.evidence import left_out, stability
 from studies.evidence.omission import OMISSIONS
@@ -16,6 +15,7 @@ from studies.evidence.stability import chain as stability_chain
 from studies.evidence.stability import free as stability_free
 from studies.evidence.stability import stator as stability_stator
 from studies.evidence.stability.case import Case, Outcome
+from studies.evidence.stability.lamb import bulk_velocities, plate_wavenumbers, rayleigh_velocity
 from studies.evidence.stability.verdict import NoWitness, judged
 from studies.refusal import RunError
 from studies.study import STUDIES

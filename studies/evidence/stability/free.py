@@ -82,7 +82,7 @@ def _isotropic(*, poisson=0.3, quality=math.inf, thickness, tolerance) -> tuple[
     import numpy as np
 
     import fem
-    from fem import bulk_velocities, plate_wavenumbers, rayleigh_velocity
+    from studies.evidence.stability.lamb import bulk_velocities, plate_wavenumbers, rayleigh_velocity
 
     solid = fem.isotropic(
         name="isotropic",

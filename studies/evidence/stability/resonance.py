@@ -57,14 +57,14 @@ def _negatives(motor, frequency: float) -> int:
     """Negative eigenvalues of the line in mid-finger when the cell's sides are clamped."""
     from fem import LEVELS
     from fem.condense.superelement import folded
-    from fem.condense.transducer import FingerShape, half_cells
+    from fem.condense.transducer import Condensation, FingerShape, half_cells
 
     section = _section(motor)
     unit, transducer = section.length_unit, motor.transducers[0]
     shape = FingerShape(
         half_finger=transducer.finger_width / 2 / unit, half_gaps=(transducer.half_gap / unit,) * 2
     )
-    rising, falling = half_cells(section, frequency, shape, LEVELS[LEVEL])
+    rising, falling = half_cells(Condensation(section, frequency), shape, LEVELS[LEVEL])
     phi, n = section.surface_dofs["phi"], section.size
     middle = folded(rising, 1, phi, 0)[n : 2 * n, n : 2 * n] + folded(falling, 0, phi, 0)[:n, :n]
     keep = np.arange(n) != phi

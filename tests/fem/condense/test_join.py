@@ -7,7 +7,7 @@ import pytest
 
 from fem.condense.join import joined, lines, repeated, swapped, widths
 from fem.condense.superelement import condensed
-from fem.condense.transducer import FingerShape, finger_cell, half_cells
+from fem.condense.transducer import Condensation, FingerShape, finger_cell, half_cells
 from fem.discretize.grading import Resolution
 from fem.waveguide.modes import guided_modes
 from tests.fem.stators import FREQUENCY, cut, lossless, plate, section
@@ -45,7 +45,7 @@ def test_joining_is_associative(depth):
 
 @pytest.mark.parametrize("count", [1, 2, 5, 6])
 def test_doubling_is_joining_one_by_one(depth, count):
-    cell = finger_cell(depth, FREQUENCY, SHAPE, RESOLUTION)
+    cell = finger_cell(Condensation(depth, FREQUENCY), SHAPE, RESOLUTION)
     one_by_one = cell
     for _ in range(count - 1):
         one_by_one = joined(one_by_one, cell)
@@ -92,8 +92,8 @@ def test_mirrored_half_is_the_other_half():
         depth, plain = (section(plate(solid, thickness=0.9), order=5, layers=1) for _ in range(2))
         assert depth.odd is not None
         plain.__dict__["odd"] = None  # as if it were no symmetry
-        rising, falling = half_cells(depth, FREQUENCY, SHAPE, RESOLUTION)
-        _, computed = half_cells(plain, FREQUENCY, SHAPE, RESOLUTION)
+        rising, falling = half_cells(Condensation(depth, FREQUENCY), SHAPE, RESOLUTION)
+        _, computed = half_cells(Condensation(plain, FREQUENCY), SHAPE, RESOLUTION)
         assert close(falling.matrix, computed.matrix)
         assert list(widths(falling)) == pytest.approx(list(widths(rising))[::-1], rel=1e-14)
         sides = np.sin(1.0 + np.arange(2 * depth.size + 2))
@@ -108,8 +108,8 @@ def test_uneven_gaps():
     turned = FingerShape(half_finger=0.11, half_gaps=(0.14, 0.05))
     depth = section(plate(CASES[0], thickness=0.9), order=5, layers=1)
     n, odd = depth.size, np.where(depth.odd, -1.0, 1.0)
-    one = finger_cell(depth, FREQUENCY, uneven, RESOLUTION)
-    other = finger_cell(depth, FREQUENCY, turned, RESOLUTION)
+    one = finger_cell(Condensation(depth, FREQUENCY), uneven, RESOLUTION)
+    other = finger_cell(Condensation(depth, FREQUENCY), turned, RESOLUTION)
     order = np.r_[n : 2 * n, 0:n, 2 * n : 2 * n + 2]
     signs = np.concatenate([odd, odd, [1.0, 1.0]])
     assert close(signs[:, None] * one.matrix[np.ix_(order, order)] * signs, other.matrix)
@@ -117,7 +117,7 @@ def test_uneven_gaps():
 
 
 def test_swapped_combs(depth):
-    cell = finger_cell(depth, FREQUENCY, SHAPE, RESOLUTION)
+    cell = finger_cell(Condensation(depth, FREQUENCY), SHAPE, RESOLUTION)
     n = depth.size
     other = swapped(cell)
     assert np.array_equal(other.matrix[2 * n + 1], cell.matrix[2 * n][np.r_[0 : 2 * n, 2 * n + 1, 2 * n]])
@@ -129,7 +129,7 @@ def test_lines_between_carry_no_force(depth):
     """What is found again between the columns: the neighbours' fluxes cancel on every inner line."""
     phi = depth.surface_dofs["phi"]
     n = depth.size
-    cell = finger_cell(depth, FREQUENCY, SHAPE, RESOLUTION)
+    cell = finger_cell(Condensation(depth, FREQUENCY), SHAPE, RESOLUTION)
     block = repeated(joined(cell, swapped(cell)), 2)
     sides = np.cos(1.0 + np.arange(2 * n + 2)).astype(complex)
     columns = list(lines(block, sides, 5.0))

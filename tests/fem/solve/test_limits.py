@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fem.condense.join import joined
-from fem.condense.transducer import FingerShape, half_cells
+from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.convergence import ConvergenceError
 from fem.discretize.grading import Resolution
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, section, solution, wave_of
@@ -16,7 +16,7 @@ def clamped_piece(frequency: float):
     """Middle line of a finger's cell, sides clamped, of a lossless plate: its matrix, and the cell's halves."""
     depth = section(plate(lossless("PZT-8", "Z")), order=5)
     shape = FingerShape(half_finger=0.13, half_gaps=(0.13, 0.13))
-    rising, falling = half_cells(depth, frequency, shape, Resolution(order=5, edge_layers=0))
+    rising, falling = half_cells(Condensation(depth, frequency), shape, Resolution(order=5, edge_layers=0))
     n, phi = depth.size, depth.surface_dofs["phi"]
     keep = np.setdiff1d(np.arange(n), [phi])
     middle = rising.matrix[n : 2 * n, n : 2 * n] + falling.matrix[:n, :n]

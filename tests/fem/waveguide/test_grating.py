@@ -8,7 +8,7 @@ from scipy.special import ellipk, eval_legendre
 
 from fem.analytic.half_space import coupling, rayleigh
 from fem.analytic.quasistatic import surface_permittivity
-from fem.condense.transducer import finger_cell
+from fem.condense.transducer import Condensation, finger_cell
 from fem.discretize.refinement import LEVELS
 from fem.results.solution import solve_driven
 from fem.waveguide.cell_parameters import cell_triple
@@ -32,7 +32,7 @@ def niobate():
 def test_interpolated_cells_are_the_condensed_ones(niobate):
     made, _ = niobate
     frequency = 1.017 * made.middle
-    exact = finger_cell(made.section, frequency, made.shape, made.resolution).matrix
+    exact = finger_cell(Condensation(made.section, frequency), made.shape, made.resolution).matrix
     fast = made.cell(frequency, open_fingers=False).matrix
     assert abs(fast - exact).max() < 1e-9 * abs(exact).max()
 

@@ -45,6 +45,7 @@ def run(
     import numpy as np
 
     import fem
+    from studies.evidence.peers.periodic_wave import periodic_wave
 
     begun = time.perf_counter()
     say = progress or (lambda text: None)
@@ -56,7 +57,7 @@ def run(
         for order, sizes in meshes.items():
             for columns in sizes:
                 say(f"{surface}: order {order}, {columns} columns")
-                wave, seconds = _timed(fem.periodic_wave, solid, surface, order, columns, repeats)
+                wave, seconds = _timed(periodic_wave, solid, surface, order, columns, repeats)
                 row = (order, columns, wave.unknowns, abs(wave.velocity / exact.velocity - 1), seconds)
                 for column, value in zip(table.values(), row, strict=True):
                     column.append(value)
@@ -64,7 +65,7 @@ def run(
             Panel(name=f"convergence_{surface}", title=f"{MATERIAL}, {surface} surface", data=table)
         )
         findings += [*_orders(table, surface), _best(table, surface)]
-        best, _ = _timed(fem.periodic_wave, solid, surface, 8, 2, repeats)
+        best, _ = _timed(periodic_wave, solid, surface, 8, 2, repeats)
         depths = np.array(DEPTHS)
         meshed, analytic = best.profile(depths)[0], exact.profile(depths)[0]
         data = {"depth_wavelengths": depths, "half_space": analytic, "cell": meshed}

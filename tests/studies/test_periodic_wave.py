@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from fem.analytic.half_space import rayleigh
-from fem.cell_wave import periodic_wave
 from fem.convergence import ConvergenceError
 from fem.discretize.forms import scikit_fem_derivatives
 from fem.materials import fields, isotropic, material, rotated
 from fem.materials.medium import medium
-from fem.periodic_cell import graded_heights
+from studies.evidence.peers.periodic_cell import graded_heights
+from studies.evidence.peers.periodic_wave import periodic_wave
 
 CUTS = (
     ("PZT-4", "Z", "open"),

@@ -21,7 +21,7 @@ from fem.analytic.half_space import rayleigh, surface_named
 from fem.convergence import ConvergenceError
 from fem.materials import Solid, fields
 from fem.materials.medium import medium
-from fem.periodic_cell import PeriodicCell, graded_heights
+from studies.evidence.peers.periodic_cell import PeriodicCell, graded_heights
 
 _DECAYED = 17.0  # nepers of amplitude; its square, 2e-15, times a factor below 1e3 reaches the velocity
 _SHIFT = 0.999  # of the velocity of the half-space: near, but no eigenvalue
