@@ -42,6 +42,7 @@ _HOME = {
     "material": "materials",
     "one_blas_thread": "threads",
     "outer_gaps": "geometry",
+    "planned_levels": "discretize.refinement",
     "point_load": "analytic.point_load",
     "PointLoad": "analytic.point_load",
     "port_admittance": "solve.port_admittance",

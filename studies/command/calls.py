@@ -111,8 +111,7 @@ def _tell(result: ResultDirectory | None) -> None:
 
 
 def _explain(scene: Scene, wanted: float, *, as_json: bool) -> int:
-    from studies.report.explanation import explanation
-    from studies.report.plan import plan
+    from studies.report.explanation import explanation, plan
 
     planned = plan(scene, tolerance=wanted)
     if as_json:

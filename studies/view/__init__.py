@@ -1,7 +1,7 @@
 """``sawmotor view``: a run's wave field in a window, as a picture, movie, page or data; without a stator, its contact.
 
-What a run left is enough: the field is computed anew.  Everything but the window is drawn off screen, on machines
-without a display and without a graphics card too.
+What a run left is enough: the field is computed anew.  Pictures and movies are matplotlib's; the window and the solid
+are pyvista's.
 """
 
 import warnings
@@ -17,11 +17,10 @@ from studies.view.run_field import NO_STATOR, RunField, left_run, run_field
 
 __all__ = ["plotter", "view"]
 
-FORMATS = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff")
-STILL_SIZE, MOVIE_SIZE = (1600, 1100), (1000, 400)
+FORMATS = (".png", ".jpg", ".jpeg", ".tif", ".tiff")
+STILL_SIZE, MOVIE_SIZE, WINDOW_SIZE = (1600, 1100), (1000, 400), (1500, 900)
 FRAMES, RATE = 24, 16.0  # of a movie: one period of the wave
 INSTANTS = 12  # of a .pvd
-NARROWEST = 0.05  # wavelengths
 
 
 def view(
@@ -50,30 +49,29 @@ def view(
     RunError
         If something is missing on this machine, or a file cannot be written.
     """
+    from studies.view import field_data
+    from studies.view.quantities import palette, quantity
+    from studies.view.section import limits
+
     _check_files(wanted)
     _, scene = left_run(folder)
     show = wanted.show or ("field" if scene.stator is not None else "contact")
     if show == "contact":
         from studies.view import contact_view
 
-        contact_view.show(folder, wanted, progress=progress)
+        contact_view.show(folder, wanted, written, progress=progress)
         if scene.stator is None and not wanted.show:
             note(f"{NO_STATOR}; this is its contact")
         return
-    from studies.view.shading import quantity
-
     quantity(wanted.quantity)
     if not wanted.files:
-        from studies.view.frame import refuse_without_display
-        from studies.view.window import Window
+        from studies.view.solid import refuse_without_display
 
         refuse_without_display()
     found = run_field(folder, progress=progress)
-    span = _limits(found, wanted.span)
+    span = limits(found, wanted.span)
     _check_scale(found, wanted.factor)
     if wanted.data is not None:
-        from studies.view import field_data
-
         field_data.save(
             found, wanted.data, span=span, instants=wanted.frames or INSTANTS, progress=progress, note=note,
             surface=wanted.surface,
@@ -86,16 +84,26 @@ def view(
         written(wanted.html, lambda: Path(wanted.html).write_text(text, encoding="utf-8"))
     if wanted.screenshot is not None:
         progress("drawing")
-        _screenshot(found, wanted, span, show)
-    if wanted.movie is not None:
-        _movie(found, wanted, span, progress)
-    if not wanted.files:
         if show == "solid":
-            _solid(found, wanted, STILL_SIZE, off_screen=False).show()
+            drawn = _solid(found, wanted, wanted.size or STILL_SIZE, off_screen=True)
+            written(wanted.screenshot, lambda: drawn.plotter.screenshot(wanted.screenshot))
+            drawn.plotter.close()
         else:
-            Window(
-                found, quantity=wanted.quantity, phase=wanted.phase, factor=wanted.factor, span=span
-            ).open()
+            figure = _section(found, wanted, span, wanted.size or STILL_SIZE).figure
+            written(wanted.screenshot, lambda: figure.savefig(wanted.screenshot, dpi=figure.dpi))
+    if wanted.movie is not None:
+        drawn, count = _section(found, wanted, span, wanted.size or MOVIE_SIZE), wanted.frames or FRAMES
+        movie.save(
+            drawn.figure, lambda number: drawn.show(wanted.phase + 2 * np.pi * number / count), count,
+            wanted.movie, rate=RATE, progress=progress, palette=palette(drawn.shade.colour_map),
+        )  # fmt: skip
+    if not wanted.files:
+        from studies.view.solid import open_window
+
+        section = show != "solid"
+        open_window(
+            _solid(found, wanted, WINDOW_SIZE, off_screen=False, section=section, span=span), section=section
+        )
 
 
 def plotter(
@@ -120,9 +128,11 @@ def plotter(
     size : tuple of int
         Pixels.
     """
+    from studies.view.section import limits
+
     found = run_field(folder, progress=lambda text: None)
-    wanted = Wanted(quantity=quantity, phase=phase, span=span)
-    return _stage(found, wanted, _limits(found, span), size, smooth=True).plotter
+    wanted = Wanted(quantity=quantity, phase=phase)
+    return _solid(found, wanted, size, off_screen=True, section=True, span=limits(found, span)).plotter
 
 
 def written(file: str, write: Callable[[], object]) -> None:
@@ -133,15 +143,11 @@ def written(file: str, write: Callable[[], object]) -> None:
         raise RunError(f"the file {file!r} cannot be written: {error.strerror or error}") from None
 
 
-def check_picture(file: str) -> None:
-    """Refuse a picture of an unknown format."""
-    if Path(file).suffix.lower() not in FORMATS:
-        raise SceneError("--screenshot", f"must end in one of {', '.join(FORMATS)}, got {file!r}")
-
-
 def _check_files(wanted: Wanted) -> None:
-    if wanted.screenshot is not None:
-        check_picture(wanted.screenshot)
+    if wanted.screenshot is not None and Path(wanted.screenshot).suffix.lower() not in FORMATS:
+        raise SceneError(
+            "--screenshot", f"must end in one of {', '.join(FORMATS)}, got {wanted.screenshot!r}"
+        )
     if wanted.movie is not None:
         movie.check(wanted.movie)
         if wanted.show == "solid":
@@ -156,57 +162,21 @@ def _check_files(wanted: Wanted) -> None:
         field_data.check(wanted.data, surface=wanted.surface)
 
 
-def _screenshot(found: RunField, wanted: Wanted, span, show: str) -> None:
-    size = wanted.size or STILL_SIZE
-    if show == "solid":
-        drawn = _solid(found, wanted, size, off_screen=True)
-    else:
-        stage = _stage(found, wanted, span, size, smooth=True)
-        stage.plotter.render()
-        drawn = stage.plotter
-    written(wanted.screenshot, lambda: drawn.screenshot(wanted.screenshot))
-    drawn.close()
+def _section(found: RunField, wanted: Wanted, span, size):
+    """Return the figure of the section: whole and near for a stretch or a movie, else also at the transducer."""
+    from studies.view.section import Section, chosen_views, views
 
-
-def _movie(found: RunField, wanted: Wanted, span, progress) -> None:
-    size, count = wanted.size or MOVIE_SIZE, wanted.frames or FRAMES
-    from studies.view.shading import palette
-
-    stage = _stage(found, wanted, span, size, smooth=False, moving=True)
-
-    def frames():
-        for number in range(count):
-            progress(f"picture {number + 1} of {count}")
-            stage.set_phase(wanted.phase + 2 * np.pi * number / count)
-            yield stage.image()
-
-    movie.save(frames(), wanted.movie, rate=RATE, palette=palette(stage.shade.colour_map))
-    stage.close()
-
-
-def _stage(found: RunField, wanted: Wanted, span, size, *, smooth: bool, moving: bool = False):
-    from studies.view.stage import Stage, chosen_views, views
-
-    shown = chosen_views(found, span) if span is not None or moving else views(found)
-    return Stage(
-        found,
-        shown,
-        quantity=wanted.quantity,
-        phase=wanted.phase,
-        factor=wanted.factor,
-        size=size,
-        off_screen=True,
-        smooth=smooth,
+    shown = chosen_views(found, span) if span is not None or wanted.movie is not None else views(found)
+    return Section(
+        found, shown, quantity=wanted.quantity, phase=wanted.phase, factor=wanted.factor, size=size
     )
 
 
-def _solid(found: RunField, wanted: Wanted, size, *, off_screen: bool):
-    from studies.view.beam import solid
-    from studies.view.stage import magnification
+def _solid(found: RunField, wanted: Wanted, size, **given):
+    from studies.view.solid import Solid
 
-    factor = magnification(found) if wanted.factor is None else wanted.factor
-    return solid(
-        found, quantity=wanted.quantity, phase=wanted.phase, factor=factor, size=size, off_screen=off_screen
+    return Solid(
+        found, quantity=wanted.quantity, phase=wanted.phase, factor=wanted.factor, size=size, **given
     )
 
 
@@ -216,23 +186,3 @@ def _check_scale(found: RunField, factor: float | None) -> None:
     if factor is not None and factor > most:
         rule = f"must be at most {most:.3g}, where the displacement is drawn as large as the stator is thick"
         raise SceneError("--scale", f"{rule}, got {factor:g}")
-
-
-def _limits(found: RunField, span) -> tuple[float, float] | None:
-    """Return the stretch that is meant, m."""
-    if span is None:
-        return None
-    if span == "whole":
-        return 0.0, found.length
-    if isinstance(span, str):
-        half = (0.5 if span == "wavelength" else 7.0) * found.wavelength
-        _, place = found.focus
-        return max(place - half, 0.0), min(place + half, found.length)
-    if not 0 <= span[0] < span[1] <= found.length * (1 + 1e-9):
-        rule = f"must lie on the stator, 0:{found.length * 1e3:g} mm"
-        raise SceneError("--span", f"{rule}, got {span[0] * 1e3:g}:{span[1] * 1e3:g} mm")
-    least = NARROWEST * found.wavelength
-    if span[1] - span[0] < least:
-        rule = f"must be at least {least * 1e3:.3g} mm long, a twentieth of a wavelength"
-        raise SceneError("--span", f"{rule}, got {(span[1] - span[0]) * 1e3:.3g} mm")
-    return span

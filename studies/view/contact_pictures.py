@@ -133,11 +133,6 @@ class SlowMotion:
         for cursor in self._cursors:
             cursor.set_xdata([place, place])
 
-    def image(self) -> np.ndarray:
-        """Return the picture, (height, width, 3) of uint8."""
-        self.figure.canvas.draw()
-        return np.asarray(self.figure.canvas.buffer_rgba())[..., :3].copy()
-
 
 def strip(moments: Moments, *, title: str):
     """Draw snapshots of one contact over the traces of the same clock.

@@ -15,14 +15,14 @@ from studies.view import movie
 from studies.view.contact_pictures import SlowMotion, moments, strip
 from studies.view.run_field import left_run, solved_again
 
-__all__ = ["contact_moments", "show"]
+__all__ = ["contact_moments", "show", "slow_motion"]
 
 CYCLES, INSTANTS = 2, 240  # per cycle
 FRAMES, RATE = 48, 12.0  # of a movie
 DPI = 110
 
 
-def show(folder, wanted, *, progress: Callable[[str], None]) -> None:
+def show(folder, wanted, written: Callable, *, progress: Callable[[str], None]) -> None:
     """Draw the contact of a run into the files that are wanted, or in a window.
 
     Parameters
@@ -30,6 +30,8 @@ def show(folder, wanted, *, progress: Callable[[str], None]) -> None:
     folder : str or Path
         What ``sawmotor run`` left.
     wanted : studies.view.Wanted
+    written : callable
+        Writes a file, or says in a sentence that it cannot be written.
     progress : callable
         Told what is being done.
 
@@ -46,7 +48,7 @@ def show(folder, wanted, *, progress: Callable[[str], None]) -> None:
     if wanted.surface:
         raise SceneError("--surface", "belongs to the field, and this shows the contact")
     if not wanted.files:
-        from studies.view.frame import refuse_without_display
+        from studies.view.solid import refuse_without_display
 
         refuse_without_display()
     found, title = contact_moments(scene, record, level=wanted.level, progress=progress)
@@ -57,12 +59,10 @@ def show(folder, wanted, *, progress: Callable[[str], None]) -> None:
         (wanted.html, lambda: Path(wanted.html).write_text(_page(found, title), encoding="utf-8")),
     ):
         if file is not None:
-            try:
-                write()
-            except OSError as error:
-                raise RunError(f"the file {file!r} cannot be written: {error.strerror or error}") from None
+            written(file, write)
     if wanted.movie is not None:
-        movie.save(frames(found, title, wanted.frames or FRAMES), wanted.movie, rate=RATE)
+        count = wanted.frames or FRAMES
+        movie.save(*slow_motion(found, title, count), count, wanted.movie, rate=RATE)
     if not wanted.files:
         _window(found, title)
 
@@ -120,29 +120,23 @@ def contact_moments(scene: Scene, record: dict, *, level: float | None, progress
     return moments(history), f"{scene.title}: {named}, {said}"
 
 
-def frames(found, title: str, count: int, *, dpi: float = 100.0):
-    """Give the pictures of the contact's first cycle, which repeats."""
-    motion = SlowMotion(found, title=title)
-    motion.figure.set_dpi(dpi)
-    for number in range(count):
-        motion.show(round(number * INSTANTS / count))
-        yield motion.image()
+def slow_motion(found, title: str, count: int, figure=None):
+    """Return the figure of the contact's first cycle, which repeats, and what shows one of its pictures."""
+    motion = SlowMotion(found, title=title, figure=figure)
+    return motion.figure, lambda number: motion.show(round(number * INSTANTS / count))
 
 
 def _page(found, title: str) -> str:
     """Return a page with the moving and the still picture in it."""
-    import io
-
-    still = io.BytesIO()
-    strip(found, title=title).savefig(still, format="png", dpi=DPI)
     with tempfile.TemporaryDirectory() as folder:
-        moving = Path(folder) / "contact.gif"
-        movie.save(frames(found, title, FRAMES), moving, rate=RATE)
-        pictures = (("gif", moving.read_bytes()), ("png", still.getvalue()))
-    images = "\n".join(
-        f'<p><img alt="{escape(title)}" src="data:image/{kind};base64,{base64.b64encode(data).decode()}"></p>'
-        for kind, data in pictures
-    )
+        moving, still = Path(folder) / "contact.gif", Path(folder) / "contact.png"
+        movie.save(*slow_motion(found, title, FRAMES), FRAMES, moving, rate=RATE)
+        strip(found, title=title).savefig(still, dpi=DPI)
+        images = "\n".join(
+            f'<p><img alt="{escape(title)}" src="data:image/{file.suffix[1:]};base64,'
+            f'{base64.b64encode(file.read_bytes()).decode()}"></p>'
+            for file in (moving, still)
+        )
     head = f'<meta charset="utf-8"><link rel="icon" href="data:,"><title>{escape(title)}</title>'
     return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n<body>\n{images}\n</body></html>\n'
 
@@ -158,11 +152,6 @@ def _window(found, title: str) -> None:
             "--movie FILE and --html FILE need none"
         )
     figure = pyplot.figure(figsize=(9.0, 4.6), layout="constrained")
-    motion = SlowMotion(found, title=title, figure=figure)
-    figure.animation = FuncAnimation(
-        figure,
-        lambda number: motion.show(round(number * INSTANTS / FRAMES)),
-        frames=FRAMES,
-        interval=1000 / RATE,
-    )
+    figure, show = slow_motion(found, title, FRAMES, figure)
+    figure.animation = FuncAnimation(figure, show, frames=FRAMES, interval=1000 / RATE)
     pyplot.show()

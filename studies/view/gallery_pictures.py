@@ -1,4 +1,4 @@
-"""The pictures of the gallery, from the results of its study."""
+"""The pictures of the gallery, from the results of its study, by what draws them for ``sawmotor view``."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -14,23 +14,15 @@ DEPTH = 3.0  # wavelengths
 
 
 def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
-    """Draw the pictures of a gallery into a directory.
-
-    Parameters
-    ----------
-    gallery : studies.motor.gallery.Gallery
-    folder : Path
-    progress : callable
-        Told what is being done.
-    """
+    """Draw the pictures of a gallery into a directory, and tell what is being done."""
     from studies.report.figures import saved, velocity
-    from studies.view import movie
     from studies.view.contact_pictures import start_and_stop, strip
-    from studies.view.contact_view import frames
     from studies.view.power_pictures import ledger_bars, power_bars
+    from studies.view.section import Section, views
 
     found, record = gallery.found, gallery.record
     title = record.scene.title
+    given = {"phase": 0.0, "factor": None}
     for name, figure in (
         ("orbits", _orbits(found)),
         ("amplitude", _amplitude(found)),
@@ -40,51 +32,45 @@ def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
         ("power", power_bars(record.electrical, title=title)),
         ("power_flow", _power_flow(found)),
         ("ledger", ledger_bars(gallery.ledger, title=f"{title}: {gallery.voltage:g} V")),
+        *(
+            (name, Section(found, views(found), quantity=quantity, size=STILL, **given).figure)
+            for name, quantity in (("wave", "u_z"), ("wave_power_flow", "power_flow"))
+        ),
     ):
         progress(f"drawing {name}")
-        figure.savefig(folder / f"{name}.png", dpi=DPI)
+        figure.savefig(folder / f"{name}.png", dpi=100 if name.startswith("wave") else DPI)
     saved(folder / "velocity.png", lambda ax: velocity(record, ax))
     for module, panel in gallery.others:
         saved(folder / f"{panel.name}.png", lambda ax, module=module, panel=panel: module.figure(panel, ax))
-    for diagram in folder.glob("*.png"):
-        _reduce(diagram)
-    _draw_field(found, folder, progress, films=gallery.films)
-    if not gallery.films:
-        return
-    progress("contact in slow motion")
-    movie.save(frames(*gallery.contact, 2 * FRAMES, dpi=DPI), folder / "contact.gif", rate=10.0)
+    if gallery.films:
+        _films(gallery, folder, progress, given)
+    for picture in folder.glob("*.png"):
+        _reduce(picture)
 
 
-def _draw_field(found, folder: Path, progress, *, films: bool) -> None:
+def _films(gallery, folder: Path, progress, given: dict) -> None:
     import numpy as np
 
     from studies.view import movie
-    from studies.view.beam import solid
-    from studies.view.shading import DIVERGING, palette
-    from studies.view.stage import Stage, chosen_views, magnification, views
+    from studies.view.contact_view import slow_motion
+    from studies.view.quantities import palette
+    from studies.view.section import Section, chosen_views
+    from studies.view.solid import Solid
 
-    progress("drawing the field")
-    given = {"quantity": "u_z", "phase": 0.0, "factor": None, "off_screen": True}
-    still = Stage(found, views(found), size=STILL, smooth=True, **given)
-    for name, quantity in (("wave", "u_z"), ("wave_power_flow", "power_flow")):
-        still.set_quantity(quantity)
-        _write(still.image(), folder / f"{name}.png")
-    still.close()
-    if not films:
-        return
-    moving = Stage(found, chosen_views(found, None), size=MOVIE, smooth=False, **given)
-
-    def pictures():
-        for number in range(FRAMES):
-            moving.set_phase(2 * np.pi * number / FRAMES)
-            yield moving.image()
-
-    movie.save(pictures(), folder / "wave.gif", rate=12.0, palette=palette(DIVERGING))
-    moving.close()
+    found = gallery.found
+    progress("wave and contact in slow motion")
+    moving = Section(found, chosen_views(found, None), quantity="u_z", size=MOVIE, **given)
+    movie.save(
+        moving.figure, lambda number: moving.show(2 * np.pi * number / FRAMES), FRAMES, folder / "wave.gif", rate=12.0,
+        palette=palette(moving.shade.colour_map),
+    )  # fmt: skip
+    figure, show = slow_motion(*gallery.contact, 2 * FRAMES)
+    figure.set_dpi(DPI)
+    movie.save(figure, show, 2 * FRAMES, folder / "contact.gif", rate=10.0)
     progress("drawing the solid")
-    block = solid(found, quantity="u_z", phase=0.0, factor=magnification(found), size=SOLID, off_screen=True)
-    _write(block.screenshot(return_img=True), folder / "solid.png")
-    block.close()
+    solid = Solid(found, quantity="u_z", size=SOLID, off_screen=True, **given).plotter
+    solid.screenshot(folder / "solid.png")
+    solid.close()
 
 
 def _orbits(found):
@@ -153,18 +139,14 @@ def _power_flow(found):
     )  # fmt: skip
 
 
-def _write(picture, file: Path) -> None:
-    """Write a picture of a field with a palette: a third of the size."""
-    from studies.view.movie import reduced
-    from studies.view.shading import DIVERGING, palette
-
-    reduced(picture, palette(DIVERGING)).save(file, optimize=True)
-
-
 def _reduce(picture: Path) -> None:
-    """Write a diagram again with a palette of its own."""
+    """Write a picture again with a palette: a third of the size."""
     from PIL import Image
 
+    from studies.view.quantities import DIVERGING, palette
+
     with Image.open(picture) as image:
-        reduced = image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
-    reduced.save(picture, optimize=True)
+        plain = image.convert("RGB")
+    field = picture.stem in ("wave", "wave_power_flow", "solid")
+    colours = palette(DIVERGING) if field else plain.quantize(COLOURS)
+    plain.quantize(palette=colours, dither=Image.Dither.NONE).save(picture, optimize=True)

@@ -1,30 +1,20 @@
-"""Pictures in a row as a moving picture: GIF by Pillow, which every installation has, MP4 by ffmpeg."""
+"""Figures in a row as a moving picture GIF by Pillow, which every installation has, MP4 by ffmpeg."""
 
 import shutil
 import subprocess
-from collections.abc import Iterable
+from collections.abc import Callable
 from pathlib import Path
-
-import numpy as np
 
 from studies.refusal import RunError, SceneError
 
-__all__ = ["FORMATS", "check", "reduced", "save"]
+__all__ = ["check", "save"]
 
 FORMATS = (".gif", ".mp4")
-COLOURS = 128  # of a GIF; one palette for all its pictures
+COLOURS = 128  # of a GIF whose palette is found in its pictures
 
 
 def check(file: str | Path) -> None:
-    """Refuse a file that no moving picture can be written to, before it is made.
-
-    Raises
-    ------
-    SceneError
-        If its format is unknown.
-    RunError
-        If what writes the format is missing.
-    """
+    """Refuse a file that no moving picture can be written to, or that needs what is missing here."""
     if Path(file).suffix.lower() not in FORMATS:
         raise SceneError("--movie", f"must end in {' or '.join(FORMATS)}, got {str(file)!r}")
     if Path(file).suffix.lower() == ".mp4":
@@ -32,25 +22,33 @@ def check(file: str | Path) -> None:
 
 
 def save(
-    frames: Iterable[np.ndarray], file: str | Path, *, rate: float, palette: np.ndarray | None = None
-) -> int:
-    """Write pictures as a movie that repeats (GIF) or plays (MP4).
+    figure,
+    show: Callable[[int], object],
+    count: int,
+    file: str | Path,
+    *,
+    rate: float,
+    progress=None,
+    palette=None,
+) -> None:
+    """Write pictures of a figure as a movie that repeats (GIF) or plays (MP4), some per second.
 
     Parameters
     ----------
-    frames : iterable of ndarray, shape (height, width, 3), uint8
-        All of one size.
+    figure : matplotlib.figure.Figure
+        Drawn off screen.
+    show : callable
+        Given the number of a picture, changes the figure into it.
+    count : int
     file : str or Path
         Ends in .gif or .mp4.
     rate : float
         Pictures per second.
-    palette : ndarray, shape (n, 3), uint8, optional
-        At most 256 colours of a GIF; found in the pictures if None, which passes over rare ones.
+    progress : callable, optional
+        Told what is being done.
 
-    Returns
-    -------
-    int
-        How many there were.
+    palette : PIL.Image.Image, optional
+        With the colours of a GIF; found in its pictures if None, which passes over rare ones.
 
     Raises
     ------
@@ -58,66 +56,53 @@ def save(
         As `check`; or if the file cannot be written.
     """
     check(file)
+
+    def pictures():
+        for number in range(count):
+            if progress is not None:
+                progress(f"picture {number + 1} of {count}")
+            show(number)
+            yield
+
     try:
         if Path(file).suffix.lower() == ".gif":
-            return _gif(frames, Path(file), rate, palette)
-        return _mp4(frames, Path(file), rate)
+            _gif(figure, pictures(), file, rate, palette)
+        else:
+            _mp4(figure, pictures(), file, rate)
     except OSError as error:
         raise RunError(f"the movie {str(file)!r} cannot be written: {error.strerror or error}") from None
 
 
-def reduced(picture: np.ndarray, palette: np.ndarray):
-    """Return a picture (height, width, 3) of uint8 in the nearest colours of a palette, as a PIL image."""
-    from PIL import Image
-    from scipy.spatial import cKDTree
-
-    packed = picture.astype(np.uint32) @ np.array([1 << 16, 1 << 8, 1], dtype=np.uint32)
-    found, places = np.unique(packed, return_inverse=True)
-    seen = np.stack([found >> 16, found >> 8 & 255, found & 255], axis=1)
-    _, nearest = cKDTree(palette).query(seen)
-    image = Image.fromarray(nearest.astype(np.uint8)[places].reshape(picture.shape[:2]))
-    image.putpalette(np.asarray(palette, dtype=np.uint8).tobytes())
-    return image
-
-
-def _gif(frames, file: Path, rate: float, palette) -> int:
+def _gif(figure, pictures, file, rate: float, palette) -> None:
+    import numpy as np
     from PIL import Image
 
-    shown = list(frames)
+    frames = []
+    for _ in pictures:
+        figure.canvas.draw()
+        frames.append(np.asarray(figure.canvas.buffer_rgba())[..., :3].copy())
+    # one palette for all pictures: a third of the size
     if palette is None:
-        # of pictures spread over the movie, one below the other
-        some = Image.fromarray(np.concatenate(shown[:: max(1, len(shown) // 4)])).quantize(COLOURS)
-        palette = np.reshape(some.getpalette(), (-1, 3))
-    pictures = [reduced(each, palette) for each in shown]
-    pictures[0].save(
-        file, save_all=True, append_images=pictures[1:], duration=round(1000 / rate), loop=0, optimize=False
+        palette = Image.fromarray(np.concatenate(frames[:: max(1, len(frames) // 4)])).quantize(COLOURS)
+    first, *others = (
+        Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames
     )
-    return len(pictures)
+    first.save(file, save_all=True, append_images=others, duration=round(1000 / rate), loop=0, optimize=False)
 
 
-def _mp4(frames, file: Path, rate: float) -> int:
-    process, count = None, 0
-    for frame in frames:
-        even = frame[: frame.shape[0] // 2 * 2, : frame.shape[1] // 2 * 2]
-        if process is None:
-            process = _encoder(even.shape, file, rate)
-        try:
-            process.stdin.write(np.ascontiguousarray(even).tobytes())
-        except BrokenPipeError:
-            break
-        count += 1
-    _, said = process.communicate()
-    if process.returncode:
-        last = said.decode(errors="replace").strip().splitlines()[-1:]
-        raise RunError(f"the movie {str(file)!r} cannot be written: ffmpeg: {' '.join(last)}")
-    return count
+def _mp4(figure, pictures, file, rate: float) -> None:
+    from matplotlib import rc_context
+    from matplotlib.animation import FFMpegWriter
 
-
-def _encoder(shape, file: Path, rate: float):
-    command = [_ffmpeg(), "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24"]
-    command += ["-s", f"{shape[1]}x{shape[0]}", "-r", f"{rate:g}", "-i", "-"]
-    command += ["-pix_fmt", "yuv420p", "-vcodec", "libx264", "-crf", "23", str(file)]
-    return subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    writer = FFMpegWriter(fps=rate, codec="libx264")
+    try:
+        with rc_context({"animation.ffmpeg_path": _ffmpeg()}), writer.saving(figure, file, figure.dpi):
+            for _ in pictures:
+                writer.grab_frame()
+    except subprocess.CalledProcessError as error:
+        raise RunError(
+            f"the movie {str(file)!r} cannot be written: ffmpeg ends with {error.returncode}"
+        ) from None
 
 
 def _ffmpeg() -> str:

@@ -12,10 +12,9 @@ from importlib.resources import files
 import numpy as np
 
 from studies.view import description
-from studies.view.patch import thinned
+from studies.view.quantities import Shade, present, shade
 from studies.view.run_field import RunField
-from studies.view.shading import Shade, present, shade
-from studies.view.stage import magnification
+from studies.view.section import magnification, thinned
 
 __all__ = ["page", "widget"]
 

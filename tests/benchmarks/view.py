@@ -28,8 +28,9 @@ def first_picture(folder: Path) -> tuple[float, float]:
 
 def pictures(folder: Path, quantity: str) -> tuple[float, float]:
     """Moving pictures per second of the whole stator and of the slider, 1000 x 400, each read back."""
-    from studies.view.run_field import run_field
     from studies.view.stage import Stage, chosen_views
+
+    from studies.view.run_field import run_field
 
     found = run_field(folder, progress=lambda text: None)
     stage = Stage(

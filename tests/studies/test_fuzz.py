@@ -18,8 +18,7 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 
 from studies.__main__ import main
 from studies.refusal import MAX_PROBLEMS
-from studies.report.cost import TIME_WITHIN
-from studies.report.plan import plan
+from studies.report.explanation import TIME_WITHIN, plan
 from studies.scene import Scene
 from tests.studies.scene_mutations import (
     SMALL,

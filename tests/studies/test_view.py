@@ -16,6 +16,8 @@ import meshio
 import numpy as np
 import pytest
 import pyvista
+from matplotlib.collections import LineCollection
+from matplotlib.text import Text
 from PIL import Image
 
 from studies import view
@@ -25,12 +27,14 @@ from studies.refusal import RunError, SceneError
 from studies.report.files import write_run
 from studies.scene import Scene, read_table
 from studies.scene.override import assigned
-from studies.view import field_data, movie, stage, wave_page
-from studies.view.frame import MM, View
+from studies.view import field_data, movie, wave_page
 from studies.view.options import Wanted
+from studies.view.quantities import shade
 from studies.view.run_field import run_field
-from studies.view.shading import shade
-from studies.view.stage import Stage, magnification, views
+from studies.view.section import Section, View, chosen_views, limits, magnification, views
+from studies.view.solid import Solid
+from studies.view.surface_pictures import MM, new_figure
+from tests.studies.legible import assert_legible
 
 CHROMIUM = shutil.which("chromium")
 
@@ -39,22 +43,31 @@ def quiet(text):
     return None
 
 
-def stage_of(found, shown, **changes):
-    given = {
-        "quantity": "u_z",
-        "phase": 0.0,
-        "factor": None,
-        "size": (1000, 400),
-        "off_screen": True,
-        "smooth": False,
-    }
-    return Stage(found, shown, **(given | changes))
+def section_of(found, shown, **changes):
+    given = {"quantity": "u_z", "phase": 0.0, "factor": None, "size": (1000, 400)}
+    return Section(found, shown, **(given | changes))
 
 
-def drawn_surface(piece):
-    """Places in x and z of the section's upper edge as it is drawn, mm, and its colour value, of a piece's mesh."""
-    rows = len(piece.patch.z)
-    return piece.mesh.points[rows - 1 :: rows, [0, 2]].T.astype(float), piece.mesh["shade"][rows - 1 :: rows]
+def shown_axes(section):
+    return [ax for ax in section.figure.axes if ax.get_xlabel() == "x (mm)"]
+
+
+def drawn_mesh(ax):
+    """What matplotlib draws in a view: places in x and z (mm), shape (n, m, 2), values (n, m), and the mesh."""
+    (mesh,) = (each for each in ax.collections if hasattr(each, "get_coordinates"))
+    places = np.asarray(mesh.get_coordinates())
+    return places, np.asarray(mesh.get_array()).reshape(places.shape[:2]), mesh
+
+
+def drawn_surface(section):
+    """Places in x and z of the section's upper edge as it is drawn, mm, and its colour value."""
+    places, values, _ = drawn_mesh(shown_axes(section)[-1])
+    return places[:, -1].T, values[:, -1]
+
+
+def pixels_of(section):
+    section.figure.canvas.draw()
+    return np.asarray(section.figure.canvas.buffer_rgba())[..., :3].astype(int)
 
 
 @pytest.fixture(scope="module")
@@ -122,31 +135,28 @@ def test_a_run_that_does_not_tell_its_resolution_is_run_again(found, folder, tmp
 
 def test_the_drawn_field_has_the_computed_wavelength_and_turns_against_the_wave(long):
     """Phase of u_z along the drawn upper edge at two instants a quarter period apart, fitted over 70 wavelengths."""
-    drawn = stage_of(long, (View(name="", start=0.022, stop=0.094, weight=1.0),), size=(8000, 300))
-    (piece,) = drawn.pieces
-    rest = piece.patch.x * MM
+    drawn = section_of(long, (View(name="", start=0.022, stop=0.094, weight=1.0),), size=(8000, 300))
+    rest = drawn.pieces[0].x * MM
     moved, values = [], []
     for phase in (0.0, -0.5 * np.pi):
-        drawn.set_phase(phase)
-        places, value = drawn_surface(piece)
+        drawn.show(phase)
+        places, value = drawn_surface(drawn)
         moved.append(places[0] - rest)
-        values.append(value.astype(float))
+        values.append(value)
     u_z, u_x = values[0] + 1j * values[1], moved[0] + 1j * moved[1]
     slope = np.polyfit(rest, np.unwrap(np.angle(u_z)), 1)[0]
     assert slope < 0  # exp(+i omega t): the wave runs to +x
     assert 2 * np.pi / -slope == pytest.approx(long.wavelength * MM, rel=1e-3)
     at_crest = (1j * u_x * np.conj(u_z)).real  # velocity along x at the instant of largest u_z
     assert np.all(at_crest < 0)
-    drawn.close()
 
 
 def test_in_time_the_drawn_wave_runs_and_its_crests_move_back(found):
     """The later instant is the earlier one moved to +x; a crest's material moves to -x."""
-    drawn = stage_of(found, (View(name="", start=0.012, stop=0.016, weight=1.0),))
-    (piece,) = drawn.pieces
-    (x, z), _ = drawn_surface(piece)
-    drawn.set_phase(0.3)
-    (later_x, later_z), _ = drawn_surface(piece)
+    drawn = section_of(found, (View(name="", start=0.012, stop=0.016, weight=1.0),))
+    (x, z), _ = drawn_surface(drawn)
+    drawn.show(0.3)
+    (later_x, later_z), _ = drawn_surface(drawn)
     even = np.linspace(12.6, 15.4, 2000)
     before, after = (np.interp(even, one, other) for one, other in ((x, z), (later_x, later_z)))
     step = round(0.3 / (2 * np.pi) * found.wavelength * MM / (even[1] - even[0]))
@@ -154,11 +164,10 @@ def test_in_time_the_drawn_wave_runs_and_its_crests_move_back(found):
     assert forward > 1.05 * np.sum(before[step:] * after[:-step])
     crests = z > 0.7 * z.max()
     assert np.mean((later_x - x)[crests]) < 0
-    drawn.close()
 
 
 def test_colours_reach_from_end_to_end_of_the_field_and_say_it(found):
-    drawn = stage_of(found, views(found), size=(1000, 700))
+    drawn = section_of(found, views(found), size=(1000, 700))
     ((start, stop),) = found.spans
     outside = (found.field.x < start - 0.25 * found.wavelength) | (
         found.field.x > stop + 0.25 * found.wavelength
@@ -168,25 +177,22 @@ def test_colours_reach_from_end_to_end_of_the_field_and_say_it(found):
     )  # singular at the edges
     largest = abs(found.field.displacement[outside, :, 2]).max() * 1e9
     assert drawn.shade.limits == pytest.approx((-largest, largest), rel=1e-12)
-    for row, piece in enumerate(drawn.pieces):
-        actors = drawn.plotter.renderers[row].actors.values()
-        mappers = [each.mapper for each in actors if isinstance(each, pyvista.Actor)]
-        (mapper,) = (each for each in mappers if each.dataset is piece.mesh)
-        assert mapper.scalar_range == pytest.approx(drawn.shade.limits)
-        assert piece.mesh["shade"].max() > 0.2 * largest
+    for ax in shown_axes(drawn):
+        _, values, mesh = drawn_mesh(ax)
+        assert mesh.get_clim() == pytest.approx(drawn.shade.limits)
+        assert values.max() > 0.2 * largest
     assert drawn.shade.label == "u_z (nm per V)"
-    drawn.set_quantity("strain_energy")
-    assert drawn.shade.limits[0] == 0 < drawn.shade.limits[1]
-    assert (
-        min(piece.mesh["shade"].min() for piece in drawn.pieces) >= -1e-3 * drawn.shade.reach
-    )  # between nodes
-    drawn.close()
+    assert "u_z\n(nm per V)" in [ax.get_title(loc="left") for ax in drawn.figure.axes]
+    energy = section_of(found, views(found), quantity="strain_energy")
+    assert energy.shade.limits[0] == 0 < energy.shade.limits[1]
+    least = min(drawn_mesh(ax)[1].min() for ax in shown_axes(energy))
+    assert least >= -1e-3 * energy.shade.reach  # between nodes
 
 
 def test_far_away_nodes_are_passed_over_and_none_is_averaged(found):
-    from studies.view.patch import patch
+    from studies.view.section import piece
 
-    far = patch(found, shade(found, "u_z"), span=(0.0, found.length), bottom=-5e-3, spacing=0.1e-3)
+    far = piece(found, shade(found, "u_z"), span=(0.0, found.length), bottom=-5e-3, spacing=0.1e-3)
     field = found.field
     lines, rows = np.searchsorted(field.x, far.x), np.abs(field.z[:, None] - far.z).argmin(axis=0)
     assert len(far.x) < 0.6 * len(field.x)
@@ -199,10 +205,10 @@ def test_far_away_nodes_are_passed_over_and_none_is_averaged(found):
 
 def test_from_near_the_modes_give_the_lines_between(found):
     """Within one wavelength hundreds of lines, on the stator's own motion."""
-    from studies.view.patch import patch
+    from studies.view.section import piece
 
     start, stop = 14e-3, 15e-3
-    near = patch(found, shade(found, "u_z"), span=(start, stop), bottom=-0.4e-3, spacing=1e-6)
+    near = piece(found, shade(found, "u_z"), span=(start, stop), bottom=-0.4e-3, spacing=1e-6)
     assert len(near.x) > 150
     assert np.diff(near.z).max() < 7e-6
     coarse = found.compute(span=(start, stop), per_wavelength=4000.0, energies=False)
@@ -222,112 +228,68 @@ def test_the_enlarged_displacement_is_seen_and_its_factor_round(found):
 def test_a_screenshot_shows_section_electrodes_and_slider_where_they_are(found, folder, tmp_path):
     view.view(folder, Wanted(screenshot=str(tmp_path / "a.png"), size=(1000, 700)), progress=quiet)
     pixels = np.asarray(Image.open(tmp_path / "a.png").convert("RGB")).astype(int)
+    assert pixels.shape == (700, 1000, 3)
     assert (pixels[:, :, 0] - pixels[:, :, 2] > 60).mean() > 1e-3  # orange
     assert (pixels[:, :, 2] - pixels[:, :, 0] > 60).mean() > 1e-3  # blue
     combs = [(abs(pixels - colour).max(axis=2) < 12).sum() for colour in ([0, 0, 0], [204, 121, 167])]
     assert min(combs) > 80
-    drawn = stage_of(found, views(found), size=(1000, 700))
-    frame = drawn.frame(2)
-    lowest = pixels[-int(frame.height) :]
-    disc = (abs(lowest - 0x99).max(axis=2) < 4).sum(axis=0) > 6
+    drawn = section_of(found, views(found), size=(1000, 700))
+    drawn.figure.canvas.draw()
+    ax = shown_axes(drawn)[-1]
+    box = ax.get_window_extent()
+    disc = (abs(pixels[int(700 - box.y1) : int(700 - box.y0)] - 0x99).max(axis=2) < 4).sum(axis=0) > 6
     columns = np.flatnonzero(disc)
-    middle = 0.5 * (frame.left + 1 - frame.right) * frame.width
-    place = (0.5 * (columns[0] + columns[-1]) + 0.5 - middle) * frame.pixel + 0.5 * (
-        frame.view.start + frame.view.stop
-    )
-    assert place == pytest.approx(14.123e-3, abs=2 * frame.pixel)
-    assert (columns[-1] - columns[0]) * frame.pixel == pytest.approx(2e-3, rel=0.03)
-    drawn.close()
+    left, right = (ax.transData.inverted().transform((end, 0.0))[0] for end in (columns[0], columns[-1] + 1))
+    pixel = (right - left) / (columns[-1] + 1 - columns[0])
+    assert 0.5 * (left + right) == pytest.approx(14.123, abs=2 * pixel)
+    assert right - left == pytest.approx(2.0, rel=0.03)
 
 
-def test_a_view_has_room_for_depth_and_ball(found):
+@pytest.mark.parametrize(("start", "stop", "whole"), [(0.0, 0.024, True), (0.0138, 0.0144, False)])
+def test_a_view_has_room_for_depth_and_ball(found, start, stop, whole):
     """From far the whole depth and the whole ball, from near a part of both; one scale for lengths and heights."""
-    from studies.view.frame import HIGH, LOW, framed
-
-    for start, stop, whole in ((0.0, found.length, True), (0.0138, 0.0144, False)):
-        frame = framed(found, View(name="", start=start, stop=stop, weight=1.0), width=1000.0, height=500.0)
-        assert frame.pixel * 1000 * (1 - frame.left - frame.right) >= (stop - start) * (1 - 1e-12)
-        assert frame.top - frame.bottom <= frame.pixel * 500 * (1 - LOW - HIGH) * (1 + 1e-12)
-        assert (frame.bottom == found.field.z[0]) == whole
-        assert (frame.top > 2 * found.radius) == whole
-        assert frame.top > 0
-
-
-def words_of(plotter):
-    """What is written in each row of a picture, with its box in pixels: left, right, low, high."""
-    plotter.render()
-    rows = []
-    for renderer in plotter.renderers:
-        listed = []
-        for actor in renderer.GetViewProps():
-            if isinstance(actor, pyvista.Text):
-                box = [0, 0, 0, 0]
-                actor.GetBoundingBox(renderer, box)
-                x, y = actor.GetPositionCoordinate().GetComputedViewportValue(renderer)
-                listed.append((actor.GetInput(), (box[0] + x, box[1] + x, box[2] + y, box[3] + y)))
-        rows.append((listed, renderer.GetSize()))
-    return rows
-
-
-def assert_legible(plotter):
-    """Every word lies in the picture and on no other."""
-    for listed, (width, height) in words_of(plotter):
-        for number, (text, (left, right, low, high)) in enumerate(listed):
-            assert left >= -1, text
-            assert right <= width + 1, text
-            assert low >= -1, text
-            assert high <= height + 1, text
-            for other, box in listed[:number]:
-                apart = right < box[0] or box[1] < left or high < box[2] or box[3] < low
-                assert apart, (text, other)
+    drawn = section_of(found, (View(name="", start=start, stop=stop, weight=1.0),), size=(1000, 500))
+    drawn.figure.canvas.draw()
+    (ax,) = shown_axes(drawn)
+    bottom, top = ax.get_ylim()
+    assert ax.get_xlim() == pytest.approx((start * MM, stop * MM))
+    box = ax.get_window_extent()
+    assert box.height / (top - bottom) == pytest.approx(box.width / ((stop - start) * MM), rel=1e-9)
+    assert (bottom == found.field.z[0] * MM) == whole
+    assert (top > 2 * found.radius * MM) == whole
+    assert top > 0
 
 
 @pytest.mark.parametrize(
     ("span", "size"), [("wavelength", (1600, 1100)), ("slider", (720, 300)), (None, (1000, 700))]
 )
 def test_captions_rulers_and_legend_do_not_collide(found, span, size):
-    shown = stage.chosen_views(found, view._limits(found, span)) if span else views(found)
-    drawn = stage_of(found, shown, size=size)
-    assert_legible(drawn.plotter)
-    words = [text for listed, _ in words_of(drawn.plotter) for text, _ in listed]
+    shown = chosen_views(found, limits(found, span)) if span else views(found)
+    drawn = section_of(found, shown, size=size)
+    assert_legible(drawn.figure)
+    words = [text.get_text() for text in drawn.figure.findobj(Text)]
     assert {"+ fingers", "- fingers"} <= set(words)
     assert any("6 of 6 fingers" in text for text in words)
     assert ("1 wavelength, 13.63 to 14.62 mm" in words) == (span == "wavelength")
-    drawn.close()
 
 
-def test_the_ball_stays_below_the_caption(found):
-    """From near, the ball is larger than its frame: no pixel of it lies behind the caption."""
-    drawn = stage_of(found, stage.chosen_views(found, view._limits(found, "wavelength")), size=(1000, 700))
-    lowest = drawn.image()[210:].astype(int)
-    grey = (abs(lowest - 0x99).max(axis=2) < 4).sum(axis=1) > 20
-    assert grey.any()
-    assert np.flatnonzero(grey)[0] > 25
-    drawn.close()
-
-
-def test_the_solid_is_captioned(found):
-    from studies.view.beam import solid
-
-    for size in ((1600, 1100), (1000, 470)):
-        drawn = solid(found, quantity="u_z", phase=0.0, factor=1e5, size=size, off_screen=True)
-        assert_legible(drawn)
-        heights = [box[3] - box[2] for _, box in words_of(drawn)[0][0]]
-        assert min(heights) > 7
-        drawn.close()
+def words_of(plotter):
+    """What is written in a pyvista picture."""
+    actors = plotter.renderer.GetViewProps()
+    return " ".join(actor.GetText(2) for actor in actors if isinstance(actor, pyvista.CornerAnnotation))
 
 
 def test_fingers_ride_on_the_surface(found):
-    drawn = stage_of(found, (View(name="", start=0.0, stop=0.01, weight=1.0),), phase=0.9)
-    (piece,) = drawn.pieces
-    (x, z), _ = drawn_surface(piece)
-    for electrode, fingers in piece.fingers:
-        points = np.asarray(fingers.mesh.points)
-        assert len(points) == 6 * len(found.fingers[electrode.sign])
-        np.testing.assert_allclose(points[::2, 2], np.interp(points[::2, 0], x, z), atol=2e-3 * np.ptp(z))
-        assert np.all(points[1::2, 2] > points[::2, 2])
-    assert {electrode.sign for electrode, _ in piece.fingers} == {"+", "-"}
-    drawn.close()
+    drawn = section_of(found, (View(name="", start=0.0, stop=0.01, weight=1.0),), phase=0.9)
+    (x, z), _ = drawn_surface(drawn)
+    (ax,) = shown_axes(drawn)
+    count = 0
+    for lines in ax.collections:
+        if isinstance(lines, LineCollection):
+            points = np.concatenate(lines.get_segments())
+            count += len(lines.get_segments())
+            np.testing.assert_allclose(points[:, 1], np.interp(points[:, 0], x, z), atol=2e-2 * np.ptp(z))
+    assert count == 6
 
 
 def test_a_free_wave_is_drawn_from_its_profile(tmp_path):
@@ -341,37 +303,57 @@ def test_a_free_wave_is_drawn_from_its_profile(tmp_path):
     steps = np.diff(np.unwrap(np.angle(free.field.displacement[:, -1, 2])))
     np.testing.assert_allclose(steps, -2 * np.pi * np.diff(free.field.x) / free.wavelength, rtol=1e-9)
     # measured in the picture itself: colours of the undeformed section just below the surface
-    drawn = stage_of(free, views(free), factor=0.0, size=(1600, 500), smooth=False)
-    pixels, frame = drawn.image().astype(float), drawn.frame(0)
-    row = (
-        int(500 * (1 - (0.5 * (0.17 + 1 - 0.12) - 0.5 * (frame.top + frame.bottom) / frame.pixel / 500))) + 3
-    )
-    inside = slice(int(frame.left * 1600) + 4, int((1 - frame.right) * 1600) - 4)
-    tone = pixels[row, inside, 0] - pixels[row, inside, 2]
+    drawn = section_of(free, views(free), factor=0.0, size=(1600, 500))
+    pixels, (ax,) = pixels_of(drawn), shown_axes(drawn)
+    box, (_, surface) = ax.get_window_extent(), ax.transData.transform((0.0, 0.0))
+    tone = np.subtract(*pixels[int(500 - surface) + 3, int(box.x0) + 4 : int(box.x1) - 4, [0, 2]])
     spectrum = abs(np.fft.rfft((tone - tone.mean()) * np.hanning(len(tone)), 1 << 20))
-    assert (1 << 20) / spectrum.argmax() * frame.pixel == pytest.approx(free.wavelength, rel=1e-3)
-    drawn.close()
+    pixel = free.length / box.width
+    assert (1 << 20) / spectrum.argmax() * pixel == pytest.approx(free.wavelength, rel=1e-3)
 
 
 def test_a_field_that_a_solid_does_not_have_is_refused(found, tmp_path):
     with pytest.raises(
         SceneError, match=r"--quantity 'u_y' is zero everywhere: uncoupled in this solid, orientation Z"
     ):
-        stage_of(found, views(found), quantity="u_y")
+        section_of(found, views(found), quantity="u_y")
 
 
-def test_the_solid_carries_field_within_the_aperture_only(found):
-    from studies.view import beam
-
-    drawn = beam.solid(found, quantity="u_z", phase=0.0, factor=1.0, size=(600, 300), off_screen=True)
+def test_the_solid_carries_field_within_the_aperture_only_and_says_so(found):
+    drawn = Solid(found, quantity="u_z", phase=0.0, factor=1.0, size=(600, 300), off_screen=True).plotter
     bounds = drawn.actors["surface"].mapper.dataset.bounds
     assert (bounds.y_min, bounds.y_max) == pytest.approx((-10.0, 10.0))
     whole = drawn.bounds
     assert (whole.y_min, whole.y_max) == pytest.approx((-17.5, 17.5))
     assert (whole.x_max - whole.x_min, whole.z_min) == pytest.approx((24.0, -5.0), abs=1e-3)
-    assert "only within the 20 mm aperture" in beam.said(found)
+    assert "only within the 20 mm aperture" in words_of(drawn)
     assert np.asarray(drawn.screenshot(return_img=True)).std() > 5
     drawn.close()
+
+
+def test_surface_electrodes_and_balls_of_the_solid_move_as_the_section_does(found):
+    drawn = Solid(found, quantity="u_z", phase=0.4, factor=1e5, size=(600, 300), off_screen=True)
+    surface = drawn.plotter.actors["surface"].mapper.dataset
+    fingers = np.concatenate(
+        [drawn.plotter.actors[f"electrode {sign}"].mapper.dataset.points for sign in "+-"]
+    )
+    assert len(fingers) == 4 * 6
+    half = surface.points[: surface.n_points // 2]
+    x, u_z = found.field.x, found.field.displacement[:, -1, 2]
+    for phase in (0.4, 2.0):
+        drawn.set_phase(phase)
+        expected = 1e5 * (np.interp(drawn._piece.x, x, u_z) * np.exp(1j * phase)).real * MM
+        np.testing.assert_allclose(half[:, 2], expected, atol=1e-3 * abs(expected).max())
+        points = np.asarray(drawn.plotter.actors["electrode +"].mapper.dataset.points)
+        lift = points[:, 2] - np.interp(points[:, 0], half[:, 0], half[:, 2])
+        assert 0 < lift.min() < lift.max() < 0.1 * found.wavelength * MM
+    (ball,) = found.balls
+    meshes = [
+        each.mapper.dataset for each in drawn.plotter.actors.values() if isinstance(each, pyvista.Actor)
+    ]
+    (sphere,) = (each.bounds for each in meshes if abs(each.bounds.z_max - each.bounds.z_min - 2) < 0.01)
+    assert sphere.z_min == pytest.approx(1e5 * found.crest(ball) * MM, abs=2e-3)
+    drawn.plotter.close()
 
 
 def test_a_movie_holds_one_period(found, folder, tmp_path):
@@ -391,8 +373,8 @@ def test_a_movie_holds_one_period(found, folder, tmp_path):
 
 @pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="an MP4 needs ffmpeg")
 def test_a_movie_as_mp4(tmp_path):
-    frames = (np.full((50, 81, 3), 20 * k, dtype=np.uint8) for k in range(8))
-    assert movie.save(frames, tmp_path / "a.mp4", rate=8.0) == 8
+    figure, ax = new_figure(0.81, 0.5)
+    movie.save(figure, lambda number: ax.set_facecolor(str(number / 8)), 8, tmp_path / "a.mp4", rate=8.0)
     assert (tmp_path / "a.mp4").read_bytes()[4:8] == b"ftyp"
 
 
@@ -409,7 +391,7 @@ def test_without_ffmpeg_the_sentence_says_what_to_install(monkeypatch, tmp_path)
 def test_without_pyvista_the_sentence_says_what_to_install(monkeypatch, folder, tmp_path):
     monkeypatch.setitem(sys.modules, "pyvista", None)
     with pytest.raises(RunError, match="pip install pyvista"):
-        view.view(folder, Wanted(screenshot=str(tmp_path / "a.png")), progress=quiet)
+        view.view(folder, Wanted(screenshot=str(tmp_path / "a.png"), show="solid"), progress=quiet)
 
 
 def test_without_a_display_the_window_is_refused_with_what_to_do(monkeypatch, folder, given):
@@ -429,29 +411,26 @@ def test_without_a_toolkit_the_contact_s_window_is_refused_with_what_to_install(
         view.view(given, Wanted(), progress=quiet)
 
 
-def test_the_window_plays_pauses_picks_and_zooms(found):
-    from studies.view.window import Window
+def test_the_window_plays_pauses_and_picks(found):
+    from studies.view.solid import Controls
 
-    window = Window(found, quantity="u_z", phase=1.0, factor=None, span=None, off_screen=True)
+    solid = Solid(
+        found, quantity="u_z", phase=1.0, factor=None, size=(600, 400), off_screen=True, section=True
+    )
+    window = Controls(solid)
     assert window.playing
-    assert window.stage.shown[1].stop - window.stage.shown[1].start == pytest.approx(2 * found.wavelength)
+    assert solid.plotter.camera.parallel_scale == pytest.approx(1.1 * found.wavelength * MM * 400 / 600)
     window.tick(0)
-    assert window.stage.phase > 1.0
+    assert solid.phase > 1.0
     window.pick_phase(90.0)
     assert not window.playing
-    assert window.stage.phase == pytest.approx(np.pi / 2)
+    assert solid.phase == pytest.approx(np.pi / 2)
     window.tick(1)
-    assert window.stage.phase == pytest.approx(np.pi / 2)
+    assert solid.phase == pytest.approx(np.pi / 2)
     window.pick_quantity("power_flow")
-    assert window.stage.shade.label.startswith("power flow along x (W/m^2")
-    window.pick_zoom(0.0)
-    assert window.stage.shown[1].stop - window.stage.shown[1].start == pytest.approx(found.wavelength)
-    window.pick_place(23.9)
-    assert window.stage.shown[1].stop == pytest.approx(found.length)
-    window.pick_zoom(5.0)
-    assert (window.stage.shown[1].start, window.stage.shown[1].stop) == pytest.approx((0.0, found.length))
-    assert window.stage.image().std() > 5
-    window.stage.close()
+    assert solid.shade.label.startswith("power flow along x (W/m^2")
+    assert np.asarray(solid.plotter.screenshot(return_img=True)).std() > 5
+    solid.plotter.close()
 
 
 @pytest.fixture(scope="module")
@@ -708,7 +687,7 @@ def test_a_place_that_cannot_be_written_is_said(folder, tmp_path, found):
     with pytest.raises(RunError, match="cannot be written"):
         view.view(folder, Wanted(screenshot=str(tmp_path / "no" / "a.png"), size=(300, 200)), progress=quiet)
     with pytest.raises(RunError, match="cannot be written"):
-        movie.save([np.zeros((20, 20, 3), dtype=np.uint8)] * 2, tmp_path / "no" / "a.gif", rate=4.0)
+        movie.save(new_figure(1, 1)[0], lambda number: None, 2, tmp_path / "no" / "a.gif", rate=4.0)
     with pytest.raises(RunError, match="cannot be written"):
         field_data.save(
             found, tmp_path / "no" / "a.csv", span=(0.0135, 0.014), instants=0, progress=quiet, note=quiet

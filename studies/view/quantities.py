@@ -25,8 +25,7 @@ __all__ = [
 ]
 
 NM = 1e9
-# of electrodes and crystal axes (`description`); the others are black, grey and white
-MARK_COLOURS = ("#CC79A7", "#E69F00", "#009E73")
+MARK_COLOURS = ("#CC79A7", "#E69F00", "#009E73")  # of `description`; the others are black, grey and white
 SCALE = 192  # colours of a map in a palette of 256
 DIVERGING, SEQUENTIAL = "RdBu_r", "Blues"
 
@@ -193,21 +192,14 @@ def shade(found, name: str) -> Shade:
     )
 
 
-def palette(colour_map: str) -> np.ndarray:
-    """Return the 256 colours that a picture of a field needs: a colour map, greys and the marks drawn on it.
-
-    Parameters
-    ----------
-    colour_map : str
-        matplotlib's name.
-
-    Returns
-    -------
-    ndarray, shape (256, 3), uint8
-    """
+def palette(colour_map: str):
+    """Return an image with the 256 colours that a picture of a field needs: a colour map, marks and greys."""
     import matplotlib
+    from PIL import Image
 
     scale = matplotlib.colormaps[colour_map](np.linspace(0.0, 1.0, SCALE), bytes=True)[:, :3]
-    marks = np.array([[int(colour[k : k + 2], 16) for k in (1, 3, 5)] for colour in MARK_COLOURS])
-    greys = np.repeat(np.linspace(0, 255, 256 - SCALE - len(marks))[:, None], 3, axis=1)
-    return np.concatenate([scale, marks, np.round(greys)]).astype(np.uint8)
+    marks = [list(bytes.fromhex(colour[1:])) for colour in MARK_COLOURS]
+    greys = np.repeat(np.linspace(0, 255, 256 - SCALE - len(marks)).round()[:, None], 3, axis=1)
+    image = Image.new("P", (1, 1))
+    image.putpalette(np.concatenate([scale, marks, greys]).astype(np.uint8).tobytes())
+    return image

@@ -1,0 +1,286 @@
+"""The field in three dimensions by pyvista: the section to play and zoom, or the stator as a solid of its whole width.
+
+The model is a section: it holds, the same for every y, within the aperture of the transducers, as far as the beam does
+not spread.  There the field is extruded; beside it the solid is drawn bare, and the picture says so.  A free wave has
+no aperture and fills the width.  Lengths are in mm.
+"""
+
+import os
+import time
+
+import numpy as np
+
+from studies.refusal import RunError
+from studies.view import description
+from studies.view.quantities import present, shade
+from studies.view.run_field import RunField
+from studies.view.section import magnification, piece
+from studies.view.surface_pictures import MM
+
+__all__ = ["Solid", "open_window", "refuse_without_display"]
+
+BARE, EDGE = "#D9D9D9", "#606060"
+LINES = 24  # per wavelength, of what is drawn
+CYCLE, TICK = 2.5, 40  # s that one period of the wave takes; ms between instants
+
+
+class Solid:
+    """A pyvista plotter with the field at any instant.
+
+    Parameters
+    ----------
+    found : RunField
+    quantity : str
+        What colours the field.
+    phase : float
+        omega t, rad.
+    factor : float or None
+        Of the displacement; None for `magnification`.
+    size : tuple of int
+        Pixels.
+    off_screen : bool
+    section : bool
+        Whether to look at the section alone, along y, instead of the whole solid.
+    span : tuple of float or None
+        m, of the section that is looked at; two wavelengths about the slider if None.
+
+    Attributes
+    ----------
+    plotter : pyvista.Plotter
+    """
+
+    def __init__(
+        self, found: RunField, *, quantity, phase, factor, size, off_screen, section=False, span=None
+    ):
+        self.pyvista = _pyvista()
+        self.found, self.phase = found, phase
+        self.factor = magnification(found) if factor is None else factor
+        self.beam, self._span = found.aperture, (0.0, found.length)
+        if section and span is not None:
+            room = span[1] - span[0]
+            self._span = max(span[0] - room, 0.0), min(span[1] + room, found.length)
+        self.plotter = self.pyvista.Plotter(off_screen=off_screen, window_size=size)
+        self.set_quantity(quantity)
+        self._stand()
+        if not section:
+            self._bare()
+        self._write(section, size)
+        if section:
+            start, stop = span or (found.focus[1] - found.wavelength, found.focus[1] + found.wavelength)
+            self._look(start, stop, size)
+        else:
+            self.plotter.camera_position = "xz"
+            self.plotter.camera.azimuth, self.plotter.camera.elevation = 35, 28
+            self.plotter.enable_parallel_projection()
+            self.plotter.reset_camera()
+            self.plotter.camera.zoom(1.5)
+
+    def set_quantity(self, name: str) -> None:
+        """Colour the field by a quantity."""
+        self.shade = shade(self.found, name)
+        spacing = min(self.found.wavelength / LINES, (self._span[1] - self._span[0]) / 1000)
+        self._piece = piece(
+            self.found, self.shade, span=self._span, bottom=self.found.field.z[0], spacing=spacing
+        )
+        edges = np.array([-0.5, 0.5]) * self.beam
+        n, m = len(self._piece.x), len(self._piece.z)
+        # the surface, the section in front, the right end: which lines and rows of the piece, at which y
+        self._faces = [
+            (np.s_[:, m - 1 :], self._grid(n, 1, edges)),
+            (np.s_[:, :], self._grid(n, m, edges[:1])),
+            (np.s_[n - 1 :, :], self._grid(1, m, edges)),
+        ]
+        for number, (_, grid) in enumerate(self._faces):
+            self.plotter.add_mesh(
+                grid, scalars="shade", cmap=self.shade.colour_map, clim=self.shade.limits, lighting=False,
+                show_scalar_bar=False, copy_mesh=False, name=("surface", "section", "end")[number],
+                reset_camera=False,
+            )  # fmt: skip
+        self._electrodes = []
+        for electrode in description.electrodes(self.found):
+            strips = np.array(electrode.strips)
+            corners = np.zeros((4 * len(strips), 3))
+            corners[:, 1] = MM * np.tile(edges[[0, 0, 1, 1]], len(strips))
+            mesh = self.pyvista.PolyData.from_regular_faces(corners, np.arange(len(corners)).reshape(-1, 4))
+            self.plotter.add_mesh(
+                mesh, color=electrode.colour, lighting=False, copy_mesh=False, show_edges=True, line_width=3,
+                edge_color=electrode.colour, name=f"electrode {electrode.sign}", reset_camera=False,
+            )  # fmt: skip
+            self._electrodes.append((strips[:, [0, 1, 1, 0]].ravel(), mesh))
+        for former in list(self.plotter.scalar_bars.keys()):
+            self.plotter.remove_scalar_bar(former)
+        self.plotter.add_scalar_bar(
+            title=self.shade.label.replace(" (", "\n("),
+            mapper=self.plotter.actors["section"].mapper, vertical=True, position_x=0.9, position_y=0.25,
+            width=0.06, height=0.5, title_font_size=13, label_font_size=13, n_labels=3, fmt="%.3g",
+        )  # fmt: skip
+        self.set_phase(self.phase)
+
+    def set_phase(self, phase: float) -> None:
+        """Move everything to another instant."""
+        self.phase = phase
+        places, values = self._piece.places(phase, self.factor) * MM, self._piece.values(phase)
+        for part, grid in self._faces:
+            copies = grid.dimensions[2]
+            for axis, coordinate in ((0, 0), (1, 2)):
+                grid.points[:, coordinate] = np.tile(places[part][..., axis].ravel(order="F"), copies)
+            grid["shade"][:] = np.tile(values[part].ravel(order="F"), copies)
+        lift = 0.02 * self.found.wavelength * MM
+        for corners, mesh in self._electrodes:
+            for axis, coordinate in ((0, 0), (1, 2)):
+                mesh.points[:, coordinate] = np.interp(corners, self._piece.x, places[:, -1, axis])
+            mesh.points[:, 2] += lift
+
+    def _grid(self, n: int, m: int, y: np.ndarray):
+        """Return a structured grid of n lines of m points at some places y in m."""
+        grid = self.pyvista.StructuredGrid(*np.zeros((3, n, m, len(y))))
+        grid.points[:, 1] = MM * np.repeat(y, n * m)
+        grid["shade"] = np.zeros(grid.n_points)
+        return grid
+
+    def _stand(self) -> None:
+        """Put the balls of the slider on the crests of the enlarged wave."""
+        for ball in description.balls(self.found):
+            centre = ball.place * MM, 0.0, (ball.radius + self.factor * ball.crest) * MM
+            sphere = self.pyvista.Sphere(
+                radius=ball.radius * MM, center=centre, theta_resolution=90, phi_resolution=90
+            )
+            self.plotter.add_mesh(sphere, color=description.BALL_COLOUR, smooth_shading=True, ambient=0.5)
+
+    def _bare(self) -> None:
+        """Draw the parts of the solid beside the beam."""
+        half, width = 0.5 * self.beam, 0.5 * self.found.scene.stator.width
+        if width - half < 1e-9:
+            return
+        for low, high, opacity in ((-width, -half, 0.25), (half, width, 1.0)):
+            # the half in front is seen through: the field's section lies behind it
+            ends = (0.0, self.found.length, low, high, self.found.field.z[0], 0.0)
+            box = self.pyvista.Box(tuple(MM * each for each in ends))
+            self.plotter.add_mesh(box, color=BARE, opacity=opacity, lighting=False)
+            self.plotter.add_mesh(box, style="wireframe", color=EDGE, line_width=1)
+
+    def _write(self, section: bool, size: tuple[int, int]) -> None:
+        """Write the caption and the names of the electrodes; show the directions, or of the section the scale."""
+        found = self.found
+        extents = found.length, found.scene.stator.width, -found.field.z[0]
+        extent = " x ".join(f"{each * MM:.4g}" for each in extents)
+        lines = [
+            f"{found.scene.title}: {extent} mm (x, y, z)",
+            f"{found.drive}, {found.enlarged(self.factor)}",
+        ]
+        lines += ["scale in mm; drag: move, wheel: zoom"] if section else said(found).split("; ")
+        letters = int(np.clip(0.98 * size[0] / (0.6 * max(map(len, lines))), 6, 12))
+        self.plotter.add_text("\n".join(lines), position="upper_left", font_size=letters, color="black")
+        listed = [(each.label, each.colour) for each in description.electrodes(found)]
+        if listed:
+            self.plotter.add_legend(
+                listed, bcolor=None, face="rectangle", size=(0.12, 0.06), loc="upper right"
+            )
+        if section:
+            self.plotter.add_legend_scale(
+                color="black", left_axis_visibility=False, right_axis_visibility=False, top_axis_visibility=False,
+                legend_visibility=False,
+            )  # fmt: skip
+        else:
+            self.plotter.add_axes(xlabel="x", ylabel="y", zlabel="z", line_width=3)
+
+    def _look(self, start: float, stop: float, size: tuple[int, int]) -> None:
+        """Look along y at a stretch (m)."""
+        middle, reach = 0.5 * (start + stop) * MM, (stop - start) * MM
+        height = 1.1 * reach * size[1] / size[0]
+        self.plotter.enable_parallel_projection()
+        self.plotter.camera.up = (0, 0, 1)
+        self.plotter.camera.focal_point = middle, 0.0, -0.15 * height
+        self.plotter.camera.position = middle, -10 * self.found.length * MM, -0.15 * height
+        self.plotter.camera.parallel_scale = 0.5 * height
+        self.plotter.reset_camera_clipping_range()
+
+
+def said(found: RunField) -> str:
+    """Return where the extruded field is true."""
+    if found.free:
+        return "a straight-crested free wave: the same for every y"
+    return (
+        f"field drawn only within the {found.aperture * MM:g} mm aperture, where the model holds for every y "
+        "(the beam does not spread in it); grey: not modelled"
+    )
+
+
+class Controls:
+    """Play and pause, instant and colour of a `Solid`, by pyvista's own widgets."""
+
+    def __init__(self, solid: Solid):
+        self.solid, self.names = solid, present(solid.found)
+        self.playing, self._last, self._rested, self._ready = True, time.perf_counter(), 0.0, False
+        plotter, given = solid.plotter, {"style": "modern", "color": "black"}
+        self.play_button = plotter.add_checkbox_button_widget(
+            self.play, value=True, position=(20.0, 70.0), size=34, color_on="#0072B2", color_off="#999999"
+        )
+        self.phase_slider = plotter.add_slider_widget(
+            self.pick_phase, (0, 360), value=np.degrees(solid.phase) % 360, title="phase (degrees)", fmt="%.0f",
+            pointa=(0.12, 0.13), pointb=(0.34, 0.13), interaction_event="always", title_height=0.015, **given,
+        )  # fmt: skip
+        plotter.add_text_slider_widget(
+            self.pick_quantity, self.names, value=self.names.index(solid.shade.quantity.name),
+            pointa=(0.42, 0.13), pointb=(0.6, 0.13), **given,
+        )  # fmt: skip
+        plotter.add_text("play", position=(62.0, 76.0), font_size=8, color="black")
+        self._ready = True  # setting a slider up calls it
+
+    def tick(self, step: int) -> None:
+        """Go on to the instant that the clock says, while playing."""
+        now = time.perf_counter()
+        if self.playing and now > self._rested:
+            passed, self._last = now - self._last, now
+            phase = (self.solid.phase + 2 * np.pi * passed / CYCLE) % (2 * np.pi)
+            self.phase_slider.GetRepresentation().SetValue(np.degrees(phase))
+            self.solid.set_phase(phase)
+            self.solid.plotter.render()
+            # half of the time is left to the mouse, however slowly the machine draws
+            done = time.perf_counter()
+            self._rested = done + (done - now)
+
+    def play(self, playing: bool) -> None:
+        """Play or pause."""
+        self.playing, self._last = bool(playing), time.perf_counter()
+
+    def pick_phase(self, degrees: float) -> None:
+        """Show the instant of a phase, and pause."""
+        if self._ready:
+            self.play(False)
+            self.play_button.GetRepresentation().SetState(0)
+            self.solid.set_phase(np.radians(degrees))
+
+    def pick_quantity(self, name: str) -> None:
+        """Colour the field by another quantity."""
+        if self._ready and name != self.solid.shade.quantity.name:
+            self.solid.set_quantity(name)
+
+
+def open_window(solid: Solid, *, section: bool) -> None:
+    """Show a solid with its controls until the window is closed; of a section a drag moves and the wheel zooms."""
+    controls = Controls(solid)
+    if section:
+        solid.plotter.enable_2d_style()
+    solid.plotter.add_timer_event(max_steps=2**31 - 1, duration=TICK, callback=controls.tick)
+    solid.plotter.show(title=f"sawmotor: {solid.found.scene.title}")
+
+
+def _pyvista():
+    """Import pyvista, quietly: without a display VTK says so on stderr before it finds another way."""
+    try:
+        import pyvista
+    except ImportError:
+        raise RunError(
+            "pictures of the field need pyvista, which is not installed: pip install pyvista"
+        ) from None
+    pyvista.vtk_verbosity("off")
+    return pyvista
+
+
+def refuse_without_display() -> None:
+    """Refuse to open a window where there is nothing to open it on, and name what to do instead."""
+    if os.name == "posix" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        raise RunError(
+            "there is no display to open a window on; --screenshot FILE, --movie FILE and --html FILE draw without one"
+        )
