@@ -251,7 +251,7 @@ def test_a_point_near_the_threshold_gets_a_better_stator(tmp_path, monkeypatch):
         "studies.sweep.source_solver.SHARE", 1.0
     )  # a stator that is just good enough by itself
     voltages = [5.0, 11.2, 40.0]
-    section = Scene.load(SMALL).replace(stator={"diffraction": False})
+    section = SMALL | {"stator": SMALL["stator"] | {"diffraction": False}}
     found = sweep(section, {"drive.voltage": voltages}, tolerance=2.5e-4, out=tmp_path / "s")
     with sqlite3.connect(found.path) as connection:
         steps = [step for (step,) in connection.execute("select step from sources order by step")]
