@@ -162,9 +162,7 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
                 raise RunError(str(error)) from None
             wave = error.reached  # it is recorded with its error, which says whether it is good enough
         try:
-            motion = surface_motion(wave, wanted)
-            motion.errors(places)
-            return motion
+            return surface_motion(wave, wanted, places, tolerance)
         except fem.BeamError as error:
             scene.refuse("stator.diffraction", f"must be false or absent: {error}")
 

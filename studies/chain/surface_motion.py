@@ -96,14 +96,19 @@ class SurfaceMotion:
         return self.wave.standing_wave_ratio(x)
 
 
-def surface_motion(wave, diffraction: bool | None) -> SurfaceMotion:
+def surface_motion(wave, diffraction: bool | None, places, tolerance: float) -> SurfaceMotion:
     """Return what stands for the motion of a solved stator.
 
     Parameters
     ----------
     wave : fem.SurfaceWave
     diffraction : bool or None
-        True: the finite aperture; False: the plane section; None: the finite aperture where it can be computed.
+        True: the finite aperture; False: the plane section; None: the finite aperture where it can be computed and
+        adds less than the tolerance to the section's error.
+    places : sequence of (float, float)
+        x and y in m, where it is needed.
+    tolerance : float
+        Relative, of the answer.
 
     Raises
     ------
@@ -115,11 +120,16 @@ def surface_motion(wave, diffraction: bool | None) -> SurfaceMotion:
     if diffraction is False:
         return SurfaceMotion(wave=wave)
     try:
-        return SurfaceMotion(wave=wave, beam=fem.surface_beam(wave))
+        found = SurfaceMotion(wave=wave, beam=fem.surface_beam(wave))
+        added = found.relative_error(places) - wave.relative_error
     except fem.BeamError as error:
         if diffraction:
             raise
         return SurfaceMotion(wave=wave, reason=str(error))
+    if diffraction is None and added > tolerance:
+        reason = f"the beam's own error would be {added:.1e}, {tolerance:.1e} is asked for; true takes it all the same"
+        return SurfaceMotion(wave=wave, reason=f"stator.diffraction is absent and {reason}")
+    return found
 
 
 def wanted_diffraction(given: bool | None, has_slider: bool) -> bool | None:

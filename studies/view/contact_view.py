@@ -105,7 +105,7 @@ def contact_moments(scene: Scene, record: dict, *, level: float | None, progress
     else:
         progress("solving the stator")
         wave = solved_again(scene, record, progress=progress)
-        motion = surface_motion(wave, scene.stator.diffraction)
+        motion = surface_motion(wave, scene.stator.diffraction, scene.slider.places, record["tolerance"])
         orbits, named = bridge.orbits_per_volt(motion, scene.slider), f"{level:.4g} V"
     progress("following the contact")
     slider, orbits = bridge.contact_slider(scene.slider), bridge.scaled(orbits, level)
