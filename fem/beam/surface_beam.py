@@ -301,7 +301,7 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
         raise BeamError(
             f"mirror_width must be at least the largest aperture, {max(apertures):g} m, got {mirror_width!r}"
         )
-    isotropic = isotropic_about_normal(stator.solid)
+    isotropic = isotropic_about_normal(solution.fields.stator.solid)
     if isotropic and len(apertures) > 1:
         solution = driven_solution(with_apertures(solution.fields, mirror_width), solution.circuit.drive)
     return SurfaceBeam(
