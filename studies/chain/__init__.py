@@ -16,6 +16,7 @@ from studies.chain.model_error import model_error
 from studies.chain.neglected import diffraction_left_out, driven_left_out, free_left_out
 from studies.chain.points import SliderAnswer, slider_answer
 from studies.chain.ring_up import ring_up, ring_up_left_out
+from studies.chain.source_powers import powers, with_available_power
 from studies.chain.surface_motion import SurfaceMotion, surface_motion, wanted_diffraction
 from studies.chain.warnings import warnings_of
 from studies.record import Record
@@ -25,6 +26,9 @@ from studies.scene import Scene, resolved
 __all__ = ["run", "slider_left_out"]
 
 SHARE = 0.25  # of the tolerance, for the stator at first and for the contact
+STALLED = (
+    0.7  # of the motion's error: what is left then is the beam's own, which no finer section makes smaller
+)
 ROUNDS = 3  # of the stator, each with the tolerance that the one before found to be needed
 
 
@@ -134,14 +138,6 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
     begun = time.perf_counter()
     slider = scene.slider
     place = (scene.stator.length / 2, 0.0) if slider is None else slider.center
-    if scene.frequency == "center":
-        from studies.chain.center import center_frequency
-
-        try:
-            drive = replace(scene.drive, frequency=center_frequency(scene, place[0], progress=say))
-        except fem.ConvergenceError as error:
-            raise RunError(f"looking for the centre frequency: {error}") from None
-        scene = replace(scene, drive=drive)
     places = (place,) if slider is None else tuple(dict.fromkeys((place, *slider.places)))
     wanted = wanted_diffraction(scene.stator.diffraction, slider is not None)
     block, transducers = resolved.stator(scene.stator), resolved.transducers(scene)
@@ -186,17 +182,20 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
             goal = _needed(answer, before, tolerance, 0.0 if ringing is None else ringing.error)
             if goal is None:
                 break
+            whole = motion.relative_error(places)
             try:
                 motion = solved(goal)
             except RunError:
                 break  # the answer that stands is recorded, with its error
             answer = answered()
-            if motion.wave.relative_error >= before:
+            if motion.wave.relative_error >= before or motion.relative_error(places) > STALLED * whole:
                 break
         blocks = _slider_blocks(answer, tolerance)
     wave = motion.wave
     if motion.beam is not None:
         scene = replace(scene, stator=replace(scene.stator, diffraction=True))
+    sources = powers(scene, wave)
+    blocks["points"] = with_available_power(blocks["points"], sources)
     record = Record(
         scene=scene,
         tolerance=tolerance,
@@ -211,6 +210,7 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
             "power_residual": wave.power_residual,
             "admittance_relative_error": wave.admittance_error,
         }
+        | sources
         | _several_sources(wave),
         left_out=driven_left_out(block, scene.frequency)
         + diffraction_left_out(scene, motion)

@@ -13,6 +13,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 
+from studies.chain.surface_motion import default_refusal
 from studies.record import Record
 from studies.scene import resolved
 
@@ -85,6 +86,8 @@ def _aperture(record: Record) -> Iterator[NeglectedEffect]:
     if any(wave.covered(place) for place in x):
         return
     try:
+        if motion.beam is None and default_refusal(resolved.stator(record.scene.stator)):
+            raise fem.BeamError("no field in three dimensions without seconds of work")
         beam = motion.beam or fem.surface_beam(wave)
         with_aperture = beam.motion(x, y)
         width = record.scene.stator.width

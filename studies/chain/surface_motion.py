@@ -7,7 +7,7 @@ for a scene: every answer that needs an orbit takes it from there.
 
 from dataclasses import dataclass, field
 
-__all__ = ["SurfaceMotion", "surface_motion", "wanted_diffraction"]
+__all__ = ["SurfaceMotion", "default_refusal", "surface_motion", "wanted_diffraction"]
 
 PER_WAVELENGTH = (
     24  # places where the beam's standing wave is looked at; a minimum between them is missed by 1 %
@@ -79,21 +79,13 @@ class SurfaceMotion:
         """Return the largest over the smallest |u_z| within a wavelength either side of a place (x, y)."""
         import numpy as np
 
-        import fem
-
         x, y = place
-        if self.beam is not None:
-            reach = (
-                self.wave.phase_velocity / self.wave.frequency * np.linspace(-1, 1, 2 * PER_WAVELENGTH + 1)
-            )
-            along = x + reach[(x + reach >= 0) & (x + reach <= self.wave.length)]
-            try:
-                size = abs(self.beam.motion(along, y)[2])
-            except fem.BeamError:
-                pass  # fingers within reach
-            else:
-                return float(size.max() / size.min())
-        return self.wave.standing_wave_ratio(x)
+        if self.beam is None:
+            return self.wave.standing_wave_ratio(x)
+        reach = self.wave.phase_velocity / self.wave.frequency * np.linspace(-1, 1, 2 * PER_WAVELENGTH + 1)
+        along = x + reach[(x + reach >= 0) & (x + reach <= self.wave.length)]
+        size = abs(self.beam.motion(along, y)[2])
+        return float(size.max() / size.min())
 
 
 def surface_motion(wave, diffraction: bool | None, places, tolerance: float) -> SurfaceMotion:
@@ -103,8 +95,8 @@ def surface_motion(wave, diffraction: bool | None, places, tolerance: float) -> 
     ----------
     wave : fem.SurfaceWave
     diffraction : bool or None
-        True: the finite aperture; False: the plane section; None: the finite aperture where it can be computed and
-        adds less than the tolerance to the section's error.
+        True: the finite aperture; False: the plane section; None: the finite aperture where `default_refusal` has
+        nothing against it and it adds less than the tolerance to the section's error.
     places : sequence of (float, float)
         x and y in m, where it is needed.
     tolerance : float
@@ -119,17 +111,24 @@ def surface_motion(wave, diffraction: bool | None, places, tolerance: float) -> 
 
     if diffraction is False:
         return SurfaceMotion(wave=wave)
-    try:
-        found = SurfaceMotion(wave=wave, beam=fem.surface_beam(wave))
-        added = found.relative_error(places) - wave.relative_error
-    except fem.BeamError as error:
-        if diffraction:
-            raise
-        return SurfaceMotion(wave=wave, reason=str(error))
+    refusal = default_refusal(wave.solution.fields.stator) if diffraction is None else ""
+    if refusal:
+        return SurfaceMotion(wave=wave, reason=refusal)
+    found = SurfaceMotion(wave=wave, beam=fem.surface_beam(wave))
+    added = found.relative_error(places) - wave.relative_error
     if diffraction is None and added > tolerance:
         reason = f"the beam's own error would be {added:.1e}, {tolerance:.1e} is asked for; true takes it all the same"
         return SurfaceMotion(wave=wave, reason=f"stator.diffraction is absent and {reason}")
     return found
+
+
+def default_refusal(stator) -> str:
+    """Return why the section stands for a `fem.Stator` where a scene does not decide, a sentence; or nothing."""
+    import fem
+
+    if fem.beam_refusal(stator) or fem.isotropic_about_normal(stator.solid):
+        return fem.beam_refusal(stator)
+    return "stator.diffraction is absent, and in this cut the beam takes a minute; true computes it"
 
 
 def wanted_diffraction(given: bool | None, has_slider: bool) -> bool | None:

@@ -7,6 +7,7 @@ import sys
 from studies.chain.model_error import sentences
 from studies.record import Record
 from studies.report.measured import comparison_lines
+from studies.scene.match import ELEMENTS
 
 __all__ = ["answer", "print_json", "table"]
 
@@ -55,12 +56,15 @@ def table(rows: list[list[str]]) -> list[str]:
 def _points(record: Record) -> list[str]:
     with_voltage, with_slider = record.scene.wave is None, record.scene.slider is not None
     burst = record.scene.burst is not None and with_slider
+    powered = any("available_power_W" in point for point in record.points)
     head = ["voltage (V)"] if with_voltage else []
+    head += ["available (W)"] if powered else []
     head += ["u_z (nm)", "u_x (nm)"] + (["velocity (mm/s)"] if with_slider else [])
     head += (["at burst end (mm/s)"] if burst else []) + (["regime"] if with_slider else []) + ["rel. error"]
     rows = [head]
     for point in record.points:
         row = [f"{point['voltage_V']:g}"] if with_voltage else []
+        row += [f"{point['available_power_W']:.4g}"] if powered else []
         row += [f"{point[f'{side}_amplitude_m'] * 1e9:.4g}" for side in ("normal", "tangential")]
         if with_slider:
             row.append(_milli(point.get("velocity_m_per_s")))
@@ -103,7 +107,30 @@ def _wave(record: Record) -> list[str]:
         f"{wave['phase_velocity_m_per_s']:.6g} m/s, standing-wave ratio {wave['standing_wave_ratio']:.3g}",
         *spreading,
         f"admittance      {admittance.real * 1e3:.4g} + {admittance.imag * 1e3:.4g}i mS",
+        *_source(record),
     ]
+
+
+def _source(record: Record) -> list[str]:
+    """Return the network's elements and where the available power goes, for a source with an impedance."""
+    electrical, match, lines = record.electrical, record.scene.drive.match, []
+    if match != "none":
+        parts = [f"{name} {size:.4g} {ELEMENTS[name]}" for (name, size), *_ in match]
+        lines.append("match           " + ", ".join(parts) + " (from the source to the transducer)")
+    available = electrical.get("power_available_W_per_V2")
+    if available is not None:
+        shares = {
+            "delivered": "power_W_per_V2",
+            "network": "power_network_W_per_V2",
+            "solid": "power_solid_W_per_V2",
+            "loads": "power_loads_W_per_V2",
+            "to the left": "power_radiated_left_W_per_V2",
+            "to the right": "power_radiated_right_W_per_V2",
+        }
+        text = ", ".join(f"{name} {100 * electrical[key] / available:.3g} %" for name, key in shares.items())
+        lines.append(f"power           of the available: {text}")
+        lines.append(f"electrodes      {abs(electrical['comb_voltage_per_volt']):.4g} V per V of the source")
+    return lines
 
 
 def _limits(record: Record) -> list[str]:

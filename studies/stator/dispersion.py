@@ -54,8 +54,7 @@ def run(
     chosen = scene if isinstance(scene, Scene) else Scene.load(scene)
     if chosen.stator is None:
         chosen.refuse("stator", "is missing: a given wave has no section to guide it")
-    if chosen.frequency == "center":
-        chosen.refuse("drive.frequency", 'must be a number in Hz for this study, got "center"')
+    chosen = resolved.resolved(chosen)
     stator, drive = resolved.stator(chosen.stator), chosen.frequency
     frequencies = np.linspace(LOWEST, HIGHEST, count) * drive
     say(f"{count} frequencies of {chosen.title}")

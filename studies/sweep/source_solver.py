@@ -8,10 +8,10 @@ stator, the next answer is ten times better: which of the ``STEPS`` a point uses
 import json
 import os
 import time
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from functools import lru_cache
 
-from studies.chain.surface_motion import SurfaceMotion, surface_motion, wanted_diffraction
+from studies.chain.surface_motion import SurfaceMotion, default_refusal, surface_motion, wanted_diffraction
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene, resolved
 from studies.scene.blocks import Stator
@@ -101,24 +101,23 @@ def goal(question: Question, step: int) -> float:
 
 def serves_band(question: Question) -> bool:
     """Return whether the transducers stay what they are while the frequency moves, over enough frequencies."""
-    kept = all(each.get("period", "auto") != "auto" for each in question.table["transducer"])
+    kept = not any(isinstance(each.get("period", "auto"), str) for each in question.table["transducer"])
     moved = any(key.endswith(".period") for key in question.keys)
     return bool(question.frequencies) and kept and not moved and not _spreads(question)
 
 
 def _spreads(question: Question) -> bool:
     """Return whether the finite aperture may be computed, which no band does."""
-    import fem
-
     given = question.table["stator"].get("diffraction")
     if wanted_diffraction(given, question.has_slider) is False and "stator.diffraction" not in question.keys:
         return False
-    if any(key.startswith("stator.") for key in question.keys):
+    if given or any(key.startswith("stator.") for key in question.keys):
         return True
     try:
-        return not fem.beam_refusal(resolved.stator(Stator.from_table("stator", question.table["stator"])))
+        block = resolved.stator(Stator.from_table("stator", question.table["stator"]))
     except SceneError:
         return False  # said at every point
+    return not default_refusal(block)
 
 
 def _answer(question: Question, name: str, step: int) -> Source:
@@ -128,11 +127,6 @@ def _answer(question: Question, name: str, step: int) -> Source:
     try:
         scene = variation(question).source(values)
         places = _places(question, scene, values)
-        if scene.frequency == "center":
-            from studies.chain.center import center_frequency
-
-            frequency = center_frequency(scene, places[0][0], progress=_silent)
-            scene = replace(scene, drive=replace(scene.drive, frequency=frequency))
         return _solved(question, name, step, scene, places)
     except SceneError as error:
         reason = f"refused: {error}"
@@ -241,7 +235,14 @@ class _Fixed:
     def __init__(self, scene: Scene):
         self.scene = scene
         drive = scene.drive
-        self._own = (scene.stator, scene.transducer, drive.transducer, drive.sources, drive.source_impedance)
+        self._own = (
+            scene.stator,
+            scene.transducer,
+            drive.transducer,
+            drive.sources,
+            drive.source_impedance,
+            drive.match,
+        )
 
     def __eq__(self, other):
         return self._own == other._own
