@@ -1,12 +1,10 @@
 """A motor's datasheet as one self-contained page, A4 when printed: table, characteristics, limits."""
 
-from datetime import UTC, datetime
-from pathlib import Path
-
 import numpy as np
 
 from studies.chain.model_error import sentences
 from studies.record import provenance
+from studies.report import rendered
 from studies.report.datasheet import SETTLED, Datasheet, Row
 from studies.report.figures import COLOURS, as_svg, legend_below, velocity
 from studies.report.intermediate import si
@@ -28,22 +26,14 @@ PALETTE = ("stick", "slip", "intermittent")
 
 def page(sheet: Datasheet) -> str:
     """Return the HTML page of a datasheet."""
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent / "templates"),
-        autoescape=True,  # titles and names come from a scene's author
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     record = sheet.record
     drawn = (
         (lambda ax: speed(sheet, ax), "speed against drive"),
         (lambda ax: load_lines(sheet, ax), "speed against load"),
         (lambda ax: start_and_stop(sheet, ax), "start and stop"),
     )
-    return environment.get_template(TEMPLATE).render(
+    return rendered(
+        TEMPLATE,
         title=record.scene.title or "A motor",
         rated=sheet.driven.named(sheet.rated),
         conditions=_conditions(sheet),
@@ -57,7 +47,6 @@ def page(sheet: Datasheet) -> str:
         model_error=sentences(record),
         tolerance=f"{record.tolerance:g}",
         version=provenance()["version"],
-        written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
     )
 
 
