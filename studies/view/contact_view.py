@@ -22,25 +22,7 @@ DPI = 110
 
 
 def show(folder, wanted, written: Callable, *, progress: Callable[[str], None]) -> None:
-    """Draw the contact of a run into the files that are wanted, or in a window.
-
-    Parameters
-    ----------
-    folder : str or Path
-        What ``sawmotor run`` left.
-    wanted : studies.view.Wanted
-    written : callable
-        Writes a file, or says in a sentence that it cannot be written.
-    progress : callable
-        Told what is being done.
-
-    Raises
-    ------
-    SceneError
-        If the scene has no slider, or the files are none that a contact can be written to.
-    RunError
-        If the contact has no steady state, or a file cannot be written.
-    """
+    """Draw the contact of a run into the files that are wanted, or in a window."""
     record, scene = left_run(folder)
     if wanted.data is not None and not wanted.data.lower().endswith(".csv"):
         raise SceneError("--data", f"must end in .csv for a contact, got {wanted.data!r}")
