@@ -6,6 +6,7 @@ it.
 """
 
 import os
+import signal
 import sys
 
 __all__ = ["main"]
@@ -14,9 +15,15 @@ __all__ = ["main"]
 def main(words: list[str] | None = None) -> int:
     """Run the command in ``sys.argv``, or of these words, and return its exit code."""
     try:  # nothing is imported before: an interrupt meanwhile is a sentence too
+        if words is None:
+            signal.signal(signal.SIGTERM, _ended)  # as an interrupt: work files and locks are cleared away
         return _guarded(sys.argv[1:] if words is None else words)
     except KeyboardInterrupt:
         return _said("interrupted, nothing was written", 1)
+
+
+def _ended(*_):
+    raise KeyboardInterrupt
 
 
 def _guarded(words: list[str]) -> int:

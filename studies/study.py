@@ -175,7 +175,11 @@ def of_record(draw: Callable) -> Callable:
 
     @wraps(draw)
     def figure(record: StudyRecord | Panel, ax, *, panel: str | None = None):
-        return draw(record.panel(panel) if isinstance(record, StudyRecord) else record, ax)
+        if isinstance(record, StudyRecord):
+            record = record.panel(panel)
+        elif not isinstance(record, Panel):
+            raise TypeError(f"figure draws what the study's run returned, got a {type(record).__name__}")
+        return draw(record, ax)
 
     return figure
 

@@ -11,27 +11,38 @@ from itertools import pairwise
 from studies.chain import bridge
 from studies.chain.stator_warnings import OF_THE_STATOR, catalogue_strength
 from studies.record import Record
+from studies.scene import Scene
 
-__all__ = ["warnings_of"]
+__all__ = ["scene_warnings", "warnings_of"]
 
 CREEP = 0.01  # of the surface's own speed along x
+MAX_USUAL_LENGTH = 1.0  # m of a stator: a longer one is probably a mistaken unit
 
 
 def warnings_of(record: Record) -> tuple[str, ...]:
     """Return every warning about a run, in the order of the chain."""
-    scene, found = record.scene, []
+    scene = record.scene
+    found = list(scene_warnings(scene))
     if scene.transducer:
         for each in OF_THE_STATOR:
             found += each(record)
     if scene.slider is not None:
-        for each in (_same_place, _pressure, _reversal, _other_motion, _all_stick):
+        for each in (_pressure, _reversal, _other_motion, _all_stick):
             found += each(record)
     return tuple(found)
 
 
-def _same_place(record: Record) -> Iterator[str]:
-    """Yield a warning where a number of contacts stands for places."""
-    slider = record.scene.slider
+def scene_warnings(scene: Scene) -> Iterator[str]:
+    """Yield warnings that need no computation: a length in the wrong unit, balls at one place or over fingers."""
+    stator, slider = scene.stator, scene.slider
+    if stator is not None and stator.length > MAX_USUAL_LENGTH:
+        yield f"stator.length is {stator.length:g} m: a number without a unit is in m"
+    if slider is None:
+        return
+    for each in scene.transducer:
+        half = each.finger_pairs * each.period / 2 if isinstance(each.period, float) else 0.0
+        if slider.position is not None and abs(slider.position - each.center) < half:
+            yield f"the slider lies over the fingers of transducer {each.name}: its balls would rub on the metal"
     if isinstance(slider.contacts, int) and slider.contacts > 1:
         yield (
             f"contacts = {slider.contacts} means {slider.contacts} balls at one place, moved by the same wave: "

@@ -17,7 +17,7 @@ from studies.results import Origin, ResultDirectory, result_directory
 from studies.scene import Scene, SceneFile, scene_path, shipped_scenes
 from studies.scene.override import toml_value, voltages
 
-__all__ = ["check", "datasheet", "run", "scenes", "schema", "study", "sweep", "view", "wave"]
+__all__ = ["check", "datasheet", "fit", "run", "scenes", "schema", "study", "sweep", "view", "wave"]
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -261,6 +261,7 @@ def scenes(arguments: argparse.Namespace) -> int:
 
 def check(arguments: argparse.Namespace) -> int:
     """Check a scene without running it and print what a run would do."""
+    from studies.chain.warnings import scene_warnings
     from studies.scene.resolved import resolved
 
     file = changed_file(arguments)
@@ -268,6 +269,8 @@ def check(arguments: argparse.Namespace) -> int:
         scene = resolved(Scene.from_file(file))
     print(f"{arguments.scene}: {scene.title or 'no title'}")
     print("\n".join(f"  {line}" for line in _contents(scene)))
+    for warning in scene_warnings(scene):
+        print(f"sawmotor: warning: {warning}", file=sys.stderr)
     return 0
 
 
@@ -279,6 +282,40 @@ def sweep(arguments: argparse.Namespace) -> int:
     table = changed_file(arguments).table
     out = arguments.out or Path("results") / f"{scene_path(arguments.scene).stem}-sweep"
     return run_sweep(arguments, table, axes_given(arguments.over), tolerance(arguments.tolerance), out)
+
+
+def fit(arguments: argparse.Namespace) -> int:
+    """Fit numbers of a scene to measurements; print what they say and leave the fitted scene."""
+    from fem import blas_on_one_thread
+    from studies.inverse import fit as fitted
+    from studies.inverse import read_measurement, read_parameter
+    from studies.inverse.fit_report import draw_fit, fit_answer, write_fit
+    from studies.progress import Progress
+
+    wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
+    measurements = [read_measurement(file, tuple(settings)) for file, *settings in arguments.data]
+    parameters = [read_parameter(text) for text in arguments.free]
+    origin, out = _origin("fit", arguments.scene), arguments.out
+    if out is None and not arguments.json:
+        out = Path("results") / f"{origin.name}-fit"
+    with ExitStack() as stack:
+        result = None
+        if out is not None:
+            result = stack.enter_context(result_directory(out, origin, chosen=arguments.out is not None))
+        with Progress() as progress, blas_on_one_thread():
+            found = fitted(scene, measurements, parameters, tolerance=wanted, progress=progress)
+            if result is not None:
+                write_fit(found, result.folder)
+                result.commit()
+                if not (arguments.no_plot or arguments.json):
+                    with _pictures(result):
+                        draw_fit(found, result.folder / "fit.png")
+    if arguments.json:
+        print_json(found.to_dict())
+    else:
+        print(f"{fit_answer(found)}\n{'results':<16}{out}")
+    _tell(result)
+    return 0
 
 
 def changed_scene(arguments: argparse.Namespace) -> Scene:

@@ -123,8 +123,38 @@ def parser() -> argparse.ArgumentParser:
     )
     study.add_argument("--out", metavar="DIR", help="where the results go (results/NAME-study[-SCENE])")
 
+    _fit(_call(calls, "fit", "numbers of a scene from measured curves, and what the data cannot tell"))
     _view(_call(calls, "view", "the wave field of a run, in a window, as a picture, a movie, a page or data"))
     return top
+
+
+def _fit(call: argparse.ArgumentParser) -> None:
+    call.add_argument("scene", metavar="SCENE", help="a path or a shipped name")
+    call.add_argument(
+        "--data",
+        metavar=("FILE.csv", "KEY=VALUE"),
+        nargs="+",
+        action="append",
+        default=[],
+        help="measured points, and keys that hold for this file alone, such as slider.preload=5e-3 or systematic=0.02 "
+        "(a common error of 2 %%); once for each file",
+    )
+    call.add_argument(
+        "--free",
+        metavar="KEY=LOW:HIGH",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="a number of the scene to be fitted, with its range; also amplitude_per_volt (m/V, a given wave) and "
+        "amplitude_factor (on a stator's computed amplitude)",
+    )
+    _changes(call)
+    call.add_argument(
+        "--tolerance", metavar="T", help="bound of the relative error of the slider velocity (1e-3)"
+    )
+    call.add_argument("--out", metavar="DIR", help="where the results go (results/NAME-fit)")
+    call.add_argument("--json", action="store_true", help="fit.json on stdout; files only with --out")
+    call.add_argument("--no-plot", action="store_true", help="draw nothing")
 
 
 def _view(call: argparse.ArgumentParser) -> None:

@@ -2,9 +2,9 @@
 
 Method: the slider of a scene (``twente-contact`` when none is named) at up to four of its amplitudes or voltages above
 threshold: steady velocity against a constant load up to the blocked thrust, efficiency from the energy ledger of the
-periodic motion; for one ball also three balls a seventh of a wavelength apart that share the load.  Expected: velocity
-falls to zero at the blocked thrust, which stays within friction's mu times preload; efficiency between 0 and 1, largest
-inside the line; the ledger closes to 1e-7.  Run time: about 2 s, and the stator's.
+periodic motion.  Expected: velocity falls to zero at the blocked thrust, which stays within friction's mu times
+preload; efficiency between 0 and 1, largest inside the line; the ledger closes to 1e-7.  Run time: about 2 s,
+and the stator's.
 """
 
 import time
@@ -19,7 +19,6 @@ __all__ = ["figure", "run"]
 TAKES_SCENE = True
 QUICK = {"points": 3}
 LINES = 4
-APART = 1.0 / 7.0  # wavelengths between balls
 
 
 def run(
@@ -49,9 +48,6 @@ def run(
     chosen, slider, moving = driven.scene, driven.slider, driven.above(1.05)
     picked = sorted({moving[round(k * (len(moving) - 1) / LINES)] for k in range(1, LINES + 1)})
     drawn = {driven.named(level): driven.at(level) for level in picked}
-    if len(driven.orbits) == 1:
-        trio = tuple(driven.at(picked[-1])[0].scaled(np.exp(-2j * np.pi * APART * k)) for k in range(3))
-        drawn[f"{driven.named(picked[-1])}, three balls"] = trio
     lines = {}
     for name, orbits in drawn.items():
         say(f"load line: {name}")

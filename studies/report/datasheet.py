@@ -227,10 +227,11 @@ def _positioning(driven: DrivenContact, rated: float, steps, start_stop) -> list
             driven.slider, driven.at(rated * (1.0 + driven.stator_error)), cycles=step.cycles
         )
         name = "smallest step" if size == STEPS[0] else "step"
+        cycles = f"{step.cycles} cycle{'' if step.cycles == 1 else 's'}"
         rows.append(
             Row(group="positioning", name=f"{name} of {size * 1e9:g} nm or more", value=abs(step.displacement),
                 unit="m", error=abs(again.displacement / step.displacement - 1.0) if driven.stator_error else None,
-                condition=f"a burst of {step.cycles} cycles, {step.cycles / frequency * 1e6:.4g} \u00b5s; rests after "
+                condition=f"a burst of {cycles}, {step.cycles / frequency * 1e6:.4g} \u00b5s; rests after "
                 f"{step.stopping_time * 1e6:.3g} \u00b5s, then rings by {step.ring * 1e9:.2g} nm")
         )  # fmt: skip
     time, speed = start_stop.time, abs(start_stop.velocity)

@@ -81,7 +81,9 @@ def as_svg(draw: Callable, *, size: tuple[float, float] = (7.0, 4.3)) -> str:
 def legend_below(ax, handles=None, *, columns: int = 4) -> None:
     """Put the legend below the axes, where it covers no curve."""
     handles = ax.get_legend_handles_labels()[0] if handles is None else handles
-    if handles:
+    if handles and ax.figure.get_layout_engine() is None:  # no room is made below the axes
+        ax.legend(handles=handles, loc="best", fontsize="small")
+    elif handles:
         from matplotlib.transforms import ScaledTranslation
 
         below = ax.transAxes + ScaledTranslation(0.0, -BELOW / 72, ax.figure.dpi_scale_trans)

@@ -1,8 +1,9 @@
 """A measured curve beside the predicted one: slider velocity against drive voltage, or against a given amplitude.
 
 The file is CSV with a line of names. Columns: ``voltage_V`` (or ``normal_amplitude_m``, ``_nm`` for a given wave),
-``velocity_m_per_s`` (or ``_mm_per_s``) and perhaps ``error_m_per_s`` (or ``_mm_per_s``), one standard deviation. Other
-columns are ignored, so that a run's own velocity.csv may be compared with another run.
+``velocity_m_per_s`` (or ``_mm_per_s``) and perhaps ``velocity_standard_deviation_m_per_s`` or ``error_m_per_s`` (or
+``_mm_per_s``), one standard deviation. Other columns are ignored, so that a run's own velocity.csv may be compared with
+another run.
 """
 
 import csv
@@ -13,11 +14,10 @@ from pathlib import Path
 from studies.record import Record
 from studies.refusal import SceneError, shown
 
-__all__ = ["Measured", "compared", "comparison_lines", "read_measured"]
+__all__ = ["Measured", "MeasuredTable", "compared", "comparison_lines", "read_measured"]
 
-LEVELS = {"voltage_V": ("voltage_V", 1.0), "normal_amplitude_m": ("normal_amplitude_m", 1.0)}
-LEVELS["normal_amplitude_nm"] = ("normal_amplitude_m", 1e-9)
-SPEEDS = {"m_per_s": 1.0, "mm_per_s": 1e-3}
+VOLTAGES, LENGTHS = {"V": 1.0}, {"m": 1.0, "nm": 1e-9}  # units of a column's name, in SI units
+SPEEDS, TIMES = {"m_per_s": 1.0, "mm_per_s": 1e-3}, {"s": 1.0, "ms": 1e-3}
 OPTION = "--measured"
 
 
@@ -44,6 +44,82 @@ class Measured:
     error: tuple[float, ...] | None
 
 
+@dataclass(frozen=True, kw_only=True)
+class MeasuredTable:
+    """The columns of a CSV file, as text.
+
+    Attributes
+    ----------
+    path : Path
+    option : str
+        Of the command, for refusals.
+    names : list of str
+        Of the columns.
+    rows : list of list of str
+    """
+
+    path: Path
+    option: str
+    names: list[str]
+    rows: list[list[str]]
+
+    @classmethod
+    def read(cls, path: str | Path, option: str) -> "MeasuredTable":
+        """Read a file; lines that begin with # are ignored."""
+        path = Path(path)
+        try:
+            text = path.read_text(encoding="utf-8-sig")
+        except OSError as error:
+            raise SceneError(option, f"{str(path)!r} cannot be read: {error.strerror}") from None
+        except UnicodeDecodeError:
+            raise SceneError(option, f"{str(path)!r} is no CSV file in UTF-8") from None
+        lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
+        separator = next((sign for sign in ",;\t" if lines and sign in lines[0]), ",")
+        rows = [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=separator)]
+        if len(rows) < 2:
+            raise SceneError(option, f"{str(path)!r} must hold a line of names and at least one point")
+        return cls(path=path, option=option, names=rows[0], rows=rows[1:])
+
+    def column(self, noun: str, units: dict[str, float]) -> tuple[float, ...] | None:
+        """Return the column ``noun_unit`` in SI units; None where there is none."""
+        for unit, factor in units.items():
+            if f"{noun}_{unit}" in self.names:
+                at = self.names.index(f"{noun}_{unit}")
+                return tuple(self._number(row, at) * factor for row in range(len(self.rows)))
+        return None
+
+    def deviation(self, nouns: tuple[str, ...], units: dict[str, float]) -> tuple[float, ...] | None:
+        """Return the standard deviations of the first of these columns, positive, in SI units; or None."""
+        bare = next(
+            (name for name in ("error", "velocity_error", "sigma", "uncertainty") if name in self.names), None
+        )
+        if bare is not None:
+            rule = f"the column {bare} has no unit; name it " + " or ".join(
+                f"{nouns[0]}_{unit}" for unit in units
+            )
+            raise SceneError(self.option, f"{str(self.path)!r}: {rule}")
+        noun = next((noun for noun in nouns for unit in units if f"{noun}_{unit}" in self.names), None)
+        if noun is None:
+            return None
+        values = self.column(noun, units)
+        if min(values) <= 0:
+            rule = f"{str(self.path)!r}: {noun}_{next(iter(units))} must be positive, got {min(values)!r}"
+            raise SceneError(self.option, rule)
+        return values
+
+    def _number(self, row: int, column: int) -> float:
+        text = self.rows[row][column] if column < len(self.rows[row]) else ""
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            where = f"{str(self.path)!r}, point {row + 1}, {self.names[column]}"
+            hint = ": write a decimal point" if "," in text else ""
+            raise SceneError(self.option, f"{where} must be a finite number, got {shown(text)}{hint}")
+        return value
+
+
 def read_measured(path: str | Path) -> Measured:
     """Read a file of measured points.
 
@@ -52,53 +128,18 @@ def read_measured(path: str | Path) -> Measured:
     SceneError
         If it cannot be read, lacks a column, or holds what is no number.
     """
-    path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise SceneError(OPTION, f"{str(path)!r} cannot be read: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise SceneError(OPTION, f"{str(path)!r} is no CSV file in UTF-8") from None
-    lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
-    separator = next((sign for sign in ",;\t" if lines and sign in lines[0]), ",")
-    rows = [[cell.strip() for cell in row] for row in csv.reader(lines, delimiter=separator)]
-    if len(rows) < 2:
-        raise SceneError(OPTION, f"{str(path)!r} must hold a line of names and at least one point")
-    names = rows[0]
-    level = next((name for name in names if name in LEVELS), None)
-    speed = next((f"velocity_{unit}" for unit in SPEEDS if f"velocity_{unit}" in names), None)
-    if level is None or speed is None:
+    table = MeasuredTable.read(path, OPTION)
+    level, key = table.column("voltage", VOLTAGES), "voltage_V"
+    if level is None:
+        level, key = table.column("normal_amplitude", LENGTHS), "normal_amplitude_m"
+    velocity = table.column("velocity", SPEEDS)
+    if level is None or velocity is None:
         wanted = "voltage_V (or normal_amplitude_m) and velocity_m_per_s (or velocity_mm_per_s)"
-        raise SceneError(OPTION, f"{str(path)!r} must have the columns {wanted}, got {', '.join(names)}")
-    error = next((f"error_{unit}" for unit in SPEEDS if f"error_{unit}" in names), None)
-    key, factor = LEVELS[level]
-    columns = {name: [_number(path, rows, row, names.index(name)) for row in range(1, len(rows))]
-               for name in (level, speed, error) if name is not None}  # fmt: skip
-    errors = None
-    if error is not None:
-        errors = tuple(value * SPEEDS[error.removeprefix("error_")] for value in columns[error])
-        if min(errors) <= 0:
-            raise SceneError(OPTION, f"{str(path)!r}: {error} must be positive, got {min(columns[error])!r}")
-    return Measured(
-        name=path.name,
-        key=key,
-        level=tuple(value * factor for value in columns[level]),
-        velocity=tuple(value * SPEEDS[speed.removeprefix("velocity_")] for value in columns[speed]),
-        error=errors,
-    )
-
-
-def _number(path: Path, rows, row: int, column: int) -> float:
-    text = rows[row][column] if column < len(rows[row]) else ""
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        where = f"{str(path)!r}, point {row}, {rows[0][column]}"
-        hint = ": write a decimal point" if "," in text else ""
-        raise SceneError(OPTION, f"{where} must be a finite number, got {shown(text)}{hint}")
-    return value
+        raise SceneError(
+            OPTION, f"{str(table.path)!r} must have the columns {wanted}, got {', '.join(table.names)}"
+        )
+    error = table.deviation(("error", "velocity_standard_deviation"), SPEEDS)
+    return Measured(name=table.path.name, key=key, level=level, velocity=velocity, error=error)
 
 
 def compared(record: Record, measured: Measured) -> dict:

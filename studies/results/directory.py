@@ -106,7 +106,7 @@ class ResultDirectory:
         if replaced and not self._written:
             then, now = origin_of(manifest), origin_of(about)
             of = "" if then == now else f" of {named(then)}"
-            self.notes.append(f"replaced in {self.target}: {_listed(replaced)}{of}")
+            self.notes.append(f"replaced the former result in {self.target}: {_listed(replaced)}{of}")
         if renamed:
             pairs = [f"{name} is now {kept}" for name, kept in renamed.items()]
             self.notes.append(f"kept in {self.target}, as sawmotor did not write them: {_listed(pairs)}")

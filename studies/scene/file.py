@@ -94,6 +94,8 @@ def shipped_scenes() -> dict[str, Path]:
 
 def scene_path(source: str | Path) -> Path:
     """Return the file of a scene, given its path or the name of one that ships."""
+    if not isinstance(source, (str, Path)):
+        raise SceneError("", f"a scene is a Scene, a file or the name of one that ships, got {shown(source)}")
     shipped, path = shipped_scenes(), Path(source)
     if path.is_file():
         return path
@@ -103,8 +105,10 @@ def scene_path(source: str | Path) -> Path:
         inside = path / "scene.toml"  # a run leaves its scene there
         hint = f"; did you mean {str(inside)!r}?" if inside.is_file() else ""
         raise SceneError("", f"{shown(str(source))} is a directory, not a scene file{hint}")
+    here = [str(each) for each in path.parent.glob("*.toml")] if path.parent.is_dir() else []
     raise SceneError(
-        "", f"no scene file or shipped scene is named {shown(str(source))}{nearest(source, shipped)}"
+        "",
+        f"no scene file or shipped scene is named {shown(str(source))}{nearest(source, [*here, *shipped])}",
     )
 
 

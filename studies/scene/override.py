@@ -1,5 +1,6 @@
 """Changes of a scene from the command line: ``--set slider.mass=1e-4`` and ``--voltage 5:60:12``."""
 
+import re
 import tomllib
 
 from studies.refusal import SceneError, shown
@@ -108,6 +109,8 @@ def voltages(text: str) -> list[float]:
 
 def _volt(text: str) -> float:
     value = toml_value(text.strip())
+    if isinstance(value, str) and re.fullmatch(r"[\d.]+\s*(V\s*)?(-|\.\.|to)\s*[\d.]+\s*V?", value):
+        raise SceneError("--voltage", f"must be START:STOP:N or a list with commas, in V, got {shown(value)}")
     number = si_value("--voltage", value, "V")
     if number < 0:
         raise SceneError("--voltage", f"must be zero or positive, got {shown(text.strip())} V")

@@ -16,7 +16,7 @@ from time import perf_counter
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from studies.refusal import RunError, SceneError
+from studies.refusal import RunError, SceneError, shown
 from studies.scene import Scene, read_table
 from studies.sweep.axes import Axis
 from studies.sweep.design import Design, designed
@@ -41,6 +41,14 @@ class _Callable(ModuleType):
 
 
 sys.modules[__name__].__class__ = _Callable
+
+UNITS = {
+    "_m_per_s": "m/s",
+    "_m": "m",
+    "_N": "N",
+    "_V": "V",
+    "_Hz": "Hz",
+}  # by the ending of a column's name; the first that fits
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -143,7 +151,11 @@ class Sweep:
                     ["" if value is None else value for value in column] if text else np.array(column, float)
                 )
                 data[name] = (dims, np.array(values).reshape(shape))
-        return xr.Dataset(data, coordinates)
+        dataset = xr.Dataset(data, coordinates)
+        for name, variable in dataset.data_vars.items():
+            for ending in (ending for ending in UNITS if name.endswith(ending)):
+                variable.attrs.setdefault("units", UNITS[ending])
+        return dataset
 
 
 def sweep(
@@ -193,6 +205,8 @@ def sweep(
         If the store cannot be written, another driver is at work, or the sweep was interrupted.
     """
     begun = perf_counter()
+    if not isinstance(over or {}, dict):
+        raise SceneError("over", f"must be a dict of a key's values, got {shown(over)}")
     table = _table(scene)
     design = designed(
         table, over or {}, points=points, samples=samples, seed=seed, tolerance=tolerance, also=tuple(also)

@@ -188,7 +188,7 @@ def _one(question, driven: Driven) -> dict:
         driven.orbits,
         driven.amplitudes,
         stator_error=driven.error,
-        tolerance=question.tolerance * SHARE,
+        tolerance=question.tolerance,
         progress=lambda text: None,
         ringing=_ringing(driven),
     )

@@ -79,7 +79,7 @@ def test_load_line_stalls_and_is_below_one():
     assert [panel.name for panel in record.panels] == ["load_line", "efficiency"]
     ax = load_line.figure(record.panels[0], new_figure(7.0, 4.3)[1])
     assert_legible(ax.figure)
-    assert len(ax.get_lines()) == 5
+    assert len(ax.get_lines()) == 4
 
 
 def test_steps_are_planned_and_grow_as_the_square_of_the_cycles():

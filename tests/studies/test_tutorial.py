@@ -45,9 +45,9 @@ def written(tmp_path_factory):
     """Every key that a driven motor, a given wave with a burst and a measurement, and a free wave write."""
     file = tmp_path_factory.mktemp("measured") / "measured.csv"
     file.write_text("normal_amplitude_m,velocity_m_per_s,error_m_per_s\n5e-9,0.03,0.001\n")
-    short = ("stator.length=24 mm", "transducer.0.center=5 mm", "transducer.0.finger_pairs=3")
+    short = ("stator.length=24 mm", "stator.thickness=2 mm", "transducer.0.center=8 mm")
     motor = changed(
-        "twente-left", *short, "slider.position=14.123 mm", "drive.voltage=[1, 60]", "drive.burst=0.1 ms"
+        "twente-left", *short, "slider.position=17.123 mm", "drive.voltage=[1, 60]", "drive.burst=0.1 ms"
     )
     given = changed(
         "twente-contact", "wave.burst=0.2 ms", "wave.normal_amplitude=[3e-9, 10e-9]", "slider.method=exact"

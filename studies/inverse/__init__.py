@@ -1,0 +1,12 @@
+"""Inverse questions: what measurements say about a motor, how its answers depend on its numbers, which motor is best.
+
+``fit`` estimates numbers of a scene from measured curves, says which of them the data cannot tell, and what to measure
+next.  Every parameter that is positive is worked with as its logarithm.  Only scipy's solvers are used.
+"""
+
+from studies.inverse.data import Measurement, read_measurement
+from studies.inverse.fit import fit
+from studies.inverse.parameters import Parameter, read_parameter
+from studies.inverse.result import Fit
+
+__all__ = ["Fit", "Measurement", "Parameter", "fit", "read_measurement", "read_parameter"]

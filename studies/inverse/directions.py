@@ -1,0 +1,117 @@
+"""Directions in which the free numbers can move without the measurements noticing, and their names in words.
+
+The Jacobian's columns are scaled by half the range of each number.  A singular value below ``ENOUGH`` says that a move
+from the middle of the ranges to their edge changes the sum of squares by less than the 95 % level: undetermined.  Their
+space is given by a basis with few components (reduced echelon form), so that each direction says one thing.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+
+from studies.inverse.parameters import Parameter
+
+__all__ = ["LEVEL", "Direction", "undetermined"]
+
+LEVEL = 0.95
+ENOUGH = float(np.sqrt(chi2.ppf(LEVEL, 1)))
+EXACT = 1e-3  # of the largest singular value: what is below is no effect, but for terms of second order
+SMALL = 0.1  # components that are left out, over the largest
+
+
+@dataclass(frozen=True, kw_only=True)
+class Direction:
+    """A direction of no effect.
+
+    Attributes
+    ----------
+    components : dict of str to float
+        By key; of the logarithm, or of the number itself over its range where that may be zero. The largest is 1.
+    exact : bool
+        Whether the measurements do not change at all along it, to first order.
+    """
+
+    components: dict[str, float]
+    exact: bool
+
+    @property
+    def sentence(self) -> str:
+        """What it says."""
+        keys = list(self.components)
+        how = (
+            "has no effect on these data"
+            if self.exact
+            else "is not determined by these data within its range"
+        )
+        if len(keys) == 1:
+            return f"{keys[0]} {how}"
+        if len(keys) == 2:
+            a, b = keys
+            power = -self.components[b] / self.components[a]
+            if abs(abs(power) - 1.0) < SMALL:
+                what = "product" if power > 0 else "ratio"
+                return f"{a} and {b} trade off: only their {what} is determined"
+            return f"{a} and {b} trade off: only {a}^{power:.2g} * {b} is determined"
+        up = [_powered(key, size) for key, size in self.components.items() if size > 0]
+        down = [_powered(key, -size) for key, size in self.components.items() if size < 0]
+        changes = " and ".join(
+            f"{', '.join(each)} {way}" for each, way in ((up, "up"), (down, "down")) if each
+        )
+        how = "nothing in these data" if self.exact else "too little in these data"
+        return f"{changes} by one factor changes {how}: only products and ratios that stay the same are determined"
+
+
+def undetermined(
+    jacobian: np.ndarray, parameters: tuple[Parameter, ...], half_width: np.ndarray
+) -> list[Direction]:
+    """Return the directions of the free numbers that the measurements leave undetermined.
+
+    Parameters
+    ----------
+    jacobian : (n, p) array
+        Of the residuals in standard deviations, with columns of systematic errors at the end.
+    parameters : tuple of Parameter
+    half_width : (p,) array
+        Half the range of each x.
+    """
+    count = len(parameters)
+    scaled = jacobian * half_width
+    if scaled.shape[1] > count:  # what a systematic error may explain determines nothing
+        shared = np.linalg.qr(scaled[:, count:])[0]
+        scaled = scaled[:, :count] - shared @ (shared.T @ scaled[:, :count])
+    _, sizes, rows = np.linalg.svd(np.vstack([scaled, np.zeros((count, count))]))
+    least = EXACT * max(sizes[0], ENOUGH)
+    found = []
+    for exact in (True, False):
+        chosen = (sizes < ENOUGH) & ((sizes <= least) == exact)
+        for row in _sparse(rows[chosen] * half_width[:count]):
+            found.append(direction(row, parameters, exact=exact))
+    return found
+
+
+def direction(row: np.ndarray, parameters: tuple[Parameter, ...], *, exact: bool) -> Direction:
+    """Return the direction of a change of x."""
+    row = row / row[np.argmax(np.abs(row))]
+    kept = {p.key: float(size) for p, size in zip(parameters, row, strict=True) if abs(size) > SMALL}
+    if next(iter(kept.values())) < 0:
+        kept = {key: -size for key, size in kept.items()}
+    return Direction(components=kept, exact=exact)
+
+
+def _sparse(rows: np.ndarray) -> list[np.ndarray]:
+    """Return the reduced echelon form of some rows, pivots the largest left."""
+    rows, done = np.array(rows, float), []
+    for _ in range(len(rows)):
+        left = [k for k in range(len(rows)) if k not in done]
+        k, j = max(((k, j) for k in left for j in range(rows.shape[1])), key=lambda at: abs(rows[at]))
+        rows[k] /= rows[k, j]
+        for other in range(len(rows)):
+            if other != k:
+                rows[other] -= rows[other, j] * rows[k]
+        done.append(k)
+    return list(rows)
+
+
+def _powered(key: str, size: float) -> str:
+    return key if abs(size - 1.0) < SMALL else f"{key}^{size:.2g}"

@@ -1,0 +1,165 @@
+"""What a fit leaves: its answer as text, fit.json, the fitted scene with its intervals, and a picture."""
+
+import json
+from pathlib import Path
+
+from studies.inverse.data import UNITS, Measurement
+from studies.inverse.result import Fit
+from studies.report.answer import table
+from studies.report.figures import COLOURS
+from studies.scene.toml import document
+
+__all__ = ["draw_fit", "fit_answer", "write_fit"]
+
+SHOWN_CANDIDATES = 6
+DOUBTFUL = 0.01  # probability of the sum of squares below which the model does not explain the data
+
+
+def fit_answer(fit: Fit) -> str:
+    """Return what a fit prints."""
+    rows = [["parameter", "value", "95 % from", "to"]]
+    for key, value in fit.values.items():
+        low, high = fit.intervals[key]
+        rows.append([key, f"{value:.5g}", *("open" if end is None else f"{end:.4g}" for end in (low, high))])
+    lines = [fit.problem.predictor.table.get("title", "") or "no title", "", *table(rows), ""]
+    lines += [_labelled("goodness of fit", _goodness(fit))]
+    lines += [_labelled("undetermined", each.sentence) for each in fit.directions]
+    for key, ends in fit.ends.items():
+        for way, end in zip(("below", "above"), ends, strict=True):
+            if end is not None and not end.closed:
+                lines.append(_labelled("open", f"{key} {way}: {end.because}"))
+    keys = list(fit.values)
+    for i in range(len(keys)):
+        for j in range(i):
+            if abs(fit.correlation[i, j]) > 0.5:
+                lines.append(_labelled("correlation", f"{keys[j]}, {keys[i]}: {fit.correlation[i, j]:+.3f}"))
+    for each in fit.candidates[:SHOWN_CANDIDATES]:
+        gain = f"{each.key} from {100 * each.before:.3g} % to {100 * each.after:.3g} %"
+        lines.append(_labelled("measure next", f"{each.name}: {gain}"))
+    return "\n".join(lines)
+
+
+def _labelled(label: str, text: str) -> str:
+    return f"{label:<16}{text}"
+
+
+def _goodness(fit: Fit) -> str:
+    if fit.deviation is not None:
+        _, factor, shown = UNITS[fit.problem.measurements[0].quantity]
+        return (
+            f"standard deviation from the residuals {fit.deviation * factor:.3g} {shown}: the data state none, so "
+            "they cannot contradict the model"
+        )
+    text = f"chi^2 {fit.chi2:.4g} with {fit.degrees_of_freedom} degrees of freedom"
+    if fit.probability is None:
+        return text
+    doubt = ": the model does not explain these data" if fit.probability < DOUBTFUL else ""
+    return f"{text}, probability {fit.probability:.2g}{doubt}"
+
+
+def write_fit(fit: Fit, folder: Path) -> None:
+    """Write fit.json and fitted.toml, the scene with the estimates, which runs."""
+    text = json.dumps(fit.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
+    (folder / "fit.json").write_text(text + "\n", encoding="utf-8")
+    (folder / "fitted.toml").write_text(fitted_scene(fit), encoding="utf-8")
+
+
+def fitted_scene(fit: Fit) -> str:
+    """Return the fitted scene as TOML, with an interval or a reason beside each fitted number."""
+    names = ", ".join(each.name for each in fit.problem.measurements)
+    remarks, beside = [f"fitted to {names}; intervals of 95 % by profile likelihood, SI units"], {}
+    for key, (low, high) in fit.intervals.items():
+        ends = ["open" if end is None else f"{end:.6g}" for end in (low, high)]
+        text = f"95 %: {ends[0]} to {ends[1]}"
+        if low is None and high is None:
+            text = "not determined by the data"
+        if "." in key:
+            beside[key] = text
+        else:
+            remarks.append(f"{key} = {fit.values[key]:.6g}, {text}; it is no key of a scene")
+    remarks += [each.sentence for each in fit.directions]
+    lines, path, counts = [], "", {}
+    for line in document(fit.scene().to_table(), remarks=tuple(remarks)).splitlines():
+        if line.startswith("[["):
+            name = line.strip("[]")
+            counts[name] = counts.get(name, -1) + 1
+            path = f"{name}.{counts[name]}"
+        elif line.startswith("["):
+            path = line.strip("[]")
+        key = f"{path}.{line.partition(' = ')[0]}"
+        lines.append(f"{line}  # {beside[key]}" if key in beside else line)
+    return "\n".join(lines) + "\n"
+
+
+def draw_fit(fit: Fit, path: Path) -> None:
+    """Draw each measurement with the fitted curve, its band and its residuals into a PNG file."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    problem = fit.problem
+    figure = Figure(figsize=(6.4 * len(problem.measurements), 6.0), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots(
+        2, len(problem.measurements), squeeze=False, height_ratios=(2.5, 1.0), sharex="col"
+    )
+    residuals = problem.residuals([fit.best])[0]
+    first = 0
+    for k, measurement in enumerate(problem.measurements):
+        count = len(measurement.values)
+        _draw_curve(fit, measurement, problem.signs[k], axes[0, k])
+        _draw_residuals(fit, measurement, residuals[first : first + count], axes[1, k])
+        first += count
+    figure.savefig(path, dpi=150)
+
+
+def _places(measurement: Measurement) -> tuple[list[float], float, str]:
+    """Return where the values stand on the horizontal axis, the factor to its unit, and its label."""
+    if measurement.time:
+        return list(measurement.time), 1e3, "time (ms)"
+    if measurement.level_key == "voltage_V":
+        return list(measurement.levels), 1.0, "drive voltage, peak (V)"
+    return list(measurement.levels), 1e9, "normal amplitude (nm)"
+
+
+def _draw_curve(fit: Fit, measurement: Measurement, sign: float, ax) -> None:
+    import numpy as np
+
+    at, scale, _ = _places(measurement)
+    _, factor, unit = UNITS[measurement.quantity]
+    where, best, low, high = fit.band(measurement)
+    ax.fill_between(where * scale, low * factor, high * factor, color=COLOURS["slip"], alpha=0.25, linewidth=0,
+                    label="95 % of the fitted motors")  # fmt: skip
+    ax.plot(where * scale, best * factor, color=COLOURS["slip"], linewidth=1.2, label="best fit")
+    scatter = _deviations(fit, measurement)
+    ax.errorbar(
+        np.array(at) * scale, np.array(measurement.values) * sign * factor, yerr=scatter * factor, fmt="o",
+        color=COLOURS["line"], markersize=3.5, linewidth=0.8, capsize=2, label="measured, 1 standard deviation",
+    )  # fmt: skip
+    quantity = "normal amplitude" if measurement.quantity == "amplitude" else "slider velocity"
+    ax.set_ylabel(f"{quantity} ({unit})")
+    fixed = ", ".join(f"{key} = {value:g}" for key, value in measurement.settings.items()
+                      if isinstance(value, (int, float)))  # fmt: skip
+    ax.set_title(" ".join(filter(None, (measurement.name, f"({fixed})" if fixed else ""))), fontsize="medium",
+                 parse_math=False)  # fmt: skip
+    ax.grid(alpha=0.3)
+    ax.legend(frameon=False, fontsize="small", loc="best")
+
+
+def _draw_residuals(fit: Fit, measurement: Measurement, residuals, ax) -> None:
+    import numpy as np
+
+    at, scale, label = _places(measurement)
+    variance = 1.0 if fit.deviation is None else fit.deviation / measurement.deviations[0]
+    ax.axhspan(-2.0, 2.0, color=COLOURS["stick"], alpha=0.2, linewidth=0)
+    ax.axhline(0.0, color=COLOURS["line"], linewidth=0.8)
+    ax.plot(np.array(at) * scale, residuals / variance, "o", color=COLOURS["line"], markersize=3.5)
+    ax.set_xlabel(label)
+    ax.set_ylabel("residual (std. deviations)")
+    ax.grid(alpha=0.3)
+
+
+def _deviations(fit: Fit, measurement: Measurement):
+    import numpy as np
+
+    own = np.array(measurement.deviations)
+    return own if fit.deviation is None else np.full(len(own), fit.deviation)

@@ -1,0 +1,172 @@
+"""Weighted least squares of measurements over a few free numbers, with derivatives by central differences.
+
+Residuals are (measured - predicted) over the standard deviation.  A systematic error s of a measurement is one more
+unknown b with the residual b / s; its predictions are multiplied by 1 + b.  The minimum is looked for by
+`scipy.optimize.least_squares` from the best of a Latin hypercube of starts.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.stats import qmc
+
+from studies.inverse.data import Measurement
+from studies.inverse.parameters import Parameter
+from studies.inverse.prediction import Predictor
+from studies.refusal import RunError
+
+__all__ = ["CLEARLY", "Problem"]
+
+STEP = 1e-4  # of the logarithm, or of the range: differences err by its square, predictions by 1e-9
+STATOR_STEP = 1e-3  # a stator's answer is known to the predictor's tolerance only
+SAMPLES, STARTS = 64, 3
+MAX_EVALUATIONS = 60
+CLEARLY = 1e-3  # lower, relative: what is no other minimum but the same one along a direction of no effect
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """What is to be minimised: a function of x, the inner values of the parameters, then one b per systematic error.
+
+    Attributes
+    ----------
+    predictor : Predictor
+    parameters : tuple of Parameter
+    measurements : tuple of Measurement
+        With deviations.
+    signs : tuple of float
+        -1 for a measurement of speeds without a sign of a motor that runs towards -x.
+    """
+
+    predictor: Predictor = field(repr=False)
+    parameters: tuple[Parameter, ...]
+    measurements: tuple[Measurement, ...]
+    signs: tuple[float, ...]
+
+    @property
+    def systematic(self) -> list[int]:
+        """Which measurements have a systematic error."""
+        return [k for k, each in enumerate(self.measurements) if each.systematic > 0.0]
+
+    @property
+    def low(self) -> np.ndarray:
+        """Lower ends of x."""
+        return np.array([p.inner(p.low) for p in self.parameters] + [-0.9] * len(self.systematic))
+
+    @property
+    def high(self) -> np.ndarray:
+        """Upper ends of x."""
+        return np.array([p.inner(p.high) for p in self.parameters] + [9.0] * len(self.systematic))
+
+    @property
+    def half_width(self) -> np.ndarray:
+        """Half the range of each x; of a systematic error its standard deviation."""
+        own = [self.measurements[k].systematic for k in self.systematic]
+        count = len(self.parameters)
+        return np.concatenate([0.5 * (self.high - self.low)[:count], own])
+
+    @property
+    def points(self) -> int:
+        """How many values were measured."""
+        return sum(len(each.values) for each in self.measurements)
+
+    def numbers(self, x) -> dict[str, float]:
+        """Return the parameters' values by key."""
+        return {p.key: p.outer(value) for p, value in zip(self.parameters, x, strict=False)}
+
+    def predictions(self, xs, measurements=None) -> list[list[np.ndarray]]:
+        """Return, for each x, the predictions of the measurements, or of others, without systematic errors."""
+        own = self.measurements if measurements is None else measurements
+        flat = self.predictor.predict([(each, self.numbers(x)) for x in xs for each in own])
+        return [flat[k : k + len(own)] for k in range(0, len(flat), len(own))]
+
+    def residuals(self, xs) -> np.ndarray:
+        """Return the residuals at each x, (m, n); a point without a prediction counts as one at rest."""
+        rows = []
+        for x, predicted in zip(xs, self.predictions(xs), strict=True):
+            shared = dict(zip(self.systematic, x[len(self.parameters) :], strict=True))
+            parts = [
+                (np.array(each.values) * sign - np.nan_to_num(values) * (1.0 + shared.get(k, 0.0)))
+                / np.array(each.deviations)
+                for k, (each, sign, values) in enumerate(
+                    zip(self.measurements, self.signs, predicted, strict=True)
+                )
+            ]
+            parts += [[shift / self.measurements[k].systematic] for k, shift in shared.items()]
+            rows.append(np.concatenate(parts))
+        return np.array(rows)
+
+    def jacobian(self, x, free=None) -> np.ndarray:
+        """Return the derivatives of the residuals by some components of x, all when absent, (n, p)."""
+        free = range(len(x)) if free is None else free
+        pairs, widths = [], []
+        for j in free:
+            up, down = np.array(x, float), np.array(x, float)
+            step = self._step(j)
+            up[j], down[j] = min(x[j] + step, self.high[j]), max(x[j] - step, self.low[j])
+            pairs += [up, down]
+            widths.append(up[j] - down[j])
+        rows = self.residuals(pairs)
+        return np.array([(rows[2 * k] - rows[2 * k + 1]) / width for k, width in enumerate(widths)]).T
+
+    def minimum(self, start, fixed: int | None = None) -> tuple[np.ndarray, float]:
+        """Return (x, sum of squares) of the minimum found from a start, one component perhaps fixed."""
+        free = [j for j in range(len(start)) if j != fixed]
+        whole = np.array(start, float)
+        if not free:
+            return whole, float(np.sum(self.residuals([whole])[0] ** 2))
+
+        def at(part):
+            x = whole.copy()
+            x[free] = part
+            return x
+
+        low, high = self.low[free], self.high[free]
+        inside = np.clip(whole[free], low + 1e-9 * (high - low), high - 1e-9 * (high - low))
+        found = least_squares(
+            lambda part: self.residuals([at(part)])[0], inside, lambda part: self.jacobian(at(part), free),
+            bounds=(low, high), x_scale=self.half_width[free], xtol=1e-7, ftol=1e-7, gtol=1e-9,
+            max_nfev=MAX_EVALUATIONS,
+        )  # fmt: skip
+        return at(found.x), 2.0 * float(found.cost)
+
+    def best(self) -> tuple[np.ndarray, float]:
+        """Return (x, sum of squares) of the least minimum found from several starts.
+
+        Raises
+        ------
+        RunError
+            If the model has no prediction at the minimum.
+        """
+        starts = self._starts()
+        squares = np.sum(self.residuals(starts) ** 2, axis=1)
+        chosen = [starts[0], *(starts[k] for k in np.argsort(squares)[:STARTS] if k > 0)]
+        x, least = self.minimum(chosen[0])
+        for other in map(self.minimum, chosen[1:]):
+            if other[1] < least - CLEARLY * max(1.0, least):
+                x, least = other
+        if any(np.isnan(values).any() for values in self.predictions([x])[0]):
+            raise RunError("the motor has no steady motion at some measured point of the best fit")
+        return x, least
+
+    def _starts(self) -> list[np.ndarray]:
+        own = [p.start(self.predictor.value(p.key)) for p in self.parameters]
+        shared = [0.0] * len(self.systematic)
+        starts = [np.array([*own, *shared])]
+        if any(self.predictor.needs_stator(p.key) for p in self.parameters):
+            return starts
+        if any(each.quantity == "burst" for each in self.measurements):
+            return starts
+        count = len(self.parameters)
+        for point in qmc.LatinHypercube(count, rng=np.random.default_rng(0)).random(SAMPLES):
+            spread = self.low[:count] + point * (self.high - self.low)[:count]
+            starts.append(np.array([*spread, *shared]))
+        return starts
+
+    def _step(self, j: int) -> float:
+        if j >= len(self.parameters):
+            return STEP
+        parameter = self.parameters[j]
+        step = STATOR_STEP if self.predictor.needs_stator(parameter.key) else STEP
+        return step if parameter.logarithmic else step * (parameter.high - parameter.low)

@@ -1,0 +1,109 @@
+"""The free numbers of a fit: keys of a scene with their ranges, positive ones as logarithms.
+
+Two names stand for what is no key of a scene: ``amplitude_per_volt`` (m/V) turns the voltages of a measurement into
+amplitudes of a given [wave]; ``amplitude_factor`` multiplies the surface motion computed for a stator.
+"""
+
+import math
+from dataclasses import dataclass
+
+from studies.refusal import SceneError, nearest, shown
+from studies.scene.override import toml_value
+from studies.scene.rule import Quantity
+from studies.sweep.axes import rule_at
+
+__all__ = [
+    "AMPLITUDE_FACTOR",
+    "AMPLITUDE_PER_VOLT",
+    "SYSTEMATIC",
+    "Parameter",
+    "read_parameter",
+    "read_setting",
+]
+
+AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT, SYSTEMATIC = "amplitude_factor", "amplitude_per_volt", "systematic"
+OWN = {AMPLITUDE_FACTOR: Quantity(), AMPLITUDE_PER_VOLT: Quantity("m"), SYSTEMATIC: Quantity()}
+LEVELS = ("drive.voltage", "wave.normal_amplitude")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameter:
+    """A free number with its range, in SI units.
+
+    Attributes
+    ----------
+    key : str
+        Of the scene, its lists numbered from 0; or one of this module's two names.
+    low, high : float
+    """
+
+    key: str
+    low: float
+    high: float
+
+    @property
+    def logarithmic(self) -> bool:
+        """Whether it is worked with as its logarithm."""
+        return self.low > 0.0
+
+    def inner(self, value: float) -> float:
+        """Return what the solvers work with."""
+        return math.log(value) if self.logarithmic else value
+
+    def outer(self, x: float) -> float:
+        """Return the value of what the solvers work with; at an end of the range that end itself."""
+        value = math.exp(x) if self.logarithmic else float(x)
+        return min(max(value, self.low), self.high)
+
+    def start(self, value: float | None) -> float:
+        """Return where a search begins: a value within the range, or its middle."""
+        if value is not None and self.low < value < self.high:
+            return self.inner(value)
+        return 0.5 * (self.inner(self.low) + self.inner(self.high))
+
+
+def read_parameter(text: str, option: str = "--free") -> Parameter:
+    """Read ``KEY=LOW:HIGH``.
+
+    Raises
+    ------
+    SceneError
+        If the key is no number of a scene, or the range is none.
+
+    Examples
+    --------
+    >>> read_parameter("slider.preload=1 mN:5 mN")
+    Parameter(key='slider.preload', low=0.001, high=0.005)
+    """
+    key, sign, span = (part.strip() for part in text.partition("="))
+    ends = span.split(":")
+    if not sign or not key or len(ends) != 2:
+        raise SceneError(option, f"must be KEY=LOW:HIGH, got {shown(text)}")
+    if key in LEVELS:
+        raise SceneError(f"{option} {key}", "is given by the measurement, point by point, and cannot be free")
+    low, high = (_number(option, key, end.strip()) for end in ends)
+    if not low < high:
+        raise SceneError(f"{option} {key}", f"must have LOW below HIGH, got {low:g} and {high:g}")
+    return Parameter(key=key, low=low, high=high)
+
+
+def read_setting(text: str, option: str = "--data") -> tuple[str, object]:
+    """Read ``KEY=VALUE``, what holds for one measurement; the value as in a scene file."""
+    key, sign, value = (part.strip() for part in text.partition("="))
+    if not sign or not key or not value:
+        raise SceneError(option, f"must be FILE.csv KEY=VALUE ..., got {shown(text)}")
+    if key in OWN:
+        return key, _number(option, key, value)
+    return key, rule_at(key).read(key, toml_value(value))
+
+
+def _number(option: str, key: str, text: str) -> float:
+    if "." not in key and key not in OWN:
+        raise SceneError(f"{option} {key}", f"is no key of a scene{nearest(key, OWN)}")
+    rule = OWN.get(key) or rule_at(key)
+    value = rule.read(key, toml_value(text)) if isinstance(rule, Quantity) else None
+    if isinstance(value, bool) or not isinstance(value, float):
+        raise SceneError(
+            f"{option} {key}", f"must be a number of a scene, such as a length, got {shown(text)}"
+        )
+    return value

@@ -1,0 +1,152 @@
+"""The result of a fit: estimates, intervals, undetermined directions, predictive band."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.stats import chi2
+
+from studies.inverse.data import Measurement
+from studies.inverse.directions import Direction
+from studies.inverse.least_squares import Problem
+from studies.inverse.next_measurement import Candidate
+from studies.inverse.profile import End
+from studies.scene import Scene
+
+__all__ = ["Fit"]
+
+DRAWS, GRID = 200, 40  # of the predictive band; levels at which it is drawn
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fit:
+    """What measurements say about a motor.
+
+    Attributes
+    ----------
+    problem : Problem
+        What was fitted.
+    best : ndarray
+        Inner values at the minimum.
+    chi2 : float
+        Sum of squared residuals.
+    degrees_of_freedom : int
+    deviation : float or None
+        Standard deviation in SI units estimated from the residuals; None where the data state their own.
+    ends : dict of str to (End or None, End or None)
+        Of the intervals by key; None where the number lies in an undetermined direction.
+    directions : tuple of Direction
+        Undetermined.
+    correlation : ndarray
+        Of the free numbers, the ranges as a weak prior.
+    covariance : ndarray
+        Of all x, likewise.
+    candidates : tuple of Candidate
+        Next measurements, the most useful first.
+    """
+
+    problem: Problem = field(repr=False)
+    best: np.ndarray
+    chi2: float
+    degrees_of_freedom: int
+    deviation: float | None
+    ends: dict[str, tuple[End | None, End | None]]
+    directions: tuple[Direction, ...]
+    correlation: np.ndarray
+    covariance: np.ndarray
+    candidates: tuple[Candidate, ...]
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Estimates by key, SI units."""
+        return self.problem.numbers(self.best)
+
+    @property
+    def intervals(self) -> dict[str, tuple[float | None, float | None]]:
+        """95 % intervals by key; None for an end that the data do not make."""
+        found = {}
+        for k, parameter in enumerate(self.problem.parameters):
+            ends = self.ends[parameter.key]
+            found[parameter.key] = tuple(
+                parameter.outer(end.x[k]) if end is not None and end.closed else None for end in ends
+            )
+        return found
+
+    @property
+    def probability(self) -> float | None:
+        """Probability of a larger sum of squares if model and standard deviations are right."""
+        if self.deviation is not None or self.degrees_of_freedom < 1:
+            return None
+        return float(chi2.sf(self.chi2, self.degrees_of_freedom))
+
+    def to_dict(self) -> dict:
+        """Return what fit.json holds."""
+        values, intervals = self.values, self.intervals
+        whole = {
+            "parameters": {
+                key: {"value": values[key], "interval95": list(intervals[key])} for key in values
+            },
+            "undetermined": [
+                {"direction": each.components, "sentence": each.sentence} for each in self.directions
+            ],
+            "chi2": self.chi2,
+            "degrees_of_freedom": self.degrees_of_freedom,
+            "correlation": self.correlation.tolist(),
+            "next_measurements": [
+                {"measurement": each.name, "narrows": each.key, "relative_deviation_before": each.before,
+                 "relative_deviation_after": each.after}
+                for each in self.candidates
+            ],
+        }  # fmt: skip
+        if self.probability is not None:
+            whole["probability"] = self.probability
+        if self.deviation is not None:
+            whole["estimated_standard_deviation"] = self.deviation
+        reasons = {
+            key: [end.because for end in ends if end is not None and not end.closed]
+            for key, ends in self.ends.items()
+        }
+        for key, why in reasons.items():
+            if why:
+                whole["parameters"][key]["open_because"] = why
+        return whole
+
+    def scene(self) -> Scene:
+        """Return the scene with the estimates in place; the two names that are no keys are left out."""
+        table = self.problem.predictor.contact(
+            {key: value for key, value in self.values.items() if "." in key}
+        ).scene.to_table()
+        return Scene.from_table("", table)
+
+    def band(self, measurement: Measurement) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return (level or time, best, low, high) of a measurement's 95 % predictive band, without its noise.
+
+        The percentiles of ``DRAWS`` normal draws of the logarithms about the best fit, kept within the ranges; where
+        the stator or a burst would be computed for each, two standard deviations of the linearised prediction.
+        """
+        problem, imagined = self.problem, _drawn(measurement)
+        at = np.array(imagined.time or imagined.levels)
+        best = problem.predictions([self.best], (imagined,))[0][0]
+        slow = measurement.quantity == "burst" or any(
+            problem.predictor.needs_stator(p.key) for p in problem.parameters
+        )
+        if slow:
+            steps = np.sqrt(np.linalg.eigh(self.covariance)[0].clip(0.0)) * np.linalg.eigh(self.covariance)[1]
+            moved = [np.clip(self.best + step, problem.low, problem.high) for step in steps.T]
+            shifts = [found[0] - best for found in problem.predictions(moved, (imagined,))]
+            width = 1.96 * np.sqrt(np.nansum(np.square(shifts), axis=0))
+            return at, best, best - width, best + width
+        draws = np.random.default_rng(0).multivariate_normal(self.best, self.covariance, DRAWS)
+        draws = np.clip(draws, problem.low, problem.high)
+        values = np.array([found[0] for found in problem.predictions(draws, (imagined,))])
+        low, high = np.nanpercentile(values, [2.5, 97.5], axis=0)
+        return at, best, low, high
+
+
+def _drawn(measurement: Measurement) -> Measurement:
+    """Return a measurement at the levels or instants at which its band is drawn."""
+    if measurement.time:
+        time = tuple(np.linspace(0.0, measurement.time[-1], 100)[1:])
+        return replace(measurement, time=time, values=(), deviations=None)
+    low, high = min(measurement.levels), max(measurement.levels)
+    levels = tuple(np.linspace(low, high, GRID)) if high > low else (low,)
+    return replace(measurement, levels=levels, values=(), deviations=None)

@@ -1,0 +1,250 @@
+"""Fits: closed forms of linear and multiplicative models, a scaling law of the contact, and the command."""
+
+import json
+import math
+from dataclasses import replace
+from importlib import import_module
+
+import numpy as np
+import pytest
+
+from studies import Scene, run
+from studies.__main__ import main
+from studies.inverse import Measurement, Parameter, fit, read_measurement, read_parameter
+from studies.inverse import fit as fit_function
+from studies.inverse.directions import undetermined
+from studies.inverse.fit import _explored
+from studies.inverse.least_squares import Problem
+from studies.inverse.prediction import Predictor
+from studies.refusal import SceneError
+
+LEVELS = tuple(np.linspace(1.0, 4.0, 7))
+
+
+class Model:
+    """A predictor whose answer is a formula of its numbers and the level."""
+
+    given_wave, table = True, {}
+
+    def __init__(self, formula, **own):
+        self.formula, self.own = formula, own
+
+    def predict(self, asked):
+        return [self.formula(np.array(m.levels), **(self.own | numbers)) for m, numbers in asked]
+
+    def value(self, key):
+        return self.own.get(key)
+
+    def needs_stator(self, key):
+        return False
+
+
+def explored(model, parameters, monkeypatch, **own):
+    """Return the fit of a formula to its own values; no next measurements."""
+    monkeypatch.setattr(import_module("studies.inverse.fit"), "ranked", lambda *given: [])
+    data = Measurement(name="m", quantity="velocity", level_key="voltage_V", levels=LEVELS,
+                       values=tuple(model.formula(np.array(LEVELS), **model.own)), **own)  # fmt: skip
+    problem = Problem(predictor=model, parameters=parameters, measurements=(data,), signs=(1.0,))
+    best, least = problem.best()
+    return _explored(problem, best, least, problem.points - len(parameters), False, lambda text: None)
+
+
+def test_intervals_of_a_straight_line_are_those_of_the_textbook(monkeypatch):
+    """Both coefficients free: variance sigma^2 (X^T X)^-1, intervals 1.96 standard deviations either way."""
+    model = Model(lambda x, a, b: a + b * x, a=0.3, b=2.0)
+    free = (Parameter(key="a", low=-9.0, high=9.0), Parameter(key="b", low=-9.0, high=9.0))
+    found = explored(model, free, monkeypatch, deviations=(0.1,) * 7)
+    design = np.column_stack([np.ones(7), LEVELS])
+    sizes = 0.1 * np.sqrt(np.diag(np.linalg.inv(design.T @ design)))
+    for key, size, value in zip("ab", sizes, (0.3, 2.0), strict=True):
+        low, high = found.intervals[key]
+        assert (high - value, value - low) == pytest.approx((1.95996 * size,) * 2, rel=0.02)
+    assert not found.directions
+    expected = -np.mean(LEVELS) / np.sqrt(np.mean(np.square(LEVELS)))
+    assert found.correlation[0, 1] == pytest.approx(expected, abs=1e-3)
+
+
+def test_a_systematic_error_adds_to_the_interval_as_its_variance_does(monkeypatch):
+    """Values y = b x with a common factor known to s: var(ln b) = 1 / sum (b x / sigma)^2 + s^2."""
+    model = Model(lambda x, b: b * x, b=2.0)
+    free = (Parameter(key="b", low=0.5, high=8.0),)
+    found = explored(model, free, monkeypatch, deviations=(0.05,) * 7, systematic=0.03)
+    size = math.sqrt(1.0 / np.sum((2.0 * np.array(LEVELS) / 0.05) ** 2) + 0.03**2)
+    low, high = np.log(np.array(found.intervals["b"]) / 2.0)
+    assert (-low, high) == pytest.approx((1.95996 * size,) * 2, rel=0.03)
+
+
+def test_a_product_leaves_its_factors_undetermined_however_narrow_their_ranges(monkeypatch):
+    """The range of the other factor would make a finite interval; the data make none."""
+    model = Model(lambda x, a, b, c: a * b * x + c, a=1.0, b=2.0, c=0.5)
+    free = tuple(Parameter(key=key, low=low, high=high) for key, low, high in
+                 (("a", 0.01, 100.0), ("b", 1.6, 2.5), ("c", 0.1, 3.0)))  # fmt: skip
+    found = explored(model, free, monkeypatch, deviations=(0.01,) * 7)
+    assert found.intervals["a"] == found.intervals["b"] == (None, None)
+    low, high = found.intervals["c"]
+    assert low < 0.5 < high
+    (way,) = found.directions
+    assert way.components == pytest.approx({"a": 1.0, "b": -1.0}, abs=1e-6)
+    assert way.sentence == "a and b trade off: only their product is determined"
+
+
+def test_an_end_that_another_number_s_range_makes_is_open(monkeypatch):
+    """Told apart by a curvature; downwards the profile of a meets the end of the range of b, upwards it does not."""
+    model = Model(lambda x, a, b: a * b * x + 0.05 * b * x**2, a=1.0, b=2.04)
+    free = (Parameter(key="a", low=0.01, high=100.0), Parameter(key="b", low=1.6, high=2.05))
+    found = explored(model, free, monkeypatch, deviations=(0.01,) * 7)
+    wide = (free[0], Parameter(key="b", low=0.02, high=200.0))
+    low, high = explored(model, wide, monkeypatch, deviations=(0.01,) * 7).intervals["a"]
+    assert found.intervals["a"][0] is None
+    assert found.ends["a"][0].because == "b is at the end of its range"
+    assert found.intervals["a"][1] == pytest.approx(high, rel=1e-3)
+    assert low < 0.99 * 2.04 / 2.05
+
+
+def test_no_finite_interval_where_nothing_is_told():
+    """A column of zeros and two equal columns."""
+    slopes = np.outer(np.arange(1.0, 6.0), [3.0, 3.0, 0.0])
+    free = tuple(Parameter(key=key, low=0.1, high=10.0) for key in "abc")
+    ways = undetermined(slopes, free, np.full(3, math.log(10.0)))
+    assert sorted(tuple(way.components) for way in ways) == [("a", "b"), ("c",)]
+    assert "c has no effect on these data" in [way.sentence for way in ways]
+
+
+@pytest.fixture(scope="module")
+def curve():
+    """A velocity curve of the seed's slider, without noise."""
+    levels = tuple(np.linspace(1.5e-9, 2e-8, 8))
+    asked = Measurement(name="lab", quantity="velocity", level_key="normal_amplitude_m", levels=levels)
+    values = Predictor(Scene.load("twente-contact")).predict([(asked, {})])[0]
+    return replace(asked, values=tuple(values), deviations=tuple(0.01 * values))
+
+
+def test_the_contact_s_scaling_law_is_found_and_mass_has_no_effect(curve):
+    """Preload and modulus up, friction down by one factor keep mu P, P/E and mu E, and so the averaged motion."""
+    free = ["slider.preload=0.2 mN:4 mN", "slider.friction_coefficient=0.02:0.3"]
+    free += ["slider.effective_modulus=20 GPa:200 GPa", "slider.mass=0.01 g:1 g"]
+    found = fit("twente-contact", [curve], [read_parameter(text) for text in free])
+    by_size = {len(way.components): way for way in found.directions}
+    assert by_size[1].sentence == "slider.mass has no effect on these data"
+    expected = {"slider.preload": 1.0, "slider.friction_coefficient": -1.0, "slider.effective_modulus": 1.0}
+    assert by_size[3].components == pytest.approx(expected, abs=1e-3)
+    assert by_size[3].exact
+    assert set(found.intervals.values()) == {(None, None)}
+    assert all(
+        low is None for low, _ in (entry["interval95"] for entry in found.to_dict()["parameters"].values())
+    )
+
+
+def test_predictions_are_those_of_a_run(curve):
+    """A curve, and a burst at its own keys, by the chain's other door."""
+    scene = Scene.load("twente-contact").replace(slider={"preload": "1.5 mN"})
+    predictor = Predictor(Scene.load("twente-contact"))
+    numbers = {"slider.preload": 1.5e-3}
+    levels = curve.levels[::4]
+    record = run(scene.replace(wave={"normal_amplitude": list(levels), "burst": 0.05}), tolerance=1e-4)
+    found = predictor.predict([(replace(curve, levels=levels), numbers)])[0]
+    assert found == pytest.approx(record.velocity, rel=1e-4)
+    level, motion = record.trajectories[-1]
+    burst = Measurement(name="b", quantity="burst", level_key="normal_amplitude_m", levels=(level,),
+                        time=tuple(motion.time[::100]), settings={"wave.burst": 0.05})  # fmt: skip
+    found = predictor.predict([(burst, numbers)])[0]
+    assert np.max(np.abs(found - motion.velocity[::100])) < 5e-3 * np.max(motion.velocity)
+
+
+def test_a_stator_s_amplitude_and_speeds_without_a_sign(tmp_path, capsys):
+    """Voltages on the seed's stator: the factor on its amplitude comes back; a motor towards -x measured as speed."""
+    true = Predictor(Scene.load("twente-left"), tolerance=1e-2)
+    volts = (15.0, 25.0, 40.0, 55.0)
+    asked = Measurement(name="v", quantity="velocity", level_key="voltage_V", levels=volts)
+    speeds = -true.predict([(asked, {"amplitude_factor": 0.8})])[0]
+    assert np.all(speeds > 0)
+    file = tmp_path / "speeds.csv"
+    rows = [f"{v},{s * 1e3},{0.02 * s * 1e3}" for v, s in zip(volts, speeds, strict=True)]
+    file.write_text(
+        "voltage_V,velocity_mm_per_s,velocity_standard_deviation_mm_per_s\n" + "\n".join(rows) + "\n"
+    )
+    words = [
+        "fit",
+        "twente-left",
+        "--data",
+        str(file),
+        "--free",
+        "amplitude_factor=0.3:2",
+        "--tolerance",
+        "1e-2",
+    ]
+    assert main([*words, "--out", str(tmp_path / "out")]) == 0
+    whole = json.loads((tmp_path / "out" / "fit.json").read_text())
+    entry = whole["parameters"]["amplitude_factor"]
+    assert entry["value"] == pytest.approx(0.8, rel=1e-3)
+    assert entry["interval95"][0] < 0.8 < entry["interval95"][1]
+    assert (tmp_path / "out" / "fit.png").stat().st_size > 10_000
+    fitted = Scene.load(tmp_path / "out" / "fitted.toml")
+    assert fitted.slider == true.contact({}).scene.slider
+    assert "amplitude_factor = 0.8" in (tmp_path / "out" / "fitted.toml").read_text()
+    assert "amplitude_factor" in capsys.readouterr().out
+
+
+def test_the_command_prints_json_in_si_units(tmp_path, capsys, curve):
+    file = tmp_path / "lab.csv"
+    rows = [f"{a * 1e9},{v}" for a, v in zip(curve.levels, curve.values, strict=True)]
+    file.write_text("normal_amplitude_nm,velocity_m_per_s\n" + "\n".join(rows) + "\n")
+    free = "slider.damping.tangential=1e-5 N s/m:1e-3 N s/m"
+    assert main(["fit", "twente-contact", "--data", str(file), "--free", free, "--json"]) == 0
+    whole = json.loads(capsys.readouterr().out)
+    assert {"parameters", "undetermined", "chi2", "degrees_of_freedom"} <= set(whole)
+    assert whole["parameters"]["slider.damping.tangential"]["value"] == pytest.approx(1e-4, rel=1e-4)
+    assert whole["degrees_of_freedom"] == len(curve.levels) - 1
+    assert not any(tmp_path.glob("results*"))
+
+
+@pytest.mark.parametrize(
+    ("text", "settings", "words"),
+    [
+        ("time_s,velocity_m_per_s\n0,0\n0,1\n", (), "time must rise"),
+        ("force_N,velocity_m_per_s\n0,0\n", (), "must have the columns"),
+        ("voltage_V,velocity_m_per_s\n-1,0\n", (), "zero or positive"),
+        ("voltage_V,velocity_m_per_s,velocity_standard_deviation_m_per_s\n1,0,0\n", (), "must be positive"),
+        ("voltage_V,velocity_m_per_s\n1,0\n", ("slider.preload",), "KEY=VALUE"),
+        ("voltage_V,velocity_m_per_s\n1,0\n", ("slider.preload=5 mm",), "must be a force"),
+    ],
+)
+def test_a_file_that_is_no_measurement_is_refused(tmp_path, text, settings, words):
+    file = tmp_path / "lab.csv"
+    file.write_text(text)
+    with pytest.raises(SceneError, match=words):
+        read_measurement(file, settings)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("slider.preload", "KEY=LOW:HIGH"),
+        ("slider.preload=4 mN:1 mN", "LOW below HIGH"),
+        ("slider.law=0:1", "must be a number of a scene"),
+        ("slider.preloads=1:2", "is no key of a scene"),
+        ("wave.normal_amplitude=1e-9:2e-9", "given by the measurement"),
+        ("friction=0:1", "is no key of a scene"),
+    ],
+)
+def test_what_is_no_free_number_is_refused(text, words):
+    with pytest.raises(SceneError, match=words):
+        read_parameter(text)
+
+
+@pytest.mark.parametrize(
+    ("free", "words"),
+    [
+        (["amplitude_factor=0.5:2"], "needs a stator"),
+        (["slider.mass=1e-5:1e-4", "slider.mass=1e-5:1e-4"], "given twice"),
+        ([], "is required"),
+        (
+            [f"slider.damping.{name}=1e-5:1e-4" for name in ("normal", "tangential")],
+            "asks for 2 numbers from 1",
+        ),
+    ],
+)
+def test_what_cannot_be_fitted_is_refused(curve, free, words):
+    one = replace(curve, levels=curve.levels[:1], values=curve.values[:1], deviations=curve.deviations[:1])
+    with pytest.raises(SceneError, match=words):
+        fit_function("twente-contact", [one], [read_parameter(text) for text in free])
