@@ -39,6 +39,7 @@ _HOME = {
     "isotropic": "materials",
     "LEVELS": "discretize.refinement",
     "material": "materials",
+    "medium": "materials.medium",
     "one_blas_thread": "threads",
     "outer_gaps": "geometry",
     "planned_levels": "discretize.refinement",
