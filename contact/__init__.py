@@ -23,7 +23,7 @@ from contact.envelope import Envelope
 from contact.jit import kernels
 from contact.orbit import Orbit
 from contact.slider import Slider
-from contact.solve.limits import riding_height
+from contact.solve.riding import riding_height
 
 __all__ = [
     "ConvergenceError",

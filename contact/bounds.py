@@ -19,6 +19,11 @@ def non_negative(name: str, value: float, unit: str) -> float:
     return _checked(name, value, unit, "zero or positive, and finite", lambda v: 0.0 <= v < math.inf)
 
 
+def finite(name: str, value: float, unit: str) -> float:
+    """Return `value` as a float if it is finite, else raise."""
+    return _checked(name, value, unit, "finite", math.isfinite)
+
+
 def finite_complex(name: str, value: complex, unit: str) -> complex:
     """Return `value` as a complex number if both its parts are finite, else raise."""
     if isinstance(value, bool | str) or np.ndim(value) != 0:

@@ -126,7 +126,7 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
     """
     omega = orbits[0].omega
     reach = max(max(abs(o.normal), abs(o.tangential)) for o in orbits)
-    length = max(slider.rest_approach(len(orbits)), reach, 1e-300)
+    length = max(float(np.max(slider.rest_approaches(len(orbits)))), reach, 1e-300)
     unit = slider.mass * omega**2 * length
     kappa = slider.normal_stiffness * float(normal.load(length, slider.contact_shape)) / unit
     turn = np.exp(1j * start) / length
@@ -154,7 +154,9 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
         ),
         law=law,
         shape=slider.contact_shape,
-        paths=Paths(np.zeros(len(orbits)), u_z.real.copy(), -u_z.imag, u_x.real.copy(), -u_x.imag),
+        paths=Paths(
+            slider.offsets(len(orbits)) / length, u_z.real.copy(), -u_z.imag, u_x.real.copy(), -u_x.imag
+        ),
         length=length,
         omega=omega,
     )

@@ -7,6 +7,8 @@ Normal: m z'' = sum P_i (1 + chi z_i') - R_n2 z' - preload. Tangential: m v' = s
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from contact import bounds
 from contact.law import elastic, normal
 
@@ -43,6 +45,8 @@ class Slider:
         R_n2 and R_t, viscous, on the slider's normal and tangential velocity, N s/m.
     shape : str
         "sphere" (default), or "punch": a rigid flat cylindrical projection on a half-space.
+    heights : tuple of float
+        How much further each contact stands out towards the surface than a contact of height 0, m; empty: all 0.
     """
 
     radius: float
@@ -59,6 +63,7 @@ class Slider:
     normal_damping: float
     tangential_damping: float
     shape: str = "sphere"
+    heights: tuple[float, ...] = ()
 
     def __post_init__(self):
         for name, unit in (
@@ -80,6 +85,10 @@ class Slider:
             object.__setattr__(self, name, bounds.non_negative(f"slider.{name}", getattr(self, name), unit))
         bounds.choice("slider.law", self.law, LAWS)
         bounds.choice("slider.shape", self.shape, normal.SHAPES)
+        if np.ndim(self.heights) != 1:
+            raise ValueError(f"slider.heights must be a list of heights in m, got {self.heights!r}")
+        heights = tuple(bounds.finite("slider.heights", height, "m") for height in self.heights)
+        object.__setattr__(self, "heights", heights if any(heights) else ())
         if self.shape == "punch" and self.law == "hysteretic":
             raise ValueError(
                 'slider.law must be "elastic" for a punch, which slips as a whole, got "hysteretic"'
@@ -102,14 +111,54 @@ class Slider:
         """C = mu E/4G, the slip limit over the approach."""
         return elastic.limit_slope(self.friction_coefficient, self.effective_modulus, self.tangential_modulus)
 
+    def offsets(self, contacts: int) -> np.ndarray:
+        """Return the heights of so many contacts as an array, m."""
+        if self.heights and len(self.heights) != contacts:
+            raise ValueError(
+                f"slider.heights must hold one height per contact, {contacts}, got {len(self.heights)}"
+            )
+        return np.array(self.heights) if self.heights else np.zeros(contacts)
+
+    def approach_under(self, force: float, contacts: int) -> float:
+        """Return the approach in m of a contact of height 0 at which the contacts carry a normal force in N."""
+        heights, shape, target = self.offsets(contacts), self.contact_shape, force / self.normal_stiffness
+        # Newton's method from above on a convex sum: the lowest contact alone, or all as low as it, would carry more
+        h = float(min(normal.approach(target / contacts, shape) - min(heights),
+                      normal.approach(target, shape) - max(heights)))  # fmt: skip
+        for _ in range(100 if self.heights else 0):
+            excess = float(np.sum(normal.load(h + heights, shape))) - target
+            slope = float(np.sum(normal.slope(h + heights, shape)))
+            if not excess > 1e-16 * target or slope == 0.0:
+                break
+            h -= excess / slope
+        return h
+
     def rest_approach(self, contacts: int) -> float:
-        """Return the approach z0 of each contact in m under the preload, no wave."""
-        return float(normal.approach(self.preload / contacts / self.normal_stiffness, self.contact_shape))
+        """Return the approach in m of a contact of height 0 under the preload, no wave: minus the slider's position."""
+        return self.approach_under(self.preload, contacts)
+
+    def rest_approaches(self, contacts: int) -> np.ndarray:
+        """Return the approach of every contact under the preload, no wave, m; zero where it does not touch."""
+        return np.maximum(self.rest_approach(contacts) + self.offsets(contacts), 0.0)
+
+    def rest_deformations(self, contacts: int) -> np.ndarray:
+        """Return the deformations in m with which the contacts carry the load at rest, all slipping if they cannot.
+
+        Contacts that are sheared together carry Q = mu (P - P'), P' the normal force at an approach x/c smaller
+        (Ciavarella 1998; see `law.elastic`), so that P' is the preload less load/mu.
+        """
+        z, c = self.rest_approaches(contacts), self.limit_slope
+        if c == 0.0:
+            return 0.0 * z
+        left = max(self.preload - self.load / self.friction_coefficient, 0.0)
+        return c * np.minimum(z, self.rest_approach(contacts) - self.approach_under(left, contacts))
 
     def normal_resonance(self, contacts: int) -> float:
         """Return the frequency in Hz of the bounce at rest, sqrt(sum dP/dz / m)/2 pi."""
-        slope = normal.slope(self.rest_approach(contacts), self.contact_shape)
-        return math.sqrt(contacts * self.normal_stiffness * slope / self.mass) / (2.0 * math.pi)
+        slope = float(
+            np.sum(normal.slope(self.rest_approach(contacts) + self.offsets(contacts), self.contact_shape))
+        )
+        return math.sqrt(self.normal_stiffness * slope / self.mass) / (2.0 * math.pi)
 
     def tangential_resonance(self, contacts: int) -> float:
         """Return the frequency in Hz of a small tangential ring at rest, sqrt(sum 8 a G/m)/2 pi; dP/dz = 2 a E."""
@@ -117,20 +166,21 @@ class Slider:
         return math.sqrt(ratio) * self.normal_resonance(contacts)
 
     def ring_at_slip_limit(self, contacts: int) -> float:
-        """Return the frequency in Hz of the tangential ring whose amplitude is the slip limit.
+        """Return the frequency in Hz of the tangential ring whose amplitude is the least slip limit of a contact.
 
         Quarter period by energy, (1/4) T = int_0^{x_max} dx/sqrt(2 (W(x_max) - W(x))/m), regularised at the turning
         point by x = x_max sin(psi); W the energy of the spring.
         """
         if self.friction_coefficient == 0.0 or self.preload == 0.0:
             return self.tangential_resonance(contacts)
-        import numpy as np
-
-        z, c, shape = self.rest_approach(contacts), self.limit_slope, self.contact_shape
+        z, c, shape = self.rest_approaches(contacts), self.limit_slope, self.contact_shape
+        z = z[z > 0.0, None]
+        least = float(np.min(z))
         node, weight = np.polynomial.legendre.leggauss(64)
         psi, weight = 0.25 * math.pi * (node + 1.0), 0.25 * math.pi * weight
-        stick = 2.0 * z * np.sin(0.25 * math.pi - 0.5 * psi) ** 2  # z - x/c without cancellation
-        lost = stick * normal.load(z, shape) - normal.energy(stick, shape)
-        lost *= contacts * self.friction_coefficient * self.normal_stiffness * c
-        quarter = np.sum(weight * c * z * np.cos(psi) / np.sqrt(2.0 * lost / self.mass))
+        short = 2.0 * least * np.sin(0.25 * math.pi - 0.5 * psi) ** 2  # (x_max - x)/c without cancellation
+        rest = z - least
+        lost = short * normal.load(z, shape) - normal.energy(rest + short, shape) + normal.energy(rest, shape)
+        lost = np.sum(lost, axis=0) * self.friction_coefficient * self.normal_stiffness * c
+        quarter = np.sum(weight * c * least * np.cos(psi) / np.sqrt(2.0 * lost / self.mass))
         return float(0.25 / quarter)

@@ -15,7 +15,7 @@ from contact.law.elastic import back_load
 from contact.law.normal import load
 from contact.orbit import Orbit
 from contact.slider import Slider
-from contact.solve.limits import riding_height
+from contact.solve.riding import riding_height
 
 # how much faster than the wave both resonances are for a slider that is carried, and its share of the friction limit
 FASTER, INSIDE = 20.0, 0.5
@@ -35,7 +35,8 @@ def closed_form(slider: Slider, orbits: tuple[Orbit, ...]) -> dict | None:
     if not still and friction > 0.0 and not dragged:
         return _carried(slider, orbits)
     height = slider.rest_approach(len(orbits)) if still else riding_height(slider, orbits)
-    parted = any(abs(orbit.normal) > height for orbit in orbits)
+    mean = height + slider.offsets(len(orbits))
+    parted = any(-abs(o.normal) < z < abs(o.normal) for o, z in zip(orbits, mean, strict=True))
     held = still and slider.load <= friction
     velocity = 0.0
     if slider.load > friction:
@@ -75,7 +76,7 @@ def _carried(slider, orbits):
     if slider.law != "elastic":  # its annulus slips under any change of force, and may walk
         return None
     resonance = min(slider.normal_resonance(contacts), slider.tangential_resonance(contacts))
-    if resonance < FASTER * first.frequency or any(orbit != first for orbit in orbits):
+    if resonance < FASTER * first.frequency or any(orbit != first for orbit in orbits) or slider.heights:
         return None
     lift = math.hypot(slider.mass * omega**2, slider.normal_damping * omega) * abs(first.normal)
     pull = math.hypot(slider.mass * omega**2, slider.tangential_damping * omega) * abs(first.tangential)

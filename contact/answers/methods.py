@@ -13,7 +13,6 @@ import numpy as np
 from contact.answers.averaged import averaged_run, why_not
 from contact.convergence import ConvergenceError
 from contact.drive import reference_speed
-from contact.law.elastic import deformation
 from contact.law.normal import load
 from contact.problem import largest_resonance
 
@@ -57,10 +56,8 @@ def rest(slider, orbits, problem, *, nodes, truncation):
     contacts = len(orbits)
     motion = Motion(problem, table=collocation(nodes), truncation=truncation)
     depth = slider.rest_approach(contacts) / problem.length
-    friction = slider.friction_coefficient * slider.preload
-    used = min(slider.load / friction, 1.0) if friction > 0.0 else 0.0
-    x = deformation(depth, used, slider.limit_slope, slider.contact_shape)
-    motion.place(-depth, 0.0, 0.0, math.copysign(x, problem.load))
+    x = slider.rest_deformations(contacts) / problem.length
+    motion.place(-depth, 0.0, 0.0, math.copysign(1.0, problem.load) * x)
     return motion
 
 
@@ -223,8 +220,6 @@ def why_not_stepped(slider, problem, per_cycle):
     """Return why fixed steps cannot follow this motion, or an empty string."""
     if slider.stick_band > 0.0:
         return "slider.stick_band needs the events"
-    if slider.shape == "punch":
-        return "its corrections at the events are those of a sphere"
     if slider.law != "elastic" or slider.reciprocal:
         return "it knows the elastic law without its reciprocal force only"
     if slider.limit_slope == 0.0:

@@ -289,7 +289,8 @@ def _repeating(slider, side, orbits, balance, tolerance):
     status, note = _judged(error, tolerance, "periodic motion of the full equations")
     statistics = _counted(fine.motion, balance.work + fine.work + coarse.work)
     sticks = not any(statistics[name] for name in ("contact", "release", "stick_to_slip", "slip_to_stick"))
-    sticks = sticks and fine.motion.memory is None and bool(np.all(fine.motion.regime == elastic.STICK))
+    held = (fine.motion.regime == elastic.STICK) | (fine.motion.regime == elastic.SEPARATED)
+    sticks = sticks and fine.motion.memory is None and bool(np.all(held) and np.any(fine.motion.regime))
     if sticks:  # what is left is rounding
         velocity, error = 0.0, 0.0
     moving = "intermittent" if statistics["release"] else "slip"

@@ -15,6 +15,7 @@ from contact.answers.methods import EXACT_CYCLES, rest, rest_problem, silence, w
 from contact.convergence import ConvergenceError
 from contact.drive import available, towards_plus
 from contact.envelope import Envelope
+from contact.law.normal import slope
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
 
@@ -132,9 +133,8 @@ def _steps(slider, orbits, numbers, envelope):
     problem = rest_problem(slider, driven)
     for cycles in numbers:
         motion = rest(slider, driven, problem, nodes=12, truncation=1e-10)
-        spring = float(np.mean(motion.state[3:]))
         travelled = _drive(slider, problem, motion, cycles, envelope, driven[0].frequency)
-        yield _stopped(slider, problem, motion, travelled, spring, side, cycles, len(driven))
+        yield _stopped(slider, problem, motion, travelled, side, cycles)
 
 
 def _drive(slider, problem, motion, cycles, envelope, frequency):
@@ -160,12 +160,16 @@ def _drive(slider, problem, motion, cycles, envelope, frequency):
     return float(2.0 * math.pi * np.sum(rows[:, 2]))
 
 
-def _stopped(slider, problem, motion, travelled, spring, side, cycles, contacts):
+def _stopped(slider, problem, motion, travelled, side, cycles):
     """Follow the slider until it has slipped for the last time; return the step."""
-    from contact.law.elastic import STICK
+    from contact.law.elastic import SEPARATED, STICK
     from contact.solve.energy import DISPLACEMENT
 
-    speed = float(motion.state[2])
+    speed, contacts = float(motion.state[2]), problem.contacts
+    # what the load alone leaves of the deformations, each with its contact's share in the stiffness
+    share = slope(slider.rest_approach(contacts) + slider.offsets(contacts), slider.contact_shape)
+    share = share / np.sum(share)
+    spring = np.copysign(share @ slider.rest_deformations(contacts), problem.load) / problem.length
     still = silence(motion)
     friction = slider.friction_coefficient * slider.preload - slider.load
     omega = problem.omega
@@ -179,19 +183,21 @@ def _stopped(slider, problem, motion, travelled, spring, side, cycles, contacts)
         at = phase + span * np.arange(1, 33) / 32
         samples = still.move(phase, float(at[-1]) * (1.0 + 1e-14), at)
         phase = float(at[-1])
-        slipping = np.any(samples[:, :, 4] != STICK, axis=1)
+        apart, sticks = samples[:, :, 4] == SEPARATED, samples[:, :, 4] == STICK
+        # a contact that does not touch at rest holds nothing
+        slipping = np.any(~sticks & ~(apart & (share == 0.0)), axis=1)
         if np.any(slipping):
             last, quiet, largest = float(at[np.flatnonzero(slipping)[-1]]), 0, 0.0
         else:
             quiet += 1
-            x = samples[:, :, 1].mean(axis=1)
+            x = samples[:, :, 1] @ share
             largest = max(largest, float(np.max(np.abs(x - spring))))
         if phase > 1e9:
             raise ConvergenceError(
                 "not converged", "the slider goes on slipping; give it normal or tangential damping"
             )
     # the contacts stick: position plus deformation stays, and the load's own deformation is what remains
-    relaxed = float(still.sums[DISPLACEMENT]) + float(np.mean(still.state[3:])) - spring
+    relaxed = float(still.sums[DISPLACEMENT] + still.state[3:] @ share - spring)
     unit = side * problem.length
     return Step(
         cycles=cycles,

@@ -229,13 +229,14 @@ def _rows(sliders, waves, which, factors, wave_errors, threads):
 
     number, contacts = len(which), len(waves[0])
     factors = np.asarray(factors, float)
-    parameters = np.array([_parameters(slider) for slider in sliders])
+    parameters = np.array([_parameters(slider, contacts) for slider in sliders])
+    heights = np.array([slider.offsets(contacts) for slider in sliders])
     sides, driven = zip(*(towards_plus(orbits) for orbits in waves), strict=True)
     u_z, u_x = (
         np.array([[getattr(orbit, name) for orbit in orbits] for orbits in driven])
         for name in ("normal", "tangential")
     )
-    paths = Paths(np.zeros((len(waves), contacts)), u_z.real.copy(), -u_z.imag, u_x.real.copy(), -u_x.imag)
+    paths = Paths(np.zeros(u_z.shape), u_z.real.copy(), -u_z.imag, u_x.real.copy(), -u_x.imag)
     omegas = np.array([orbits[0].omega for orbits in waves])
     resonances = np.array([slider.normal_resonance(contacts) for slider in sliders])
     ratios = resonances[which[:, 0]] * 2.0 * math.pi / omegas[which[:, 1]]
@@ -249,7 +250,9 @@ def _rows(sliders, waves, which, factors, wave_errors, threads):
         if not apply[k]:
             _fill_closed(sliders[pair[0]], driven[pair[1]], factors[k], out[k])
     todo = np.flatnonzero(apply)
-    given = columns.Given(parameters, paths, omegas, np.asarray(wave_errors, float), ratios, which, factors)
+    given = columns.Given(
+        parameters, heights, paths, omegas, np.asarray(wave_errors, float), ratios, which, factors
+    )
     _spread(given, out, todo, threads)
     for column in (columns.VELOCITY, columns.FIRST_ORDER):
         moving = np.flatnonzero(np.nan_to_num(out[:, column]) != 0.0)  # no negative zero
@@ -274,10 +277,11 @@ def _fill_closed(slider, orbits, factor, row):
     row[columns.REGIME] = np.flatnonzero(found["regime"] == REGIMES)[0]
 
 
-def _parameters(s: Slider) -> tuple[float, ...]:
+def _parameters(s: Slider, contacts: int) -> tuple[float, ...]:
     return (
         s.mass, s.normal_stiffness, s.limit_slope, s.preload, s.load, s.friction_coefficient, s.contact_damping,
         s.normal_damping, s.tangential_damping, float(s.contact_shape),
+        float(np.max(s.rest_approaches(contacts))),
     )  # fmt: skip
 
 

@@ -1,19 +1,36 @@
-r"""Where a slider starts to move and where contact is first lost, for every law.
+r"""Where a slider starts to move and where contact is first lost, for a slider that is heavy on the wave's time scale.
 
-With the elastic law both are closed forms (`limits`). A hysteretic contact slips at its rim long before it slips as a
-whole, and what it remembers of a cycle carries the slider along: it starts some 10 % below the elastic threshold. The
-reciprocal force adds to the support, so that the slider rides higher and parts earlier. There the two are searched in
-the averaged balance, to 1e-5.
+Such a slider rides at the height at which the cycle mean of the normal forces is the preload, <sum P_i> = preload, so
+contact i has the approach z_i = h + h_i + Re(U_i exp(i omega t)) with one h.
+
+*Release*: the first contact that touches at rest has h + h_i = |U_i|. For one sphere that is z0/<(1 + sin)^1.5>^(2/3),
+<> = 16 sqrt 2/(6 pi), for one punch z0.
+
+*Threshold*, elastic law, equal heights: nothing slips while every contact has an offset x0 with
+|x0 + u_x| <= c (h + u_z) at all times, that is x0 + |U_x - c U_z| <= c h and -x0 + |U_x + c U_z| <= c h (complex
+amplitudes, any phase), and the offsets carry the load, <sum Q_i> = load. In quadrature, unloaded:
+|U_x|^2 + c^2 |U_z|^2 = c^2 h^2.
+
+A hysteretic contact slips at its rim long before it slips as a whole, and what it remembers of a cycle carries the
+slider along: it starts some 10 % below the elastic threshold. The reciprocal force adds to the support, so that the
+slider rides higher and parts earlier. Of contacts at different heights the highest hold the slider while the lowest
+slip. There the factor is searched in the averaged balance, to 1e-5.
 """
 
 import math
+from dataclasses import replace
+
+import numpy as np
 
 from contact.drive import towards_plus
+from contact.law.elastic import tangential_force
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
-from contact.solve import limits
+from contact.solve.riding import riding_height
+from contact.solve.roots import bracketed
 
 ACCURACY = 1e-5
+PHASES = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 512, endpoint=False))
 
 
 def threshold_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
@@ -30,36 +47,54 @@ def threshold_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float
     """
     from contact.solve.equilibrium import balanced
 
-    elastic = limits.threshold_factor(slider, orbits)
-    if _closed(slider) or elastic == 0.0 or math.isinf(elastic):
+    listed = as_orbits(orbits)
+    if all(orbit.normal == 0 and orbit.tangential == 0 for orbit in listed):
+        return math.inf
+    if slider.friction_coefficient * slider.preload <= slider.load:
+        return 0.0
+    level = replace(slider, heights=())
+    elastic = _falling_root(lambda factor: _holding_margin(level, listed, factor), slider, listed)
+    if slider.law == "elastic" and not slider.reciprocal and not slider.heights:
         return elastic
-    _, driven = towards_plus(as_orbits(orbits))
+    _, driven = towards_plus(listed)
     return _edge(lambda k: not balanced(slider, tuple(o.scaled(k) for o in driven)).held, elastic)
 
 
 def release_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
     """Return the factor on all orbits at which the first contact is lost once per cycle; inf without normal motion.
 
-    Parameters as for `threshold_factor`.
+    Parameters as for `threshold_factor`. Contacts that do not touch at rest do not count.
     """
     from contact.solve.equilibrium import balanced
 
-    elastic = limits.release_factor(slider, orbits)
+    listed = as_orbits(orbits)
+    touch = slider.rest_approach(len(listed)) + slider.offsets(len(listed)) > 0.0
+    reach, heights = np.array([abs(o.normal) for o in listed])[touch], slider.offsets(len(listed))[touch]
+    if not touch.any() or np.max(reach) == 0.0:
+        return math.inf if slider.preload > 0.0 else 0.0
+
+    def least(factor):
+        h = riding_height(slider, tuple(o.scaled(factor) for o in listed))
+        return float(np.min(h + heights - factor * reach))
+
+    elastic = _falling_root(least, slider, listed)
     friction = slider.friction_coefficient * slider.preload
-    if not slider.reciprocal or slider.law != "elastic" or math.isinf(elastic) or friction <= slider.load:
+    if not slider.reciprocal or slider.law != "elastic" or friction <= slider.load:
         return elastic
-    _, driven = towards_plus(as_orbits(orbits))
-    top = max(abs(orbit.normal) for orbit in driven)
+    _, driven = towards_plus(listed)
 
     def parts(factor):
         found = balanced(slider, tuple(orbit.scaled(factor) for orbit in driven))
-        return found.height * found.problem.length < factor * top
+        return np.min(found.height * found.problem.length + heights - factor * reach) < 0.0
 
     return _edge(parts, elastic)
 
 
 def threshold_amplitude(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
-    """Return the amplitude |u_z| of the first orbit in m above which the slider starts to move."""
+    """Return the amplitude |u_z| of the first orbit in m above which the slider starts to move.
+
+    The orbits are scaled together. `threshold_factor` serves where u_z is zero.
+    """
     return threshold_factor(slider, orbits) * abs(as_orbits(orbits)[0].normal)
 
 
@@ -68,8 +103,36 @@ def release_amplitude(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> floa
     return release_factor(slider, orbits) * abs(as_orbits(orbits)[0].normal)
 
 
-def _closed(slider):
-    return slider.law == "elastic" and not slider.reciprocal
+def _holding_margin(slider, orbits, factor):
+    """Return a margin, positive while all contacts stick and the load is held; it falls through zero with factor.
+
+    It is the least of the room left for the offsets and of the distances of the load from the mean tractions that
+    the highest and the lowest offsets give.
+    """
+    c, mu, shape = slider.limit_slope, slider.friction_coefficient, slider.contact_shape
+    scaled = tuple(orbit.scaled(factor) for orbit in orbits)
+    h = riding_height(slider, scaled)
+    load = math.copysign(slider.load, sum(orbit.crest_velocity for orbit in orbits))
+    room, highest, lowest = math.inf, 0.0, 0.0
+    for orbit in scaled:
+        up = c * h - abs(orbit.tangential - c * orbit.normal)
+        down = c * h - abs(orbit.tangential + c * orbit.normal)
+        room = min(room, 0.5 * (up + down) / (c * slider.rest_approach(len(orbits))))
+        z, u_x = h + (orbit.normal * PHASES).real, (orbit.tangential * PHASES).real
+        friction = mu * slider.normal_stiffness
+        highest += float(np.mean(tangential_force(u_x + up, z, friction, c, shape)))
+        lowest += float(np.mean(tangential_force(u_x - down, z, friction, c, shape)))
+    scale = mu * slider.preload
+    return min(room, (highest - load) / scale, (load - lowest) / scale)
+
+
+def _falling_root(function, slider, orbits):
+    """Return the factor at which a function that is positive at 0 falls through zero."""
+    reach = max(max(abs(o.normal), abs(o.tangential)) for o in orbits)
+    high = float(np.max(slider.rest_approaches(len(orbits)))) / reach
+    while function(high) > 0.0:
+        high *= 2.0
+    return bracketed(function, 0.0, high)
 
 
 def _edge(beyond, guess):

@@ -174,7 +174,7 @@ def burst(
         time.append(cycles / frequency + rang + at)
         velocity.append(recorded[:, 0, 5])
         # the surface stands still at zero: the first contact's approach is minus the slider's position
-        position.append(-recorded[:, 0, 0])
+        position.append(problem.paths.height[0] - recorded[:, 0, 0])
         for name, number in still.events().items():
             statistics[f"after_{name}"] = number
         statistics["after_smallest_gap"] = still.smallest_gap()

@@ -70,11 +70,6 @@ def native(types: str, shapes: Mapping[str, str] | None = None):
     return lambda function: function if _PLAIN else Native(function, tuple(types.split()), shapes)
 
 
-def plain(kernel):
-    """Return a kernel's function itself: for a few numbers it is quicker than waking numba."""
-    return getattr(kernel, "function", kernel)
-
-
 _KERNELS = weakref.WeakSet()
 
 

@@ -30,7 +30,7 @@ import numpy as np
 
 from contact.jit.compiled import formula
 from contact.kinematics import slip_speed
-from contact.law.normal import approach, energy, load, slope
+from contact.law.normal import energy, load, slope
 
 SEPARATED, STICK, SLIP, CREEP = 0, 1, 2, 3
 # of the hysteretic law, instead of stick: slip of an outer annulus, and an edge that grows without slip (`memory`)
@@ -65,12 +65,6 @@ def friction_energy(z, stick, shape):
 def back_load(z, stick, shape):
     """Return dW/dz/(mu K c) at constant x, the reciprocal normal force; zero for a punch."""
     return (z - stick) * slope(z, shape) - load(z, shape) + load(stick, shape)
-
-
-@formula
-def deformation(z, share, c, shape):
-    """Return x at which Q is a share of mu P."""
-    return c * (z - approach((1.0 - share) * load(z, shape), shape))
 
 
 @formula

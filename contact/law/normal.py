@@ -27,8 +27,8 @@ def load(z, shape):
 
 @formula
 def slope(z, shape):
-    """Return dp/dz; for a punch 1/2 at z = 0."""
-    return 1.5 * np.sqrt(0.5 * (z + abs(z))) if shape == SPHERE else 0.5 * (1.0 + np.sign(z))
+    """Return dp/dz, zero when separated."""
+    return 1.5 * np.sqrt(0.5 * (z + abs(z))) if shape == SPHERE else 1.0 * (z > 0.0)
 
 
 @formula

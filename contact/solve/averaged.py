@@ -14,11 +14,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.jit.compiled import compiled, native, summed
+from contact.jit.compiled import compiled, formula, native
 from contact.kinematics import normal_amplitude, tangential_amplitude
-from contact.law.normal import approach, load, slope
 from contact.problem import changed
-from contact.solve.cycle_mean import STUCK, circle, cycle, quadrature, respond
+from contact.solve.cycle_mean import STUCK, cycle, respond
+from contact.solve.riding import mean_push, quadrature, riding
 from contact.solve.roots import narrowed, trial
 
 # why a computation ended: reached; a contact sticks through whole cycles; not reached; no velocity balances the load;
@@ -66,66 +66,6 @@ def room(harmonics: int, nodes: int = NODES, fine_nodes: int = FINE_NODES) -> Wo
     )  # fmt: skip
 
 
-@summed
-def _mean_loads(h, a, half, rule, shape):
-    """Return the sums of p(z) and dp/dz over the half of a cycle that is in contact."""
-    force = rate = 0.0
-    for j in range(rule.shape[1]):
-        co, _ = circle(half * rule[0, j])
-        force += rule[1, j] * load(h + a * co, shape)
-        rate += rule[1, j] * slope(h + a * co, shape)
-    return force, rate
-
-
-@compiled
-def mean_push(problem, h, rule):
-    """Return the cycle mean of sum P at constant approach and its derivative in h; it depends on h/|u_z| alone."""
-    kappa, paths = problem.stiffness, problem.paths
-    total = steepness = force = rate = 0.0
-    last_a = last_z = -1.0
-    for i in range(paths.height.size):
-        a, z = normal_amplitude(paths, i), h + paths.height[i]
-        if a != last_a or z != last_z:
-            force = rate = 0.0
-            last_a, last_z = a, z
-            if z > -a:
-                half = np.pi if z >= a else np.arccos(-z / a)
-                force, rate = _mean_loads(z, a, half, rule, problem.shape)
-                force *= kappa * half / np.pi
-                rate *= kappa * half / np.pi
-        total += force
-        steepness += rate
-    return total, steepness
-
-
-@compiled
-def riding(problem, rule):
-    """Return the mean approach at which the cycle mean of sum P is the preload (safeguarded Newton)."""
-    paths = problem.paths
-    n, target = paths.height.size, problem.preload
-    least, reach, low = np.inf, 0.0, np.inf
-    for i in range(n):
-        a = normal_amplitude(paths, i)
-        reach, least, low = max(reach, a), min(least, paths.height[i]), min(low, -a - paths.height[i])
-    # the mean load is at least that of the mean approach, and every contact is at least as high as the lowest
-    high = approach(target / (problem.stiffness * n), problem.shape) - least
-    h = high
-    for _ in range(80):
-        force, slope = mean_push(problem, h, rule)
-        if force > target:
-            high = h
-        else:
-            low = h
-        step = (target - force) / slope if slope > 0.0 else high - low
-        new = h + step
-        if not low < new < high:
-            new = 0.5 * (low + high)
-        if abs(new - h) < 1e-15 * (reach + abs(h)) or high - low < 1e-15 * (reach + abs(h)):
-            return new
-        h = new
-    return h
-
-
 @compiled
 def settled(problem, rule, h, v, work, most):
     """Set fast motion, means and height of the cycle that repeats at mean velocity v; return (h, residual change).
@@ -154,7 +94,7 @@ def excess(problem, rule, h, v, work):
     return work.plain[1] - problem.tangential_damping * v - problem.load
 
 
-@compiled
+@formula
 def full_slip_speed(problem):
     """Return the slider velocity beyond which every contact slips all the time, max |u_x| + c |u_z|, scaled."""
     paths, c, top = problem.paths, problem.limit_slope, 0.0
@@ -163,7 +103,7 @@ def full_slip_speed(problem):
     return top
 
 
-@compiled
+@formula
 def way_out(least, largest, load, friction):
     """Return (way, load) of a slider at rest: +1, -1 or 0 where it is held, and the load with its sign.
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from contact.jit.compiled import compiled, native
 from contact.kinematics import Paths, at_phase, normal_amplitude, of_run, tangential_amplitude
-from contact.law.normal import approach, load
+from contact.law.normal import load
 from contact.problem import Problem, changed
 from contact.solve.averaged import (
     COARSE,
@@ -36,14 +36,13 @@ from contact.solve.averaged import (
     V,
     balance_row,
     excess,
-    riding,
     room,
 )
+from contact.solve.riding import riding
 
-# columns of a slider, SI units: slip limit over approach, mu, chi, the viscous dampers
-MASS, STIFFNESS, LIMIT_SLOPE, PRELOAD, LOAD, FRICTION, CHI, NORMAL_DAMPING, TANGENTIAL_DAMPING, SHAPE = range(
-    10
-)
+# columns of a slider, SI units: slip limit over approach, mu, chi, the viscous dampers, largest approach at rest
+MASS, STIFFNESS, LIMIT_SLOPE, PRELOAD, LOAD, FRICTION, CHI, NORMAL_DAMPING, TANGENTIAL_DAMPING = range(9)
+SHAPE, REST = 9, 10
 # columns of an answer, SI units; the first velocity is that of first order, errors are over max(|v|, omega |u_x|/10)
 VELOCITY, FIRST_ORDER, HEIGHT, REGIME, HELD, ERROR, FROM_WAVE, THRUST, SIGN_OF_LOAD, STATUS, ANSWER = range(
     11
@@ -70,8 +69,10 @@ class Given(NamedTuple):
 
     Attributes
     ----------
-    sliders : (s, 10) array
+    sliders : (s, 11) array
         By the names of this module; SI units.
+    heights : (s, contacts) array
+        Of the contacts, m.
     paths : Paths
         Of the waves, m; arrays (w, contacts), the heights zero.
     omegas, wave_errors : (w,) arrays
@@ -83,6 +84,7 @@ class Given(NamedTuple):
     """
 
     sliders: np.ndarray
+    heights: np.ndarray
     paths: Paths
     omegas: np.ndarray
     wave_errors: np.ndarray
@@ -119,7 +121,14 @@ def _states(given, out, todo, harmonics, first, stride, work, answers, paths, sp
         k = todo[t]
         slider, wave = given.sliders[given.which[k, 0]], given.which[k, 1]
         omega = given.omegas[wave]
-        problem = _scaled(slider, of_run(given.paths, wave), given.factors[k], omega, paths)
+        problem = _scaled(
+            slider,
+            given.heights[given.which[k, 0]],
+            of_run(given.paths, wave),
+            given.factors[k],
+            omega,
+            paths,
+        )
         _state(problem, spare, given.ratios[k], given.wave_errors[wave], harmonics, work, answers, out[k])
         row, speed = out[k], problem.length * omega
         row[VELOCITY] *= speed
@@ -174,16 +183,17 @@ def _state(problem, spare, ratio, wave_error, harmonics, work, answers, row):
 
 
 @compiled
-def _scaled(slider, given, factor, omega, paths):
+def _scaled(slider, heights, given, factor, omega, paths):
     """Return the scaled problem, with its paths in the room given."""
     contacts, shape = paths.height.size, int(slider[SHAPE])
     mass, preload = slider[MASS], slider[PRELOAD]
     reach = 0.0
     for i in range(contacts):
         reach = max(reach, factor * tangential_amplitude(given, i), factor * normal_amplitude(given, i))
-    length = max(approach(preload / (contacts * slider[STIFFNESS]), shape), reach)
+    length = max(slider[REST], reach)
     unit = mass * omega**2 * length
     for i in range(contacts):
+        paths.height[i] = heights[i] / length
         paths.normal_cos[i] = given.normal_cos[i] * factor / length
         paths.normal_sin[i] = given.normal_sin[i] * factor / length
         paths.tangential_cos[i] = given.tangential_cos[i] * factor / length

@@ -12,8 +12,9 @@ import numpy as np
 
 from contact.jit.compiled import compiled, native
 from contact.kinematics import tangential_amplitude
-from contact.solve.averaged import DONE, STICKS, UNSETTLED, mean_push, riding, room, settled
+from contact.solve.averaged import DONE, STICKS, UNSETTLED, room, settled
 from contact.solve.cycle_mean import STUCK, cycle, respond
+from contact.solve.riding import mean_push, riding
 
 _NODES = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
 _TABLE = np.array(

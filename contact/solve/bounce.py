@@ -13,11 +13,11 @@ import math
 
 import numpy as np
 
-from contact.jit.compiled import plain
 from contact.kinematics import tangential_amplitude
 from contact.problem import Problem
-from contact.solve.cycle_mean import cycle, quadrature
-from contact.solve.roots import narrowed, trial
+from contact.solve.cycle_mean import cycle
+from contact.solve.riding import quadrature
+from contact.solve.roots import bracketed
 
 # steps of the classical Runge-Kutta method per period of the small bounce, and at most in half a bounce
 PER_PERIOD, MAX_STEPS = 48, 4000
@@ -86,20 +86,9 @@ def _balanced_speed(means, heights, weights, near):
         elif excess(high) > 0.0:
             high += step
         else:
-            return _root(excess, low, high, 1e-9 * reach)
+            return bracketed(excess, low, high, tolerance=1e-9 * reach)
         step *= 2.0
     return math.nan
-
-
-def _root(function, low, high, tolerance):
-    """Return the root of a decreasing function between two points."""
-    a, fa, b, fb = low, function(low), high, function(high)
-    for count in range(60):
-        if fb == 0.0 or fa == fb or abs(b - a) < tolerance:
-            break
-        x = plain(trial)(a, fa, b, fb, count)
-        a, fa, b, fb = plain(narrowed)(a, fa, b, fb, x, function(x))
-    return b
 
 
 def _half_bounce(means, rest, step):

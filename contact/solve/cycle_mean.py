@@ -14,45 +14,16 @@ The forces are integrated from event to event in theta, phi = phi_1 + (phi_2 - p
 square roots at contact, release and the end of stick smooth: Gauss-Legendre quadrature is spectral.
 """
 
-from functools import cache
-
 import numpy as np
 
 from contact.jit.compiled import compiled, native, summed
 from contact.law.elastic import friction_load
 from contact.law.normal import load
+from contact.solve.riding import circle
 
 TURN = 2.0 * np.pi
 # places in the counts: contacts made, slips begun, reversals, contacts that stick on with their memory
 MADE, SLIPS, REVERSALS, STUCK = 0, 1, 2, 3
-
-
-@cache
-def quadrature(nodes: int) -> np.ndarray:
-    """Return (2, n): places in [0, 1] and weights of Gauss-Legendre in theta."""
-    point, weight = np.polynomial.legendre.leggauss(nodes)
-    theta = 0.5 * np.pi * (point + 1.0)
-    return np.array([0.5 * (1.0 - np.cos(theta)), 0.25 * np.pi * weight * np.sin(theta)])
-
-
-@compiled
-def circle(phi):
-    """Return cos phi and sin phi to rounding, without a branch: several at once in the processor's lanes."""
-    turns = np.floor(phi * (2.0 / np.pi) + 0.5)
-    r = (phi - turns * 1.5707963267341256) - turns * 6.077100506506192e-11
-    y = r * r
-    s, v = 1.0 - y * (1.0 / 272.0), 1.0 - y * (1.0 / 306.0)
-    s, v = 1.0 - y * (1.0 / 210.0) * s, 1.0 - y * (1.0 / 240.0) * v
-    s, v = 1.0 - y * (1.0 / 156.0) * s, 1.0 - y * (1.0 / 182.0) * v
-    s, v = 1.0 - y * (1.0 / 110.0) * s, 1.0 - y * (1.0 / 132.0) * v
-    s, v = 1.0 - y * (1.0 / 72.0) * s, 1.0 - y * (1.0 / 90.0) * v
-    s, v = 1.0 - y * (1.0 / 42.0) * s, 1.0 - y * (1.0 / 56.0) * v
-    s, v = 1.0 - y * (1.0 / 20.0) * s, 1.0 - y * (1.0 / 30.0) * v
-    s, v = r * (1.0 - y * (1.0 / 6.0) * s), 1.0 - 0.5 * y * (1.0 - y * (1.0 / 12.0) * v)
-    # quarter turns: (c, s), (-s, c), (-c, -s), (s, -c)
-    quarter = turns - 4.0 * np.floor(0.25 * turns)
-    c, s = (s, v) if quarter == 1.0 or quarter == 3.0 else (v, s)
-    return (-c if quarter == 1.0 or quarter == 2.0 else c), (-s if quarter >= 2.0 else s)
 
 
 @compiled
@@ -348,7 +319,7 @@ def cycle(problem, h, v, fast, rule, sums, counts):
         The slider's own fast motion by harmonic, in the first rows: cos and sin of z_s, cos and sin of its travel; the
         others are work.
     rule : (2, n) array
-        See `quadrature`.
+        See `riding.quadrature`.
     sums : (2,) or (2 + 4 K,) array
         Overwritten: means, then for each harmonic the amplitudes cos and sin of normal force and of traction.
     counts : (4,) int array

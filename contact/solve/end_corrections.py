@@ -3,10 +3,12 @@ r"""The trapezoidal rule across an edge where a force begins or ends as a fracti
 For f = C t^a from an edge on, sampled at (j + theta) h, the rule's sum is the integral plus C h^(a+1) zeta(-a, theta),
 zeta Hurwitz's function (Navot, J. Math. and Phys. 40 (1961) 271; Lyness and Ninham, Math. Comp. 21 (1967) 162).
 Contact, release and the end of stick are such edges with a = 3/2; at x = 0 the traction has a jump in curvature, a = 2
-on both sides. Subtracting the terms a = 3/2 and 5/2 leaves the rule its accuracy for smooth periodic functions.
+on both sides. Subtracting the terms a = 3/2 and 5/2 leaves the rule its accuracy for smooth periodic functions. For a
+punch a = 1 and 2, and x = 0 is no edge.
 """
 
 from contact.jit.compiled import compiled
+from contact.law.normal import PUNCH, load, slope
 
 
 @compiled
@@ -28,10 +30,48 @@ def zeta_five_halves(theta):
 
 
 @compiled
-def edge_excess(theta, h, first, second):
-    """Return what the rule's sum has too much for first t^1.5 + second t^2.5, the nearest sample at theta h."""
+def edge_excess(theta, h, first, second, shape):
+    """Return what the rule's sum has too much for first p(t) + second t p(t), the nearest sample at theta h."""
+    if shape == PUNCH:  # zeta(-1, theta) and zeta(-2, theta): Bernoulli's polynomials
+        b2, b3 = theta * (theta - 1.0) + 1.0 / 6.0, theta * (theta - 0.5) * (theta - 1.0)
+        return -h * h * (0.5 * first * b2 + h * second * b3 / 3.0)
     root = h**0.5
     return h * h * root * (first * zeta_three_halves(theta) + h * second * zeta_five_halves(theta))
+
+
+@compiled
+def contact_edge(problem, z_rate, z_bend, h):
+    """Return the coefficients of p(t) and t p(t) in the elastic force at contact or release: z = z' t + z'' t^2/2."""
+    first, half = problem.stiffness * load(z_rate, problem.shape), 0.5 * slope(1.0, problem.shape)
+    return first, first * min(max(half * z_bend / z_rate, -1.0 / h), 1.0 / h)
+
+
+@compiled
+def closing_share(ratio, shape):
+    """Return Q/(mu P) of a contact that closes with |x'|/(c z') = ratio < 1, and what its change goes with."""
+    return 1.0 - load(1.0 - ratio, shape), 0.5 * slope(1.0 - ratio, shape)
+
+
+@compiled
+def slip_edge(problem, below, above, v_old, v_new, h):
+    """Return what the rule's sum has too much for mu P - |Q| where stick ends within the step.
+
+    It is mu K p(z - |x|/c); `below` and `above` are |x| - c z at the ends of the step, v their rates.
+    """
+    if above <= 0.0:
+        return 0.0
+    c, shape = problem.limit_slope, problem.shape
+    s = rising_root(below, above, h * v_old, h * v_new)
+    v_edge = max(v_old + s * (v_new - v_old), 0.0)
+    bend = 0.5 * slope(1.0, shape) * (v_old - v_new) / max(v_edge, 1e-300)
+    first = problem.friction * problem.stiffness * load(v_edge / c, shape)
+    return edge_excess(s, h, first, first * min(max(bend, -1.0), 1.0) / h, shape)
+
+
+@compiled
+def curvature(shape):
+    """Return z^2 p''/2p, which makes the jump in curvature of Q at x = 0."""
+    return 0.5 * slope(1.0, shape) * (slope(1.0, shape) - 1.0)
 
 
 @compiled

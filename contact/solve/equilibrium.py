@@ -1,7 +1,7 @@
 r"""The averaged equilibrium of any law, as a cycle that the event-driven solver can go on from.
 
 A slider that is heavy on the wave's time scale keeps height h and velocity v through a cycle. h follows from
-<sum P_i> = preload (`limits.riding_height`), v from <sum Q_i>(v) = R_t v + load. The elastic law's means are in closed
+<sum P_i> = preload (`riding.riding_height`), v from <sum Q_i>(v) = R_t v + load. The elastic law's means are in closed
 form between events, and `averaged` has found h and v already (`cycle_at`); for the other laws the mean tangential force
 comes from a cycle of the event-driven solver (`balanced`). Bracket and rules are those of `averaged`. Error
 O((f_n/f)^2) against the full motion.
@@ -17,7 +17,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.convergence import ConvergenceError
-from contact.jit.compiled import plain
 from contact.orbit import Orbit
 from contact.problem import RECIPROCAL, Problem, immobile, scaled
 from contact.slider import Slider
@@ -25,8 +24,8 @@ from contact.solve.averaged import full_slip_speed, way_out
 from contact.solve.collocation import collocation
 from contact.solve.energy import SUPPORT, TRACTION
 from contact.solve.event_driven import TALLY
-from contact.solve.limits import riding_height
 from contact.solve.motion import Motion
+from contact.solve.riding import riding_height
 from contact.solve.roots import narrowed, trial
 
 NODES, TRUNCATION = 14, 1e-11
@@ -129,7 +128,7 @@ def _at_height(slider, orbits, problem, start, height, work):
     """Return the balance of the tractions at one mean approach."""
     rest = _rest_cycles(problem, height, work)
     (least, _), (largest, _) = rest
-    way, load = plain(way_out)(least, largest, problem.load, problem.friction * problem.preload)
+    way, load = way_out(least, largest, problem.load, problem.friction * problem.preload)
     if load < 0.0:  # this wave drives against its crests
         problem = scaled(slider, orbits, direction=-1.0, start=start)
     if way == 0.0:
@@ -184,7 +183,7 @@ def traction(problem, height, speed, deformations, work):
 def _balance(problem, height, way, rest_traction, work):
     """Return (v, motion) at <sum Q>(v) = d_t v + load; v has the sign `way`."""
     damping, load = problem.tangential_damping, problem.load
-    top = plain(full_slip_speed)(problem)
+    top = full_slip_speed(problem)
 
     def excess(v, deformation):
         mean, motion = traction(problem, height, v, deformation, work)
@@ -204,9 +203,9 @@ def _balance(problem, height, way, rest_traction, work):
     v = b
     for count in range(100):
         width = abs(b - a)
-        v = plain(trial)(a, fa, b, fb, count)
+        v = trial(a, fa, b, fb, count)
         f, motion = excess(v, motion.state[3:])
-        a, fa, b, fb = plain(narrowed)(a, fa, b, fb, v, f)
+        a, fa, b, fb = narrowed(a, fa, b, fb, v, f)
         if f == 0.0 or abs(f) < 1e-12 * abs(rest_traction) or abs(b - a) < 1e-12 * top or width == 0.0:
             break
     return v, motion

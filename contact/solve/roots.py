@@ -1,8 +1,8 @@
 r"""Roots: of a scalar function between two points, and of what is known at the nodes of a segment.
 
 *Bracketed*: regula falsi with the modification of Anderson and Bjorck (BIT 13 (1973) 253) and a bisection now and then,
-as two steps that the caller's loop takes in turn: `trial` says where to evaluate next, `narrowed` takes the value.
-The function itself may be compiled or not.
+`bracketed`, or for a loop of one's own two steps in turn: `trial` says where to evaluate next, `narrowed` takes the
+value.
 
 *Of an interpolant*: its first sign change.
 
@@ -12,10 +12,25 @@ are searched too.
 """
 
 from contact.interpolation import interpolate
-from contact.jit.compiled import compiled
+from contact.jit.compiled import compiled, formula
 
 
-@compiled
+def bracketed(function, a: float, b: float, *, tolerance: float = 0.0) -> float:
+    """Return the root of a function between two points at which its signs differ, to rounding or a tolerance."""
+    fa, fb = function(a), function(b)
+    if fa == 0.0:
+        return a
+    for count in range(200):
+        if fb == 0.0 or abs(b - a) <= tolerance + 4e-16 * (abs(a) + abs(b)):
+            break
+        x = trial(a, fa, b, fb, count)
+        if abs(x - b) <= tolerance + 1e-15 * abs(x):
+            return x
+        a, fa, b, fb = narrowed(a, fa, b, fb, x, function(x))
+    return b
+
+
+@formula
 def trial(a, fa, b, fb, count):
     """Return where a bracketed root is to be tried next: the secant's zero, every twelfth time the middle."""
     x = b - fb * (b - a) / (fb - fa)
@@ -24,7 +39,7 @@ def trial(a, fa, b, fb, count):
     return x
 
 
-@compiled
+@formula
 def narrowed(a, fa, b, fb, x, f):
     """Return the bracket (a, fa, b, fb) after f was found at x, which becomes b; fa may be scaled down."""
     if (f > 0.0) == (fb > 0.0):

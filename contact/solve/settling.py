@@ -102,12 +102,12 @@ def long_run(
     problem = scaled(slider, orbits, direction=direction, start=start)
     rate = _relaxation(problem)
     _refuse_unless_affordable(problem, rate)
-    begin = np.array(_rest(slider, orbits, problem))
+    begin = _rest(slider, orbits, problem)
     first = _followed(problem, begin, rate, near)
     if first.period or first.sticks:
         return first
     # a push too small to matter to anything but an irregular motion
-    second = _followed(problem, begin + np.array([0.0, 1e-6, 0.0, 0.0]), rate, near)
+    second = _followed(problem, begin + 1e-6 * (np.arange(begin.size) == 1), rate, near)
     other = second if second.period or second.sticks else first
     return replace(other, error=max(first.error, second.error, abs(first.speed - second.speed)), starts=2)
 
@@ -132,7 +132,7 @@ def reached_instead(
 def _followed(problem, begin, rate, near):
     """Return the mean of the motion from one start."""
     motion = Motion(problem, table=collocation(14), truncation=1e-11)
-    motion.place(*begin)
+    motion.place(*begin[:3], begin[3:])
     budget = BUDGET / (MEMORY if motion.memory is not None else 1.0)
     block, passed, spent = 1, 0, 0
     rows, quiet = np.empty((0, 3)), 0
@@ -182,21 +182,18 @@ def _refuse_unless_affordable(problem, rate):
 def _rest(slider, orbits, problem):
     """Return (z_s, z_s', v, x) at phase 0: at rest, or carried along by a surface that is slow for the contact."""
     depth = slider.rest_approach(len(orbits)) / problem.length
-    friction = slider.friction_coefficient * slider.preload
-    load = math.copysign(slider.load, problem.load)
-    used = min(slider.load / friction, 1.0) if friction > 0.0 else 0.0
-    x = elastic.deformation(depth, used, slider.limit_slope, slider.contact_shape)
-    x = math.copysign(x, load)
+    x = math.copysign(1.0, problem.load) * slider.rest_deformations(len(orbits)) / problem.length
     if slider.tangential_resonance(len(orbits)) < SLOW * orbits[0].frequency:
-        return -depth, 0.0, 0.0, x
+        return np.array([-depth, 0.0, 0.0, *x])
     u_z, z_rate, _, x_rate = at_phase(problem.paths, np.arange(problem.contacts), 1.0, 0.0)
-    return float(np.mean(u_z)) - depth, float(np.mean(z_rate)), float(np.mean(x_rate)), x
+    return np.array([np.mean(u_z) - depth, np.mean(z_rate), np.mean(x_rate), *x])
 
 
 def _stuck(motion):
     """Return whether every contact stuck through the last block."""
     events = (elastic.CONTACT, elastic.RELEASE, elastic.STICK_TO_SLIP, elastic.SLIP_TO_STICK)
-    return bool(np.all(motion.regime == elastic.STICK)) and not np.any(motion.tally[list(events)])
+    held = (motion.regime == elastic.STICK) | (motion.regime == elastic.SEPARATED)
+    return bool(np.all(held) and np.any(motion.regime)) and not np.any(motion.tally[list(events)])
 
 
 def _arrived(rows, near):
@@ -271,4 +268,7 @@ def _found(problem, motion, before, speed, error, period, sticks, cycles, passed
 def _mean_approach(motion, cycles):
     """Return minus the mean of z_s over some more cycles; u_z itself has none."""
     ahead, at = motion.copy(), 2.0 * math.pi * np.arange(1, 65) / 64
-    return float(np.mean([ahead.move(0.0, 2.0 * math.pi, at)[:, 0, 0].mean() for _ in range(cycles)]))
+    return float(
+        np.mean([ahead.move(0.0, 2.0 * math.pi, at)[:, 0, 0].mean() for _ in range(cycles)])
+        - motion.problem.paths.height[0]
+    )

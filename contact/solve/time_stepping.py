@@ -17,7 +17,17 @@ from contact.jit.compiled import compiled, native
 from contact.kinematics import Paths, at_phase, of_run
 from contact.law.normal import load
 from contact.problem import from_row
-from contact.solve.end_corrections import cubic, edge_excess, last_part, passage_excess, rising_root
+from contact.solve.end_corrections import (
+    closing_share,
+    contact_edge,
+    cubic,
+    curvature,
+    edge_excess,
+    last_part,
+    passage_excess,
+    rising_root,
+    slip_edge,
+)
 
 # rows of the cells, one column per run: slider, contact forces alone, distance within the cycle, what a step is made of
 HEIGHT, CLIMB, SPEED, PUSH, PULL, TRAVELLED, STEP, DAMP_N, DAMP_T, INVERSE, CELL = range(11)
@@ -42,34 +52,12 @@ def _tabulate(paths, per_cycle, before, after, table):
 
 
 @compiled
-def _contact_edge(kappa, chi, z_rate, z_bend, h):
-    """Return the coefficients of t^1.5 and t^2.5 in the elastic force at contact or release."""
-    first = kappa * z_rate * np.sqrt(z_rate)
-    return first, first * min(max(0.75 * z_bend / z_rate, -1.0 / h), 1.0 / h)
-
-
-@compiled
-def _slip_edge(scale, c, below, above, v_old, v_new, h):
-    """Return what the rule's sum has too much for mu P - |Q| where stick ends within the step.
-
-    It is mu K (z - |x|/c)^1.5; `below` and `above` are |x| - c z at the ends of the step, v their rates.
-    """
-    if above <= 0.0:
-        return 0.0
-    s = rising_root(below, above, h * v_old, h * v_new)
-    v_edge = max(v_old + s * (v_new - v_old), 0.0)
-    bend = 0.75 * (v_old - v_new) / max(v_edge, 1e-300)
-    first = scale * v_edge / c * np.sqrt(v_edge / c)
-    return edge_excess(s, h, first, first * min(max(bend, -1.0), 1.0) / h)
-
-
-@compiled
 def _step(problem, k, table, own, cells, m):
     """Move one run from step k of the cycle to the next; column m of `cells` is the slider, `own` its contacts."""
     kappa, chi, d_n, p = problem.stiffness, problem.contact_damping, problem.normal_damping, problem.preload
     d_t, q, mu, c = problem.tangential_damping, problem.load, problem.friction, problem.limit_slope
     u_z, u_x, w_z, w_x = table[0], table[1], table[2], table[3]
-    z, x, slip = own[0], own[1], own[2]
+    z, x, slip, shape = own[0], own[1], own[2], problem.shape
     height, climb, speed, push, pull = (
         cells[HEIGHT, m],
         cells[CLIMB, m],
@@ -94,18 +82,23 @@ def _step(problem, k, table, own, cells, m):
                 r0, r1 = h * (w_z[k, i] - climb), h * (w_z[k + 1, i] - climb_next)
                 s = rising_root(-z_old, -z_new, -r0, -r1)
                 rate = max(-(r0 + s * (r1 - r0)) / h, 1e-6)
-                first, second = _contact_edge(kappa, chi, rate, -height, h)
+                first, second = contact_edge(problem, rate, problem.paths.height[i] - height, h)
                 sign = 1.0 if x[i] > 0.0 else -1.0
                 if slip[i] == 0.0:  # it must have slipped before
                     along = x[i] + u_x[k + 1, i] - u_x[k, i] - travel
                     sign = 1.0 if along > 0.0 else -1.0
                     v_old = sign * (w_x[k, i] - speed) - c * (w_z[k, i] - climb)
                     v_new = sign * (w_x[k + 1, i] - speed_next) - c * (w_z[k + 1, i] - climb_next)
-                    pull_excess -= sign * _slip_edge(
-                        mu * kappa, c, sign * x[i] - c * z_old, sign * along - c * z_new, v_old, v_new, h
+                    pull_excess -= sign * slip_edge(
+                        problem,
+                        sign * x[i] - c * z_old,
+                        sign * along - c * z_new,
+                        v_old,
+                        v_new,
+                        h,
                     )
-                push_excess += edge_excess(s, h, first * (1.0 - chi * rate), second)
-                pull_excess += sign * mu * edge_excess(s, h, first, second)
+                push_excess += edge_excess(s, h, first * (1.0 - chi * rate), second, shape)
+                pull_excess += sign * mu * edge_excess(s, h, first, second, shape)
                 x[i], slip[i] = 0.0, 0.0
             continue
         z_rate, x_rate = w_z[k + 1, i] - climb_next, w_x[k + 1, i] - speed_next
@@ -123,14 +116,14 @@ def _step(problem, k, table, own, cells, m):
                 force = mu * (elastic - kappa * load(stick, problem.shape))
                 pull += force if deformation > 0.0 else -force
                 if old * deformation < 0.0:
-                    bend = 0.375 * mu * elastic * x_rate * abs(x_rate) / (limit * limit)
+                    bend = curvature(shape) * mu * elastic * x_rate * abs(x_rate) / (limit * limit)
                     pull_excess += passage_excess(old / (old - deformation), h, bend)
                 continue
             sign = 1.0 if deformation > 0.0 else -1.0
             v_old = sign * (w_x[k, i] - speed) - c * (w_z[k, i] - climb)
             v_new = sign * x_rate - c * z_rate
-            pull_excess -= sign * _slip_edge(
-                mu * kappa, c, sign * old - c * z_old, sign * deformation - limit, v_old, v_new, h
+            pull_excess -= sign * slip_edge(
+                problem, sign * old - c * z_old, sign * deformation - limit, v_old, v_new, h
             )
             if v_new >= 0.0:
                 x[i], slip[i] = sign * limit, sign
@@ -144,19 +137,19 @@ def _step(problem, k, table, own, cells, m):
                 rate, drift = max((r0 + s * (r1 - r0)) / h, 1e-6), (y0 + s * (y1 - y0)) / h
                 sign = 1.0 if drift > 0.0 else -1.0
                 x[i] = along - cubic(s, 0.0, along, y0, y1)
-                first, second = _contact_edge(kappa, chi, rate, -height, h)
-                push_excess += edge_excess(1.0 - s, h, first * (1.0 + chi * rate), second)
+                first, second = contact_edge(problem, rate, problem.paths.height[i] - height, h)
+                push_excess += edge_excess(1.0 - s, h, first * (1.0 + chi * rate), second, shape)
                 ratio = min(sign * drift / (c * rate), 1.0)
-                root = np.sqrt(1.0 - ratio)
-                share = 1.0 - (1.0 - ratio) * root
+                share, steep = closing_share(ratio, shape)
                 turn = 0.0
                 if ratio < 1.0:
-                    turn = (
-                        0.75 * root * (sign * (w_x[k + 1, i] - w_x[k, i]) / (h * c) + ratio * height) / rate
+                    bend = sign * (w_x[k + 1, i] - w_x[k, i]) / (h * c) + ratio * (
+                        height - problem.paths.height[i]
                     )
+                    turn = steep * bend / rate
                     turn = min(max(turn, -1.0 / h), 1.0 / h)
                 pull_excess += (
-                    sign * mu * edge_excess(1.0 - s, h, first * share, second * share + first * turn)
+                    sign * mu * edge_excess(1.0 - s, h, first * share, second * share + first * turn, shape)
                 )
                 slip[i] = sign if ratio == 1.0 else 0.0
                 v_old = sign * drift - c * rate

@@ -95,6 +95,24 @@ class Section:
         """Real z of the nodes in m."""
         return line_nodes(self.breakpoints, self.order) * self.length_unit
 
+    @property
+    def body(self) -> slice:
+        """Nodes of the solid without absorbing layer and vacuum, from its bottom to its surface."""
+        return slice(self.bottom, self.surface + 1)
+
+    def on_nodes(self, lines: np.ndarray) -> np.ndarray:
+        """Scaled u_x, u_y, u_z and phi at the body's nodes for unknowns of lines (size, m): shape (m, nodes, 4)."""
+        dofs = self.dofs[self.body]
+        out = np.zeros((lines.shape[1], *dofs.shape), dtype=complex)
+        exists = dofs >= 0
+        out[:, exists] = np.moveaxis(lines[dofs[exists]], 0, 1)
+        return out
+
+    @property
+    def field_units(self) -> np.ndarray:
+        """What scaled u_x, u_y, u_z and phi are to be multiplied by."""
+        return np.array([1.0, 1.0, 1.0, self.solid.potential_unit])
+
     @cached_property
     def surface_dofs(self) -> dict[str, int]:
         """Unknowns at the surface node by field."""

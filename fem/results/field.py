@@ -12,7 +12,7 @@ import numpy as np
 from fem.discretize.spectral import gll_nodes, lagrange
 from fem.results.densities import Densities, densities, shared, upward_slope
 from fem.results.evaluation import ENDS, column_fields
-from fem.results.free_wave import FreeWave
+from fem.results.segment_modes import FreeWave
 from fem.results.solution import Solution
 from fem.results.surface import MeshedPiece
 from fem.results.surface_wave import SurfaceWave
@@ -100,7 +100,6 @@ def wave_field(
     """
     solution = wave.solution
     section = solution.fields.section.full
-    body = slice(section.bottom, section.surface + 1)
     step = wave.phase_velocity / wave.frequency / per_wavelength
     hair = HAIR * step
     low, high = (0.0, wave.length) if span is None else span
@@ -113,7 +112,7 @@ def wave_field(
             end = piece.beside is not None
             if seen:
                 which = ENDS[transducer > 0] if end else transducer
-                x, part, slope = _in_columns(solution, which, body, slopes=energies)
+                x, part, slope = _in_columns(solution, which, slopes=energies)
                 inside = (x > start - hair) & (x < stop + hair)
                 x, part, slope = x[inside], part[inside], slope[inside] if energies else None
             offset += 0.0 if end else step_in_mean
@@ -122,7 +121,7 @@ def wave_field(
         else:
             if seen:
                 x = _lines(start, stop, step, places)
-                part, slope = _between(solution, piece, x, body, first=not transducer, slopes=energies)
+                part, slope = _between(solution, piece, x, first=not transducer, slopes=energies)
             shift = offset
             step_in_mean = _gauge_step(solution, piece) if transducer else 0.0
         if not seen:
@@ -132,18 +131,17 @@ def wave_field(
         lines.append(x[first:])
         values.append(part[first:])
         slopes.append(slope[first:] if energies else slope)
-    units = np.array([1.0, 1.0, 1.0, section.solid.potential_unit])
-    everything = np.concatenate(values) * units
+    everything = np.concatenate(values) * section.field_units
     found = None
     if energies:
         layers = slice(section.bottom // section.order, section.surface // section.order)
         heights = section.heights[layers].real * section.length_unit
         upward = upward_slope(everything, section.order, heights)
-        along = np.concatenate(slopes) * units
+        along = np.concatenate(slopes) * section.field_units
         found = densities(solution.fields.stator.solid, wave.frequency, everything, along, upward)
     return WaveField(
         x=np.concatenate(lines),
-        z=section.nodes[body],
+        z=section.nodes[section.body],
         displacement=everything[:, :, :3],
         potential=everything[:, :, 3],
         frequency=wave.frequency,
@@ -224,7 +222,7 @@ def _gauge_step(solution: Solution, piece) -> complex:
     return rightwards * piece.right[index] - leftwards * piece.left[index]
 
 
-def _between(solution: Solution, piece, x: np.ndarray, body: slice, *, first: bool, slopes: bool):
+def _between(solution: Solution, piece, x: np.ndarray, *, first: bool, slopes: bool):
     """Fields of a stretch at lines x, (lines, nodes, 4), and their x derivatives per m if asked for."""
     modes = solution.fields.modes
     right, left = piece.right.copy(), piece.left.copy()
@@ -243,20 +241,12 @@ def _between(solution: Solution, piece, x: np.ndarray, body: slice, *, first: bo
         lines = lines + shapes @ phases
         if slopes:
             along = along + shapes @ (-1j * wavenumbers[:, None] * phases)
-    return _on_nodes(solution, lines, body), _on_nodes(solution, along, body) if slopes else None
-
-
-def _on_nodes(solution: Solution, lines: np.ndarray, body: slice) -> np.ndarray:
-    """Unknowns of lines, (size, lines), as fields at the nodes, (lines, nodes, 4)."""
     section = solution.fields.section
-    lines, dofs = section.lift(lines), section.full.dofs
-    out = np.zeros((lines.shape[1], len(dofs), 4), dtype=complex)
-    exists = dofs >= 0
-    out[:, exists] = np.moveaxis(lines[dofs[exists]], 0, 1)
-    return out[:, body]
+    on_nodes = section.full.on_nodes
+    return on_nodes(section.lift(lines)), on_nodes(section.lift(along)) if slopes else None
 
 
-def _in_columns(solution: Solution, index: int, body: slice, *, slopes: bool):
+def _in_columns(solution: Solution, index: int, *, slopes: bool):
     """Lines of a transducer's or an end's columns in m, fields there (lines, nodes, 4), and x derivatives per m."""
     section = solution.fields.section.full
     unit, order = section.length_unit, section.order
@@ -264,7 +254,7 @@ def _in_columns(solution: Solution, index: int, body: slice, *, slopes: bool):
     for recovery, left, sides in column_fields(solution, index):
         starts.append(left)
         widths.append(np.full(len(left), recovery.column.width * unit))
-        parts.append(np.moveaxis(recovery.values(sides)[:, body], -1, 0))
+        parts.append(np.moveaxis(recovery.values(sides)[:, section.body], -1, 0))
     in_row = np.argsort(np.concatenate(starts))
     start, width, values = (np.concatenate(each)[in_row] for each in (starts, widths, parts))
     nodes = gll_nodes(order)

@@ -1,13 +1,16 @@
-"""Guided modes of a uniform segment at a frequency and a lateral wavenumber, with the error of the surface wave.
+"""Guided modes of a bare section at a frequency and a lateral wavenumber, and its free wave, each with its error.
 
 A finite aperture is a sum of fields exp(-i k_y y) over the lateral wavenumber k_y.  At each of them a uniform segment
 has modes exp(-i k_x x); k_x against k_y at one frequency is the slowness curve, and its normal is the direction in
-which the mode carries its energy.
+which the mode carries its energy.  The free wave is the mode at k_y = 0 whose motion is concentrated at the surface.
+In a block of several wavelengths it is the Rayleigh wave of the half-space up to a splitting that decays exponentially
+with the thickness.
 
 Limits: a bare surface.  Whether an absorbing bottom is a perfectly matched or a viscous layer is decided by the bulk
 waves of the sagittal plane: at a large lateral wavenumber other modes than the surface wave may be reflected there.
 """
 
+import time
 from functools import cache
 
 import numpy as np
@@ -15,17 +18,115 @@ import numpy as np
 from fem.convergence import ConvergenceError
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import refine
-from fem.discretize.section import FIELD_COLUMN, discretise
+from fem.discretize.section import FIELD_COLUMN, Section, discretise
 from fem.geometry import Stator
 from fem.materials.christoffel import slowest_wavelength, stretch_absorbs
-from fem.results.segment_modes import SegmentModes
+from fem.results.segment_modes import FreeWave, SegmentModes
 from fem.threads import one_blas_thread
 from fem.waveguide.modes import GuidedModes
 from fem.waveguide.modes import guided_modes as modes_of_section
 
-ORDERS = (6, 8, 10, 12, 14)
+FREE_ORDERS, ORDERS = (4, 6, 8, 10, 12), (6, 8, 10, 12, 14)
 GAIN = 10.0  # two orders more divide the error of a wavenumber by far more than this
 LOSSY_GAIN = 1.4  # where a viscous layer stands for the half-space: its depth grows with the order, squared
+
+
+def _refined_modes(
+    stator: Stator, frequency: float, lateral_wavenumber: float, tolerance: float, orders, difference
+) -> tuple[GuidedModes, GuidedModes, float]:
+    """Modes of the finest section that was needed, of the one before, and the error of the surface wave."""
+    if not (np.isfinite(tolerance) and tolerance > 0):
+        raise ValueError(f"tolerance must be positive and finite, got {tolerance!r}")
+    unit = slowest_wavelength(stator.solid, frequency)
+
+    @cache
+    def at_order(order: int) -> GuidedModes:
+        section = discretise(
+            stator,
+            Resolution(order=order, edge_layers=0, lossy_elements=order + 2),
+            wavelength=unit,
+            surface_scale=np.inf,
+            lateral=lateral_wavenumber != 0,
+        )
+        return modes_of_section(section, frequency, lateral_wavenumber * unit)
+
+    refined = refine(
+        at_order,
+        orders,
+        differences=lambda fine, coarse: (
+            difference(_surface_wavenumber(fine), _surface_wavenumber(coarse)),
+        ),
+        gain=LOSSY_GAIN if stator.absorbs_below and not stretch_absorbs(stator.solid) else GAIN,
+        tolerance=tolerance,
+    )
+    (error,) = refined.errors
+    if error > tolerance:
+        raise ConvergenceError(
+            f"the surface wave's wavenumber is known to {error:.1e} only, {tolerance:.1e} was asked for: "
+            f"ask for less{', or ' + refined.obstacle if refined.obstacle else ''}"
+        )
+    return refined.answer, at_order(orders[refined.level - 1]), error
+
+
+def _surface_wavenumber(modes: GuidedModes) -> complex:
+    """Rad/m."""
+    return complex(np.mean(modes.wavenumbers[modes.rayleigh]) / modes.section.length_unit)
+
+
+@one_blas_thread
+def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave:
+    """Rayleigh wave of a bare section at a frequency.
+
+    Parameters
+    ----------
+    stator : Stator
+    frequency : float
+        Hz.
+    tolerance : float
+        Relative, of the velocity.
+
+    Returns
+    -------
+    FreeWave
+
+    Raises
+    ------
+    ConvergenceError
+        If the highest order does not reach the tolerance.
+    """
+    begun = time.perf_counter()
+    modes, _, error = _refined_modes(
+        stator, frequency, 0.0, tolerance, FREE_ORDERS, lambda fine, coarse: abs(coarse.real / fine.real - 1)
+    )
+    section, wavenumber = modes.section, _surface_wavenumber(modes)
+    shape = _at_the_upper_face(modes.right[:, modes.rayleigh], section)
+    profile = section.on_nodes(shape[:, None])[0] * section.field_units
+    profile /= profile[-1, FIELD_COLUMN["uz"]]
+    return FreeWave(
+        frequency=frequency,
+        velocity=2 * np.pi * frequency / wavenumber.real,
+        attenuation=float(-wavenumber.imag),
+        surface_ratio=float(abs(profile[-1, FIELD_COLUMN["ux"]])),
+        depth=section.nodes[section.body],
+        profile=profile,
+        order=section.order,
+        solid=stator.solid,
+        relative_error=float(error),
+        unknowns=section.size,
+        seconds=time.perf_counter() - begun,
+    )
+
+
+def _at_the_upper_face(twins: np.ndarray, section: Section) -> np.ndarray:
+    """Return the sum of one or two modes of (nearly) one velocity with u_z = 1 at the surface and the least motion.
+
+    Two like faces guide two such modes, and any mixture of them is as good a solution: this one leaves the lower face
+    at rest.
+    """
+    top = twins[section.surface_dofs["uz"]]
+    moved = twins[section.mechanical]
+    towards = np.linalg.solve(moved.conj().T @ moved, top.conj())
+    return twins @ (towards / (top @ towards))
 
 
 @one_blas_thread
@@ -71,65 +172,21 @@ def guided_modes(
     >>> bool(np.isclose(oblique.surface_velocity, along.surface_velocity, rtol=1e-6))
     True
     """
-    if not (np.isfinite(tolerance) and tolerance > 0):
-        raise ValueError(f"tolerance must be positive and finite, got {tolerance!r}")
     if not (np.isfinite(frequency) and frequency > 0):
         raise ValueError(f"frequency must be positive and finite, got {frequency!r} Hz")
     if not np.isfinite(lateral_wavenumber):
         raise ValueError(f"lateral_wavenumber must be finite, got {lateral_wavenumber!r} rad/m")
-    unit = slowest_wavelength(stator.solid, frequency)
-
-    @cache
-    def at_order(order: int) -> GuidedModes:
-        section = discretise(
-            stator,
-            Resolution(order=order, edge_layers=0, lossy_elements=order + 2),
-            wavelength=unit,
-            surface_scale=np.inf,
-            lateral=lateral_wavenumber != 0,
-        )
-        return modes_of_section(section, frequency, lateral_wavenumber * unit)
-
-    def difference(fine: GuidedModes, coarse: GuidedModes) -> tuple[float]:
-        ours, theirs = (np.mean(each.wavenumbers[each.rayleigh]) for each in (fine, coarse))
-        return (float(abs(ours - theirs) / np.hypot(ours.real, lateral_wavenumber * unit)),)
-
-    refined = refine(
-        at_order,
+    modes, coarse, error = _refined_modes(
+        stator,
+        frequency,
+        lateral_wavenumber,
+        tolerance,
         ORDERS,
-        differences=difference,
-        gain=LOSSY_GAIN if stator.absorbs_below and not stretch_absorbs(stator.solid) else GAIN,
-        tolerance=tolerance,
+        lambda fine, coarse: float(abs(fine - coarse) / np.hypot(fine.real, lateral_wavenumber)),
     )
-    (error,) = refined.errors
-    if error > tolerance:
-        raise ConvergenceError(
-            f"the surface wave's wavenumber is known to {error:.1e} only, {tolerance:.1e} was asked for: "
-            f"ask for less{', or ' + refined.obstacle if refined.obstacle else ''}"
-        )
-    return _result(refined.answer, at_order(ORDERS[refined.level - 1]), stator, error, tolerance)
-
-
-def _result(
-    modes: GuidedModes,
-    coarse: GuidedModes,
-    stator: Stator,
-    error: float,
-    tolerance: float,
-) -> SegmentModes:
-    """Return the modes of which the coarser discretisation has one with the same wavenumber."""
-    section, unit = modes.section, modes.section.length_unit
-    lateral = modes.lateral_wavenumber
-    scale = np.sqrt(abs(modes.wavenumbers) ** 2 + lateral**2)
-    nearest = abs(modes.wavenumbers[:, None] - coarse.wavenumbers).min(axis=1)
-    known = (nearest <= max(tolerance, 10 * error) * scale) | np.isin(np.arange(len(scale)), modes.rayleigh)
-    chosen = np.flatnonzero(known)
-    chosen = chosen[
-        np.lexsort((-abs(modes.wavenumbers.real[chosen]), -modes.wavenumbers.imag[chosen].round(9)))
-    ]
-    shapes = np.zeros((len(chosen), len(section.dofs), 4), dtype=complex)
-    exists = section.dofs >= 0
-    shapes[:, exists] = modes.right[section.dofs[exists]][:, chosen].T
+    section, unit, lateral = modes.section, modes.section.length_unit, modes.lateral_wavenumber
+    chosen = _known(modes, coarse, max(tolerance, 10 * error))
+    shapes = section.on_nodes(modes.right[:, chosen]) * section.field_units
     if lateral and section.solid.mirror_y is not None:
         odd = [
             FIELD_COLUMN[name]
@@ -137,9 +194,6 @@ def _result(
             if changes
         ]
         shapes[..., odd] *= 1j
-    shapes[..., FIELD_COLUMN["phi"]] *= section.solid.potential_unit
-    body = slice(section.bottom, section.surface + 1)
-    shapes = shapes[:, body]
     moved = shapes[..., :3].reshape(len(chosen), -1)
     largest = moved[np.arange(len(chosen)), abs(moved).argmax(axis=1)]
     return SegmentModes(
@@ -147,9 +201,18 @@ def _result(
         lateral_wavenumber=float(lateral / unit),
         wavenumbers=modes.wavenumbers[chosen] / unit,
         surface=np.flatnonzero(np.isin(chosen, modes.rayleigh)),
-        depth=section.nodes[body],
+        depth=section.nodes[section.body],
         shapes=shapes / np.where(largest == 0, 1.0, largest)[:, None, None],
         solid=stator.solid,
         relative_error=error,
         unknowns=section.size,
     )
+
+
+def _known(modes: GuidedModes, coarse: GuidedModes, tolerance: float) -> np.ndarray:
+    """Modes of which the coarser discretisation has one with the same wavenumber, those that decay least first."""
+    k = modes.wavenumbers
+    scale = np.sqrt(abs(k) ** 2 + modes.lateral_wavenumber**2)
+    nearest = abs(k[:, None] - coarse.wavenumbers).min(axis=1)
+    known = np.flatnonzero((nearest <= tolerance * scale) | np.isin(np.arange(len(k)), modes.rayleigh))
+    return known[np.lexsort((-abs(k.real[known]), -k.imag[known].round(9)))]

@@ -95,6 +95,11 @@ class GuidedModes:
         return _radiation_impedance(second, -first, zeroth, -self.backwards, self.left, -self.left_flux)
 
     @cached_property
+    def both_ends(self) -> np.ndarray:
+        """Sum of the radiation impedances, which relates a jump of the flux to the field that it sends both ways."""
+        return self.right_end + self.left_end
+
+    @cached_property
     def _factors(self):
         from scipy.linalg import lu_factor
 

@@ -66,7 +66,7 @@ class Scatterer:
         from scipy.linalg import lu_solve
 
         n = self.block.size
-        both = self.modes.right_end + self.modes.left_end
+        both = self.modes.both_ends
         load = -self.block.matrix[: 2 * n, 2 * n :] @ potentials
         load = load.astype(complex)
         load[:n] -= both @ incoming[:n]
@@ -133,7 +133,7 @@ class Network:
         lengths = np.diff(self.segments, axis=1)[:, 0]
         kept = [self.survivors(length) for length in lengths]
         walls = self.ends != "absorbing"
-        # unknowns: in every stretch, amplitudes going right at its left edge and going left at its right edge
+        # unknowns: in the middle of every segment, amplitudes going right and going left
         slots, total = [], 0
         for stretch, keep in enumerate(kept):
             outer = stretch in (0, len(kept) - 1)
@@ -154,19 +154,20 @@ class Network:
             mine = slice(port, port + count)
             port += count
             incoming = np.zeros((2 * n, len(arrive_left) + len(arrive_right) + count), dtype=complex)
-            decay_left = np.exp(-1j * modes.wavenumbers[arrive_left] * lengths[index])
-            decay_right = np.exp(1j * modes.backwards[arrive_right] * lengths[index + 1])
-            incoming[:n, : len(arrive_left)] = modes.right[:, arrive_left] * decay_left
-            incoming[n:, len(arrive_left) : len(arrive_left) + len(arrive_right)] = (
-                modes.left[:, arrive_right] * decay_right
+            incoming[:n, : len(arrive_left)] = modes.right[:, arrive_left] * self._half_way(
+                "right", arrive_left, lengths[index]
             )
+            incoming[n:, len(arrive_left) : len(arrive_left) + len(arrive_right)] = modes.left[
+                :, arrive_right
+            ] * self._half_way("left", arrive_right, lengths[index + 1])
             potentials = np.zeros((PORTS, incoming.shape[1]))
             potentials[:, len(arrive_left) + len(arrive_right) :] = scatterer.potentials
             sides = scatterer.sides(incoming, potentials)
-            sent_left = modes.left_amplitudes(sides[:n] - incoming[:n])
-            sent_right = modes.right_amplitudes(sides[n:] - incoming[n:])
-            for slot, sent, chosen in ((to_left, sent_left, before), (to_right, sent_right, after)):
-                rows = sent[chosen[: slot.stop - slot.start]]
+            out = sides - incoming
+            for slot, rows in (
+                (to_left, self._sent("left", arrive_left, lengths[index], out[:n])),
+                (to_right, self._sent("right", arrive_right, lengths[index + 1], out[n:])),
+            ):
                 system[slot, from_left] -= rows[:, : len(arrive_left)]
                 system[slot, from_right] -= rows[:, len(arrive_left) : len(arrive_left) + len(arrive_right)]
                 load[slot, mine] += rows[:, len(arrive_left) + len(arrive_right) :]
@@ -195,13 +196,30 @@ class Network:
         for stretch, side in ((0, 0), (len(kept) - 1, 1)):
             going_right, going_left = slots[stretch]
             keep, sent = self.reflections[side]
-            reflected = sent[keep]
+            length = lengths[stretch]
             if side == 0:
-                decay = np.exp(1j * self.modes.backwards[keep] * lengths[stretch])
-                system[going_right, going_left] -= reflected * decay
+                back = self._sent("right", keep, length, self.modes.right @ sent)
+                system[going_right, going_left] -= back * self._half_way("left", keep, length)
             else:
-                decay = np.exp(-1j * self.modes.wavenumbers[keep] * lengths[stretch])
-                system[going_left, going_right] -= reflected * decay
+                back = self._sent("left", keep, length, self.modes.left @ sent)
+                system[going_left, going_right] -= back * self._half_way("right", keep, length)
+
+    def _half_way(self, towards: str, chosen: np.ndarray, length: float) -> np.ndarray:
+        """Factor of modes over half a segment."""
+        k = self.modes.wavenumbers if towards == "right" else -self.modes.backwards
+        return np.exp(-0.5j * k[chosen] * length)
+
+    def _sent(self, towards: str, chosen: np.ndarray, length: float, field: np.ndarray) -> np.ndarray:
+        """Amplitudes in mid-segment of chosen modes in a field that leaves a scatterer or an end.
+
+        By the modes' biorthogonality, v_i^T (X_right + X_left) v_j = 0 for i going left, j going right, k_i != -k_j:
+        the port matrix is then symmetric whatever the errors of the modes.
+        """
+        modes = self.modes
+        shapes, opposite = (modes.right, modes.left) if towards == "right" else (modes.left, modes.right)
+        tests = opposite[:, chosen].T @ modes.both_ends
+        half_way = self._half_way(towards, chosen, length)[:, None]
+        return np.linalg.solve(tests @ shapes[:, chosen], half_way * (tests @ field))
 
     def _gathered(self, amplitudes, answers, coupling, waves) -> "PortSolution":
         ports = self.ports

@@ -8,6 +8,7 @@ from scipy.optimize import brentq
 from scipy.special import zeta
 
 from contact import burst
+from contact.law.normal import PUNCH, SPHERE
 from contact.solve.end_corrections import (
     cubic,
     edge_excess,
@@ -36,20 +37,21 @@ def test_hurwitz_zeta(function, power):
     assert 0.5 * np.dot(weight, values) == pytest.approx(0.0, abs=2e-8)
 
 
+@pytest.mark.parametrize(("shape", "a"), [(SPHERE, 1.5), (PUNCH, 1.0)])
 @pytest.mark.parametrize("theta", [0.07, 0.5, 0.93])
-def test_the_sum_less_its_excess_is_the_integral(theta):
-    # (2 t^1.5 - 3 t^2.5) (1 - t)^8 on [0, 1], smooth at the far end; Euler's beta function
+def test_the_sum_less_its_excess_is_the_integral(theta, shape, a):
+    # (2 t^a - 3 t^(a+1)) (1 - t)^8 on [0, 1], smooth at the far end; Euler's beta function
     from scipy.special import beta
 
-    exact = 2.0 * beta(2.5, 9.0) - 3.0 * beta(3.5, 9.0)
+    exact = 2.0 * beta(a + 1.0, 9.0) - 3.0 * beta(a + 2.0, 9.0)
     errors = []
     for number in (40, 80, 160):
         h = 1.0 / number
         t = (np.arange(number) + theta) * h
-        total = h * np.sum((2.0 * t**1.5 - 3.0 * t**2.5) * (1.0 - t) ** 8)
-        errors.append(abs(total - edge_excess(theta, h, 2.0, -3.0 - 16.0) - exact))
+        total = h * np.sum((2.0 * t**a - 3.0 * t ** (a + 1.0)) * (1.0 - t) ** 8)
+        errors.append(abs(total - edge_excess(theta, h, 2.0, -3.0 - 16.0, shape) - exact))
     orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
-    assert orders == pytest.approx(4.5, abs=0.2)
+    assert orders == pytest.approx(a + 3.0, abs=0.2)
 
 
 @pytest.mark.parametrize("s", [0.1, 0.45, 0.8])

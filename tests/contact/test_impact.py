@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from scipy.special import gamma
 
-from contact import steady
+from contact import steady, threshold_amplitude
 from contact.law import elastic
 from contact.problem import scaled, without_wave
-from contact.solve import energy, limits
+from contact.solve import energy
 from contact.solve.collocation import collocation
 from contact.solve.equilibrium import balanced
 from contact.solve.event_driven import CHATTER, CYCLES
@@ -130,7 +130,7 @@ def test_the_stick_slip_valve_stays_shut_below_the_slip_limit():
 
 def held(cycles):
     s = slider()
-    wave = orbit(0.99 * limits.threshold_amplitude(s, orbit(1e-9)))
+    wave = orbit(0.99 * threshold_amplitude(s, orbit(1e-9)))
     assert steady(s, wave, tolerance=1.0).regime == "stick"
     balance = balanced(s, (wave,))
     motion = Motion(balance.problem, table=collocation(12), truncation=1e-10)

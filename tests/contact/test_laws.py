@@ -108,14 +108,6 @@ def test_stored_energy_is_the_integral_of_the_force(shape):
     assert friction * C * elastic.friction_energy(z, 0.0, shape) == pytest.approx(work, rel=1e-13)
 
 
-@SHAPES
-@pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
-def test_the_deformation_that_carries_a_share_of_friction(shape, share):
-    z = 4.7e-9
-    x = elastic.deformation(z, share, C, shape)
-    assert traction(x, z, shape) == pytest.approx(share * MU * force(z, shape), rel=1e-13)
-
-
 def test_a_punch_at_rest():
     # Oracle: two springs, 2 a E and 8 a G, that are linear up to the slip limit
     s = slider(shape="punch", radius=20e-6)

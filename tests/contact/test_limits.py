@@ -8,20 +8,29 @@ from scipy.integrate import quad
 
 from contact import Orbit, release_amplitude, release_factor, riding_height, steady, threshold_amplitude
 from contact import threshold_factor as threshold
-from contact.law.normal import SPHERE
-from contact.solve.limits import mean_load
+from contact.law.normal import PUNCH, SHAPES, SPHERE, load
+from contact.problem import scaled
+from contact.solve.riding import mean_push, quadrature
 from tests.contact.motors import orbit, slider
 
 
+def mean_load(h, A, shape=SPHERE):
+    """Return the cycle mean of p(h + A cos phi) from the kernel."""
+    problem = scaled(slider(shape=SHAPES[shape]), (orbit(A),), direction=1.0, start=0.0)
+    force, _ = mean_push(problem, h / problem.length, quadrature(48))
+    return force / problem.stiffness * load(problem.length, shape)
+
+
+@pytest.mark.parametrize("shape", [SPHERE, PUNCH])
 @pytest.mark.parametrize("height", [-0.93, -0.2, 0.0, 0.4, 0.999, 1.0, 1.001, 1.7])
-def test_mean_power_against_adaptive_quadrature(height):
-    amplitude = 1.3
+def test_mean_load_against_adaptive_quadrature(height, shape):
+    amplitude, power = 1.3e-9, (1.5, 1.0)[shape]
     h = height * amplitude
     edge = math.pi if height >= 1.0 else math.acos(-height)
     expected = quad(
-        lambda q: max(h + amplitude * math.cos(q), 0.0) ** 1.5, 0.0, edge, epsabs=0.0, epsrel=1e-12
+        lambda q: max(h + amplitude * math.cos(q), 0.0) ** power, 0.0, edge, epsabs=0.0, epsrel=1e-12
     )[0]
-    assert mean_load(h, amplitude, SPHERE) == pytest.approx(expected / math.pi, rel=3e-11)
+    assert mean_load(h, amplitude, shape) == pytest.approx(expected / math.pi, rel=3e-11)
 
 
 def test_release_amplitude_is_the_closed_form():
@@ -44,7 +53,7 @@ def test_riding_height_carries_the_preload():
     s = slider()
     for A in (0.0, 1e-9, 4.17e-9, 9e-9, 80e-9):
         h = riding_height(s, orbit(A))
-        assert s.normal_stiffness * mean_load(h, A, SPHERE) == pytest.approx(s.preload, rel=1e-12)
+        assert s.normal_stiffness * mean_load(h, A) == pytest.approx(s.preload, rel=1e-12)
 
 
 @pytest.mark.parametrize("ratio", [0.1, 0.7, 2.0])

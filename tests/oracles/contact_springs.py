@@ -1,9 +1,10 @@
-r"""Independent oracle for the hysteretic law: every contact is a row of springs, followed in fixed small steps.
+r"""Independent oracle for the hysteretic law and punches: every contact is a row of springs, followed in small steps.
 
 Method of dimensionality reduction (Popov and Hess, *Method of Dimensionality Reduction in Contact Mechanics and
-Friction*, 2015, ch. 5): springs at s on -a..a under the profile s^2/R, each with normal stiffness E ds, tangential
-stiffness 4 G ds and the friction limit mu times its own normal force. The slider on its contacts is moved by velocity
-Verlet in SI units. Nothing is shared with the product: no events, no memory of turning points, no scaling.
+Friction*, 2015, ch. 5): springs at s on -a..a under the profile s^2/R (sphere) or 0 (punch), each with normal
+stiffness E ds, tangential stiffness 4 G ds and the friction limit mu times its own normal force. The slider on its
+contacts is moved by velocity Verlet in SI units. Nothing is shared with the product: no events, no memory of turning
+points, no scaling.
 
 Errors: of the springs' sums order 1.5 in their number (the edge of the contact falls between two springs), of the
 motion order 1 to 2 in the step.
@@ -13,14 +14,15 @@ import math
 
 import numpy as np
 from numba import njit
+from scipy.optimize import brentq
 
 
 @njit(cache=True)
-def _forces(z, dx, sites, width, stretched, E, G, mu, R):
+def _forces(z, dx, profile, width, stretched, E, G, mu):
     """Move every spring of one contact by dx at approach z; return (P, Q) and leave the springs' elongations."""
     P = Q = 0.0
-    for j in range(sites.size):
-        pressed = z - sites[j] * sites[j] / R
+    for j in range(profile.size):
+        pressed = z - profile[j]
         if pressed <= 0.0:
             stretched[j] = 0.0
             continue
@@ -33,9 +35,9 @@ def _forces(z, dx, sites, width, stretched, E, G, mu, R):
 
 
 @njit(cache=True)
-def _run(normal, tangential, slider, sites, width, stretched, y, cycles, per_cycle, frequency):
+def _run(normal, tangential, heights, slider, profile, width, stretched, y, cycles, per_cycle, frequency):
     """Return (z_s, z_s', v) after a number of cycles; u = Re(amplitude exp(i omega t)) of each contact."""
-    R, E, G, mu, mass, preload, load, normal_damping, tangential_damping, chi = slider
+    E, G, mu, mass, preload, load, normal_damping, tangential_damping, chi = slider
     h, omega = 1.0 / frequency / per_cycle, 2.0 * math.pi * frequency
     height, climb, speed = y
     push, pull = 0.0, 0.0
@@ -50,8 +52,8 @@ def _run(normal, tangential, slider, sites, width, stretched, y, cycles, per_cyc
         push, pull = -preload - normal_damping * climb, -load - tangential_damping * speed
         for i in range(normal.size):
             dx = (tangential[i] * (turn - before)).real - travel if step > 0 else 0.0
-            z = (normal[i] * turn).real - height
-            P, Q = _forces(z, dx, sites, width, stretched[i], E, G, mu, R)
+            z = heights[i] + (normal[i] * turn).real - height
+            P, Q = _forces(z, dx, profile, width, stretched[i], E, G, mu)
             push += P * (1.0 + chi * ((1j * omega * normal[i] * turn).real - climb))
             pull += Q
         push, pull = push / mass, pull / mass
@@ -61,7 +63,21 @@ def _run(normal, tangential, slider, sites, width, stretched, y, cycles, per_cyc
     return height, climb, speed
 
 
-def velocity_from_rest(normal, tangential, frequency, *, cycles, per_cycle, springs, slider) -> float:
+def rest_position(slider, heights) -> float:
+    """Return z_s in m at which contacts of some heights carry the preload, by root finding on P."""
+    R, E = slider["radius"], slider["E"]
+
+    def excess(position):
+        z = np.maximum(np.asarray(heights) - position, 0.0)
+        P = 2.0 * R * E * z if slider.get("punch") else 4.0 / 3.0 * E * math.sqrt(R) * z**1.5
+        return float(np.sum(P)) - slider["preload"]
+
+    return brentq(excess, min(heights) - 1e-3, max(heights), xtol=1e-300, rtol=1e-15)
+
+
+def velocity_from_rest(
+    normal, tangential, frequency, *, cycles, per_cycle, springs, slider, heights=None
+) -> float:
     """Return the slider's velocity in m/s some cycles after rest.
 
     Parameters
@@ -73,10 +89,12 @@ def velocity_from_rest(normal, tangential, frequency, *, cycles, per_cycle, spri
     cycles, per_cycle, springs : int
         Cycles, steps per cycle, springs on half of each row.
     slider : dict
-        radius (m), E, G (Pa), mu, mass (kg), preload, load (N), normal_damping, tangential_damping (N s/m), chi (s/m).
+        radius (m), E, G (Pa), mu, mass (kg), preload, load (N), normal_damping, tangential_damping (N s/m), chi (s/m);
+        punch (bool, default False): flat punches of this radius instead of spheres.
+    heights : sequence of float, optional
+        How much further each contact stands out, m.
     """
     names = (
-        "radius",
         "E",
         "G",
         "mu",
@@ -88,28 +106,34 @@ def velocity_from_rest(normal, tangential, frequency, *, cycles, per_cycle, spri
         "chi",
     )
     values = tuple(float(slider[name]) for name in names)
-    R, E, preload = slider["radius"], slider["E"], slider["preload"]
     normal, tangential = np.asarray(normal, complex), np.asarray(tangential, complex)
-    rest = (0.75 * preload / normal.size / (E * math.sqrt(R))) ** (2.0 / 3.0)
-    half_row = math.sqrt(2.0 * R * (rest + np.max(np.abs(normal))))
-    width = half_row / springs
-    sites = (np.arange(springs) + 0.5) * width
+    heights = np.zeros(normal.size) if heights is None else np.asarray(heights, float)
+    rest = rest_position(slider, heights)
+    deepest = float(np.max(heights)) - rest + np.max(np.abs(normal))
+    profile, width = row(slider["radius"], 2.0 * deepest, springs, slider.get("punch", False))
     stretched = np.zeros((normal.size, springs))
+    begin = (rest, 0.0, 0.0)
     y = _run(
-        normal, tangential, values, sites, width, stretched, (-rest, 0.0, 0.0), cycles, per_cycle, frequency
+        normal, tangential, heights, values, profile, width, stretched, begin, cycles, per_cycle, frequency
     )
     return y[2]
 
 
-def force_on_path(z, x, *, radius, E, G, mu, springs) -> np.ndarray:
+def row(radius, deepest, springs, punch):
+    """Return (height of the profile at each spring of half a row, distance of the springs), m."""
+    width = (radius if punch else math.sqrt(radius * deepest)) / springs
+    sites = (np.arange(springs) + 0.5) * width
+    return (0.0 * sites if punch else sites**2 / radius), width
+
+
+def force_on_path(z, x, *, radius, E, G, mu, springs, punch=False) -> np.ndarray:
     """Return (P, Q) of one contact led along points (z, x), pressed on first: a (k, 2) array, N."""
-    half_row = math.sqrt(radius * float(np.max(z)))
-    width = half_row / springs
-    sites, stretched = (np.arange(springs) + 0.5) * width, np.zeros(springs)
+    profile, width = row(radius, float(np.max(z)), springs, punch)
+    stretched = np.zeros(springs)
     steps = np.diff(np.asarray(x, float), prepend=0.0)
     return np.array(
         [
-            _forces(a, b, sites, width, stretched, E, G, mu, radius)
+            _forces(a, b, profile, width, stretched, E, G, mu)
             for a, b in zip(np.asarray(z, float), steps, strict=True)
         ]
     )

@@ -11,7 +11,7 @@ from fem.materials import isotropic
 from fem.results.densities import densities, shared, upward_slope
 from fem.results.field import free_field, wave_field
 from fem.results.power_balance import power_balance
-from fem.solve.free import free_wave
+from fem.solve.guided import free_wave
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of
 
 OMEGA = 2 * np.pi * FREQUENCY

@@ -5,7 +5,7 @@ import pytest
 
 from fem.analytic.half_space import rayleigh
 from fem.materials import isotropic
-from fem.solve.free import free_wave
+from fem.solve.guided import free_wave
 from tests.fem.stators import FREQUENCY, cut, lossless, plate
 
 

@@ -1,0 +1,129 @@
+r"""The height at which a heavy slider rides on a wave: the cycle mean of the normal forces is the preload.
+
+Such a slider does not answer within a cycle, so contact i has the approach z_i = h + h_i + Re(U_i exp(i omega t)) with
+one h. <p(z)> of a contact depends on its mean approach and on |u_z| alone. It is integrated over the arc in contact,
+phi = beta (1 - cos theta)/2, which makes the root at the end of the arc smooth: Gauss-Legendre is spectral.
+"""
+
+from functools import cache
+
+import numpy as np
+
+from contact.jit.compiled import compiled, native, summed
+from contact.kinematics import normal_amplitude
+from contact.law.normal import approach, load, slope
+from contact.orbit import Orbit, as_orbits
+from contact.problem import Problem, scaled
+from contact.slider import Slider
+
+NODES = 48  # of the answer for one slider
+
+
+@cache
+def quadrature(nodes: int) -> np.ndarray:
+    """Return (2, n): places in [0, 1] and weights of Gauss-Legendre in theta."""
+    point, weight = np.polynomial.legendre.leggauss(nodes)
+    theta = 0.5 * np.pi * (point + 1.0)
+    return np.array([0.5 * (1.0 - np.cos(theta)), 0.25 * np.pi * weight * np.sin(theta)])
+
+
+@compiled
+def circle(phi):
+    """Return cos phi and sin phi to rounding, without a branch: several at once in the processor's lanes."""
+    turns = np.floor(phi * (2.0 / np.pi) + 0.5)
+    r = (phi - turns * 1.5707963267341256) - turns * 6.077100506506192e-11
+    y = r * r
+    s, v = 1.0 - y * (1.0 / 272.0), 1.0 - y * (1.0 / 306.0)
+    s, v = 1.0 - y * (1.0 / 210.0) * s, 1.0 - y * (1.0 / 240.0) * v
+    s, v = 1.0 - y * (1.0 / 156.0) * s, 1.0 - y * (1.0 / 182.0) * v
+    s, v = 1.0 - y * (1.0 / 110.0) * s, 1.0 - y * (1.0 / 132.0) * v
+    s, v = 1.0 - y * (1.0 / 72.0) * s, 1.0 - y * (1.0 / 90.0) * v
+    s, v = 1.0 - y * (1.0 / 42.0) * s, 1.0 - y * (1.0 / 56.0) * v
+    s, v = 1.0 - y * (1.0 / 20.0) * s, 1.0 - y * (1.0 / 30.0) * v
+    s, v = r * (1.0 - y * (1.0 / 6.0) * s), 1.0 - 0.5 * y * (1.0 - y * (1.0 / 12.0) * v)
+    # quarter turns: (c, s), (-s, c), (-c, -s), (s, -c)
+    quarter = turns - 4.0 * np.floor(0.25 * turns)
+    c, s = (s, v) if quarter == 1.0 or quarter == 3.0 else (v, s)
+    return (-c if quarter == 1.0 or quarter == 2.0 else c), (-s if quarter >= 2.0 else s)
+
+
+@summed
+def _mean_loads(z, a, half, rule, shape):
+    """Return the sums of p and dp/dz of z + a cos phi over the half of a cycle that is in contact."""
+    force = rate = 0.0
+    for j in range(rule.shape[1]):
+        co, _ = circle(half * rule[0, j])
+        force += rule[1, j] * load(z + a * co, shape)
+        rate += rule[1, j] * slope(z + a * co, shape)
+    return force, rate
+
+
+@compiled
+def mean_push(problem, h, rule):
+    """Return the cycle mean of sum P at constant approach and its derivative in h."""
+    kappa, paths = problem.stiffness, problem.paths
+    total = steepness = force = rate = 0.0
+    last_a = last_z = -1.0
+    for i in range(paths.height.size):
+        a, z = normal_amplitude(paths, i), h + paths.height[i]
+        if a != last_a or z != last_z:
+            force = rate = 0.0
+            last_a, last_z = a, z
+            if z > -a:
+                half = np.pi if z >= a else np.arccos(-z / a)
+                force, rate = _mean_loads(z, a, half, rule, problem.shape)
+                force *= kappa * half / np.pi
+                rate *= kappa * half / np.pi
+        total += force
+        steepness += rate
+    return total, steepness
+
+
+@compiled
+def riding(problem, rule):
+    """Return the mean approach at which the cycle mean of sum P is the preload (safeguarded Newton)."""
+    paths, target = problem.paths, problem.preload
+    n = paths.height.size
+    least, reach, low = np.inf, 0.0, np.inf
+    for i in range(n):
+        a = normal_amplitude(paths, i)
+        reach, least, low = max(reach, a), min(least, paths.height[i]), min(low, -a - paths.height[i])
+    # the mean load is at least that of the mean approach, and every contact is at least as high as the lowest
+    high = approach(target / (problem.stiffness * n), problem.shape) - least
+    h = high
+    for _ in range(80):
+        force, steepness = mean_push(problem, h, rule)
+        if force > target:
+            high = h
+        else:
+            low = h
+        step = (target - force) / steepness if steepness > 0.0 else high - low
+        new = h + step
+        if not low < new < high:
+            new = 0.5 * (low + high)
+        if abs(new - h) < 1e-15 * (reach + abs(h)) or high - low < 1e-15 * (reach + abs(h)):
+            return new
+        h = new
+    return h
+
+
+@native("t f2 f1")
+def _riding(problem, rule, answer):
+    answer[0] = riding(problem, rule)
+    return 0
+
+
+def riding_approach(problem: Problem) -> float:
+    """Return h of a scaled problem; see `riding_height`."""
+    answer = np.zeros(1)
+    _riding(problem, quadrature(NODES), answer)
+    return float(answer[0])
+
+
+def riding_height(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
+    """Return h in m, the mean approach of a contact of height 0 at which <sum P_i> is the preload (preload > 0).
+
+    Negative when the slider hops: it rides above the undisturbed surface.
+    """
+    problem = scaled(slider, as_orbits(orbits), direction=1.0, start=0.0)
+    return riding_approach(problem) * problem.length
