@@ -6,6 +6,7 @@ different origin that must balance.
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -20,18 +21,36 @@ class PowerBalance:
 
     Attributes
     ----------
-    input, dissipated, radiated : float
-        Given by the sources; lost in the solid, an absorbing bottom and the other transducers' loads; radiated through
-        the ends.
+    input : float
+        From the sources' circuit into the driven transducers.
+    solid : float
+        Lost in the solid and an absorbing bottom, under the fingers, between the transducers and before reflecting
+        ends.
+    loads : float
+        Taken by the other transducers' terminations.
+    left, right : float
+        Radiated through the absorbing ends.
     residual : float
         Worst over the transducers of |power in - flux out - power lost between the lines|, over the sources' apparent
         power |V I| / 2.
     """
 
     input: float
-    dissipated: float
-    radiated: float
+    solid: float
+    loads: float
+    left: float
+    right: float
     residual: float
+
+    @property
+    def radiated(self) -> float:
+        """Through both ends."""
+        return self.left + self.right
+
+    @property
+    def dissipated(self) -> float:
+        """What is not radiated: lost in the solid, an absorbing bottom and the other transducers' loads."""
+        return self.input - self.radiated
 
 
 def power_balance(solution: Solution) -> PowerBalance:
@@ -40,7 +59,8 @@ def power_balance(solution: Solution) -> PowerBalance:
     modes, n = fields.modes, fields.section.size
     frequency = modes.frequency
     over_aperture = fields.section.solid.stress_unit * circuit.aperture
-    worst, outward = 0.0, np.zeros(2)
+    driven = {circuit.names[at] for at in circuit.sources}
+    worst, lost_under, into_loads, through = 0.0, 0.0, 0.0, []
     for index, scatterer in enumerate(fields.network.scatterers):
         sides, arriving = solution.sides(index), solution.incoming(index)
         leaving = sides[: 2 * n] - arriving
@@ -51,13 +71,18 @@ def power_balance(solution: Solution) -> PowerBalance:
         taken = np.pi * frequency * np.imag(np.sum(reaction * np.conj(sides[2 * n :])))
         lost = sum(recovery.loss(places) for recovery, _, places in column_fields(solution, index))
         worst = max(worst, abs(taken - (fluxes[1] - fluxes[0]) - lost) * over_aperture)
-        if index == 0:
-            outward[0] = -fluxes[0]
-        outward[1] = fluxes[1]
-    radiated = float(outward.sum() * over_aperture) if fields.network.ends == "absorbing" else 0.0
+        lost_under += lost
+        into_loads -= 0.0 if fields.transducers[index].name in driven else taken
+        through.append(fluxes)
+    left, right = -through[0][0], through[-1][1]
+    between = sum(one[1] - other[0] for one, other in pairwise(through))
+    if fields.network.ends != "absorbing":  # what leaves towards an end is lost on the way there and back
+        between, left, right = between + left + right, 0.0, 0.0
     return PowerBalance(
         input=circuit.power,
-        dissipated=circuit.power - radiated,
-        radiated=radiated,
+        solid=float((lost_under + between) * over_aperture),
+        loads=float(into_loads * over_aperture),
+        left=float(left * over_aperture),
+        right=float(right * over_aperture),
         residual=worst / circuit.apparent_power,
     )

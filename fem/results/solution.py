@@ -48,5 +48,5 @@ def solve_driven(
 
 def driven_solution(fields: PortFields, drive: str | Drive) -> Solution:
     """Weigh the ports' fields with the voltages of a circuit."""
-    circuit = solve_circuit(fields.admittances, fields.names, fields.transducers, drive)
+    circuit = solve_circuit(fields.admittances, fields.names, fields.transducers, drive, fields.frequency)
     return Solution(fields=fields, circuit=circuit)

@@ -16,6 +16,7 @@ from studies.chain.model_error import model_error
 from studies.chain.neglected import driven_left_out, free_left_out
 from studies.chain.points import SliderAnswer, slider_answer
 from studies.chain.ring_up import ring_up, ring_up_left_out
+from studies.chain.source_powers import powers, with_available_power
 from studies.chain.warnings import warnings_of
 from studies.record import Record
 from studies.refusal import RunError, SceneError
@@ -133,14 +134,6 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
     begun = time.perf_counter()
     slider = scene.slider
     place = scene.stator.length / 2 if slider is None else slider.position
-    if scene.frequency == "center":
-        from studies.chain.center import center_frequency
-
-        try:
-            drive = replace(scene.drive, frequency=center_frequency(scene, place, progress=say))
-        except fem.ConvergenceError as error:
-            raise RunError(f"looking for the centre frequency: {error}") from None
-        scene = replace(scene, drive=drive)
     places = (place,) if slider is None else _places(place, slider)
     block, transducers = resolved.stator(scene.stator), resolved.transducers(scene)
 
@@ -188,6 +181,8 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
             if wave.relative_error >= before:
                 break
         blocks = _slider_blocks(answer, tolerance)
+    sources = powers(scene, wave)
+    blocks["points"] = with_available_power(blocks["points"], sources)
     record = Record(
         scene=scene,
         tolerance=tolerance,
@@ -202,6 +197,7 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
             "power_residual": wave.power_residual,
             "admittance_relative_error": wave.admittance_error,
         }
+        | sources
         | _several_sources(wave),
         left_out=driven_left_out(block, scene.frequency)
         + ring_up_left_out(scene, ringing, blocks.get("trajectories", ())),

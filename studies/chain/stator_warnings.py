@@ -95,7 +95,12 @@ def _off_resonance(record: Record) -> Iterator[str]:
     """Yield a warning where another frequency would give a larger wave, by coupled modes of the driven transducer."""
     scene = record.scene
     driven = _driven(scene)
-    if driven.pattern is not None or driven.split or scene.drive.source_impedance:
+    if (
+        driven.pattern is not None
+        or driven.split
+        or scene.drive.source_impedance
+        or scene.drive.match != "none"
+    ):
         return
     import numpy as np
 
@@ -117,8 +122,8 @@ def _off_resonance(record: Record) -> Iterator[str]:
         more = f"about {100 * (gain - 1):.0f} % larger" if gain < 10 else "ten times as large or more"
         yield (
             f"the drive is off the transducer's resonance: u_z would be {more} at {better:.4g} MHz "
-            f'(estimate by coupled modes): set drive.frequency = "{better:.4g} MHz" with '
-            f'period = "{driven.period * 1e3:.6g} mm", or scale the period by {present / frequencies[best]:.4f}'
+            f'(estimate by coupled modes): set drive.frequency = "center" with '
+            f'period = "{driven.period * 1e3:.6g} mm", or period = "auto"'
         )
 
 

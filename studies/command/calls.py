@@ -361,7 +361,7 @@ def _contents(scene: Scene) -> list[str]:
         thickness = block.thickness if isinstance(block.thickness, str) else f"{block.thickness * 1e3:g} mm"
         lines.append(f"stator      {material}, {block.orientation}, {block.length * 1e3:g} mm x {thickness}")
     for transducer in scene.transducer:
-        period = "auto" if transducer.period == "auto" else f"{transducer.period * 1e3:.6g} mm"
+        period = f"{transducer.period * 1e3:.6g} mm"
         driven = (
             _source(scene.drive.driven[transducer.name])
             if transducer.name in scene.drive.driven

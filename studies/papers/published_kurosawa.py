@@ -4,6 +4,7 @@ Every function takes a case: the values of what the paper states loosely or not 
 """
 
 import math
+from dataclasses import replace
 
 from studies.papers.published import KUROSAWA, NORMAL_DAMPING, TANGENTIAL_OVER_NORMAL
 
@@ -81,17 +82,14 @@ def per_volt(*, pairs: int, material: str) -> float:
 
     solid = fem.rotated(fem.material(material), "128YX")
     frequency = KUROSAWA["published"]["frequency_Hz"]
-    period = float(fem.automatic_period(solid, frequency, 0.5))
-    length = (pairs + 20) * period
-    stator = fem.Stator(solid=solid, length=length, thickness=math.inf, ends="absorbing")
-    transducer = fem.Transducer(
-        name="driven",
-        center=(pairs / 2 + 2) * period,
-        finger_pairs=pairs,
-        period=period,
-        metallisation=0.5,
-        aperture=9e-3,
+    stator = fem.Stator(solid=solid, length=1.0, thickness=math.inf, ends="absorbing")
+    row = fem.Transducer(
+        name="driven", center=0.5, finger_pairs=pairs, period=1.0, metallisation=0.5, aperture=9e-3
     )
+    period = fem.best_period(stator, row, frequency)
+    length = (pairs + 20) * period
+    stator = replace(stator, length=length)
+    transducer = replace(row, period=period, center=(pairs / 2 + 2) * period)
     place = length - 5 * period
     wave = fem.driven_wave(
         stator,

@@ -7,11 +7,13 @@ import sys
 from studies.chain.model_error import sentences
 from studies.record import Record
 from studies.report.measured import comparison_lines
+from studies.scene.match import ELEMENTS
 
 __all__ = ["answer", "points_table", "print_json", "table"]
 
 COLUMNS = (
     ("voltage (V)", "voltage_V", lambda value: f"{value:g}"),
+    ("available (W)", "available_power_W", lambda value: f"{value:.4g}"),
     ("u_z (nm)", "normal_amplitude_m", lambda value: f"{value * 1e9:.4g}"),
     ("u_x (nm)", "tangential_amplitude_m", lambda value: f"{value * 1e9:.4g}"),
     ("velocity (mm/s)", "velocity_m_per_s", lambda value: f"{value * 1e3:.5g}"),
@@ -91,7 +93,30 @@ def _wave(record: Record) -> list[str]:
         f"wave            {abs(wave['normal_m_per_V']) * 1e9:.4g} nm per V at the slider's place, "
         f"{wave['phase_velocity_m_per_s']:.6g} m/s, standing-wave ratio {wave['standing_wave_ratio']:.3g}",
         f"admittance      {admittance.real * 1e3:.4g} + {admittance.imag * 1e3:.4g}i mS",
+        *_source(record),
     ]
+
+
+def _source(record: Record) -> list[str]:
+    """Return the network's elements and where the available power goes, for a source with an impedance."""
+    electrical, match, lines = record.electrical, record.scene.drive.match, []
+    if match != "none":
+        parts = [f"{name} {size:.4g} {ELEMENTS[name]}" for (name, size), *_ in match]
+        lines.append("match           " + ", ".join(parts) + " (from the source to the transducer)")
+    available = electrical.get("power_available_W_per_V2")
+    if available is not None:
+        shares = {
+            "delivered": "power_W_per_V2",
+            "network": "power_network_W_per_V2",
+            "solid": "power_solid_W_per_V2",
+            "loads": "power_loads_W_per_V2",
+            "to the left": "power_radiated_left_W_per_V2",
+            "to the right": "power_radiated_right_W_per_V2",
+        }
+        text = ", ".join(f"{name} {100 * electrical[key] / available:.3g} %" for name, key in shares.items())
+        lines.append(f"power           of the available: {text}")
+        lines.append(f"electrodes      {abs(electrical['comb_voltage_per_volt']):.4g} V per V of the source")
+    return lines
 
 
 def _limits(record: Record) -> list[str]:

@@ -14,7 +14,7 @@ from studies.chain import run
 from studies.chain.driven_contact import DrivenContact
 from studies.record import Record
 from studies.refusal import RunError
-from studies.scene import Scene
+from studies.scene import Scene, resolved
 
 __all__ = ["Datasheet", "Row", "datasheet"]
 
@@ -24,6 +24,7 @@ STEPS = (1e-9, 1e-8, 1e-7)  # m
 SETTLED = 0.9  # of the steady velocity: the slider has started
 LONG = 8.0  # burst over the time in which friction alone would reach the steady velocity
 CONTACT_TOLERANCE = 1e-4
+CENTRE = 5e-4  # of the frequency of the strongest wave: a coarse discretisation (fem/solve/passband.py)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -283,11 +284,10 @@ def _resonances(record: Record, driven: DrivenContact, say) -> list[Row]:
     scene, contacts = record.scene, len(driven.orbits)
     rows = [Row(group="resonance", name="drive frequency", value=scene.frequency, unit="Hz")]
     if scene.transducer:
-        from studies.chain.center import ACCURACY, center_frequency
-
-        best = center_frequency(scene, scene.slider.position, progress=say)
-        rows.append(Row(group="resonance", name="frequency of the largest wave", value=best, unit="Hz", error=ACCURACY,
-                        condition="at the slider, fingers as they are"))  # fmt: skip
+        say("stator: looking for the strongest wave")
+        best = resolved.resolved(replace(scene, drive=replace(scene.drive, frequency="center"))).frequency
+        rows.append(Row(group="resonance", name="frequency of the strongest wave", value=best, unit="Hz", error=CENTRE,
+                        condition="per volt, sent by the driven fingers alone"))  # fmt: skip
     return [
         *rows,
         Row(group="resonance", name="bounce of the slider", value=driven.slider.normal_resonance(contacts), unit="Hz",

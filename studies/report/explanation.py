@@ -6,7 +6,7 @@ are counted and divided by one measured speed; the contact takes milliseconds fo
 followed event by event about 5e-5 s for each cycle of the wave.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from studies.chain import SHARE, slider_left_out
 from studies.chain.neglected import driven_left_out, free_left_out
@@ -139,13 +139,10 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[Part], list[str], floa
     """Return the parts of a driven stator, what they leave out, their operations, and the bytes of their blocks."""
     from fem import LEVELS, planned_levels, stator_size
 
-    about = scene
-    if scene.frequency == "center":  # the half-space's wave over the driven period
-        about = replace(scene, drive=replace(scene.drive, frequency=resolved.nominal_frequency(scene)))
-    stator, row = resolved.stator(about.stator), resolved.transducers(about)
+    stator, row = resolved.stator(scene.stator), resolved.transducers(scene)
     planned = planned_levels(stator, tolerance if scene.slider is None else tolerance * SHARE)
     sizes = {
-        k: stator_size(stator, row, frequency=about.frequency, resolution=LEVELS[k]) for k in {*planned, 1}
+        k: stator_size(stator, row, frequency=scene.frequency, resolution=LEVELS[k]) for k in {*planned, 1}
     }
     finest = sizes[planned[-1]]
     ends = (
@@ -166,11 +163,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[Part], list[str], floa
             levels=tuple(_level(sizes[k]) for k in planned),
         )
     ]  # fmt: skip
-    left_out, bands = [*driven_left_out(stator, about.frequency)], 0
-    if scene.frequency == "center":
-        bands += 1
-        how = "many frequencies of a band, then Brent's search for the largest amplitude"
-        parts.insert(0, Part(name="centre frequency", facts=(how,)))
+    left_out, bands = [*driven_left_out(stator, scene.frequency)], 0
     if scene.slider is not None and scene.burst is not None:
         rings = not any(abs(scene.slider.position - each.center) <= each.finger_pairs * each.period / 2
                         for each in scene.transducer)  # fmt: skip
@@ -227,8 +220,7 @@ def _contact(scene: Scene) -> Part:
     if not kernels.ready():
         facts.append(f"its kernels are compiled first, {kernels.how_often()}: about {COMPILE:g} s")
     if scene.burst is not None:
-        frequency = resolved.nominal_frequency(scene) if scene.frequency == "center" else scene.frequency
-        facts.append(f"burst: {scene.burst * frequency:.4g} cycles of the wave at each of them")
+        facts.append(f"burst: {scene.burst * scene.frequency:.4g} cycles of the wave at each of them")
     return Part(name="contact", equations=_contact_equations(slider), facts=tuple(facts))
 
 

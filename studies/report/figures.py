@@ -134,11 +134,31 @@ def velocity(record: Record, ax):
     if record.measured:
         _measured(record, ax, scale)
     ax.set_xlabel(unit)
+    _power_axis(record, ax)
     ax.set_ylabel("slider velocity (mm/s)")
     ax.set_title(record.scene.title, fontsize="medium", parse_math=False)
     ax.grid(alpha=0.3)
     legend_below(ax, columns=3)
     return ax
+
+
+def _power_axis(record: Record, ax) -> None:
+    """Put the source's available power on the upper axis, where it has a resistance."""
+    available = record.electrical.get("power_available_W_per_V2")
+    if available is None or not any(record.scene.levels):
+        return
+    import numpy as np
+    from matplotlib.ticker import MaxNLocator
+
+    def power(voltage):
+        return available * np.maximum(voltage, 0.0) ** 2
+
+    def voltage(power):
+        return np.sqrt(np.maximum(power, 0.0) / available)
+
+    upper = ax.secondary_xaxis("top", functions=(power, voltage))
+    upper.xaxis.set_major_locator(MaxNLocator(6))
+    upper.set_xlabel("available power (W)")
 
 
 def _measured(record: Record, ax, scale: float) -> None:

@@ -9,6 +9,7 @@ from typing import Annotated, ClassVar
 
 from studies.refusal import SceneError, nearest, shown
 from studies.scene.block import Block, OneOf, Within
+from studies.scene.match import Match
 from studies.scene.rule import Choice, Count, Flag, Impedance, Listed, Matrix, Quantity, Rule, Signs, Text
 from studies.scene.sources import Sources
 
@@ -160,8 +161,9 @@ class Transducer(Block):
     finger_pairs: Annotated[int, Count(100_000), "Number of periods: 10 pairs are 20 fingers."]
     period: Annotated[
         float | str,
-        Quantity("m", words=("auto",)),
-        "Length of two fingers and two gaps, one wavelength; auto: that of the wave at drive.frequency.",
+        Quantity("m", words=("auto", "half-space")),
+        "Length of two fingers and two gaps, one wavelength; auto: that of the strongest surface wave per volt "
+        "at drive.frequency, for these fingers alone; half-space: part metallised, without reflections.",
     ] = "auto"
     metallisation: Annotated[
         float, Quantity(below=1.0), "Width of a finger over the pitch (finger and gap), 0.001 to 0.999."
@@ -216,7 +218,8 @@ class Drive(Block):
     frequency: Annotated[
         float | str,
         Quantity("Hz", words=("center",)),
-        "Frequency of the source; center: that of the largest surface amplitude (needs a given period).",
+        "Frequency of the source; center: that of the strongest surface wave per volt, for the driven fingers alone "
+        "(needs a given period).",
     ]
     transducer: Annotated[
         str | None,
@@ -232,7 +235,12 @@ class Drive(Block):
     voltage: Annotated[
         tuple[float, ...] | None,
         Listed(Quantity("V", zero=True)),
-        "Peak voltage of the source, one value or a list; required when the scene has transducers.",
+        "Peak voltage of the source, one value or a list; it or power is required when the scene has transducers.",
+    ] = None
+    power: Annotated[
+        tuple[float, ...] | None,
+        Listed(Quantity("W", zero=True)),
+        "Instead of voltage: what the sources can give to matched loads, V^2 / (8 R) each with source_impedance R.",
     ] = None
     burst: Annotated[
         float | None, Quantity("s"), "Length of the driven interval. Absent: the steady state only."
@@ -240,6 +248,29 @@ class Drive(Block):
     source_impedance: Annotated[
         float | complex, Impedance(), "Impedance between each source and its transducer."
     ] = 0.0
+    match: Annotated[
+        str | tuple,
+        Match(),
+        "Network between each source and its transducer: the lossless L-section that delivers all available power "
+        "at drive.frequency (auto), or elements from the source to the transducer, Q their quality there.",
+    ] = "none"
+
+    def contradictions(self, unread):
+        """Ask for the level once; a power and a match need a source with a resistance."""
+        resistance = 0.0 if "source_impedance" in unread else complex(self.source_impedance).real
+        if "power" not in unread and self.power is not None:
+            if "voltage" not in unread and self.voltage is not None:
+                yield self.refusal("voltage", "must be absent with drive.power: it follows from the power")
+            if resistance == 0 and "source_impedance" not in unread:
+                rule = 'needs a drive.source_impedance with a resistance, such as "50 ohm", which limits the power'
+                yield self.refusal("power", rule)
+        if self.match == "auto" and "match" not in unread and "source_impedance" not in unread:
+            if resistance == 0:
+                rule = 'needs a drive.source_impedance with a resistance for "auto", such as "50 ohm"'
+                yield self.refusal("match", rule)
+            if "sources" not in unread and len(self.sources or ()) > 1:
+                rule = 'must be "none" or a ladder with several sources: what each should see depends on the others'
+                yield self.refusal("match", rule)
 
     def __post_init__(self):
         super().__post_init__()
@@ -253,6 +284,15 @@ class Drive(Block):
         if self.sources is not None:
             return dict(self.sources)
         return {} if self.transducer is None else {self.transducer: 1.0}
+
+    @property
+    def levels(self) -> tuple[float, ...]:
+        """Peak voltages of the source in V, those of the powers where these are given; empty without either."""
+        if self.power is None:
+            return self.voltage or ()
+        squares = sum(abs(amplitude) ** 2 for amplitude in self.driven.values())
+        per_watt = 8 * complex(self.source_impedance).real / squares
+        return tuple((per_watt * power) ** 0.5 for power in self.power)
 
 
 @dataclass(frozen=True, kw_only=True)

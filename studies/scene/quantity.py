@@ -22,6 +22,9 @@ DIMENSIONS = {
     "N": ("a force", "5 mN"),
     "V": ("a voltage", "10 V"),
     "ohm": ("an impedance", "50 ohm"),
+    "W": ("a power", "1 W"),
+    "H": ("an inductance", "2.6 uH"),
+    "F": ("a capacitance", "1 nF"),
     "Pa": ("a stiffness", "64 GPa"),
     "m/s": ("a velocity", "1 mm/s"),
     "m/s^2": ("an acceleration", "9.81 m/s^2"),
@@ -39,6 +42,9 @@ POWERS: dict[str, dict[str, int]] = {
     "N": {"kN": 3, "N": 0, "mN": -3, "uN": -6, "nN": -9},
     "V": {"kV": 3, "V": 0, "mV": -3},
     "ohm": {"ohm": 0, "kohm": 3, "Mohm": 6},
+    "W": {"kW": 3, "W": 0, "mW": -3, "uW": -6},
+    "H": {"H": 0, "mH": -3, "uH": -6, "µH": -6, "nH": -9},
+    "F": {"F": 0, "uF": -6, "µF": -6, "nF": -9, "pF": -12},
     "Pa": {"Pa": 0, "kPa": 3, "MPa": 6, "GPa": 9},
     "m/s": {"m/s": 0, "mm/s": -3, "um/s": -6},
     "m/s^2": {"m/s^2": 0, "m/s**2": 0},
@@ -55,6 +61,7 @@ CONFUSED = {  # prefixes that differ by their case alone, 10^9 apart: no motor h
     "kg": {"Mg": ("a tonne", "mg")},
     "s": {"Ms": ("megasecond", "ms")},
     "V": {"MV": ("megavolt", "mV")},
+    "W": {"MW": ("megawatt", "mW")},
     "N s/m": {"MN s/m": ("meganewton", "mN s/m")},
 }
 NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(\S.*?)?\s*", re.ASCII)

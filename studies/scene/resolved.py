@@ -1,19 +1,22 @@
 """A scene with numbers in place of words, and its stator as ``fem`` knows it.
 
-``period = "auto"``, ``preload = "weight"`` and ``ball = "steel"`` become numbers, so that the scene kept with
-a result runs again without asking anything.  What only the physics can refuse (a material, a layout) is
-refused here.
+``period = "auto"``, ``frequency = "center"``, ``preload = "weight"`` and ``ball = "steel"`` become numbers, so that
+the scene kept with a result runs again without asking anything.  What only the physics can refuse (a material, a
+layout) is refused here.
 """
 
+import math
 from contextlib import contextmanager
 from dataclasses import replace
 
 from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.scene.blocks import IsotropicSolid, PiezoelectricSolid, Slider, Stator
+from studies.scene.blocks import IsotropicSolid, PiezoelectricSolid, Slider, Stator, Transducer
 from studies.scene.endless import refuse_endless_burst
 
-__all__ = ["nominal_frequency", "resolved", "resolved_slider", "solid", "stator", "transducers"]
+MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 of the power
+
+__all__ = ["resolved", "resolved_slider", "solid", "stator", "transducers"]
 
 
 def resolved(scene: Scene) -> Scene:
@@ -24,14 +27,16 @@ def resolved(scene: Scene) -> Scene:
     SceneError
         If the material, the moduli or the layout are impossible.
     """
-    if scene.transducer and scene.frequency != "center":
-        scene = replace(scene, transducer=_with_periods(scene))
     if scene.stator is not None:
+        if scene.transducer:
+            scene = _with_source_numbers(scene)
         _check_layout(scene)
+        if scene.transducer:
+            scene = _with_circuit(scene)
     if scene.slider is None:
         return scene
     if scene.burst is not None:
-        refuse_endless_burst(scene, nominal_frequency(scene))
+        refuse_endless_burst(scene, scene.frequency)
     return replace(scene, slider=resolved_slider(scene.slider, scene.stator))
 
 
@@ -75,16 +80,6 @@ def solid(block: Stator):
         return fem.rotated(replace(crystal, **own) if own else crystal, block.orientation)
 
 
-def nominal_frequency(scene: Scene) -> float:
-    """Return the drive's frequency in Hz; for "center" that of the half-space's wave with the driven period."""
-    if scene.frequency != "center":
-        return scene.frequency
-    from fem import rayleigh
-
-    driven = next(each for each in scene.transducer if each.name == scene.drive.transducer)
-    return rayleigh(solid(scene.stator), "open").velocity / driven.period
-
-
 def stator(block: Stator):
     """Return the ``fem.Stator`` of a stator block."""
     import fem
@@ -103,57 +98,97 @@ def stator(block: Stator):
 
 def transducers(scene: Scene) -> tuple:
     """Return the ``fem.Transducer`` objects of a scene whose periods are numbers."""
+    with _refused("transducer"):
+        return tuple(_transducer(block, block.period) for block in scene.transducer)
+
+
+def _transducer(block: Transducer, period: float):
     import fem
 
-    with _refused("transducer"):
-        return tuple(
-            fem.Transducer(
-                name=block.name,
-                center=block.center,
-                finger_pairs=block.finger_pairs,
-                period=block.period,
-                metallisation=block.metallisation,
-                aperture=block.aperture,
-                termination=block.termination,
-                pattern=block.pattern,
-                split=block.split,
-            )
-            for block in scene.transducer
-        )
+    return fem.Transducer(
+        name=block.name,
+        center=block.center,
+        finger_pairs=block.finger_pairs,
+        period=period,
+        metallisation=block.metallisation,
+        aperture=block.aperture,
+        termination=block.termination,
+        pattern=block.pattern,
+        split=block.split,
+    )
 
 
 def drive(scene: Scene):
     """Return the ``fem.Drive`` of a scene with transducers."""
     from fem import Drive
 
-    return Drive(sources=scene.drive.driven, impedance=scene.drive.source_impedance)
+    return Drive(
+        sources=scene.drive.driven, impedance=scene.drive.source_impedance, match=_ladder(scene.drive.match)
+    )
 
 
-def _with_periods(scene: Scene) -> tuple:
-    if all(block.period != "auto" for block in scene.transducer):
-        return scene.transducer
-    from fem import automatic_period
+def _ladder(match: str | tuple) -> tuple:
+    """Return the ``fem.Element`` objects of a ladder as read."""
+    from fem import Element
 
-    rotated = solid(scene.stator)
-    with _refused("transducer.period"):
-        return tuple(
-            replace(block, period=float(automatic_period(rotated, scene.frequency, block.metallisation)))
-            if block.period == "auto"
-            else block
-            for block in scene.transducer
+    found = []
+    for each in () if isinstance(match, str) else match:
+        name, value = each[0]
+        place, kind = name.split("_")
+        found.append(Element(place=place, kind=kind, value=value, quality=dict(each).get("Q", math.inf)))
+    return tuple(found)
+
+
+def _with_circuit(scene: Scene) -> Scene:
+    """Find the voltages of given powers, and the elements of an automatic match from the stator's admittance."""
+    import fem
+
+    found = {} if scene.drive.power is None else {"voltage": scene.drive.levels, "power": None}
+    if scene.drive.match == "auto":
+        row, name = transducers(scene), scene.drive.transducer
+        ports = fem.port_admittance(
+            stator(scene.stator), row, frequency=scene.frequency, tolerance=MATCH_TOLERANCE
         )
+        load = fem.solve_circuit(ports.matrix, ports.names, row, name, scene.frequency).admittance
+        with _refused("drive.match"):
+            ladder = fem.best_match(complex(scene.drive.source_impedance), load, scene.frequency)
+        found["match"] = tuple(((f"{each.place}_{each.kind}", each.value),) for each in ladder) or "none"
+    return replace(scene, drive=replace(scene.drive, **found)) if found else scene
+
+
+def _with_source_numbers(scene: Scene) -> Scene:
+    """Find the automatic periods, or the drive's frequency, of the strongest surface wave (fem/solve/passband.py)."""
+    import fem
+
+    block = stator(scene.stator)
+    if "phi" not in fem.fields(block.solid):
+        rule = f"must be absent on {block.solid.name}: it is not piezoelectric in this orientation"
+        raise SceneError("transducer", rule)
+    with _refused("drive.frequency"):
+        if scene.frequency == "center":
+            driven = next(each for each in scene.transducer if each.name == scene.drive.transducer)
+            frequency = fem.best_frequency(block, _transducer(driven, driven.period))
+            return replace(scene, drive=replace(scene.drive, frequency=frequency))
+
+    def with_period(each: Transducer) -> Transducer:
+        if not isinstance(each.period, str):
+            return each
+        if each.period == "auto" and each.has_two_combs:
+            found = fem.best_period(block, _transducer(each, 1.0), scene.frequency)
+        else:
+            found = fem.automatic_period(block.solid, scene.frequency, each.metallisation)
+        return replace(each, period=float(found))
+
+    with _refused("transducer.period"):
+        return replace(scene, transducer=tuple(with_period(each) for each in scene.transducer))
 
 
 def _check_layout(scene: Scene) -> None:
     import fem
 
     block = stator(scene.stator)
-    if scene.transducer and "phi" not in fem.fields(block.solid):
-        rule = f"must be absent on {block.solid.name}: it is not piezoelectric in this orientation"
-        raise SceneError("transducer", rule)
     with _refused("transducer"):
-        if all(transducer.period != "auto" for transducer in scene.transducer):
-            fem.check_layout(block, transducers(scene))
+        fem.check_layout(block, transducers(scene))
 
 
 def _losses(block, *names: str) -> dict[str, float]:

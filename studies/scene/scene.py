@@ -128,7 +128,7 @@ class Scene(Block):
     @property
     def levels(self) -> tuple[float, ...]:
         """Peak voltages in V, or given normal amplitudes in m; empty for a free wave."""
-        return self.wave.normal_amplitude if self.wave is not None else self.drive.voltage or ()
+        return self.wave.normal_amplitude if self.wave is not None else self.drive.levels
 
     @property
     def frequency(self) -> float | str:
@@ -170,7 +170,10 @@ class Scene(Block):
             yield self.refusal("drive", rule)
             return
         names = [transducer.name for transducer in self.transducer]
-        for key in ("transducer", "voltage"):
+        level = "voltage" if drive.power is None else "power"
+        if drive.match != "none" and not names:
+            yield self.refusal("drive.match", "must be absent without a [[transducer]]: nothing is driven")
+        for key in ("transducer", level):
             given = getattr(drive, key) is not None
             if given and not names and not (key == "transducer" and drive.sources is not None):
                 rule = "must be absent without a [[transducer]]: nothing is driven"
@@ -198,8 +201,10 @@ class Scene(Block):
             rule = 'must be a number in Hz without a transducer, got "center"'
             yield self.refusal("drive.frequency", rule)
         for index, transducer in enumerate(self.transducer):
-            if transducer.period == "auto":
-                rule = 'must be a length in m where drive.frequency is "center", got "auto"'
+            if isinstance(transducer.period, str):
+                rule = (
+                    f'must be a length in m where drive.frequency is "center", got {shown(transducer.period)}'
+                )
                 yield self.refusal(f"transducer.{index}.period", rule)
 
     def _of_transducers(self) -> Iterator[SceneError]:
@@ -212,7 +217,7 @@ class Scene(Block):
             if transducer.aperture > self.stator.width:
                 rule = f"must be at most stator.width, {self.stator.width:g} m, got {transducer.aperture:g} m"
                 yield self.refusal(f"{at}.aperture", rule)
-            known = 0.0 if transducer.period == "auto" else transducer.period
+            known = 0.0 if isinstance(transducer.period, str) else transducer.period
             gap = (1 - transducer.metallisation) * transducer.finger_pairs / transducer.fingers
             half = known * (transducer.finger_pairs - gap) / 2
             left, right = transducer.center - half, transducer.center + half

@@ -51,8 +51,7 @@ def run(
 
     if scene.stator is None:
         scene.refuse("stator", "is missing: a given wave has no section to guide it")
-    if scene.frequency == "center":
-        scene.refuse("drive.frequency", 'must be a number in Hz for this study, got "center"')
+    scene = resolved.resolved(scene)
     stator, drive = resolved.stator(scene.stator), scene.frequency
     frequencies = np.linspace(LOWEST, HIGHEST, count) * drive
     progress(f"{count} frequencies of {scene.title}")

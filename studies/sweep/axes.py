@@ -102,7 +102,8 @@ def level_key(table: dict) -> str | None:
     """Return the key that says how hard a scene is driven; None for a free wave."""
     if "wave" in table:
         return "wave.normal_amplitude"
-    return "drive.voltage" if table.get("transducer") else None
+    level = "power" if "power" in table.get("drive", {}) else "voltage"
+    return f"drive.{level}" if table.get("transducer") else None
 
 
 def rule_at(key: str):

@@ -7,7 +7,7 @@ list of them is the last axis.  A design is never spelled out: a million points 
 import hashlib
 import json
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice, product
 
 from studies.refusal import SceneError
@@ -197,26 +197,18 @@ def _question(table, axes, tolerance, also) -> Question:
         key
         for key in keys
         if key.startswith(("stator.", "transducer.", "drive."))
-        and key not in ("drive.voltage", "drive.burst")
+        and key not in ("drive.voltage", "drive.power", "drive.burst")
     )
     design = Design(question=question, axes=axes)
     moved = tuple(key for key in PLACE_KEYS if key in keys)
     places = _places(table, moved, design.distinct(moved))
     columns = dict(zip(keys, (column for each in axes for column in each.columns), strict=True))
     frequencies = set(columns.get("drive.frequency", ()))
-    if "center" in frequencies or table.get("drive", {}).get("frequency") == "center" or not places:
+    if not places:
         own, places = own + moved, places if not moved else ()
     usable = sorted(each for each in frequencies if isinstance(each, float) and each > 0)
     band = (usable[0], usable[-1]) if len(usable) >= FEWEST else ()
-    return Question(
-        table=table,
-        keys=keys,
-        tolerance=tolerance,
-        also=also,
-        source_keys=own,
-        places=places,
-        frequencies=band,
-    )
+    return replace(question, source_keys=own, places=places, frequencies=band)
 
 
 def _places(table, moved, rows) -> tuple[float, ...]:

@@ -8,13 +8,13 @@ stator, the next answer is ten times better: which of the ``STEPS`` a point uses
 import json
 import os
 import time
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from functools import lru_cache
 
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene, resolved
 from studies.sweep.design import Question, contact_places
-from studies.sweep.source import Source
+from studies.sweep.source import Source, reason
 from studies.sweep.variation import Variation
 
 __all__ = ["SHARE", "STEPS", "keep_to", "serves_band", "solved_sources", "variation"]
@@ -97,7 +97,7 @@ def goal(question: Question, step: int) -> float:
 
 def serves_band(question: Question) -> bool:
     """Return whether the transducers stay what they are while the frequency moves, over enough frequencies."""
-    kept = all(each.get("period", "auto") != "auto" for each in question.table["transducer"])
+    kept = not any(isinstance(each.get("period", "auto"), str) for each in question.table["transducer"])
     return bool(question.frequencies) and kept and not any(key.endswith(".period") for key in question.keys)
 
 
@@ -108,21 +108,11 @@ def _answer(question: Question, name: str, step: int) -> Source:
     try:
         scene = variation(question).source(values)
         places = _places(question, scene, values)
-        if scene.frequency == "center":
-            from studies.chain.center import center_frequency
-
-            frequency = center_frequency(scene, places[0], progress=_silent)
-            scene = replace(scene, drive=replace(scene.drive, frequency=frequency))
         return _solved(question, name, step, scene, places)
-    except SceneError as error:
-        reason = f"refused: {error}"
-    except (RunError, fem.ConvergenceError) as error:
-        reason = f"no answer: {error}"
-    except MemoryError:
-        reason = "no answer: the stator needs more memory than the worker has"
     except Exception as error:
-        reason = f"no answer: a defect of sawmotor: {type(error).__name__}: {error}"
-    return Source(name=name, step=step, reason=" ".join(reason.split()))
+        if isinstance(error, fem.ConvergenceError):
+            error = RunError(str(error))
+        return Source(name=name, step=step, reason=reason(error))
 
 
 def _values(name: str) -> dict:
@@ -210,7 +200,14 @@ class _Fixed:
     def __init__(self, scene: Scene):
         self.scene = scene
         drive = scene.drive
-        self._own = (scene.stator, scene.transducer, drive.transducer, drive.sources, drive.source_impedance)
+        self._own = (
+            scene.stator,
+            scene.transducer,
+            drive.transducer,
+            drive.sources,
+            drive.source_impedance,
+            drive.match,
+        )
 
     def __eq__(self, other):
         return self._own == other._own

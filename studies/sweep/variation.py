@@ -54,7 +54,10 @@ class Variation:
         if scene.burst is not None:
             return resolved(scene)
         if scene.stator is not None:
-            found["transducer"] = self._resolved_source(*_source_blocks(scene)).transducer
+            source = self._resolved_source(*_source_blocks(scene))
+            found["transducer"] = source.transducer
+            if scene.transducer:
+                found["drive"] = replace(source.drive, voltage=scene.levels, burst=scene.drive.burst)
         if scene.slider is not None:
             stator = None if scene.slider.ball is None else scene.stator
             found["slider"] = self._resolved_slider(scene.slider, stator)
@@ -77,7 +80,8 @@ class Variation:
             if not key.startswith("slider."):
                 table = replaced(table, key, value)
         table = replaced(replaced(table, "drive.voltage", 1.0), "title", "")
-        table["drive"].pop("burst", None)
+        for key in ("burst", "power"):
+            table["drive"].pop(key, None)
         return resolved(Scene.from_table("", table))
 
     def _blocks(self, values) -> dict:
@@ -112,7 +116,7 @@ def _source_blocks(scene: Scene) -> tuple:
 
 @lru_cache(KEPT)
 def _at_one_volt(drive: Drive) -> Drive:
-    return replace(drive, voltage=None if drive.voltage is None else (1.0,), burst=None)
+    return replace(drive, voltage=(1.0,) if drive.levels else None, power=None, burst=None)
 
 
 def _resolved_source(stator, transducer, drive) -> Scene:

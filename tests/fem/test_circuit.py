@@ -7,17 +7,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fem.circuit import Drive, solve_circuit
+from fem.circuit import Drive, Element, best_match, carried, solve_circuit
 from fem.geometry import Transducer
 
 A = Transducer(name="a", center=0.1, finger_pairs=1, period=1e-3, metallisation=0.5, aperture=0.02)
 B = replace(A, name="b", center=0.2)
+FREQUENCY = 2.2e6
 Y = np.array([[3e-3 + 8e-3j, -1e-3 + 5e-4j], [-1e-3 + 5e-4j, 2e-3 + 6e-3j]])
 
 
 def seen(termination, source_impedance=0.0, matrix=Y):
     drive = Drive(sources={"a": 1.0}, impedance=source_impedance)
-    return solve_circuit(matrix, ("a", "b"), (A, replace(B, termination=termination)), drive)
+    return solve_circuit(matrix, ("a", "b"), (A, replace(B, termination=termination)), drive, FREQUENCY)
 
 
 def test_open_and_short():
@@ -69,10 +70,14 @@ SOURCES = {"a": 0.7 - 0.2j, "b": 0.5j}
 @pytest.mark.parametrize("impedance", [0.0, 50.0 + 10.0j])
 def test_two_sources_are_the_sum_of_two_runs(impedance):
     """Each source alone, the other one's voltage zero but its impedance there: their sum is both at once."""
-    both = solve_circuit(Y, ("a", "b"), (A, B), Drive(sources=SOURCES, impedance=impedance))
+    both = solve_circuit(Y, ("a", "b"), (A, B), Drive(sources=SOURCES, impedance=impedance), FREQUENCY)
     alone = [
         solve_circuit(
-            Y, ("a", "b"), (A, B), Drive(sources=dict.fromkeys(SOURCES, 0) | {name: 1.0}, impedance=impedance)
+            Y,
+            ("a", "b"),
+            (A, B),
+            Drive(sources=dict.fromkeys(SOURCES, 0) | {name: 1.0}, impedance=impedance),
+            FREQUENCY,
         )
         for name in SOURCES
     ]
@@ -85,7 +90,7 @@ def test_two_sources_are_the_sum_of_two_runs(impedance):
 def test_a_source_of_zero_is_a_load():
     """Amplitude 0 behind an impedance is that impedance; the admittance is that of the source that is on."""
     drive = Drive(sources={"b": 0.0, "a": 1.0}, impedance=50.0)
-    found, loaded = solve_circuit(Y, ("a", "b"), (A, B), drive), seen(50.0, 50.0)
+    found, loaded = solve_circuit(Y, ("a", "b"), (A, B), drive, FREQUENCY), seen(50.0, 50.0)
     assert found.voltages == pytest.approx(loaded.voltages, rel=1e-14)
     assert found.admittance == pytest.approx(loaded.admittance, rel=1e-13)
     assert found.aperture == A.aperture
@@ -106,6 +111,77 @@ def test_impossible_sources_are_refused(sources, message):
 
 def test_only_transducers_with_two_electrodes_are_driven():
     with pytest.raises(ValueError, match="must have two combs, but 'b' has not"):
-        solve_circuit(Y[:1, :1], ("a",), (A, replace(B, pattern="++")), "b")
+        solve_circuit(Y[:1, :1], ("a",), (A, replace(B, pattern="++")), "b", FREQUENCY)
     with pytest.raises(ValueError, match=r"the driven transducer must be one of a, b, got 'c'"):
-        solve_circuit(Y, ("a", "b"), (A, B), "c")
+        solve_circuit(Y, ("a", "b"), (A, B), "c", FREQUENCY)
+
+
+LADDERS = [
+    (),
+    (
+        Element(place="series", kind="L", value=2.6e-6, quality=80.0),
+        Element(place="shunt", kind="C", value=1e-9),
+    ),
+    (
+        Element(place="shunt", kind="R", value=300.0),
+        Element(place="series", kind="C", value=2e-9, quality=200.0),
+        Element(place="shunt", kind="L", value=3e-6, quality=50.0),
+    ),
+]
+
+
+@pytest.mark.parametrize("ladder", LADDERS)
+@pytest.mark.parametrize("impedance", [50.0, 20.0 - 70.0j, 0.0])
+def test_a_ladder_is_the_nodal_equations_of_its_elements(ladder, impedance):
+    """Against Kirchhoff's current law at every node, the source as its Norton equivalent behind 1e-9 ohm at least."""
+    source = impedance or 1e-9
+    admittance = seen("open").admittance
+    nodes, at = np.zeros((len(ladder) + 1, len(ladder) + 1), dtype=complex), 0
+    nodes[0, 0] = 1 / source
+    for element in ladder:
+        y = 1 / element.impedance(2 * np.pi * FREQUENCY)
+        if element.place == "shunt":
+            nodes[at, at] += y
+        else:
+            nodes[at : at + 2, at : at + 2] += y * np.array([[1, -1], [-1, 1]])
+            at += 1
+    nodes[at, at] += admittance
+    potentials = np.linalg.solve(nodes[: at + 1, : at + 1], np.eye(at + 1)[0] / source)
+    drive = Drive(sources={"a": 1.0}, impedance=impedance, match=ladder)
+    found = solve_circuit(Y, ("a", "b"), (A, B), drive, FREQUENCY)
+    assert found.voltages[0] == pytest.approx(potentials[at], rel=1e-6)
+    assert found.admittance == pytest.approx(admittance, rel=1e-12)
+
+
+@pytest.mark.parametrize("ladder", LADDERS)
+def test_the_sources_powers_add_up(ladder):
+    """Given = lost in source and ladder + into the transducers; what is available bounds what is delivered."""
+    drive = Drive(sources=SOURCES, impedance=50.0 + 10.0j, match=ladder)
+    found = solve_circuit(Y, ("a", "b"), (A, B), drive, FREQUENCY)
+    powers = found.network
+    assert powers.given == pytest.approx(powers.in_sources + powers.in_ladders + found.power, rel=1e-13)
+    assert powers.available == pytest.approx((abs(0.7 - 0.2j) ** 2 + 0.25) / 400.0, rel=1e-14)
+    assert powers.in_ladders > 0 or not ladder
+    assert found.power < powers.available
+
+
+@given(
+    resistance=st.floats(1, 500),
+    reactance=st.floats(-300, 300),
+    conductance=st.floats(1e-5, 0.1),
+    susceptance=st.floats(-0.1, 0.1),
+)
+def test_the_best_match_delivers_all_available_power(resistance, reactance, conductance, susceptance):
+    source, load = complex(resistance, reactance), complex(conductance, susceptance)
+    ladder = best_match(source, load, FREQUENCY)
+    assert len(ladder) <= 2
+    voltage, current, lost = carried(ladder, 2 * np.pi * FREQUENCY, 1.0, load)
+    assert lost == 0
+    assert voltage / current == pytest.approx(source.conjugate(), rel=1e-9)
+
+
+def test_a_match_needs_a_resistance_and_a_load():
+    with pytest.raises(ValueError, match="needs a source with a resistance, got 0"):
+        best_match(0j, 1e-3 + 1e-3j, FREQUENCY)
+    with pytest.raises(ValueError, match="needs a load that takes power"):
+        best_match(50 + 0j, 1e-3j, FREQUENCY)

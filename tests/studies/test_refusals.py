@@ -190,7 +190,7 @@ def test_python_construction_is_refused_in_the_same_words():
                 "transducer.0.period=1 mm",
                 "transducer.1.period=1 mm",
             ],
-            ["drive.burst", "367 s", "got 3600 s"],
+            ["drive.burst", "370 s", "got 3600 s"],
         ),
     ],
 )

@@ -5,15 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem import ConvergenceError
+from fem import ConvergenceError, automatic_period, best_frequency, best_period
 from studies import Scene
 from studies.chain import run
-from studies.chain.center import center_frequency
 from studies.chain.spectrum import Response, response, spectrum
-from studies.refusal import RunError
 from studies.scene import read_table
 from studies.scene.override import assigned
-from studies.scene.resolved import resolved
+from studies.scene.resolved import resolved, stator, transducers
 
 
 def quiet(text):
@@ -94,46 +92,33 @@ def test_a_wide_range_is_cut_into_bands_that_meet(monkeypatch):
     assert all(2 * (high - low) / (high + low) <= 0.5 for low, high in asked)
 
 
-@pytest.mark.parametrize("ends", ["absorbing", pytest.param("free", marks=pytest.mark.slow)])
-def test_the_centre_is_the_largest_of_a_scan(ends):
-    """The surface mode's amplitude, against single solves over the lobe and close by."""
-    scene = resolved(chip("drive.frequency=center", f"stator.ends={ends}"))
-    found = center_frequency(scene, 20e-3, progress=quiet)
-    alone = replace(prepared(scene, 0.9 * found, 1.1 * found), bands=())
-
-    def size(frequency):
-        return abs(spectrum(scene, alone, [frequency], 20e-3).rayleigh_normal[0])
-
-    best = size(found)
-    for offset in (-0.03, 0.007):
-        assert size(found * (1 + offset)) < best
-    for offset in (-1e-3, 1e-3):
-        assert size(found * (1 + offset)) < best * (1 + 1e-6)
-
-
 def test_the_centre_of_a_run_is_a_number_in_its_scene():
     record = run(chip("drive.frequency=center", "transducer.0.pattern=+-+-+-+-+-"), tolerance=3e-2)
     assert record.scene.frequency == record.wave["frequency_Hz"]
     assert record.scene.frequency == pytest.approx(2.17e6, rel=2e-2)  # v / period, v = 2170 m/s
 
 
-def test_a_lobe_beyond_the_range_is_refused(monkeypatch):
-    from types import SimpleNamespace
+def test_the_centre_is_that_of_the_lone_transducer():
+    """Free ends and the slider's place leave it; the studies and sweeps take the same number."""
+    scene = resolved(chip("drive.frequency=center"))
+    assert resolved(chip("drive.frequency=center", "stator.ends=free")).frequency == scene.frequency
+    block, (row,) = stator(scene.stator), transducers(scene)
+    assert scene.frequency == best_frequency(block, row)
 
-    import studies.chain.center as center
 
-    rising = SimpleNamespace(
-        waves=lambda frequencies, drive: [
-            SimpleNamespace(
-                covered=lambda place: False, rayleigh_motion=lambda place, f=f: np.array([0.0, f])
-            )
-            for f in frequencies
-        ],
-        limits=(1.7e6, 2.6e6),
+def test_periods_that_are_words():
+    """auto: the strongest wave; half-space, and a row of one comb: the half-space's rule."""
+    words = (
+        chip("transducer.0.period=auto").transducer[0],
+        chip("transducer.0.period=half-space").transducer[0],
     )
-    monkeypatch.setattr(center, "response", lambda *arguments, **rest: rising)
-    with pytest.raises(RunError, match=r"no maximum between 1\.7 and 2\.6 MHz: give drive\.frequency"):
-        center_frequency(resolved(chip("drive.frequency=center")), 20e-3, progress=quiet)
+    comb = replace(words[0], name="comb", center=16e-3, pattern="+" * 10, termination="open")
+    rule_row = replace(words[1], name="rule", center=24e-3)
+    found = resolved(replace(chip(), transducer=(words[0], comb, rule_row))).transducer
+    block = stator(chip().stator)
+    assert found[1].period == found[2].period == automatic_period(block.solid, 2.17e6, 0.5)
+    assert found[0].period == best_period(block, transducers(resolved(chip()))[0], 2.17e6)
+    assert found[0].period != found[1].period
 
 
 def test_a_frequency_at_which_the_band_fails_is_solved_by_itself():

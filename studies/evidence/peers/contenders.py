@@ -66,7 +66,9 @@ def _direct(problem: Problem, *, order: int, edge_layers: int):
             stretch_size=1.0,
         )
         driven = problem.transducers[0].name
-        wired = solve_circuit(solution.admittances, solution.names, problem.transducers, driven)
+        wired = solve_circuit(
+            solution.admittances, solution.names, problem.transducers, driven, problem.frequency
+        )
         motion = solution.surface(np.array([problem.place]))[:, 0] @ wired.voltages
         return wired.admittance, motion, solution.unknowns
 

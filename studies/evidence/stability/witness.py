@@ -98,7 +98,9 @@ def _direct(motor, _) -> tuple[complex, np.ndarray]:
         stretch_size=0.25,
         stretch_layers=3,
     )
-    wired = solve_circuit(solution.admittances, solution.names, motor.transducers, motor.drive)
+    wired = solve_circuit(
+        solution.admittances, solution.names, motor.transducers, motor.drive, motor.frequency
+    )
     return wired.admittance, solution.surface(np.array([motor.place]))[:, 0] @ wired.voltages
 
 

@@ -1,8 +1,9 @@
 """The electrical circuit of a stator: sources, terminations and impedances at the ports of its admittance matrix.
 
 With I = Y V (currents into the positive electrodes), a source of voltage S behind an impedance Z obeys V + Z I = S, a
-loaded transducer V + Z I = 0, a short one V = 0, an open one I = 0.  This is the only module that knows which
-transducers are driven: everything below it solves for unit voltage at every port.
+loaded transducer V + Z I = 0, a short one V = 0, an open one I = 0.  Behind a ladder with V' = A V + B I and
+I' = C V + D I at the source's end it is V' + Z I' = S.  This is the only module that knows which transducers are
+driven: everything below it solves for unit voltage at every port.
 """
 
 from collections.abc import Mapping
@@ -10,6 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fem.circuit.ladder import Ladder, carried
 from fem.geometry import Transducer
 
 
@@ -23,6 +25,8 @@ class Drive:
         By name of the transducer: amplitude and phase of its source relative to the drive voltage.
     impedance : complex
         Of each source, ohm.
+    match : tuple of Element
+        Ladder between each source and its transducer, from the source on.
 
     Examples
     --------
@@ -32,6 +36,7 @@ class Drive:
 
     sources: Mapping[str, complex]
     impedance: complex = 0.0
+    match: Ladder = ()
 
     def __post_init__(self):
         if not self.sources:
@@ -51,6 +56,26 @@ def as_drive(drive: "str | Drive") -> Drive:
 
 
 @dataclass(frozen=True, kw_only=True)
+class SourcePowers:
+    """Powers on the sources' side of the driven transducers, W per V^2 of the drive (peak).
+
+    Attributes
+    ----------
+    available : float
+        The largest that the sources can give to anything; infinite for one without resistance.
+    given : float
+        By the voltage sources.
+    in_sources, in_ladders : float
+        Lost in the sources' impedances and in the elements of the ladders; the rest enters the transducers.
+    """
+
+    available: float
+    given: float
+    in_sources: float
+    in_ladders: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Circuit:
     """Voltages and currents of all ports, per volt of the drive (peak).
 
@@ -65,6 +90,8 @@ class Circuit:
     aperture : float
         Of its transducer, m.
     drive : Drive
+    network : SourcePowers
+        What the sources give and lose on the way.
     """
 
     names: tuple[str, ...]
@@ -73,6 +100,7 @@ class Circuit:
     sources: tuple[int, ...]
     aperture: float
     drive: Drive
+    network: SourcePowers
 
     @property
     def admittance(self) -> complex:
@@ -104,7 +132,11 @@ class Circuit:
 
 
 def solve_circuit(
-    admittances: np.ndarray, names: tuple[str, ...], transducers: tuple[Transducer, ...], drive: str | Drive
+    admittances: np.ndarray,
+    names: tuple[str, ...],
+    transducers: tuple[Transducer, ...],
+    drive: str | Drive,
+    frequency: float,
 ) -> Circuit:
     """Solve for the voltages of all ports.
 
@@ -117,6 +149,8 @@ def solve_circuit(
     transducers : tuple of Transducer
         All of them, with the terminations of those that are not driven.
     drive : str or Drive
+    frequency : float
+        Hz, for the elements of a ladder.
 
     Returns
     -------
@@ -134,24 +168,47 @@ def solve_circuit(
             raise ValueError(f"the driven transducer must be one of {', '.join(everyone)}, got {name!r}")
         if name not in names:
             raise ValueError(f"the driven transducer must have two combs, but {name!r} has not")
-    size = len(names)
+    size, omega = len(names), 2 * np.pi * frequency
+    # V' + Z I' at the source's end for V = 1 and for I = 1
+    across, along = (
+        ends[0] + drive.impedance * ends[1]
+        for ends in (carried(drive.match, omega, *unit) for unit in ((1.0, 0.0), (0.0, 1.0)))
+    )
     system, source = np.eye(size, dtype=complex), np.zeros(size, dtype=complex)
     for row, name in enumerate(names):
         termination = everyone[name].termination
         if name in drive.sources:
-            system[row] += drive.impedance * admittances[row]
+            system[row] = across * system[row] + along * admittances[row]
             source[row] = drive.sources[name]
         elif termination == "open":
             system[row] = admittances[row] / abs(admittances[row, row])
         elif termination != "short":
             system[row] += termination * admittances[row]
     voltages = np.linalg.solve(system, source)
+    currents = admittances @ voltages
     by_amplitude = sorted(drive.sources, key=lambda name: drive.sources[name] == 0)
+    driven = [names.index(name) for name in by_amplitude]
+    into_ladders = carried(drive.match, omega, voltages[driven], currents[driven])
+    amplitudes = np.array([drive.sources[name] for name in by_amplitude])
     return Circuit(
         names=names,
         voltages=voltages,
-        currents=admittances @ voltages,
-        sources=tuple(names.index(name) for name in by_amplitude),
+        currents=currents,
+        sources=tuple(driven),
         aperture=everyone[by_amplitude[0]].aperture,
         drive=drive,
+        network=_source_powers(drive, amplitudes, *into_ladders[1:]),
+    )
+
+
+def _source_powers(drive: Drive, amplitudes, currents, in_ladders) -> SourcePowers:
+    """Return the powers of sources whose ladders take these voltages and currents at the source's end."""
+    resistance = drive.impedance.real
+    squares = float(np.sum(abs(amplitudes) ** 2))
+    given = 0.5 * np.sum((amplitudes * currents.conj()).real)
+    return SourcePowers(
+        available=squares / (8 * resistance) if resistance > 0 else np.inf,
+        given=float(given),
+        in_sources=float(0.5 * resistance * np.sum(abs(currents) ** 2)),
+        in_ladders=float(np.sum(in_ladders)),
     )

@@ -1,0 +1,151 @@
+"""Ladders of lumped elements between a source and a transducer, and the L-section that matches the two.
+
+An element in series has an impedance Z, one across the line an admittance 1/Z; L: i omega L (1 - i/Q), C:
+(1 + i/Q) / (i omega C), both with a series resistance; R.  Voltage and current are carried from the transducer's
+electrodes to the source, element by element, each with the power that it takes (Pozar, *Microwave Engineering*, 4th
+ed., 2012, section 4.4; matching by an L-section: section 5.1).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, kw_only=True)
+class Element:
+    """A lumped element of a ladder.
+
+    Attributes
+    ----------
+    place : str
+        "series" or "shunt" (across the line).
+    kind : str
+        "L", "C" or "R".
+    value : float
+        H, F or ohm; positive.
+    quality : float
+        Reactance over series resistance, at the frequency in question; of L and C.
+    """
+
+    place: str
+    kind: str
+    value: float
+    quality: float = np.inf
+
+    def __post_init__(self):
+        if self.place not in ("series", "shunt") or self.kind not in ("L", "C", "R"):
+            raise ValueError(f"an element must be a series or shunt L, C or R, got {self.place}_{self.kind}")
+        if not (np.isfinite(self.value) and self.value > 0 and self.quality > 0):
+            raise ValueError(f"an element must have a positive value and quality, got {self}")
+
+    def impedance(self, omega: float) -> complex:
+        """Impedance in ohm at an angular frequency in rad/s."""
+        if self.kind == "R":
+            return complex(self.value)
+        reactance = omega * self.value if self.kind == "L" else -1 / (omega * self.value)
+        return complex(abs(reactance) / self.quality, reactance)
+
+
+Ladder = tuple[Element, ...]
+
+
+def carried(ladder: Ladder, omega: float, voltage, current) -> tuple:
+    """Carry voltage and current (V, A; scalars or arrays) from the transducer's end of a ladder to the source's.
+
+    Returns
+    -------
+    voltage, current
+        At the source's end.
+    lost : float or ndarray
+        Mean power taken by the elements, W.
+    """
+    lost = 0.0
+    for element in reversed(ladder):
+        impedance = element.impedance(omega)
+        if element.place == "series":
+            lost = lost + 0.5 * impedance.real * abs(current) ** 2
+            voltage = voltage + impedance * current
+        else:
+            through = voltage / impedance
+            lost = lost + 0.5 * impedance.real * abs(through) ** 2
+            current = current + through
+    return voltage, current, lost
+
+
+def best_match(source: complex, admittance: complex, frequency: float) -> Ladder:
+    """Return the lossless L-section that matches a source to a load at one frequency.
+
+    Of the up to four sections that let the load take all available power, the one that stores the least energy: it has
+    the widest band and loses least in real elements.
+
+    Parameters
+    ----------
+    source : complex
+        Impedance of the source, ohm.
+    admittance : complex
+        Of the load, S.
+    frequency : float
+        Hz.
+
+    Returns
+    -------
+    tuple of Element
+        From the source to the load.
+
+    Raises
+    ------
+    ValueError
+        If the source has no resistance or the load takes no power.
+
+    Examples
+    --------
+    >>> from fem import best_match
+    >>> for element in best_match(50 + 0j, 7.27e-3 + 26.98e-3j, 2.2e6):
+    ...     print(f"{element.place}_{element.kind} {element.value:.4g}")
+    shunt_L 1.73e-06
+    series_L 1.092e-06
+    """
+    if not source.real > 0:
+        raise ValueError(f"a match needs a source with a resistance, got {source:g} ohm")
+    if not admittance.real > 0:
+        raise ValueError(f"a match needs a load that takes power, got an admittance of {admittance:g} S")
+    omega, found = 2 * np.pi * frequency, []
+    # Seen towards the load the section must be the conjugate of the source's impedance.
+    for susceptance in _partners(admittance.real, source.real):  # shunt at the load, then series
+        seen = 1 / complex(admittance.real, susceptance)
+        found.append((("series", -source.imag - seen.imag), ("shunt", susceptance - admittance.imag)))
+    load, inner = 1 / admittance, 1 / source
+    for reactance in _partners(load.real, inner.real):  # series at the load, then shunt
+        seen = 1 / complex(load.real, reactance)
+        found.append((("shunt", -inner.imag - seen.imag), ("series", reactance - load.imag)))
+    return min((_ladder(pair, omega) for pair in found), key=lambda each: _stored(each, omega, admittance))
+
+
+def _partners(part: float, wanted: float) -> tuple[float, ...]:
+    """Return x of both signs with Re 1/(part + i x) = wanted, or none."""
+    square = part / wanted - part**2
+    return () if square < 0 else (np.sqrt(square), -np.sqrt(square))
+
+
+def _ladder(pair, omega: float) -> Ladder:
+    """Return the elements of reactances (series, ohm) and susceptances (shunt, S); vanishing ones are left out."""
+    elements = []
+    for place, value in pair:
+        if value == 0:
+            continue
+        inductive = (value > 0) == (place == "series")
+        size = abs(value) if place == "series" else 1 / abs(value)
+        kind, amount = ("L", size / omega) if inductive else ("C", 1 / (omega * size))
+        elements.append(Element(place=place, kind=kind, value=float(amount)))
+    return tuple(elements)
+
+
+def _stored(ladder: Ladder, omega: float, admittance: complex) -> float:
+    """Return the reactive power of all elements for unit power in the load."""
+    voltage = np.sqrt(2 / admittance.real)
+    total, current = 0.0, voltage * admittance
+    for element in reversed(ladder):
+        reactance = abs(element.impedance(omega))
+        total += abs(current) ** 2 * reactance if element.place == "series" else abs(voltage) ** 2 / reactance
+        voltage, current, _ = carried((element,), omega, voltage, current)
+    return total
