@@ -85,17 +85,12 @@ def figure(record: Panel, ax):
     """Draw a quantity against load."""
     import numpy as np
 
-    from studies.report.figures import COLOURS, legend_below
+    from studies.report.figures import COLOURS, finished
 
     data = record.data
     palette = [COLOURS["stick"], COLOURS["slip"], COLOURS["second"], COLOURS["intermittent"], COLOURS["line"]]
     for (name, load), colour in zip(data["load_N"].items(), palette, strict=False):
         values = np.asarray(data["value"][name]) * data["factor"]
         ax.plot(np.asarray(load) * 1e6, values, ".-", color=colour, linewidth=1, markersize=4, label=name)
-    ax.set_xlabel("load (\u00b5N)")
-    ax.set_ylabel(data["axis"])
-    ax.set_title(record.title, fontsize="medium")
     ax.set_ylim(bottom=0)
-    ax.grid(alpha=0.3)
-    legend_below(ax, columns=3)
-    return ax
+    return finished(ax, "load (\u00b5N)", data["axis"], record.title, columns=3)

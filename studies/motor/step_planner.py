@@ -147,7 +147,7 @@ def figure(record: Panel, ax):
     """Draw distance against cycles; what was planned as crosses."""
     import numpy as np
 
-    from studies.report.figures import COLOURS, legend_below, logarithmic
+    from studies.report.figures import COLOURS, finished, logarithmic
 
     data = record.data
     palette = [COLOURS["stick"], COLOURS["slip"], COLOURS["second"], COLOURS["intermittent"]]
@@ -169,9 +169,4 @@ def figure(record: Panel, ax):
         ax.plot([], [], "x", color=COLOURS["line"], markersize=6, label=f"planned for {steps} nm")
     logarithmic(ax.xaxis)
     logarithmic(ax.yaxis)
-    ax.set_xlabel("cycles of the wave")
-    ax.set_ylabel(data["axis"])
-    ax.set_title(record.title, fontsize="medium")
-    ax.grid(alpha=0.3)
-    legend_below(ax, columns=5)
-    return ax
+    return finished(ax, "cycles of the wave", data["axis"], record.title, columns=5)

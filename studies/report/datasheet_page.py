@@ -6,7 +6,7 @@ from studies.chain.model_error import sentences
 from studies.record import provenance
 from studies.report import rendered
 from studies.report.datasheet import SETTLED, Datasheet, Row
-from studies.report.figures import COLOURS, as_svg, legend_below, velocity
+from studies.report.figures import COLOURS, as_svg, finished, velocity
 from studies.report.intermediate import si
 from studies.report.limits import model_limits
 
@@ -88,14 +88,9 @@ def load_lines(sheet: Datasheet, ax):
             linewidth=1,
             label=name,
         )
-    ax.set_xlabel("load (\u00b5N)")
-    ax.set_ylabel("speed (mm/s)")
-    ax.set_title("speed against load", fontsize="medium")
     ax.set_xlim(left=0)
     ax.set_ylim(bottom=0)
-    ax.grid(alpha=0.3)
-    legend_below(ax)
-    return ax
+    return finished(ax, "load (\u00b5N)", "speed (mm/s)", "speed against load")
 
 
 def start_and_stop(sheet: Datasheet, ax):
@@ -107,12 +102,9 @@ def start_and_stop(sheet: Datasheet, ax):
     ax.axhline(
         share, color=COLOURS["stick"], linestyle="--", linewidth=1, label=f"{SETTLED:.0%} of the speed"
     )
-    ax.set_xlabel("time (ms)")
-    ax.set_ylabel("slider velocity (mm/s)")
-    ax.set_title(f"start and stop at {sheet.driven.named(sheet.rated)}", fontsize="medium")
-    ax.grid(alpha=0.3)
-    legend_below(ax)
-    return ax
+    return finished(
+        ax, "time (ms)", "slider velocity (mm/s)", f"start and stop at {sheet.driven.named(sheet.rated)}"
+    )
 
 
 def _written(row: Row) -> dict:

@@ -84,7 +84,7 @@ def run(
 @of_record
 def figure(record: Panel, ax):
     """Draw conductance and susceptance, computed points and estimated lines."""
-    from studies.report.figures import COLOURS, legend_below
+    from studies.report.figures import COLOURS, finished
 
     data = record.data
     at = data["frequency_Hz"] / 1e6
@@ -100,9 +100,4 @@ def figure(record: Panel, ax):
     ):
         ax.plot(at, data[part] * 1e3, "o", color=COLOURS[colour], markersize=3, label=label)
         ax.plot(at, data[theory] * 1e3, "-", color=COLOURS[colour], linewidth=1, label=line)
-    ax.set_xlabel("frequency (MHz)")
-    ax.set_ylabel("admittance (mS)")
-    ax.set_title(record.title, fontsize="medium")
-    ax.grid(alpha=0.3)
-    legend_below(ax, columns=2)
-    return ax
+    return finished(ax, "frequency (MHz)", "admittance (mS)", record.title, columns=2)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from studies.chain import bridge
 from studies.refusal import RunError, SceneError
+from studies.report.figures import refuse_without_toolkit
 from studies.report.files import write_columns
 from studies.scene import Scene
 from studies.view import movie
@@ -126,11 +127,7 @@ def _window(found, title: str) -> None:
     from matplotlib import pyplot
     from matplotlib.animation import FuncAnimation
 
-    if pyplot.get_backend().lower() == "agg":
-        raise RunError(
-            "a window of the contact needs a toolkit that matplotlib can use: pip install PySide6; --screenshot FILE, "
-            "--movie FILE and --html FILE need none"
-        )
+    refuse_without_toolkit("a window of the contact", "--screenshot, --movie and --html FILE need none")
     figure = pyplot.figure(figsize=(9.0, 4.6), layout="constrained")
     figure, show = slow_motion(found, title, FRAMES, figure)
     figure.animation = FuncAnimation(figure, show, frames=FRAMES, interval=1000 / RATE)
