@@ -45,6 +45,7 @@ _HOME = {
     "isotropic_about_normal": "beam.line_source",
     "LEVELS": "discretize.refinement",
     "material": "materials",
+    "medium": "materials.medium",
     "one_blas_thread": "threads",
     "outer_gaps": "geometry",
     "planned_levels": "discretize.refinement",
