@@ -33,7 +33,7 @@ def test_aperture_against_the_scalar_angular_spectrum(motor, distance, ratio):
     assert fresnel_ratio(motor, place) == pytest.approx(ratio, abs=0.05)
     wave = motor.surface_wave
     beam = fem.surface_beam(wave).motion(place)
-    assert abs(beam[2] / wave.motion(place)[1]) == pytest.approx(ratio, abs=0.03)
+    assert abs(beam[2] / wave.motion(place)[1]) == pytest.approx(ratio, abs=0.05)
 
 
 def test_aperture_and_side_faces_of_the_seed(motor):
