@@ -87,7 +87,7 @@ def _aperture(record: Record) -> Iterator[NeglectedEffect]:
     if any(wave.covered(place) for place in x):
         return
     try:
-        if motion.beam is None and default_refusal(resolved.stator(record.scene.stator)):
+        if motion.beam is None and default_refusal(wave.solution.fields.stator):
             raise fem.BeamError("no field in three dimensions without seconds of work")
         beam = motion.beam or fem.surface_beam(wave)
         with_aperture = beam.motion(x, y)
