@@ -43,7 +43,7 @@ class LateralRule:
 
 
 def lateral_rule(
-    highest: float, reach: float, distance: float, mirror_width: float | None = None
+    highest: float, reach: float, fade: tuple[float, float], mirror_width: float | None = None
 ) -> LateralRule:
     """Nodes and weights of the integral over k_y.
 
@@ -53,8 +53,8 @@ def lateral_rule(
         Square root of the largest real part of k_p^2, rad/m: beyond it all modes are evanescent along x.
     reach : float
         Half the aperture and the largest |y| together, m.
-    distance : float
-        From the nearest charge to the nearest point along x, m; a length over which the field is not resolved nearer.
+    fade : tuple of float
+        Lateral wavenumbers, rad/m, between which the integrand is faded out.
     mirror_width : float, optional
         Distance in m of two faces y = const that reflect; the rule is then the exact sum and has no coarser one.
 
@@ -63,22 +63,26 @@ def lateral_rule(
     LateralRule
     """
     if mirror_width is not None:
-        fade, top = (float(np.hypot(highest, each / distance)) for each in EVANESCENT)
-        nodes = np.arange(int(top * mirror_width / (2 * np.pi)) + 1) * (2 * np.pi / mirror_width)
-        weights = 2 / mirror_width * _faded(nodes, fade, top)
+        nodes = np.arange(int(fade[1] * mirror_width / (2 * np.pi)) + 1) * (2 * np.pi / mirror_width)
+        weights = 2 / mirror_width * _faded(nodes, *fade)
         weights[0] *= 0.5
         return LateralRule(nodes=nodes, weights=weights)
     offset = min(GROWTH / reach, MAX_TILT * highest)
     scale = 3.0 * offset
-    fade, top = (float(np.hypot(highest, each / distance)) + scale for each in EVANESCENT)
-    count = 2 * int(np.ceil(top / (SPACING * offset) / 2))
-    t = np.linspace(0.0, top, count + 1)
-    weights = t[1] / np.pi * _faded(t, fade, top)
+    start, stop = (each + scale for each in fade)
+    count = 2 * int(np.ceil(stop / (SPACING * offset) / 2))
+    t = np.linspace(0.0, stop, count + 1)
+    weights = t[1] / np.pi * _faded(t, start, stop)
     weights[0] *= 0.5
     tilt = np.tanh(t / scale)
     return LateralRule(
         nodes=t + 1j * offset * tilt, weights=weights * (1.0 + 1j * (offset / scale) * (1.0 - tilt**2))
     )
+
+
+def evanescent(highest: float, distance: float) -> tuple[float, float]:
+    """Lateral wavenumbers between which all that is left at a distance in m fades out."""
+    return tuple(float(np.hypot(highest, each / distance)) for each in EVANESCENT)
 
 
 def _faded(t: np.ndarray, start: float, stop: float) -> np.ndarray:

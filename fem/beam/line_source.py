@@ -15,16 +15,43 @@ k_y^2)^(1/2), and its residue's share of u_z becomes k_p / kappa_p, of u_x 1 and
 u_z and u_x at k_y = 0.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
+from fem.beam.lateral import LateralRule, evanescent, lateral_rule
 from fem.materials import Solid, rotated
 from fem.waveguide.modes import GuidedModes
 
 SYMMETRY = 1e-9  # of the moduli, to which a solid must be isotropic about z
+LOCAL = 12.0  # exponent over a wavelength by which a mode decays that nothing sideways reaches
 KEPT = 1e-12  # share of a mode's amplitude that must be left at the nearest point for it to count
 GENERIC_TURN = 33.0  # degrees; no crystal class has such an axis
+
+
+class Branch(NamedTuple):
+    """Waves to one side at the nodes of a rule for the lateral wavenumber.
+
+    Attributes
+    ----------
+    side : int
+        1 for x beyond the charge, -1 for x before it.
+    rule : LateralRule
+    along : ndarray, shape (modes, n)
+        kappa, rad/m: the phase grows as exp(-i kappa |x|).
+    motion : ndarray, shape (3, modes, n)
+        u_x, u_y, u_z at the surface, m per C/m.
+    signs : tuple
+        Signs of k_y that the branch serves, and the factors of u_x, u_y and u_z for each.
+    """
+
+    side: int
+    rule: LateralRule
+    along: np.ndarray
+    motion: np.ndarray
+    signs: tuple
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,8 +60,8 @@ class LineSource:
 
     Attributes
     ----------
-    numbers : ndarray of int, shape (modes,)
-        Of the modes in `GuidedModes`.
+    surface : ndarray of bool, shape (modes,)
+        Which modes are the surface wave.
     wavenumbers : ndarray, shape (modes,)
         rad/m; no zero among them.
     amplitudes : ndarray, shape (modes,)
@@ -45,23 +72,52 @@ class LineSource:
         u_x of the pole at k = 0, m per C/m; 0 where the section is grounded.
     """
 
-    numbers: np.ndarray = field(repr=False)
+    surface: np.ndarray = field(repr=False)
     wavenumbers: np.ndarray = field(repr=False)
     amplitudes: np.ndarray = field(repr=False)
     tangential: np.ndarray = field(repr=False)
     normal: np.ndarray = field(repr=False)
     static: complex
 
-    def lasting(self, distance: float, decay: float = np.inf) -> np.ndarray:
-        """Indices of the modes that keep 1e-12 over a distance (m) and decay less than exp(-``decay``) a metre."""
-        rate = -self.wavenumbers.imag
-        return np.flatnonzero((rate * distance < -np.log(KEPT)) & (rate < decay))
+    @property
+    def surface_mode(self) -> "LineSource":
+        """The surface wave alone."""
+        fields = ("surface", "wavenumbers", "amplitudes", "tangential", "normal")
+        return LineSource(**{name: getattr(self, name)[self.surface] for name in fields}, static=0.0)
 
-    def turned(self, modes: np.ndarray, lateral: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Some modes at other lateral wavenumbers: kappa_p, shape (modes, n), and u_x, u_y, u_z, shape (3, modes, n).
+    def branches(
+        self, reach: float, distance: float, resolved: float, mirror_width: float | None
+    ) -> Iterator[Branch]:
+        """Waves to both sides, at points beyond a distance from the charges and up to a lateral reach (m).
 
-        Of waves to the right and k_y as given; u_y turns its sign with k_y, u_x to the left.
+        Modes that decay by exp(-12) or more over the length ``resolved`` are left out.
         """
+        highest = float(np.sqrt((self.wavenumbers**2).real.max()))
+        rule = lateral_rule(highest, reach, evanescent(highest, max(distance, resolved)), mirror_width)
+        backward = self.wavenumbers.real < 0
+        lasting = self._lasting(distance, resolved)
+        for modes, contour in ((lasting & ~backward, rule), (lasting & backward, rule.conjugate)):
+            along, motion = self._turned(modes, contour.nodes)
+            if mirror_width is not None and contour is rule:  # the pole at k = 0, kappa = -i k_y
+                pole = np.zeros((3, 1, len(contour.nodes)), dtype=complex)
+                pole[0], pole[1] = self.static, 1j * self.static * (contour.nodes > 0)
+                along, motion = (
+                    np.vstack([along, -1j * contour.nodes]),
+                    np.concatenate([motion, pole], axis=1),
+                )
+            yield from _both_sides(contour, along, motion)
+
+    def plane(self, resolved: float) -> Iterator[Branch]:
+        """The same modes where nothing depends on y; one node of the weight 1."""
+        rule = LateralRule(nodes=np.zeros(1), weights=np.ones(1))
+        yield from _both_sides(rule, *self._turned(self._lasting(0.0, resolved), rule.nodes))
+
+    def _lasting(self, distance: float, resolved: float) -> np.ndarray:
+        rate = -self.wavenumbers.imag
+        return (rate * distance < -np.log(KEPT)) & (rate * resolved < LOCAL)
+
+    def _turned(self, modes: np.ndarray, lateral: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Modes at other lateral wavenumbers: kappa_p, shape (modes, n), and u to the right, shape (3, modes, n)."""
         k = self.wavenumbers[modes, None]
         along = np.where(k.real < 0, -1, 1) * np.sqrt(k**2 - lateral**2)
         along[along.imag > 0] *= -1
@@ -70,23 +126,12 @@ class LineSource:
             [tangential, tangential * (lateral / along), self.normal[modes, None] * (k / along)]
         )
 
-    def with_static(self, along, motion, lateral) -> tuple[np.ndarray, np.ndarray]:
-        """Append the pole at k = 0, kappa = -i k_y, to modes at real lateral wavenumbers that begin with 0."""
-        pole = np.zeros((3, 1, len(lateral)), dtype=complex)
-        pole[0], pole[1] = self.static, 1j * self.static * (lateral > 0)
-        return np.vstack([along, -1j * lateral]), np.concatenate([motion, pole], axis=1)
 
-    def of_modes(self, numbers: np.ndarray) -> "LineSource":
-        """Some modes alone, by their numbers in `GuidedModes`."""
-        some = np.isin(self.numbers, numbers)
-        return LineSource(
-            numbers=self.numbers[some],
-            wavenumbers=self.wavenumbers[some],
-            amplitudes=self.amplitudes[some],
-            tangential=self.tangential[some],
-            normal=self.normal[some],
-            static=0.0,
-        )
+def _both_sides(rule: LateralRule, along, motion) -> Iterator[Branch]:
+    """Waves to the right and, mirrored, to the left; u_y turns its sign with k_y."""
+    signs = ((1, np.ones(3)), (-1, np.array([1, -1, 1])))
+    yield Branch(1, rule, along, motion, signs)
+    yield Branch(-1, rule, along, motion * np.array([-1, 1, 1])[:, None, None], signs)
 
 
 def isotropic_about_normal(solid: Solid) -> bool:
@@ -136,7 +181,7 @@ def line_source(modes: GuidedModes) -> LineSource:
     amplitudes = scale * modes.right_amplitudes(line - slope * linear)[moving]
     tangential, normal = section.surface_rows @ modes.right[:, moving]
     return LineSource(
-        numbers=moving,
+        surface=np.isin(moving, modes.rayleigh),
         wavenumbers=modes.wavenumbers[moving] / section.length_unit,
         amplitudes=amplitudes,
         tangential=tangential * amplitudes,

@@ -16,7 +16,7 @@ power.
 
 import numpy as np
 
-from fem.beam.lateral import lateral_rule
+from fem.beam.lateral import evanescent, lateral_rule
 from fem.waveguide.network import PortSolution, Scatterer
 from fem.waveguide.port_fields import PortFields, connected
 
@@ -45,9 +45,8 @@ def aperture_coupling(
     -------
     ndarray, shape (modes,)
     """
-    rule = lateral_rule(
-        float(np.sqrt((wavenumbers**2).real.max())), (sender + receiver) / 2, distance, mirror_width
-    )
+    highest = float(np.sqrt((wavenumbers**2).real.max()))
+    rule = lateral_rule(highest, (sender + receiver) / 2, evanescent(highest, distance), mirror_width)
     out = np.empty(len(wavenumbers), dtype=complex)
     for some, one, sign in (
         (wavenumbers.real >= 0, rule, 1),

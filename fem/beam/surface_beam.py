@@ -22,8 +22,8 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.beam.charges import ElectrodeCharges, electrode_charges
-from fem.beam.lateral import lateral_rule
-from fem.beam.line_source import LineSource, isotropic_about_normal, line_source
+from fem.beam.cut_source import CutSource, cut_source
+from fem.beam.line_source import Branch, LineSource, isotropic_about_normal, line_source
 from fem.beam.reception import with_apertures
 from fem.circuit import Circuit
 from fem.results.solution import Solution, driven_solution
@@ -33,7 +33,6 @@ GROUPS = (
     1.0,
     8.0,
 )  # wavelengths from the charges between which points share a rule; nothing nearer is resolved in y
-LOCAL = 12.0  # exponent over the first of these by which a mode decays that nothing sideways reaches
 RULE_GAIN = 1.5  # power of the coarse rule's error that bounds the fine one's; 1.8 measured, 2 in theory
 STATIC_CHUNK = 2000  # points at a time whose distances to all fingers are tabulated
 SAME_STEP = 1e-15  # m: steps from node to node that differ by less share their phases
@@ -53,7 +52,7 @@ class SurfaceBeam:
         Of the section.
     circuit : Circuit
         Voltages and currents with each transducer receiving the mean of the beams over its aperture.
-    source : LineSource
+    source : LineSource or CutSource
     charges : tuple of ElectrodeCharges
         Of each transducer from left to right.
     apertures : tuple of float
@@ -71,7 +70,7 @@ class SurfaceBeam:
 
     wave: SurfaceWave
     circuit: Circuit
-    source: LineSource = field(repr=False)
+    source: LineSource | CutSource = field(repr=False)
     charges: tuple[ElectrodeCharges, ...] = field(repr=False)
     apertures: tuple[float, ...]
     mirror_width: float | None = None
@@ -98,27 +97,26 @@ class SurfaceBeam:
         return self._both_rules(x, y)[0]
 
     def relative_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
-        """Estimate of the error over max(|u_x|, |u_z|) at each point: the integral's, and the section's.
+        """Estimate of the error over max(|u_x|, |u_z|) at each point: the integral's, the section's, the modes'.
 
         The integral's follows from half as many nodes.  The section's error is relative to the section's amplitude,
-        which interference may make larger than the beam's.
+        which interference may make larger than the beam's.  The modes' is what the sum of the modes at k_y = 0 leaves
+        of the section's motion; nearer than a wavelength to the fingers, and where the surface wave alone is followed,
+        the field contains it as far as the aperture goes.
         """
         fine, coarse = self._both_rules(x, y)
         size = abs(fine[[0, 2]]).max(axis=0)
         largest = float(size.max())
         rule = (abs(fine - coarse).max(axis=0) / largest) ** RULE_GAIN * largest / size
-        section = abs(self.wave.motion(np.broadcast_arrays(x, y)[0])).max(axis=0)
-        return rule + self.wave.relative_error * np.maximum(1.0, section / size)
+        places, where = np.unique(np.broadcast_arrays(x, y)[0], return_inverse=True)
+        section = abs(self.wave.motion(places)).max(axis=0)[where.reshape(size.shape)]
+        left_out = abs(self._beyond_the_modes(places)).max(axis=0)[where.reshape(size.shape)]
+        return rule + (np.maximum(size, section) * self.wave.relative_error + left_out) / size
 
     @property
     def surface_mode(self) -> "SurfaceBeam":
         """The part of the field that the surface wave alone carries."""
-        modes = self.wave.solution.fields.modes.rayleigh
-        return replace(self, source=self.source.of_modes(modes), complete=False)
-
-    @property
-    def _wavelength(self) -> float:
-        return self.wave.phase_velocity / self.wave.frequency
+        return replace(self, source=self.source.surface_mode, complete=False)
 
     @cached_property
     def _nodes(self) -> "_Nodes":
@@ -135,12 +133,12 @@ class SurfaceBeam:
         nodes = self._nodes.x
         after = np.searchsorted(nodes, x).clip(1, len(nodes) - 1)
         distance = np.minimum(abs(x - nodes[after - 1]), abs(x - nodes[after]))
-        group = np.searchsorted(np.multiply(GROUPS, self._wavelength), distance)
+        group = np.searchsorted(np.divide(GROUPS, GROUPS[0]) * self._resolved, distance)
         total = np.empty((2, 3, len(x)), dtype=complex)
         for number in np.unique(group):
             some = group == number
             total[..., some] = self._modal(x[some], y[some], float(distance[some].min()))
-            if number == 0 and self.complete:
+            if self.complete and (number == 0 or self._follows_one_mode):
                 total[..., some] += self._local(x[some], y[some])
         if self.mirror_width is None:
             total += self._static(x, y)
@@ -155,49 +153,47 @@ class SurfaceBeam:
 
     def _modal(self, x, y, distance: float) -> np.ndarray:
         """Sum of the modes at points that are at least a distance from all charges, by both rules, (2, 3, points)."""
-        source, resolved = self.source, max(distance, GROUPS[0] * self._wavelength)
-        chosen = source.lasting(distance, self._least_lasting)
-        highest = float(np.sqrt((source.wavenumbers**2).real.max()))
-        reach = max(self.apertures) / 2 + abs(y).max()
-        rule = lateral_rule(highest, reach, resolved, self.mirror_width)
-        backward = source.wavenumbers[chosen].real < 0
         places, column = np.unique(x, return_inverse=True)
         lines, row = np.unique(y, return_inverse=True)
         total = np.zeros((2, 3, len(x)), dtype=complex)
-        for modes, contour in ((chosen[~backward], rule), (chosen[backward], rule.conjugate)):
-            if not len(modes):
-                continue
-            along, motion = source.turned(modes, contour.nodes)
-            if self.mirror_width is not None and not backward[chosen == modes[0]]:
-                along, motion = source.with_static(along, motion, contour.nodes)
-            spectra = [each * np.sinc(contour.nodes * each / (2 * np.pi)) for each in self.apertures]
-            sent = _sent(self._nodes, along, motion, places, spectra)
-            phases = np.outer(contour.nodes, lines)
-            even, odd = np.cos(phases), -1j * np.sin(phases)
-            for coarse, step in ((0, 1), (1, 1 if self.mirror_width is not None else 2)):
-                weighted = sent[..., ::step] * (step * contour.weights[::step])
-                for place in range(len(places)):
-                    here = np.flatnonzero(column == place)
-                    for part, lateral in ((0, even), (1, odd), (2, even)):
-                        total[coarse, part, here] += weighted[place, part] @ lateral[::step, row[here]]
+        reach = max(self.apertures) / 2 + abs(y).max()
+        for branch in self.source.branches(reach, distance, self._resolved, self.mirror_width):
+            lateral, weights = branch.rule.nodes, branch.rule.weights / 2
+            spectra = [each * np.sinc(lateral * each / (2 * np.pi)) for each in self.apertures]
+            sent = _sent(self._nodes, branch, places, spectra)
+            for sign, factors in branch.signs:
+                phases = np.exp(-1j * sign * np.outer(lateral, lines))
+                for coarse, step in ((0, 1), (1, 1 if self.mirror_width is not None else 2)):
+                    weighted = factors[:, None] * sent[..., ::step] * (step * weights[::step])
+                    for place in range(len(places)):
+                        here = np.flatnonzero(column == place)
+                        total[coarse][:, here] += weighted[place] @ phases[::step, row[here]]
         return total
 
     def _local(self, x, y) -> np.ndarray:
         """What the section has beyond the modes above, within the aperture of the nearest transducer, (3, points)."""
         places, column = np.unique(x, return_inverse=True)
-        nodes, source = self._section_nodes, self.source
-        along, motion = source.turned(source.lasting(0.0, self._least_lasting), np.zeros(1))
-        sent = _sent(nodes, along, motion, places, np.ones((len(self.apertures), 1)))[..., 0]
+        nodes = self._section_nodes
+        nearest = nodes.owner[abs(places[:, None] - nodes.x).argmin(axis=1)]
+        within = abs(y) < np.divide(self.apertures, 2)[nearest[column]]
+        return np.insert(self._beyond_the_modes(places), 1, 0.0, axis=0)[:, column] * within
+
+    def _beyond_the_modes(self, places) -> np.ndarray:
+        """Motion of the section less that of the modes at k_y = 0 from the same charges, shape (2, places)."""
+        nodes, source, ones = self._section_nodes, self.source, np.ones((len(self.apertures), 1))
+        sent = sum(_sent(nodes, branch, places, ones) for branch in source.plane(self._resolved))[..., 0]
         to_the_left = np.append(0.0, np.cumsum(nodes.charge))[np.searchsorted(nodes.x, places, side="right")]
         rest = self.wave.motion(places) - sent.T[[0, 2]]
         rest[0] -= source.static * (2 * to_the_left - nodes.charge.sum())
-        nearest = nodes.owner[abs(places[:, None] - nodes.x).argmin(axis=1)]
-        within = abs(y) < np.divide(self.apertures, 2)[nearest[column]]
-        return np.insert(rest, 1, 0.0, axis=0)[:, column] * within
+        return rest
 
     @property
-    def _least_lasting(self) -> float:
-        return LOCAL / (GROUPS[0] * self._wavelength)
+    def _follows_one_mode(self) -> bool:
+        return isinstance(self.source, CutSource) and bool(self.source.followed)
+
+    @property
+    def _resolved(self) -> float:
+        return GROUPS[0] * self.wave.phase_velocity / self.wave.frequency
 
     def _static(self, x, y) -> np.ndarray:
         """Field of the pole at k = 0, where kappa = -i |k_y|, in closed form, shape (3, points).
@@ -241,16 +237,9 @@ def _nodes_of(charges: tuple[ElectrodeCharges, ...]) -> _Nodes:
     )
 
 
-def _sent(nodes: _Nodes, along, motion, places, spectra) -> np.ndarray:
-    """Spectra of u at places from all charges, shape (places, 3, n)."""
-    mirrored = motion * np.array([-1, 1, 1])[:, None, None]
-    return _from_side(nodes, along, motion, places, spectra, 1) + _from_side(
-        nodes, along, mirrored, places, spectra, -1
-    )
-
-
-def _from_side(nodes: _Nodes, along, motion, places, spectra, side: int) -> np.ndarray:
-    """Spectra of u at places from the charges on one side (1: to their left), shape (places, 3, n)."""
+def _sent(nodes: _Nodes, branch: Branch, places, spectra) -> np.ndarray:
+    """Spectra of u at places from the charges that send a branch there, shape (places, 3, n)."""
+    side, along = branch.side, branch.along
     x, places = side * nodes.x[::side], side * places[::side]
     counts = np.searchsorted(x, places, side="right" if side > 0 else "left")
     out = np.zeros((len(places), 3, len(spectra[0])), dtype=complex)
@@ -266,7 +255,7 @@ def _from_side(nodes: _Nodes, along, motion, places, spectra, side: int) -> np.n
         arrived += charge * spectra[owner]
         for place in np.flatnonzero(counts == number + 1):
             further = np.exp(-1j * along * (places[place] - x[number]))
-            out[place] = np.sum(motion * (arrived * further), axis=1)
+            out[place] = np.sum(branch.motion * (arrived * further), axis=1)
     return out[::side]
 
 
@@ -276,7 +265,8 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     Parameters
     ----------
     wave : SurfaceWave
-        Of `fem.driven_wave`, ends absorbing, the solid isotropic about z.
+        Of `fem.driven_wave`, ends absorbing.  Unless the solid is isotropic about z the first evaluation takes some
+        seconds, for an eigenvalue problem at every lateral wavenumber, and transducers receive as in the section.
     mirror_width : float, optional
         Distance in m of two side faces that reflect like mirrors (u_y = 0, no shear traction); without, the stator is
         infinitely wide.  The true, free faces lie between neither: the difference bounds how much the width matters.
@@ -288,27 +278,24 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     Raises
     ------
     BeamError
-        For other cuts and ends, and a width smaller than an aperture.
+        For other ends, and a width smaller than an aperture.
     """
     solution = wave.solution
     stator = solution.fields.stator
     if stator.ends != "absorbing":
         raise BeamError(f"the field in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}")
-    if not isotropic_about_normal(stator.solid):
-        raise BeamError(
-            f"the field in three dimensions needs a solid isotropic about z, which {stator.solid.name} is not"
-        )
     apertures = tuple(each.aperture for each in solution.fields.transducers)
     if mirror_width is not None and not max(apertures) <= mirror_width < np.inf:
         raise BeamError(
             f"mirror_width must be at least the largest aperture, {max(apertures):g} m, got {mirror_width!r}"
         )
-    if len(apertures) > 1:
+    isotropic = isotropic_about_normal(stator.solid)
+    if isotropic and len(apertures) > 1:
         solution = driven_solution(with_apertures(solution.fields, mirror_width), solution.circuit.drive)
     return SurfaceBeam(
         wave=wave,
         circuit=solution.circuit,
-        source=line_source(solution.fields.modes),
+        source=line_source(solution.fields.modes) if isotropic else cut_source(solution.fields),
         charges=_charges_of(solution),
         apertures=apertures,
         mirror_width=mirror_width,

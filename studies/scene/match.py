@@ -44,12 +44,8 @@ class Match(Rule):
 
     def schema(self):
         """Return the words or the list of tables."""
-        number = {"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"}]}
-        element = {
-            "type": "object",
-            "properties": {name: number for name in (*ELEMENTS, "Q")},
-            "additionalProperties": False,
-        }
+        keys = {name: Quantity(unit).schema() for name, unit in ELEMENTS.items()} | {"Q": Quantity().schema()}
+        element = {"type": "object", "properties": keys, "additionalProperties": False}
         return {"anyOf": [{"enum": ["none", "auto"]}, {"type": "array", "minItems": 1, "items": element}]}
 
 

@@ -30,7 +30,12 @@ def schema() -> dict:
         {"required": ["ball"]},
         {"required": ["effective_modulus", "tangential_modulus"]},
     ]
-    drive["dependentRequired"] = {"transducer": ["voltage"], "voltage": ["transducer"]}
+    driven = {"anyOf": [{"required": ["transducer"]}, {"required": ["sources"]}]}
+    drive["oneOf"] = [
+        {"required": ["voltage"], "properties": {"power": False}, **driven},
+        {"required": ["power"], "properties": {"voltage": False}, **driven},
+        {"properties": dict.fromkeys(("voltage", "power", "transducer", "sources"), False)},
+    ]
     computed = {"required": ["stator", "drive"], "properties": {"wave": False}}
     absent = dict.fromkeys(("stator", "transducer", "drive"), False)
     given = {"required": ["wave", "slider"], "properties": absent}

@@ -37,6 +37,8 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "drive.frequency": ["2200 kHz", 2.2e6],
     "drive.burst": ["10 ms"],
     "drive.source_impedance": [50, [1, 2]],
+    "drive.power": ["1 W", [0.5, "20 mW"]],
+    "drive.match": ["auto", [{"series_L": "2.6 uH", "Q": 80}, {"shunt_C": 1e-9}, {"series_R": "3 ohm"}]],
     "drive.sources": [{"left": 1, "right": "0.5 at 90 deg"}, {"right": [0.3, -1]}],
     "slider.contacts": [2, ["-1 mm", 0, "1 mm"]],
     "slider.preload": ["weight", "5 mN", 0],
@@ -62,6 +64,7 @@ BAD = {  # a value that no key of such a rule allows
     "OneOf": 3,
     "Within": 3,
     "Sources": "left",
+    "Match": [{"series_M": 1}],
     "Blocks": 3,
 }
 
@@ -85,6 +88,10 @@ def changed(path: str, value) -> dict:
     table = json.loads(json.dumps(read_table("twente-contact" if path.startswith("wave") else "twente")))
     if path == "slider.ball":
         del table["slider"]["effective_modulus"], table["slider"]["tangential_modulus"]
+    if path in ("drive.power", "drive.match"):
+        table["drive"]["source_impedance"] = 50
+    if path == "drive.power":
+        del table["drive"]["voltage"]
     holder = table
     *blocks, last = [int(part) if part.isdigit() else part for part in path.split(".")]
     for block in blocks:

@@ -82,12 +82,13 @@ def test_exact_plate_response_over_the_plane_of_wave_vectors(lossy):
         frequency=FREQUENCY,
     )
     charges = lossy.charges[0]
+    propagating = lossy.source.wavenumbers[lossy.source.wavenumbers.imag > -2000]
     edge = charges.x[-1]
     points = np.array([[edge + along, y] for along in (4e-3, 9e-3) for y in (0.0, 1.1e-3, 2.2e-3, 3.5e-3)])
     middle = charges.x.mean()
     expected = plate_beam(
         exact.surface,
-        float(abs(lossy.source.wavenumbers[lossy.source.lasting(12e-3)].real).max()),
+        float(abs(propagating.real).max()),
         charges.x - middle,
         charges.charge,
         lossy.apertures[0],
@@ -178,8 +179,6 @@ def test_refusals(lossy):
         surface_beam(lossy.wave, mirror_width=4e-3)
     with pytest.raises(BeamError, match="ends = 'absorbing', got 'free'"):
         beam_of(cut("PZT-8", "Z"), ends="free")
-    with pytest.raises(BeamError, match="isotropic about z, which LiNbO3"):
-        beam_of(cut("LiNbO3 (Kovacs)", "128YX"))
 
 
 def test_power_through_planes():

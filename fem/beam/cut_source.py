@@ -1,0 +1,226 @@
+"""Modes that a line of charge sends out at any lateral wavenumber, in any cut.
+
+With L(k) = k^2 K2 + i k (K1 - K1t) + K0 - omega^2 M at a lateral wavenumber k_y (section.py), a line of charge q has
+the response u = L(k)^-1 q e over k_x, e the surface's potential.  With all eigenpairs k_p, v_p of both directions,
+
+    L(k)^-1 = sum_p v_p l_p^T / (k - k_p),    [V; V diag(k_p)] [l_p^T] = [0; K2^-1],
+
+so that the modes to the right are -i v_p (l_p . e) exp(-i k_p x), those to the left +i ... .  Reciprocity,
+L(k, k_y)^T = L(-k, -k_y), gives the response at -k_y from the same eigenpairs.
+
+Left out: what leaves a transducer at more than about 45 degrees, since the integral over k_y ends smoothly there;
+modes whose phase runs against their power; where the bottom absorbs, all but the surface wave, which is then followed
+from one k_y to the next.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import lu_factor, lu_solve
+
+from fem.beam.lateral import LateralRule, lateral_rule
+from fem.beam.line_source import KEPT, LOCAL, Branch
+from fem.convergence import ConvergenceError
+from fem.discretize.grading import Resolution
+from fem.discretize.section import Section, discretise
+from fem.waveguide.eigenproblem import companion_modes, even_odd_modes
+from fem.waveguide.port_fields import PortFields
+
+FADE = (
+    0.6,
+    0.85,
+)  # of the surface wave's wavenumber: lateral wavenumbers between which the integral fades out
+NEARLY_ZERO = 3e-4  # of the same: k_y in the place of 0, which makes the constant potential a double root
+NEARLY_REAL = 0.3  # |Im k| / |Re k| below which a mode's power flux tells its direction
+NEAR = 0.02  # relative distance of k at which a mode's localisation counts half
+TWIN_SHARE, TWIN_DISTANCE = (
+    0.4,
+    0.03,
+)  # localisation and k, relative, of a second mode of the surface wave in a plate
+MAX_ITERATIONS, FOLLOWED = 8, 1e-10  # of a followed mode; last relative step
+
+
+class _Poles(NamedTuple):
+    """Modes of both directions at one k_y.
+
+    Wavenumbers (modes,) in rad/m, whether they go right, whether they are the surface wave; residues (modes, 3) of u
+    per charge, and of the transposed response.
+    """
+
+    wavenumbers: np.ndarray
+    right: np.ndarray
+    surface: np.ndarray
+    column: np.ndarray
+    row: np.ndarray
+
+
+@dataclass(frozen=True, kw_only=True)
+class CutSource:
+    """Surface motion of the modes sent by 1 C/m on the line x = 0 of a section, at any lateral wavenumber.
+
+    Attributes
+    ----------
+    section : Section
+        With all fields; without the edge layers of the fingers.
+    frequency : float
+        Hz.
+    wavenumber : float
+        Of the surface wave at k_y = 0, rad/m.
+    followed : tuple of complex
+        Scaled wavenumbers at k_y = 0 of the modes that alone are followed; empty for all modes.
+    surface_only : bool
+        Whether the surface wave alone is wanted.
+    static : float
+        As of `LineSource`; 0, for the modes contain it.
+    """
+
+    section: Section = field(repr=False)
+    frequency: float
+    wavenumber: float
+    followed: tuple[complex, ...] = ()
+    surface_only: bool = False
+    static: float = 0.0
+    _spectra: dict = field(default_factory=dict, repr=False, compare=False)
+
+    @property
+    def surface_mode(self) -> "CutSource":
+        """The surface wave alone."""
+        return replace(self, surface_only=True)
+
+    def branches(self, reach: float, distance: float, _resolved: float, mirror_width) -> Iterator[Branch]:
+        """Waves to both sides at the nodes of a rule that serves points up to ``reach``."""
+        rounded = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # so that few rules are needed
+        rule = lateral_rule(
+            self.wavenumber, rounded, tuple(each * self.wavenumber for each in FADE), mirror_width
+        )
+        yield from self._lasting(rule, distance)
+
+    def plane(self, _resolved: float) -> Iterator[Branch]:
+        """Waves that do not depend on y."""
+        for branch in self._lasting(LateralRule(nodes=np.zeros(1), weights=np.ones(1)), 0.0):
+            if branch.signs[0][0] > 0:
+                yield branch
+
+    def _lasting(self, rule: LateralRule, distance: float) -> Iterator[Branch]:
+        key = (len(rule.nodes), complex(rule.nodes[-1]))
+        if key not in self._spectra:
+            self._spectra[key] = self._spectrum(rule.nodes)
+        poles = self._spectra[key]
+        for side in (1, -1):
+            for sign in (1, -1):
+                along, motion = [], []
+                for each in poles:
+                    # at -k_y the poles are those of the other direction, their residues transposed
+                    here = (each.right == (side * sign > 0)) & (each.surface | (not self.surface_only))
+                    here &= -side * sign * each.wavenumbers.imag * distance < -np.log(KEPT)
+                    along.append(side * sign * each.wavenumbers[here])
+                    motion.append(-1j * side * sign * (each.column if sign > 0 else each.row)[here])
+                count = max(len(each) for each in along)
+                k, u = (
+                    np.full((count, len(poles)), -1j * self.wavenumber),
+                    np.zeros((3, count, len(poles)), complex),
+                )
+                for node, (some, moved) in enumerate(zip(along, motion, strict=True)):
+                    k[: len(some), node], u[:, : len(some), node] = some, moved.T
+                yield Branch(side, rule, k, u, ((sign, np.ones(3)),))
+
+    def _spectrum(self, nodes) -> list[_Poles]:
+        """Modes at every node, which follow one another closely from 0 on."""
+        size = self.section.size
+        estimates = [(k, *np.random.default_rng(0).normal(size=(2, size))) for k in self.followed]
+        previous, out, surface = self.followed, [], self.wavenumber
+        for node in nodes:
+            lateral = max(abs(node), NEARLY_ZERO * self.wavenumber) * (node / abs(node) if node else 1.0)
+            second, first, adjoint, zeroth = self.section.lateral_matrices(
+                self.frequency, lateral * self.section.length_unit
+            )
+            skew = first - adjoint
+            if self.followed:
+                found = [_tracked(second, skew, zeroth, *each) for each in estimates]
+                estimates = [(2 * new[0] - old, *new[1:]) for new, old in zip(found, previous, strict=True)]
+                previous = [each[0] for each in found]
+                k, shapes, left = (np.stack(each, axis=-1) for each in zip(*found, strict=True))
+            else:
+                k, shapes, left = _all_pairs(second, skew, zeroth, self.section.lateral_odd)
+            out.append(self._poles(k, shapes, left, first @ shapes - 1j * (second @ shapes) * k, surface))
+            surface = next(iter(out[-1].wavenumbers[out[-1].surface & out[-1].right]), surface)
+        return out
+
+    def _poles(self, k, shapes, left, flux, expected: complex) -> _Poles:
+        """Forward modes that are not local, of eigenpairs with their left eigenvectors (n, m) and fluxes."""
+        section, unit = self.section, self.section.length_unit
+        nearly_real = abs(k.imag) < NEARLY_REAL * abs(k.real)
+        carried = -np.imag(np.sum(flux * shapes.conj(), axis=0))
+        right = np.where(nearly_real, carried > 0, k.imag < 0)
+        kept = (~nearly_real | (right == (k.real > 0))) & (
+            abs(k.imag) < LOCAL * self.wavenumber * unit / (2 * np.pi)
+        )
+        surface = np.zeros(len(k), dtype=bool)
+        for side in (
+            right,
+            ~right,
+        ):  # the most localised mode near that of the k_y before, and its twin in a plate
+            apart = abs(k) / abs(expected * unit) - 1
+            share = section.surface_share(shapes) / (1 + (apart / NEAR) ** 2) * (side & nearly_real & kept)
+            best = np.argmax(share)
+            surface |= (share > TWIN_SHARE * share[best]) & (abs(k / k[best] - 1) < TWIN_DISTANCE)
+        turn = np.ones((4, 1), dtype=complex)
+        if section.solid.mirror_y is not None:  # fields that change sign under y -> -y are scaled by i
+            turn[section.solid.mirror_y] = 1j
+        at = [section.surface_dofs[name] for name in ("ux", "uy", "uz", "phi")]
+        shapes, left = turn * shapes[at], turn.conj() * left[at]
+        scale = -section.solid.potential_unit / section.solid.stress_unit
+        column, row = scale * shapes[:3] * left[3], scale * shapes[3] * left[:3]
+        return _Poles(k[kept] / unit, right[kept], surface[kept], column.T[kept], row.T[kept])
+
+
+def _all_pairs(second, skew, zeroth, odd) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """All wavenumbers of both directions, (2 n,), their shapes and the left ones, (n, 2 n)."""
+    if odd is not None:
+        k, shapes = even_odd_modes(second, skew, zeroth, odd)
+        k, shapes = np.append(k, -k), np.hstack([shapes, np.where(odd, -1.0, 1.0)[:, None] * shapes])
+    else:
+        k, shapes = companion_modes(second, 1j * skew, zeroth)
+    shapes = shapes / np.linalg.norm(shapes, axis=0) / np.maximum(1.0, abs(k))
+    load = np.concatenate([np.zeros_like(second), np.linalg.inv(second)])
+    return k, shapes, np.linalg.solve(np.vstack([shapes, shapes * k]), load).T
+
+
+def _tracked(second, skew, zeroth, k: complex, right: np.ndarray, left: np.ndarray):
+    """Eigenvalue and both eigenvectors of L next to an estimate: two-sided Rayleigh quotient iteration."""
+    for _ in range(MAX_ITERATIONS):
+        matrix, slope = k**2 * second + 1j * k * skew + zeroth, 2 * k * second + 1j * skew
+        factors = lu_factor(matrix, check_finite=False)
+        right = lu_solve(factors, slope @ right, check_finite=False)
+        left = lu_solve(factors, slope.T @ left, trans=1, check_finite=False)
+        right, left = right / np.linalg.norm(right), left / np.linalg.norm(left)
+        step = (left @ matrix @ right) / (left @ slope @ right)
+        k -= step
+        if abs(step) < FOLLOWED * abs(k):
+            return k, right, left / (left @ slope @ right)
+    raise ConvergenceError("the surface wave cannot be followed to oblique directions in this cut")
+
+
+def cut_source(fields: PortFields) -> CutSource:
+    """Source of a solved stator, from the solution's resolution without its edge layers."""
+    modes = fields.modes
+    section = discretise(
+        fields.stator,
+        Resolution(
+            order=fields.resolution.order, edge_layers=0, lossy_elements=fields.resolution.lossy_elements
+        ),
+        wavelength=modes.section.length_unit,
+        surface_scale=np.inf,
+        lateral=True,
+    )
+    surface = modes.rayleigh
+    ratio = section.length_unit / modes.section.length_unit
+    followed = (modes.wavenumbers[surface[0]] * ratio, modes.backwards[surface[0]] * ratio)
+    return CutSource(
+        section=section,
+        frequency=modes.frequency,
+        wavenumber=float(np.mean(modes.wavenumbers[surface].real) / modes.section.length_unit),
+        followed=followed if fields.stator.absorbs_below else (),
+    )
