@@ -3,9 +3,9 @@
     Y = i omega C0 + 1/R0 + sum_k 1 / (R_k + i omega L_k + 1 / (i omega C_k))
 
 With one branch it is the Butterworth-Van Dyke circuit (Van Dyke, Proc. IRE 16, 1928, 742), which has the resonance but
-not the sidelobes of a row of fingers; a few branches with positive elements follow the whole passband (a positive sum of
-resonances, Foster 1924, with losses).  Elements are fitted by least squares of |Y - Y_fitted|, in logarithms, so that
-they stay positive and the circuit passive.
+not the sidelobes of a row of fingers; a few branches follow the whole passband (Foster's sum of resonances, with
+losses).  Elements are fitted by least squares of |Y - Y_fitted|, in logarithms, so that they stay positive and the
+circuit passive.
 """
 
 from dataclasses import dataclass, field
@@ -84,7 +84,10 @@ def motional_model(frequency: np.ndarray, admittance: np.ndarray, branches: int 
 
     def model(parameters: np.ndarray) -> MotionalModel:
         static, across = np.exp(parameters[:2])
-        peak, wide = np.exp(parameters[2::3]), np.exp(parameters[4::3])  # conductance, full width at half of it
+        peak, wide = (
+            np.exp(parameters[2::3]),
+            np.exp(parameters[4::3]),
+        )  # conductance, full width at half of it
         omega = 2 * np.pi * middle * (1 + parameters[3::3] * width / middle)
         r, rate = 1 / peak, 2 * np.pi * width * wide
         inductance = r / rate

@@ -68,7 +68,9 @@ def read_touchstone(text: str, ports: int) -> tuple[np.ndarray, np.ndarray, floa
     except ValueError:
         raise ValueError(f"must hold numbers only beside comments and options, got {numbers[:3]}") from None
     if len(table) == 0 or len(table) % width:
-        raise ValueError(f"must have {width} numbers for each frequency of {ports} ports, got {len(table)} in all")
+        raise ValueError(
+            f"must have {width} numbers for each frequency of {ports} ports, got {len(table)} in all"
+        )
     table = table.reshape(-1, width)
     one, other = table[:, 1::2], table[:, 2::2]
     if form == "ri":
