@@ -125,7 +125,7 @@ def _difference(fine: PortFields, coarse: PortFields) -> tuple[float]:
 def _check_ports(transducers: tuple[Transducer, ...]) -> tuple[str, ...]:
     names = tuple(each.name for each in transducers if {"+", "-"} <= set(each.signs))
     if not names:
-        raise ValueError("port_admittance needs a transducer with two combs, and none has")
+        raise ValueError("port_admittance needs a transducer with two electrodes, and none has")
     return names
 
 

@@ -1,6 +1,6 @@
 """What one period of fingers does to the wave: velocity, stop bands, reflectivity, K2 and capacitance.
 
-Method: the free and the metallised half-space and an endless grating of fingers (`fem.cell_triple`) for the solid,
+Method: the free and the metallised half-space and an endless grating of fingers (`fem.cell_parameters`) for the solid,
 period and metallisation of the scene's driven transducer (``twente-left`` when none is named), and the gratings' Bloch
 waves about their stop bands.  Expected: the shorted grating slower than the open one, both between the metallised and
 the free wave; one edge common to both where x -> -x is a symmetry; reflectivities within 20 % of those of strips of
@@ -56,7 +56,7 @@ def run(
     period = driven.period / (2 if driven.split else 1)  # of two fingers and two gaps
     say(f"gratings of {solid.name}")
     try:
-        found = fem.cell_triple(solid, period=period, metallisation=m, above=above, tolerance=tolerance)
+        found = fem.cell_parameters(solid, period=period, metallisation=m, above=above, tolerance=tolerance)
     except fem.ConvergenceError as error:
         from studies.refusal import RunError
 
