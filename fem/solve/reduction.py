@@ -160,7 +160,7 @@ def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> Re
     """
     section = nodes.section
     gap, finger = bases_of(nodes.fields, parity_groups(section, problem.stator.ends == "clamped"), truncation)
-    bases = holding(gap, section.constant_potential) if section.floats else gap, finger
+    bases = holding(gap, section.constant_potential) if section.floating_potential else gap, finger
     odd = None
     if section.odd is not None:
         odd = np.array([section.odd[np.argmax(abs(column))] for column in bases[0].T])
