@@ -53,6 +53,8 @@ def run(
     say = progress or (lambda text: None)
     driven = driven_contact(scene, progress=say)
     chosen, slider, per_metre = driven.scene, driven.slider, driven.at(1.0 / driven.amplitude)
+    if slider.shape != "sphere" or slider.heights:
+        chosen.refuse("slider", "must stand on balls of equal height for a map of regimes")
     own = slider.preload
     if own == 0.0 or slider.friction_coefficient == 0.0:
         chosen.refuse("slider.preload", "must be positive, with friction, for a map of regimes")

@@ -141,6 +141,8 @@ def _conditions(sheet: Datasheet) -> str:
     """Return what the motor is, in two sentences."""
     scene, slider = sheet.record.scene, sheet.record.scene.slider
     balls = len(slider.offsets)
+    feet = {"sphere": "ball", "punch": "flat punch"}[slider.shape]
+    feet += ("es" if slider.shape == "punch" else "s") * (balls > 1)
     sentences = []
     if scene.stator is not None:
         driven = next(each for each in scene.transducer if each.name == scene.drive.transducer)
@@ -153,9 +155,10 @@ def _conditions(sheet: Datasheet) -> str:
     else:
         sentences.append(f"Given wave at {si(scene.frequency, 'Hz', 6)}.")
     sentences.append(
-        f"Slider of {si(1e3 * slider.mass, 'g', 4)} on {balls} ball{'s' * (balls > 1)} of radius "
+        f"Slider of {si(1e3 * slider.mass, 'g', 4)} on {balls} {feet} of radius "
         f"{si(slider.radius, 'm', 4)}, preload {si(slider.preload, 'N', 4)}, friction coefficient "
-        f"{slider.friction_coefficient:g}, {slider.law} contact law."
+        f"{slider.friction_coefficient:g}, {slider.law} contact law"
+        + (", contacts of different height." if slider.heights else ".")
     )
     if slider.load and np.isfinite(slider.load):
         sentences.append(f"The scene's load of {si(slider.load, 'N', 4)} is part of the speed above.")

@@ -167,19 +167,19 @@ def _contact(record: Record) -> list[tuple]:
     block, name = record.scene.slider, "contact"
     slider = bridge.contact_slider(block)
     contacts = 1 if isinstance(block.contacts, int) else len(block.contacts)
-    depth = slider.rest_approach(contacts)
-    radius = math.sqrt(slider.radius * depth)
-    share = slider.preload / contacts
-    pressure = 1.5 * share / (math.pi * radius**2) if radius > 0 else 0.0
+    depth = max(slider.rest_approaches(contacts))
+    radius, pressure = slider.contact_radius(depth), slider.pressure(depth)
+    share, alike = slider.preload / contacts, " on average" if block.heights else ""
+    largest = "mean" if slider.shape == "punch" else "largest"
     bounce = slider.normal_resonance(contacts) if share > 0 else 0.0
     ring = slider.tangential_resonance(contacts) if share > 0 else 0.0
     rows = [
         (name, "modulus E*", si(slider.effective_modulus, "Pa"), GIVEN),
         (name, "modulus G*", si(slider.tangential_modulus, "Pa"), GIVEN),
-        (name, "normal force on a contact at rest", si(share, "N"), CLOSED),
-        (name, "approach at rest", si(depth, "m"), CLOSED),
+        (name, f"normal force on a contact at rest{alike}", si(share, "N"), CLOSED),
+        (name, "approach at rest" + ", of the highest contact" * bool(block.heights), si(depth, "m"), CLOSED),
         (name, "radius of the contact at rest", si(radius, "m"), CLOSED),
-        (name, "largest pressure at rest", si(pressure, "Pa"), CLOSED),
+        (name, f"{largest} pressure at rest", si(pressure, "Pa"), CLOSED),
         (name, "slip limit of the deformation at rest", si(slider.limit_slope * depth, "m"), CLOSED),
         (name, "bounce and ring at rest", f"{si(bounce, 'Hz')}, {si(ring, 'Hz')}", CLOSED),
     ]  # fmt: skip
