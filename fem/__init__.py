@@ -43,6 +43,7 @@ _HOME = {
     "isotropic": "materials",
     "LEVELS": "discretize.refinement",
     "material": "materials",
+    "medium": "materials.medium",
     "one_blas_thread": "threads",
     "motional_model": "circuit",
     "MotionalModel": "circuit",
