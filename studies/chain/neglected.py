@@ -1,16 +1,16 @@
 """What the stator's problem is solved without, and why: lines of ``left_out``."""
 
 import fem
+from studies.chain.surface_motion import SurfaceMotion
+from studies.scene import Scene
 
 
 def driven_left_out(stator: "fem.Stator", frequency: float) -> tuple[str, ...]:
     """Return what a driven stator is solved without at a frequency in Hz, and why."""
-    from fem.materials.medium import medium
-
     names, reasons = fem.fields(stator.solid), []
     if "uy" not in names:
         reasons.append("out-of-plane displacement: uncoupled in this orientation")
-    if medium(stator.solid, names).parity is not None:
+    if fem.medium(stator.solid, names).parity is not None:
         reasons.append("half of the guided-mode problem: x -> -x is a symmetry of this orientation")
     if stator.above == "none":
         reasons.append("field in the vacuum above: D_n = 0 on the bare surface")
@@ -21,6 +21,16 @@ def driven_left_out(stator: "fem.Stator", frequency: float) -> tuple[str, ...]:
     reasons.append("elements in the uniform stretches: sums of guided modes instead")
     reasons.append("interior field: only the surface was asked for")
     return tuple(reasons)
+
+
+def diffraction_left_out(scene: Scene, motion: SurfaceMotion) -> tuple[str, ...]:
+    """Return why the wave does not spread in the answer of a driven stator; nothing where it does."""
+    if motion.beam is not None:
+        return ()
+    if motion.reason:
+        return (f"diffraction, the wave is that of the plane section: {motion.reason}",)
+    said = "is false" if scene.stator.diffraction is False else "is absent, and the scene has no slider"
+    return (f"diffraction, the wave is that of the plane section: stator.diffraction {said}",)
 
 
 def free_left_out(stator: "fem.Stator") -> tuple[str, ...]:

@@ -73,7 +73,7 @@ class RunField:
         slider = self.scene.slider
         if slider is None:
             return ()
-        return tuple(slider.position + offset for offset in dict.fromkeys(slider.offsets))
+        return tuple(x for x, _ in slider.places)
 
     @property
     def radius(self) -> float:
@@ -84,7 +84,7 @@ class RunField:
     def focus(self) -> tuple[str, float]:
         """What to look at from near: its name and place in m."""
         if self.scene.slider is not None:
-            return "slider", self.scene.slider.position
+            return "slider", self.scene.slider.center[0]
         return "middle", self.length / 2
 
     @property
@@ -159,17 +159,7 @@ def run_field(folder: str | Path, *, progress: Callable[[str], None]) -> RunFiel
 
 
 def of_record(scene: Scene, record: dict, *, progress: Callable[[str], None]) -> RunField:
-    """Return the field of a run that is at hand.
-
-    Parameters
-    ----------
-    scene : Scene
-        As resolved, with a stator.
-    record : dict
-        What run.json holds.
-    progress : callable
-        Told what is being done.
-    """
+    """Return the field of a run that is at hand: its resolved scene, with a stator, and what run.json holds."""
     progress("computing the field")
     if scene.transducer:
         return _driven(scene, record, progress)
@@ -184,7 +174,7 @@ def _driven(scene: Scene, record: dict, progress) -> RunField:
     slider = scene.slider
     places = (scene.stator.length / 2,)
     if slider is not None:
-        places = tuple(slider.position + offset for offset in (0.0, *slider.offsets))
+        places = tuple(dict.fromkeys(x for x, _ in (slider.center, *slider.places)))
 
     def compute(*, per_wavelength: float = LINES, **wanted):
         return fem.wave_field(wave, places=places, per_wavelength=per_wavelength, **wanted)
@@ -201,19 +191,7 @@ def _driven(scene: Scene, record: dict, progress) -> RunField:
 
 
 def solved_again(scene: Scene, record: dict, *, progress):
-    """Return the stator's surface wave, solved at the resolution that the run ended with.
-
-    A run that does not tell its resolution is run again.
-
-    Parameters
-    ----------
-    scene : Scene
-        As resolved, with transducers.
-    record : dict
-        What run.json holds.
-    progress : callable
-        Told what is being done.
-    """
+    """Return the surface wave of a run, solved at the resolution that run.json tells; without one, run again."""
     from fem import LEVELS, one_blas_thread, solve_driven, surface_wave
 
     named = record["wave"].get("resolution")
