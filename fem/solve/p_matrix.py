@@ -7,7 +7,7 @@ the outer edges of its outer gaps and a voltage V, the waves b that leave and th
 
 the P-matrix of Tobolka (IEEE Ultrasonics Symp. 1979, 676) in the form of Morgan (*Surface Acoustic Wave Filters*, 2nd
 ed., 2007, appendix D): amplitudes are such that a wave carries |a|^2 / 2, peak values.  Every propagating mode may be
-kept, or those of the surface wave alone; what is left out then is what coupled modes (COM) leave out: bulk waves.  Modes
+kept, or those of the surface wave alone; bulk waves are then left out, as by coupled modes (COM).  Modes
 that decay are left out in both cases, the field beside the fingers included.
 
 Modes are scaled by the reciprocity of the field, i omega (l^T F_r - r^T F_l) = 2 per aperture (r, l: shapes of the mode
