@@ -209,20 +209,10 @@ class Section:
         return second, first, zeroth
 
     def lateral_matrices(self, frequency: float, wavenumber: float) -> tuple[np.ndarray, ...]:
-        """Matrices of a uniform segment for fields that vary as exp(-i k_y y).
+        """Matrices of a uniform segment for fields that vary as exp(-i k_y y), k_y in radians per length unit.
 
-        Parameters
-        ----------
-        frequency : float
-            Hz.
-        wavenumber : float
-            k_y in radians per length unit.
-
-        Returns
-        -------
-        second, first, adjoint, zeroth : ndarray, shape (size, size)
-            K2, K1, its counterpart in the test functions (K1(-k_y)^T; K1^T where y -> -y is a symmetry, because the
-            odd fields are then scaled by i), and K0 - omega^2 M.
+        K2, K1, its counterpart in the test functions (K1(-k_y)^T; K1^T where y -> -y is a symmetry, because the odd
+        fields are then scaled by i), and K0 - omega^2 M; shape (size, size) each.
         """
         second, first, zeroth = self.matrices(frequency)
         adjoint = first.T

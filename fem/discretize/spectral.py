@@ -15,23 +15,7 @@ from numpy.polynomial import legendre
 
 @lru_cache(maxsize=32)
 def gll_nodes(order: int) -> np.ndarray:
-    """Gauss-Lobatto-Legendre points of an element.
-
-    Parameters
-    ----------
-    order : int
-        Polynomial order, 1 or more.
-
-    Returns
-    -------
-    ndarray, shape (order + 1,)
-        Points in [0, 1], ends included, increasing.
-
-    Raises
-    ------
-    ValueError
-        If the order is below 1.
-    """
+    """Gauss-Lobatto-Legendre points of an element in [0, 1], ends included, increasing: shape (order + 1,)."""
     if order < 1:
         raise ValueError(f"order must be an integer of at least 1, got {order}")
     coefficients = np.zeros(order + 1)
@@ -46,20 +30,7 @@ def gll_nodes(order: int) -> np.ndarray:
 
 
 def lagrange(order: int, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values and derivatives of the nodal basis at points of the reference element.
-
-    Parameters
-    ----------
-    order : int
-        Polynomial order.
-    points : ndarray, shape (m,)
-        Places in [0, 1].
-
-    Returns
-    -------
-    values, derivatives : ndarray, shape (m, order + 1)
-        Derivatives with respect to the reference coordinate.
-    """
+    """Values and derivatives of the nodal basis at points (m,) of the element [0, 1], shape (m, order + 1) each."""
     nodes = 2.0 * gll_nodes(order) - 1.0
     at = 2.0 * np.asarray(points, dtype=float) - 1.0
     vandermonde = legendre.legvander(nodes, order)

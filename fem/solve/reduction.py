@@ -143,12 +143,7 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
 def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> ReducedModel:
     """Project the nodes' superelements on bases of the lines' fields.
 
-    Parameters
-    ----------
-    problem : BandProblem
-    nodes : NodeSolutions
-    truncation : float
-        Singular values below this times the largest are left out.
+    Singular values below ``truncation`` times the largest are left out.
     """
     section = nodes.section
     bases = bases_of(nodes.fields, parity_groups(section, problem.stator.ends == "clamped"), truncation)
