@@ -6,6 +6,7 @@ Motor*, with stick and slip as a stop operator. The compiled parts are loaded wh
 """
 
 from contact.answers.cross_check import SecondOpinion, second_opinion
+from contact.answers.derivatives import velocity_derivative
 from contact.answers.load_line import LoadLine, blocked_thrust, load_line
 from contact.answers.steady import SteadyState, steady
 from contact.answers.steps import Step, cycles_for, step
@@ -55,4 +56,5 @@ __all__ = [
     "step",
     "threshold_amplitude",
     "threshold_factor",
+    "velocity_derivative",
 ]

@@ -40,6 +40,7 @@ STUDIES = {
     "load_line": "motor",
     "step_planner": "motor",
     "design_map": "motor",
+    "sensitivity": "inverse",
     "contact_error_vs_time": "evidence",
     "cell_triple": "stator",
     "fem_error_vs_time": "evidence",

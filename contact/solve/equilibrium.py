@@ -71,7 +71,7 @@ class Balance:
 
 def balanced(slider: Slider, orbits: tuple[Orbit, ...]) -> Balance:
     """Return the averaged steady state; the crests should drive towards +x (`drive.towards_plus`)."""
-    start = _trough(orbits)
+    start = trough(orbits)
     problem = scaled(slider, orbits, direction=1.0, start=start)
     high = riding_height(slider, orbits) / problem.length
     work = np.zeros(TALLY, np.int64)
@@ -104,7 +104,7 @@ def cycle_at(
 
     `load_sign` as in `answers.sweep.MeanMotion`; the orbits as for `balanced`.
     """
-    problem = scaled(slider, orbits, direction=load_sign, start=_trough(orbits))
+    problem = scaled(slider, orbits, direction=load_sign, start=trough(orbits))
     height, work = height / problem.length, np.zeros(TALLY, np.int64)
     if held:
         return _held(problem, height, _rest_cycles(problem, height, work), work)
@@ -113,7 +113,7 @@ def cycle_at(
     return Balance(problem=problem, height=height, speed=speed, held=False, motion=motion, work=work)
 
 
-def _trough(orbits):
+def trough(orbits):
     """Return the phase at which the first contact is parted or slips, so that old deformation is forgotten."""
     return math.pi - float(np.angle(orbits[0].normal)) if orbits[0].normal != 0 else 0.0
 

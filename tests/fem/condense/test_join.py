@@ -34,7 +34,7 @@ def close(one, other, tolerance=1e-11):
 def test_joining_is_associative(depth):
     phi = depth.surface_dofs["phi"]
     finger, gap = (condensed(depth, FREQUENCY, width=0.1, electrode=comb) for comb in (0, None))
-    tied = {"phi": phi, "comb": 0}
+    tied = {"phi": phi, "electrode": 0}
     ours = joined(joined(gap, finger, **tied), joined(finger, gap, **tied), **tied)
     other = joined(joined(joined(gap, finger, **tied), finger, **tied), gap, **tied)
     assert close(ours.matrix, other.matrix)

@@ -1,0 +1,288 @@
+"""Which numbers of the motor matter: elasticities of velocity, limits, thrust, efficiency and start-up time.
+
+Method: d ln(answer) / d ln(number) for every positive number of the scene as resolved (a preload of "weight" is a force
+here, held while the mass changes), at the largest voltage or amplitude: extrapolated differences whose step follows the
+accuracy of the answer (its fifth root), each with its error; of the velocity also by the implicit function theorem in
+the averaged equilibrium.  Expected: both ways agree to a few (f_n/f)^2, and the elasticities keep the contact's scaling
+law, preload + E* - friction coefficient = 0.  Run time: 10 s; with a stator six of its solutions for each of its
+numbers.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+from studies.chain import bridge
+from studies.inverse.prediction import Contact, Predictor
+from studies.refusal import SceneError
+from studies.scene import Scene
+from studies.study import Finding, Panel, StudyRecord, of_record
+
+__all__ = ["elasticities", "figure", "run", "tables"]
+
+TAKES_SCENE = True
+QUICK = {"outcomes": ("velocity", "threshold", "thrust")}
+# accuracy of each answer: rounding and, where it is solved to a tolerance, that
+ACCURACY = {"velocity": 1e-11, "threshold": 1e-13, "release": 1e-13, "thrust": 1e-11, "efficiency": 1e-8,
+            "start-up time": 1e-6}  # fmt: skip
+STATOR_ACCURACY = 1e-9  # of its answers against each other: the same mesh, or the same tolerance
+NO_EFFECT = 1e-4  # elasticity below which a number is said to have none
+RISE = 1.0 - 0.36787944117144233  # of the final velocity, reached after the start-up time
+AGREEMENT = 1e-2  # of both ways, of the largest elasticity
+
+
+def run(
+    scene: str | Scene = "twente-contact",
+    *,
+    outcomes: tuple[str, ...] = tuple(ACCURACY),
+    tolerance: float = 1e-3,
+    progress: Callable[[str], None] | None = None,
+) -> StudyRecord:
+    """Return the elasticities of a motor.
+
+    Parameters
+    ----------
+    scene : str or Scene
+        A path, a shipped name or a scene with a slider and either a [wave] or a driven stator.
+    outcomes : tuple of str
+        Of velocity, threshold, release, thrust, efficiency and start-up time.
+    tolerance : float
+        Of the velocity, for the stator.
+    progress : callable, optional
+        Told what is being done.
+    """
+    begun, say = time.perf_counter(), progress or (lambda text: None)
+    predictor = Predictor(
+        scene if isinstance(scene, Scene) else Scene.load(scene), tolerance=tolerance, progress=say
+    )
+    level = max(predictor.contact({}).scene.levels)
+    found = {name: elasticities(predictor, name, level, say) for name in outcomes}
+    title, findings, panels = predictor.table.get("title", ""), [], []
+    for name, rows in found.items():
+        silent = [key for key, (value, _) in rows.items() if abs(value) < NO_EFFECT]
+        findings.append(
+            Finding(
+                statement=f"Without effect on the {name}: {', '.join(silent) or 'none'}.",
+                quantity="largest elasticity among them", expected=f"below {NO_EFFECT:g}",
+                found=max((abs(rows[key][0]) for key in silent), default=0.0), confirmed=bool(rows),
+            )
+        )  # fmt: skip
+        order = sorted(rows, key=lambda key, rows=rows: -abs(rows[key][0]))
+        panels.append(
+            Panel(name=name.replace(" ", "_").replace("-", "_"), title=f"{title}: {name}", data={
+                "key": order, "elasticity": [rows[key][0] for key in order], "error": [rows[key][1] for key in order],
+                "level": level, "outcome": name,
+            })
+        )  # fmt: skip
+    if "velocity" in found:
+        findings += _checks(predictor, found["velocity"], level)
+    return StudyRecord(
+        name="sensitivity",
+        panels=tuple(panels),
+        findings=tuple(findings),
+        seconds=time.perf_counter() - begun,
+    )
+
+
+def numbers(predictor: Predictor) -> list[str]:
+    """Return the keys of a scene's positive numbers that an answer may depend on."""
+    found = []
+
+    def visit(path, value):
+        if isinstance(value, dict):
+            for key, each in value.items():
+                visit([*path, key], each)
+        elif isinstance(value, list):
+            for k, each in enumerate(value):
+                if isinstance(each, dict):
+                    visit([*path, str(k)], each)
+        elif isinstance(value, float) and value > 0.0:
+            found.append(".".join(path))
+
+    visit([], {key: block for key, block in predictor.table.items() if key != "title"})
+    return [
+        key for key in found
+        if not key.endswith((".burst", ".gravity", "stator.width", "normal_amplitude", "drive.voltage"))
+    ]  # fmt: skip
+
+
+def elasticities(
+    predictor: Predictor, outcome: str, level: float, progress: Callable[[str], None] = print
+) -> dict[str, tuple[float, float]]:
+    """Return {key: (d ln outcome / d ln number, its error)}, the level itself as "level".
+
+    Parameters
+    ----------
+    predictor : Predictor
+    outcome : str
+    level : float
+        Voltage in V or given normal amplitude in m.
+    progress : callable
+    """
+    import numpy as np
+
+    if outcome not in ACCURACY:
+        raise SceneError("outcomes", f"must be of {', '.join(ACCURACY)}, got {outcome!r}")
+    found, base = {}, predictor.contact({})
+    duration = _start_up_span(base, level) if outcome == "start-up time" else 0.0
+    centre = _answers(outcome, [(base, level)], duration)[0]
+    if not np.isfinite(centre) or centre == 0.0:
+        return {}
+    for key in [*numbers(predictor), *(["level"] if outcome not in ("threshold", "release") else [])]:
+        progress(f"{outcome}: {key}")
+        moved = key != "level" and predictor.needs_stator(key)
+        accuracy = max(ACCURACY[outcome], STATOR_ACCURACY if moved else 0.0)
+        step = accuracy**0.2
+        steps = [sign * step / part for part in (1.0, 2.0, 4.0) for sign in (1.0, -1.0)]
+        own = None if key == "level" else predictor.value(key)
+        try:
+            asked = [
+                (base, level * np.exp(s))
+                if own is None
+                else (predictor.contact({key: own * float(np.exp(s))}), level)
+                for s in steps
+            ]
+        except SceneError:
+            continue  # at the edge of what a scene may say
+        values = np.array(_answers(outcome, asked, duration)) / centre
+        if not np.all(values > 0.0):
+            continue
+        logs = np.log(values)
+        first = [(logs[2 * k] - logs[2 * k + 1]) / (2.0 * step / 2**k) for k in range(3)]
+        fourth = [(4.0 * first[k + 1] - first[k]) / 3.0 for k in range(2)]
+        best = (16.0 * fourth[1] - fourth[0]) / 15.0
+        found[key] = (float(best), float(abs(fourth[1] - fourth[0]) / 15.0 + 8.0 * accuracy / step))
+    return found
+
+
+def _answers(outcome: str, asked: list[tuple[Contact, float]], duration: float) -> list[float]:
+    """Return an answer for each (contact, level)."""
+    import numpy as np
+
+    import contact as library
+
+    if outcome in ("threshold", "release"):
+        factor = getattr(library, f"{outcome}_factor")
+        return [factor(contact.slider, contact.orbits) for contact, _ in asked]
+    if outcome == "start-up time":
+        return [_start_up(contact, level, duration) for contact, level in asked]
+    found = library.steady_sweep(
+        [contact.slider for contact, _ in asked], [contact.orbits for contact, _ in asked],
+        which=np.arange(len(asked)).repeat(2).reshape(-1, 2), factors=np.array([level for _, level in asked]),
+        wave_errors=np.zeros(len(asked)),
+    )  # fmt: skip
+    if outcome == "velocity":
+        return np.abs(found.velocity).tolist()
+    if outcome == "thrust":
+        return [
+            thrust * contact.scene.slider.mass / contact.slider.mass
+            for thrust, (contact, _) in zip(found.blocked_thrust.tolist(), asked, strict=True)
+        ]
+    return [
+        _efficiency(contact, level, thrust)
+        for thrust, (contact, level) in zip(found.blocked_thrust.tolist(), asked, strict=True)
+    ]
+
+
+def _efficiency(contact: Contact, level: float, thrust: float) -> float:
+    """Return the efficiency of the contact at half the blocked thrust."""
+    import contact as library
+
+    if not thrust > 0.0:
+        return 0.0
+    orbits = bridge.scaled(contact.orbits, level)
+    state = library.steady(
+        replace(contact.slider, load=0.5 * thrust), orbits, tolerance=ACCURACY["efficiency"]
+    )
+    return 0.5 * thrust * abs(state.velocity) / (state.ledger.wave * orbits[0].frequency)
+
+
+def _start_up_span(contact: Contact, level: float) -> float:
+    """Return a burst that certainly reaches the start-up time, s: velocity over the friction's acceleration."""
+    velocity = abs(_answers("velocity", [(contact, level)], 0.0)[0])
+    thrust = _answers("thrust", [(contact, level)], 0.0)[0]
+    return 4.0 * contact.scene.slider.mass * velocity / thrust if thrust > 0.0 else 0.0
+
+
+def _start_up(contact: Contact, level: float, duration: float) -> float:
+    """Return the time from rest to 63 % of the steady velocity, s; NaN where a burst does not reach it."""
+    import numpy as np
+    from scipy.interpolate import CubicSpline
+
+    import contact as library
+
+    final = abs(_answers("velocity", [(contact, level)], 0.0)[0])
+    if not duration > 0.0:
+        return float("nan")
+    motion = library.burst(
+        contact.slider, bridge.scaled(contact.orbits, level), duration=duration, after=0.0, tolerance=1e-6,
+        samples=400, method="auto",
+    )  # fmt: skip
+    share = CubicSpline(motion.time, np.abs(motion.velocity) / final - RISE)
+    times = [root for root in share.roots(extrapolate=False) if root > 0.0]
+    return float(times[0]) if times else float("nan")
+
+
+def _checks(predictor: Predictor, rows: dict, level: float) -> list[Finding]:
+    """Return what must hold: both ways agree, and the contact's scaling law."""
+    import numpy as np
+
+    import contact as library
+
+    worst = 0.0
+    for key in (key for key in rows if key.startswith("slider.") and not predictor.needs_stator(key)):
+        own = predictor.value(key)
+
+        def family(s, key=key, own=own):
+            contact = predictor.contact({key: own * float(np.exp(s))})
+            return contact.slider, bridge.scaled(contact.orbits, level)
+
+        slider, orbits = family(0.0)
+        implicit = library.velocity_derivative(family) / library.mean_motion(slider, orbits).velocity
+        worst = max(worst, abs(implicit - rows[key][0]))
+    size = max(abs(value) for value, _ in rows.values())
+    found = [
+        Finding(statement="The implicit function theorem in the averaged equilibrium and differences of the corrected "
+                "velocity agree.", quantity="largest difference over the largest elasticity",
+                expected=f"below {AGREEMENT:g}", found=worst / size, confirmed=worst < AGREEMENT * size),
+    ]  # fmt: skip
+    law = [rows.get(f"slider.{key}") for key in ("preload", "effective_modulus", "friction_coefficient")]
+    if all(law) and predictor.contact({}).scene.slider.load == 0.0:
+        total = law[0][0] + law[1][0] - law[2][0]
+        found.append(
+            Finding(statement="Preload and modulus up, friction coefficient down by one factor change nothing.",
+                    quantity="sum of the elasticities", expected="0 to 1e-3", found=abs(total),
+                    confirmed=abs(total) < 1e-3)
+        )  # fmt: skip
+    return found
+
+
+def tables(record: StudyRecord) -> dict[str, str]:
+    """Return sensitivity.csv."""
+    lines = ["outcome,key,elasticity,error"]
+    for panel in record.panels:
+        data = panel.data
+        lines += [
+            f"{data['outcome']},{key},{value!r},{error!r}"
+            for key, value, error in zip(data["key"], data["elasticity"], data["error"], strict=True)
+        ]
+    return {"sensitivity.csv": "\n".join(lines) + "\n"}
+
+
+@of_record
+def figure(record: Panel, ax):
+    """Draw the elasticities of one answer as bars, the largest on top."""
+    from studies.report.figures import COLOURS
+
+    data = record.data
+    kept = [k for k, value in enumerate(data["elasticity"]) if abs(value) >= NO_EFFECT][:14]
+    values = [data["elasticity"][k] for k in kept]
+    colours = [COLOURS["slip"] if value > 0 else COLOURS["intermittent"] for value in values]
+    ax.barh(range(len(kept)), values, xerr=[data["error"][k] for k in kept], color=colours, height=0.7)
+    ax.set_yticks(range(len(kept)), [data["key"][k] for k in kept], fontsize="small")
+    ax.invert_yaxis()
+    ax.axvline(0.0, color=COLOURS["line"], linewidth=0.8)
+    ax.set_xlabel(f"change of the {data['outcome']} in % for 1 % of the number")
+    ax.set_title(record.title, fontsize="medium", parse_math=False)
+    ax.grid(axis="x", alpha=0.3)
+    return ax

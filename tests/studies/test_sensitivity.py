@@ -1,0 +1,69 @@
+"""Elasticities: Hertz's exponents, friction's law, Richardson extrapolation, and the study's record."""
+
+import numpy as np
+import pytest
+
+import contact
+from studies import Scene
+from studies.inverse.prediction import Predictor
+from studies.inverse.sensitivity import _start_up, elasticities, numbers, run, tables
+
+
+@pytest.fixture(scope="module")
+def predictor():
+    """The seed's slider with generic numbers, its preload the weight."""
+    changed = {"mass": "0.13 g", "radius": "0.9 mm", "friction_coefficient": 0.11, "contacts": 2}
+    return Predictor(
+        Scene.load("twente-contact").replace(slider=changed, wave={"normal_amplitude": "6.3 nm"})
+    )
+
+
+def test_release_follows_hertz(predictor):
+    """The rest approach goes as (preload / (E* sqrt R))^(2/3), and nothing else moves the release amplitude."""
+    found = elasticities(predictor, "release", 6.3e-9, lambda text: None)
+    exact = {"slider.preload": 2 / 3, "slider.effective_modulus": -2 / 3, "slider.radius": -1 / 3}
+    assert set(found) == set(numbers(predictor))
+    for key, (value, error) in found.items():
+        assert abs(value - exact.get(key, 0.0)) < error < 1e-8, key
+
+
+def test_blocked_thrust_is_mu_times_preload(predictor):
+    """Well above release every contact slips forwards all the time it touches: nothing but mu and preload counts."""
+    found = elasticities(predictor, "thrust", 30e-9, lambda text: None)
+    for key, (value, error) in found.items():
+        exact = 1.0 if key in ("slider.friction_coefficient", "slider.preload") else 0.0
+        assert abs(value - exact) < max(error, 1e-8), key
+
+
+def test_velocity_against_richardson_extrapolation(predictor):
+    """An independent table of differences, of sixth order, of single steady states; the errors are kept."""
+    found = elasticities(predictor, "velocity", 6.3e-9, lambda text: None)
+
+    def log_velocity(key, s):
+        motor = predictor.contact({key: predictor.value(key) * np.exp(s)})
+        orbits = tuple(orbit.scaled(6.3e-9) for orbit in motor.orbits)
+        return np.log(abs(contact.mean_motion(motor.slider, orbits).velocity))
+
+    for key in ("slider.friction_coefficient", "slider.preload", "wave.tangential_ratio", "slider.mass"):
+        table = [(log_velocity(key, h) - log_velocity(key, -h)) / (2 * h) for h in (2e-2, 1e-2, 5e-3)]
+        expected = (64.0 * table[2] - 20.0 * table[1] + table[0]) / 45.0
+        assert abs(found[key][0] - expected) < min(found[key][1] + 1e-7, 1e-5), key
+
+
+def test_the_start_up_time_goes_as_the_mass(predictor):
+    """At a given preload the averaged motion runs on the time scale of m v / (mu P)."""
+    times = [
+        _start_up(predictor.contact({"slider.mass": mass}), 6.3e-9, duration=1000.0 * mass)
+        for mass in (0.13e-3, 0.26e-3)
+    ]
+    assert times[1] == pytest.approx(2.0 * times[0], rel=1e-3)
+    assert 5e-3 < times[0] < 0.13
+
+
+def test_the_study_says_what_has_no_effect():
+    record = run("twente-contact", outcomes=("velocity", "release"))
+    assert all(finding.confirmed for finding in record.findings)
+    assert (
+        record.findings[0].statement == "Without effect on the velocity: slider.mass, slider.damping.normal."
+    )
+    assert "velocity,wave.tangential_ratio," in tables(record)["sensitivity.csv"]
