@@ -88,33 +88,6 @@ def line_nodes(breakpoints: np.ndarray, order: int) -> np.ndarray:
     return np.append(nodes.ravel(), breakpoints[-1])
 
 
-def line_matrices(breakpoints: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Assembled mass, stiffness and advection of a line of elements.
-
-    Parameters
-    ----------
-    breakpoints : ndarray, shape (elements + 1,)
-        Ends of the elements; complex ones are a coordinate stretched into the complex plane (an absorbing layer).
-    order : int
-        Polynomial order of every element.
-
-    Returns
-    -------
-    mass, stiffness, advection : ndarray, shape (elements * order + 1,) * 2
-        In the breakpoints' unit to the powers 1, -1 and 0.
-    """
-    lengths = np.diff(np.asarray(breakpoints))
-    reference = reference_matrices(order)
-    size = len(lengths) * order + 1
-    mass, stiffness, advection = (np.zeros((size, size), dtype=lengths.dtype) for _ in range(3))
-    for element, length in enumerate(lengths):
-        here = slice(element * order, element * order + order + 1)
-        mass[here, here] += length * reference.mass
-        stiffness[here, here] += reference.stiffness / length
-        advection[here, here] += reference.advection
-    return mass, stiffness, advection
-
-
 def _frozen(array: np.ndarray) -> np.ndarray:
     """Cached arrays are shared: nobody may write into them."""
     array.flags.writeable = False

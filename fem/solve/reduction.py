@@ -7,8 +7,9 @@ import numpy as np
 from fem.circuit import Drive
 from fem.condense.superelement import PORTS
 from fem.condense.transducer import Condensation, FingerShape, half_cells
+from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
-from fem.discretize.section import Section, discretise
+from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes
 from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength

@@ -20,8 +20,9 @@ from fem.condense.join import widths
 from fem.condense.superelement import Superelement
 from fem.condense.transducer import Condensation, transducer_superelements
 from fem.convergence import ConvergenceError
+from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
-from fem.discretize.section import Section, discretise
+from fem.discretize.section import Section
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.materials.christoffel import slowest_wavelength
 from fem.waveguide.ends import Walls
