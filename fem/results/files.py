@@ -69,16 +69,7 @@ def write_surface(x: np.ndarray, y: np.ndarray, motion: np.ndarray, path: str | 
 
 
 def write_mesh(x: np.ndarray, z: np.ndarray, data: dict, path: str | Path, axis: int = 2) -> None:
-    """Write fields on the grid of lines x and heights z (m) as a mesh of quadrilaterals.
-
-    Parameters
-    ----------
-    x, z : ndarray, shapes (nx,) and (nz,)
-    data : dict of str to ndarray, shape (nx, nz, ...)
-    path : str or Path
-    axis : int
-        Coordinate that ``z`` is: 2 the height, 1 the lateral place.
-    """
+    """Write fields (nx, nz, ...) on the grid of lines x and heights z (m; axis 1: lateral places) as quadrilaterals."""
     import meshio
 
     nx, nz = len(x), len(z)
