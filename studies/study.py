@@ -48,6 +48,7 @@ STUDIES = {
     "sensitivity": "inverse",
     "contact_error_vs_time": "evidence",
     "cell_triple": "stator",
+    "network": "stator",
     "fem_error_vs_time": "evidence",
     "gallery": "motor",
     "published_motors": "papers",
@@ -231,6 +232,7 @@ def run_study(
     *,
     progress: Callable[[str], None],
     over: dict | None = None,
+    options: dict | None = None,
     quick: bool = False,
 ) -> StudyRecord | Record:
     """Run a study, write its numbers into a directory and return its record.
@@ -246,13 +248,20 @@ def run_study(
         Called with what is being done.
     over : dict, optional
         Axes, for studies that take some.
+    options : dict, optional
+        Of the command line, for studies that take some: those in the module's ``OPTIONS``.
     quick : bool
         Whether to run the small version, with the arguments in the module's ``QUICK``.
     """
     chosen = module(name)
     if over and not getattr(chosen, "TAKES_AXES", False):
         raise SceneError("--over", f"is not taken by the study {name}")
-    options = ({"over": over} if over else {}) | (getattr(chosen, "QUICK", {}) if quick else {})
+    for option in options or {}:
+        if option not in getattr(chosen, "OPTIONS", ()):
+            raise SceneError(f"--{option}", f"is not taken by the study {name}")
+    options = (
+        ({"over": over} if over else {}) | (getattr(chosen, "QUICK", {}) if quick else {}) | (options or {})
+    )
     if scene is not None and not getattr(chosen, "TAKES_SCENE", False):
         raise SceneError("study", f"{name} has its own scenes and takes none")
     scenes = () if scene is None else (scene,)

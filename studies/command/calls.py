@@ -207,6 +207,11 @@ def study(arguments: argparse.Namespace) -> int:
             result.folder,
             progress=progress,
             over=axes_given(arguments.over),
+            options={
+                name: value
+                for name in ("band", "z0", "measured")
+                if (value := getattr(arguments, name)) is not None
+            },
             quick=arguments.quick,
         )
         result.commit()
