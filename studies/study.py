@@ -48,6 +48,7 @@ STUDIES = {
     "sensitivity": "inverse",
     "contact_error_vs_time": "evidence",
     "cell_triple": "stator",
+    "p_matrix": "stator",
     "network": "stator",
     "fem_error_vs_time": "evidence",
     "gallery": "motor",

@@ -23,8 +23,9 @@ from scipy.linalg import lu_factor, lu_solve
 from fem.beam.lateral import LateralRule, lateral_rule
 from fem.beam.line_source import KEPT, LOCAL, Branch
 from fem.convergence import ConvergenceError
+from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
-from fem.discretize.section import Section, discretise
+from fem.discretize.section import Section
 from fem.waveguide.eigenproblem import companion_modes, even_odd_modes
 from fem.waveguide.port_fields import PortFields
 

@@ -101,22 +101,7 @@ class ElementSets:
 
 
 def condensed(section: Section, frequency: float, *, width: float, electrode: int | None) -> Superelement:
-    """Condense a column of elements to its sides and its electrode.
-
-    Parameters
-    ----------
-    section : Section
-    frequency : float
-        Hz.
-    width : float
-        Length units.
-    electrode : int or None
-        Comb of the finger on top, if any.
-
-    Returns
-    -------
-    Superelement
-    """
+    """Condense a column of elements, its width in length units, to its sides and the finger's electrode, if any."""
     skeleton, faces, inside_from = _skeleton(section, width, frequency)
     sides = 2 * section.size + PORTS
     drop = np.arange(sides, len(skeleton))
@@ -228,15 +213,7 @@ def _schur(matrix, keep, drop):
 def refuse_resonance(back: np.ndarray) -> None:
     """Refuse a piece that resonates between clamped lines: its condensation, though not the stator, is singular.
 
-    Parameters
-    ----------
-    back : ndarray
-        Fields inside for unit fields at the sides; each decade of them costs the answer a digit.
-
-    Raises
-    ------
-    ConvergenceError
-        Where too many digits are lost.
+    ``back``: fields inside for unit fields at the sides; each decade of them costs the answer a digit.
     """
     if not abs(back).max(initial=0.0) < MOST_AMPLIFIED:
         raise ConvergenceError(

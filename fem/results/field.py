@@ -51,17 +51,7 @@ class WaveField:
     order: int | None = None
 
     def depth_basis(self, z: np.ndarray) -> np.ndarray:
-        """Return what takes nodal values through the depth to heights z (m) by the elements' polynomials.
-
-        Parameters
-        ----------
-        z : ndarray, shape (m,)
-            Within the section.
-
-        Returns
-        -------
-        ndarray, shape (m, nz)
-        """
+        """Return the matrix from nodal values to values at heights z (m) by the elements' polynomials, (m, nz)."""
         ends = self.z[:: self.order]
         element = np.clip(np.searchsorted(ends, z, side="right") - 1, 0, len(ends) - 2)
         local = (z - ends[element]) / (ends[element + 1] - ends[element])

@@ -54,14 +54,7 @@ def write_instant(wave_field: WaveField, phase: float, path: str | Path) -> None
 
 
 def write_mesh(x: np.ndarray, z: np.ndarray, data: dict, path: str | Path) -> None:
-    """Write fields on the grid of lines x and heights z (m) as a mesh of quadrilaterals.
-
-    Parameters
-    ----------
-    x, z : ndarray, shapes (nx,) and (nz,)
-    data : dict of str to ndarray, shape (nx, nz, ...)
-    path : str or Path
-    """
+    """Write fields (nx, nz, ...) on the grid of lines x and heights z (m) as a mesh of quadrilaterals."""
     import meshio
 
     nx, nz = len(x), len(z)

@@ -13,7 +13,7 @@ import numpy as np
 from fem.condense.join import lines
 from fem.condense.superelement import PORTS, Superelement
 from fem.condense.transducer import Condensation, fingers_in_row
-from fem.discretize.section import Section
+from fem.discretize.section import LineSpace, Section
 from fem.geometry import Transducer
 from fem.results.solution import driven_solution
 from fem.waveguide.ends import end_reflection
@@ -29,8 +29,8 @@ ARRIVING = 0.1  # modes that keep this times ``kept`` of their amplitude over th
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReducedSection:
-    """A section seen through a basis of fields: what guided modes and networks ask of a section.
+class ReducedSection(LineSpace):
+    """A section seen through a basis of fields.
 
     Attributes
     ----------

@@ -27,8 +27,9 @@ from fem.analytic.half_space import automatic_period
 from fem.condense.superelement import Superelement
 from fem.condense.transducer import Condensation, FingerShape, finger_cell, half_cells
 from fem.convergence import ConvergenceError
+from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
-from fem.discretize.section import Section, discretise
+from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes, lagrange_weights
 from fem.geometry import Stator
 from fem.materials import Solid, fields
