@@ -93,6 +93,7 @@ _HOME = {
     "wave_field": "results.field",
     "WaveField": "results.field",
     "write_instant": "results.files",
+    "write_surface": "results.files",
     "write_vtu": "results.files",
 }
 __all__ = sorted(_HOME)

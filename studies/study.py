@@ -43,6 +43,7 @@ STUDIES = {
     "dispersion": "stator",
     "regime_map": "motor",
     "load_line": "motor",
+    "stroke": "motor",
     "step_planner": "motor",
     "design_map": "motor",
     "sensitivity": "inverse",

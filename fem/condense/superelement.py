@@ -22,7 +22,7 @@ from fem.discretize.section import FIELD_COLUMN, Section
 from fem.materials.medium import Medium
 
 PORTS = 2  # potentials of the positive and the negative electrode
-MOST_AMPLIFIED = 1e9  # of a piece's fields over those at its sides, up to which seven digits are left
+MAX_AMPLIFICATION = 1e9  # of a piece's fields over those at its sides, up to which seven digits are left
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -215,7 +215,7 @@ def refuse_resonance(back: np.ndarray) -> None:
 
     ``back``: fields inside for unit fields at the sides; each decade of them costs the answer a digit.
     """
-    if not abs(back).max(initial=0.0) < MOST_AMPLIFIED:
+    if not abs(back).max(initial=0.0) < MAX_AMPLIFICATION:
         raise ConvergenceError(
             "a piece of the transducer, clamped at its sides, resonates at this very frequency: "
             "change the frequency by a part in a million, or give the solid a mechanical_quality"

@@ -1,4 +1,4 @@
-"""The whole field of a driven stator on a grid, rebuilt on demand; likewise of a free wave.
+"""The whole field of a driven stator on a grid, rebuilt on demand, and that of a free wave.
 
 The lines of the grid are the nodes of the columns under the transducers and evenly spaced ones in the segments, where
 the field is a sum of modes; through the depth the nodes are the section's own, so that nothing is averaged over an

@@ -31,7 +31,7 @@ NARROWER = 0.5
 PROBES = 6
 GOLDEN = 0.6180339887498949
 LEAD = 0.125  # of 1 / df, before the switch
-FIRST, MOST = 32, 4096  # frequencies, about
+FIRST_FREQUENCIES, MAX_FREQUENCIES = 32, 4096  # about
 PER_BAND = 4  # instants in one over the band's width
 
 
@@ -148,7 +148,7 @@ def burst_response(
     duration: float,
     tolerance: float,
     phase: float = 0.0,
-    most: int = MOST,
+    max_frequencies: int = MAX_FREQUENCIES,
 ) -> BurstEnvelope:
     """Envelope of the surface's motion at a place for a rectangular burst.
 
@@ -168,7 +168,7 @@ def burst_response(
         Of what is folded back in time, over the steady amplitude.
     phase : float
         Of the voltage's cosine at the beginning, rad.
-    most : int
+    max_frequencies : int
         About how many frequencies to solve before giving up.
 
     Returns
@@ -217,8 +217,8 @@ def burst_response(
         return (float(max(change, abs(line.between(line.probes()) - exact).max()) / steady),)
 
     # half as many steps are among them: the difference itself, and not a part of it, is the error (gain 2)
-    divisions = [FIRST // 2, FIRST]
-    while 2 * divisions[-1] <= most:
+    divisions = [FIRST_FREQUENCIES // 2, FIRST_FREQUENCIES]
+    while 2 * divisions[-1] <= max_frequencies:
         divisions.append(2 * divisions[-1])
     refined = refine(at_divisions, divisions, differences=folded, gain=2.0, tolerance=tolerance)
     (line, response), error = refined.answer, refined.errors[0]

@@ -24,8 +24,9 @@ WALL_WIDTH = (
     0.2  # wavelengths of a free or clamped end that are condensed: too narrow for a resonance in the band
 )
 WALL_DISTANCES = (1.0, 1.5, 3.0)  # in wall widths, where the fields sent back feed the basis
-ARRIVING_AT_WALL = 100.0  # likewise after a wavelength, at a wall: the basis forgives more there
-ARRIVING = 0.1  # modes that keep this times ``kept`` of their amplitude over the shortest segment may arrive
+# Share, in ``kept``, of its amplitude that a mode must keep to count among those that arrive: at a transducer over the
+# shortest segment; at a wall, where an error of the basis counts less, after a wavelength.
+ARRIVING, ARRIVING_AT_WALL = 0.1, 100.0
 
 
 @dataclass(frozen=True, kw_only=True)

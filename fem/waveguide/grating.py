@@ -43,7 +43,7 @@ NEAR = 0.25  # relative distance of omega^2 within which edges are looked for
 STEPS = 8
 WAVES = 8
 SHIFT = -1.03 + 0.02j  # near the factors of a stop band, of which none equals it
-SETTLED = 1e-11  # relative change of omega^2
+SQUARE_TOLERANCE = 1e-11  # relative change of omega^2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -217,7 +217,7 @@ class Grating:
             shape = shape / np.linalg.norm(shape)
             change = complex((shape @ matrix @ shape) / (shape @ slope @ shape)).real
             square -= change
-            if abs(change) < SETTLED * square:
+            if abs(change) < SQUARE_TOLERANCE * square:
                 return float(np.sqrt(square) / (2 * np.pi))
         raise ConvergenceError(
             f"a stop band's edge near {np.sqrt(square) / (2 * np.pi):g} Hz does not settle"
