@@ -54,7 +54,7 @@ def view(
     from studies.view.section import limits
 
     _check_files(wanted)
-    _, scene = left_run(folder)
+    scene = left_run(folder).scene
     show = wanted.show or ("field" if scene.stator is not None else "contact")
     if show == "contact":
         from studies.view import contact_view
