@@ -57,8 +57,8 @@ def direct_solution(
     frequency: float,
     resolution: Resolution,
     wavelength: float,
-    stretch_size: float = 0.5,
-    stretch_layers: int = 0,
+    segment_size: float = 0.5,
+    segment_layers: int = 0,
 ) -> DirectSolution:
     """Solve the driven stator by brute force.
 
@@ -73,10 +73,10 @@ def direct_solution(
         Of the section and the transducers.
     wavelength : float
         Length unit in m, the slowest bulk wave's.
-    stretch_size : float
-        Largest element in the uniform stretches, wavelengths.
-    stretch_layers : int
-        Geometric layers towards both ends of every stretch, where evanescent fields vary fast.
+    segment_size : float
+        Largest element in the uniform segments, wavelengths.
+    segment_layers : int
+        Geometric layers towards both ends of every segment, where evanescent fields vary fast.
 
     Returns
     -------
@@ -95,18 +95,18 @@ def direct_solution(
         wavelength=wavelength,
         surface_scale=min(transducer.finger_width / 2 for transducer in transducers),
     )
-    across = _x_lines(stator, transducers, resolution, wavelength, (stretch_layers, stretch_size))
+    across = _x_lines(stator, transducers, resolution, wavelength, (segment_layers, segment_size))
     mesh = MeshQuad.init_tensor(across, section.breakpoints)
     basis = Basis(mesh, ElementQuadP(resolution.order), intorder=2 * resolution.order)
     body = medium(stator.solid, names)
     system = _assembled(basis, body, 2 * np.pi * frequency * wavelength)
     if stator.ends == "absorbing":
         modes = guided_modes(section, frequency)
-        for place, ends in ((across[0], modes.left_end), (across[-1], modes.right_end)):
+        for place, ends in ((across[0], modes.left_impedance), (across[-1], modes.right_impedance)):
             system = system - _at_line(basis, section, place, ends)
-    combs = _comb_dofs(basis, transducers, wavelength, len(names), names.index("phi"))
+    electrodes = _electrode_dofs(basis, transducers, wavelength, len(names), names.index("phi"))
     held = _held_dofs(basis, stator, names, section.breakpoints[0], across[[0, -1]])
-    reduced = _reduced_solution(system, basis, names, combs, held, wavelength, units(stator.solid))
+    reduced = _reduced_solution(system, basis, names, electrodes, held, wavelength, units(stator.solid))
     return _by_port(reduced, transducers, frequency)
 
 
@@ -115,13 +115,13 @@ def _by_port(by_strip: _Strips, transducers: tuple[Transducer, ...], frequency: 
     total, columns, uncharged = len(by_strip.charges), [], []
     at = 0
     for transducer in transducers:
-        own = electrode_potentials(transducer, floats=True)
+        own = electrode_potentials(transducer, floating=True)
         column = np.zeros((total, own.shape[1]))
         column[at : at + 2] = own
         columns.append(column)
-        combs = [float(sign in transducer.signs) for sign in "+-"]
-        if any(combs):
-            uncharged.append(np.eye(total)[:, at : at + 2] @ combs)
+        electrodes = [float(sign in transducer.signs) for sign in "+-"]
+        if any(electrodes):
+            uncharged.append(np.eye(total)[:, at : at + 2] @ electrodes)
         strips = transducer.signs.count("o")
         uncharged += list(np.eye(total)[at + 2 : at + 2 + strips])
         at += 2 + strips
@@ -142,8 +142,8 @@ def _by_port(by_strip: _Strips, transducers: tuple[Transducer, ...], frequency: 
     )
 
 
-def _x_lines(stator, transducers, resolution, wavelength, stretch) -> np.ndarray:
-    """Element ends along x in length units: graded to every finger edge, even in the stretches between."""
+def _x_lines(stator, transducers, resolution, wavelength, segment) -> np.ndarray:
+    """Element ends along x in length units: graded to every finger edge, even in the segments between."""
     largest = resolution.element_size
     sizes, here = [], 0.0
     for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
@@ -157,14 +157,14 @@ def _x_lines(stator, transducers, resolution, wavelength, stretch) -> np.ndarray
             graded(half, layers, largest=largest, smallest_first=later)
             for half, layers, later in zip(halves[:2], (before, after), (False, True), strict=True)
         )
-        sizes += [_both_graded(fingers[0, 0] - before.sum() - here, *stretch), before]
+        sizes += [_both_graded(fingers[0, 0] - before.sum() - here, *segment), before]
         for number, (left, right) in enumerate(fingers):
             if number:
                 sizes.append(_both_graded(left - fingers[number - 1, 1], gap_layers, largest))
             sizes.append(_both_graded(right - left, finger_layers, largest))
         sizes.append(after)
         here = fingers[-1, 1] + after.sum()
-    sizes.append(_both_graded(stator.length / wavelength - here, *stretch))
+    sizes.append(_both_graded(stator.length / wavelength - here, *segment))
     return np.append(0.0, np.cumsum(np.concatenate(sizes)))
 
 
@@ -203,10 +203,10 @@ def _by_field(matrix, count: int):
     return kron(matrix, identity(count)).tocsr()
 
 
-def _comb_dofs(basis, transducers, wavelength, count, phi) -> list[np.ndarray]:
-    """Potential unknowns of each comb: vertices carry its value, the edges' bubbles vanish."""
+def _electrode_dofs(basis, transducers, wavelength, count, phi) -> list[np.ndarray]:
+    """Potential unknowns of each electrode: vertices carry its value, the edges' bubbles vanish."""
     mesh = basis.mesh
-    combs = []
+    electrodes = []
     for transducer in transducers:
         groups = [
             transducer.strips("+"),
@@ -221,12 +221,12 @@ def _comb_dofs(basis, transducers, wavelength, count, phi) -> list[np.ndarray]:
                 )
             )
             if not len(chosen):
-                combs.append((np.empty(0, dtype=int), np.empty(0, dtype=int)))
+                electrodes.append((np.empty(0, dtype=int), np.empty(0, dtype=int)))
                 continue
             dofs = basis.get_dofs(chosen)
             vertices = np.unique(next(iter(dofs.nodal.values())))
-            combs.append((vertices * count + phi, np.setdiff1d(dofs.flatten(), vertices) * count + phi))
-    return combs
+            electrodes.append((vertices * count + phi, np.setdiff1d(dofs.flatten(), vertices) * count + phi))
+    return electrodes
 
 
 def _held_dofs(basis, stator, names, depth, ends) -> np.ndarray:
@@ -243,28 +243,28 @@ def _held_dofs(basis, stator, names, depth, ends) -> np.ndarray:
     return np.unique(np.concatenate(held))
 
 
-def _reduced_solution(system, basis, names, combs, held, wavelength, unit_pair) -> _Strips:
+def _reduced_solution(system, basis, names, electrodes, held, wavelength, unit_pair) -> _Strips:
     from scipy.sparse import csr_matrix
 
     stress, potential = unit_pair
     size = system.shape[0]
-    # Every comb's vertices share one unknown; what is held or vanishes is left out.
+    # Every electrode's vertices share one unknown; what is held or vanishes is left out.
     target = np.arange(size)
     gone = np.zeros(size, dtype=bool)
     gone[held] = True
-    for index, (vertices, bubbles) in enumerate(combs):
+    for index, (vertices, bubbles) in enumerate(electrodes):
         target[vertices] = size + index
         gone[bubbles] = True
     keep = np.flatnonzero(~gone)
-    expand = csr_matrix((np.ones(len(keep)), (keep, target[keep])), shape=(size, size + len(combs)))
+    expand = csr_matrix((np.ones(len(keep)), (keep, target[keep])), shape=(size, size + len(electrodes)))
     reduced = (expand.T @ system @ expand).tocsr()
-    free = np.setdiff1d(np.unique(target[keep]), size + np.arange(len(combs)))
-    fixed = size + np.arange(len(combs))
+    free = np.setdiff1d(np.unique(target[keep]), size + np.arange(len(electrodes)))
+    fixed = size + np.arange(len(electrodes))
     inner = reduced[free][:, free].tocsc()
     load = -reduced[free][:, fixed].toarray()
-    solution = np.zeros((size + len(combs), len(combs)), dtype=complex)
+    solution = np.zeros((size + len(electrodes), len(electrodes)), dtype=complex)
     solution[free] = sparse_solution(inner, load)
-    solution[fixed] = np.eye(len(combs))
+    solution[fixed] = np.eye(len(electrodes))
     charges = reduced[fixed] @ solution * (stress / potential**2)
     nodal = expand @ solution / potential
 

@@ -1,10 +1,10 @@
 """The stator and its transducers: the sagittal section, x along the surface, z out of it, body at z < 0.
 
 A transducer is a row of massless, perfectly conducting, equipotential fingers of equal width and pitch.  In the plain
-one they alternate: finger 0 on the positive comb, finger 1 on the negative one; two fingers and two gaps make a period.
-A pattern says otherwise, one sign per finger: "+" and "-" the combs, "0" a finger left out (weighted comb), "o" an open
-strip, at whatever potential leaves it without charge.  Split fingers are four to a period, "++--".  A row of "o" is an
-open reflector, a row of "+" a shorted one.
+one they alternate: finger 0 on the positive electrode, finger 1 on the negative one; two fingers and two gaps make a
+period.  A pattern says otherwise, one sign per finger: "+" and "-" the electrodes, "0" a finger left out (withdrawal
+weighting), "o" an open strip, at whatever potential leaves it without charge.  Split fingers are four to a period,
+"++--".  A row of "o" is an open reflector, a row of "+" a shorted one.
 """
 
 from dataclasses import dataclass
@@ -72,7 +72,7 @@ class Stator:
 
 @dataclass(frozen=True, kw_only=True)
 class Transducer:
-    """Two interleaved combs on the surface.
+    """Two interleaved electrodes on the surface.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class Transducer:
     center : float
         Of the fingers, from the stator's left end, in m.
     finger_pairs : int
-        Pairs of fingers, one of each comb.
+        Pairs of fingers, one of each electrode.
     period : float
         Of two fingers and two gaps, in m.
     metallisation : float
@@ -89,7 +89,7 @@ class Transducer:
     aperture : float
         Overlap of the fingers along y, in m.
     termination : str or complex
-        Of a transducer that is not driven: "open", "short" or an impedance in ohm between its combs.
+        Of a transducer that is not driven: "open", "short" or an impedance in ohm between its electrodes.
     pattern : str, optional
         One of "+-0o" per finger; "+-" (split: "++--") over and over if not given.
     split : bool

@@ -126,10 +126,7 @@ def _stepped(problem, per_cycle):
     from contact.solve.time_stepping import steps
 
     def run(begin, cycles):
-        state, rows = begin.copy(), np.empty((cycles, 3))
-        if not steps(problem, state, cycles, per_cycle, 1, rows, np.empty(0, complex)):
-            raise ConvergenceError("not finite", "the stepped motion overflowed")
-        return rows
+        return steps(problem, begin.copy(), cycles, per_cycle)
 
     return run
 
@@ -140,7 +137,7 @@ def _exact(problem, nodes):
     from contact.solve.motion import Motion
 
     def run(begin, cycles):
-        motion = Motion(problem, table=collocation(nodes), truncation=10.0 ** (1 - nodes))
+        motion = Motion(problem, grid=collocation(nodes), truncation=10.0 ** (1 - nodes))
         motion.place(*begin[:3], begin[3:])
         rows = motion.turn(cycles, stride=1)
         return rows

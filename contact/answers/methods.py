@@ -7,6 +7,7 @@ of the last v and what it counted; each refuses where it does not apply. The err
 import math
 import os
 from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,27 +15,28 @@ from contact.answers.averaged import averaged_run, why_not
 from contact.convergence import ConvergenceError
 from contact.drive import reference_speed
 from contact.law.normal import load
-from contact.problem import largest_resonance
+from contact.orbit import Orbit
+from contact.problem import Problem, largest_resonance
+from contact.slider import Slider
 
-METHODS = ("auto", "exact", "stepped", "averaged")
 # up to here "auto" follows every event, whatever the tolerance
 EXACT_CYCLES = 3000
 # of the velocity, per cycle that is followed exactly
 ROUNDING = 1e-15
-# stretches that the exact way takes on at most, some minutes
-MOST_STRETCHES = 1e8
+# segments that the exact method takes on at most, some minutes
+MAX_SEGMENTS = 1e8
 # steps per cycle that are tried, and the tolerance down to which each has been seen to serve
 STEPS = ((24, 2e-3), (32, 4e-4), (56, 4e-5), (80, 1e-5), (128, 1.5e-6), (192, 2e-7), (256, 0.0))
 # order that is counted on between two step sizes, and instants in the second half at which two runs are compared
-ORDER, WITNESSES = 1.75, 24
+ORDER, COMPARED = 1.75, 24
 # share of the tolerance down to which a step size serves that no comparison takes away
 FLOOR = 0.01
-# nodes per stretch, truncation of a stretch, and the tolerance down to which each serves
+# nodes per segment, truncation of a segment, and the tolerance down to which each serves
 ORDERS = ((8, 1e-5, math.inf), (8, 1e-7, 1e-8), (12, 1e-9, 1e-10), (16, 1e-12, 0.0))
 # change of the contact's own oscillation in a step, omega_n dt, above which fixed steps are refused
-LARGEST_STEP = 0.2
+MAX_STEP = 0.2
 # share of its velocity that the contact's damper may take in a step
-LARGEST_DAMPING = 5e-3
+MAX_DAMPING = 5e-3
 
 
 def rest_problem(slider, orbits):
@@ -54,7 +56,7 @@ def rest(slider, orbits, problem, *, nodes, truncation):
     from contact.solve.motion import Motion
 
     contacts = len(orbits)
-    motion = Motion(problem, table=collocation(nodes), truncation=truncation)
+    motion = Motion(problem, grid=collocation(nodes), truncation=truncation)
     depth = slider.rest_approach(contacts) / problem.length
     x = slider.rest_deformations(contacts) / problem.length
     motion.place(-depth, 0.0, 0.0, math.copysign(1.0, problem.load) * x)
@@ -67,93 +69,112 @@ def silence(motion):
 
     still = motion.copy()
     still.problem = without_wave(motion.problem)
-    still.tally[:], still.sums[:] = 0, 0.0
+    still.begin()
     still.place(*motion.state[:3], motion.state[3:])
     return still
 
 
-def run(method, slider, orbits, problem, cycles, stride, tolerance, envelope):
-    """Return (motion, rows, error, statistics, method used) of a burst; `envelope` as in `time_stepping.steps`.
+class Burst(NamedTuple):
+    """A burst to follow from rest; a row every `stride` cycles, `envelope` as in `time_stepping.steps`."""
 
-    The exact way leaves the energies of the burst in the motion's sums, and in `motion.begun` those at its start.
-    """
-    if method != "auto":
-        return (*_one(method, slider, orbits, problem, cycles, stride, tolerance, envelope), method)
-    reference = reference_speed(0.0, orbits) / problem.speed
-    tried = None
-    for way in _order(slider, orbits, problem, cycles, envelope):
-        try:
-            found = _one(way, slider, orbits, problem, cycles, stride, tolerance, envelope)
-        except ConvergenceError:
-            if way == "exact":
-                if tried is None:
-                    raise
-                break
-            continue
-        if tried is None or found[2] <= tried[2]:
-            tried = (*found, way)
-        if found[2] <= tolerance * max(reference, abs(float(found[0].state[2]))):
-            break
-        if way == "stepped" and cycles > 100 * EXACT_CYCLES:
-            break  # minutes of events are asked for by name
-    return tried
+    slider: Slider
+    orbits: tuple[Orbit, ...]
+    problem: Problem
+    cycles: int
+    stride: int
+    tolerance: float
+    envelope: np.ndarray
+
+    def reference(self, velocity: float = 0.0) -> float:
+        """Return the reference speed of a velocity; both scaled."""
+        return reference_speed(velocity * self.problem.speed, self.orbits) / self.problem.speed
 
 
-def _order(slider, orbits, problem, cycles, envelope):
-    """Return the ways that may serve, the cheapest first."""
-    shaped = envelope.size > 0
-    steppable = not why_not_stepped(slider, problem, STEPS[0][0])
-    if cycles <= EXACT_CYCLES and not shaped:
-        return ("exact",)
-    ways = [] if shaped or why_not(slider, orbits) else ["averaged"]
-    ways += ["stepped"] if steppable else []
-    return (*ways, *(() if shaped and steppable else ("exact",)))
-
-
-def _one(method, slider, orbits, problem, cycles, stride, tolerance, envelope):
-    if method == "stepped":
-        return _stepped(slider, orbits, problem, cycles, stride, tolerance, envelope)
-    if envelope.size > 0:
-        raise ConvergenceError(
-            "not applicable",
-            f"the {method} way takes no envelope; use method stepped or leave the envelope out",
-        )
-    if method == "averaged":
-        if cycles < 3:
-            raise ConvergenceError(
-                "not applicable", f"{cycles} cycles are too few for the averaged way; use method exact"
-            )
-        begin = rest(slider, orbits, problem, nodes=14, truncation=1e-11)
-        return averaged_run(slider, orbits, problem, begin, cycles, stride, tolerance)
-    return _exact(slider, orbits, problem, cycles, stride, tolerance)
-
-
-def _exact(slider, orbits, problem, cycles, stride, tolerance):
+def _exact(burst):
     """Follow every event at two orders; where they do not agree to the tolerance, at the next."""
-    if cycles * problem.segments > MOST_STRETCHES:
+    if burst.cycles * burst.problem.segments > MAX_SEGMENTS:
         raise ConvergenceError(
             "out of reach",
-            f"{cycles} cycles of at least {problem.segments:.3g} stretches of the motion are more than can be "
-            "followed; shorten the burst, raise the mass or lower the dampers",
+            f"{burst.cycles} cycles of at least {burst.problem.segments:.3g} segments of the motion are more than can "
+            "be followed; shorten the burst, raise the mass or lower the dampers",
         )
-    level = next((k for k, (_, _, down_to) in enumerate(ORDERS) if tolerance >= down_to), len(ORDERS) - 1)
 
-    def follow(order):
-        nodes, truncation, _ = ORDERS[order]
-        motion = rest(slider, orbits, problem, nodes=nodes, truncation=truncation)
+    def follow(level):
+        nodes, truncation, _ = ORDERS[level]
+        motion = rest(burst.slider, burst.orbits, burst.problem, nodes=nodes, truncation=truncation)
         motion.begun = motion.energy()
-        return motion, motion.turn(cycles, stride=stride)
+        rows = motion.turn(burst.cycles, stride=burst.stride)
+        return motion.state[2:3].copy(), motion, rows
 
-    (coarse, _), (fine, rows) = _both(follow, level - 1, level)
+    def error(level, difference, reference):
+        # two runs may agree by chance, but not so much better than their segments are laid out
+        return max(difference, 3e-6 * ORDERS[level][1] * reference) + ROUNDING * burst.cycles * reference
+
+    _, (_, motion, rows), estimate = _refined(burst, follow, error, ORDERS, 1)
+    return motion, rows, estimate, motion.events()
+
+
+def _stepped(burst):
+    """Refine the steps until two runs agree; their differences on the way tell the error of the finer one."""
+    from contact.solve.time_stepping import steps
+
+    begin = rest(burst.slider, burst.orbits, burst.problem, nodes=16, truncation=1e-12)
+    most = max(1, burst.cycles // (2 * COMPARED))
+    inner = _divisor(burst.stride, most)
+    late = burst.cycles // inner // 2
+
+    def follow(level):
+        state = begin.state.copy()
+        rows = steps(
+            burst.problem, state, burst.cycles, STEPS[level][0], stride=inner, envelope=burst.envelope
+        )
+        return np.append(rows[late:, 0], state[2]), state, rows
+
+    def error(level, difference, reference):
+        # events fall anywhere in a step: one difference may vanish by chance, the largest of many does not
+        gain = (STEPS[level][0] / STEPS[level - 1][0]) ** ORDER - 1.0
+        return difference / gain + FLOOR * STEPS[level][1] * reference if reference > 0.0 else 0.0
+
+    fits = [
+        k for k, (number, *_) in enumerate(STEPS) if not why_not_stepped(burst.slider, burst.problem, number)
+    ]
+    level, (_, state, rows), estimate = _refined(burst, follow, error, STEPS, fits[1])
+    begin.state[:] = state
+    statistics = {
+        "steps_per_cycle": STEPS[level][0], "cycles": burst.cycles,
+        "omega_n_dt": _resonance(burst.problem) * 2.0 * math.pi / STEPS[level][0],
+    }  # fmt: skip
+    every = burst.stride // inner
+    return begin, rows[every - 1 :: every], estimate, statistics
+
+
+def _divisor(number, most):
+    """Return the largest divisor of a number that is at most `most`."""
+    return next(d for d in range(min(number, most), 0, -1) if number % d == 0)
+
+
+def _averaged(burst):
+    """Follow the averaged equations."""
+    begin = rest(burst.slider, burst.orbits, burst.problem, nodes=14, truncation=1e-11)
+    return averaged_run(*burst[:3], begin, *burst[3:6])
+
+
+def _refined(burst, follow, error, levels, least):
+    """Return (level, run, error) of the first level of resolution whose run agrees with that of the level before.
+
+    A run begins with the velocities to compare, of which the last is that at the end; a level ends with the tolerance
+    down to which it serves.
+    """
+    serving = (k for k, (*_, down_to) in enumerate(levels) if burst.tolerance >= down_to)
+    level = max(next(serving, len(levels) - 1), least)
+    coarse, fine = _both(follow, level - 1, level)
     while True:
-        reference = reference_speed(float(fine.state[2]) * problem.speed, orbits) / problem.speed
-        # two runs may agree by chance, but not so much better than their stretches are laid out
-        error = max(abs(float(fine.state[2] - coarse.state[2])), 3e-6 * ORDERS[level][1] * reference)
-        error += ROUNDING * cycles * reference
-        if error <= tolerance * reference or level == len(ORDERS) - 1:
-            return fine, rows, error, fine.events()
+        reference = burst.reference(float(fine[0][-1]))
+        estimate = error(level, float(np.max(np.abs(fine[0] - coarse[0]))), reference)
+        if estimate <= burst.tolerance * reference or level == len(levels) - 1:
+            return level, fine, estimate
         level += 1
-        coarse, (fine, rows) = fine, follow(level)
+        coarse, fine = fine, follow(level)
 
 
 def _both(work, first, second):
@@ -162,54 +183,77 @@ def _both(work, first, second):
         return work(first), work(second)
     with ThreadPoolExecutor(1) as aside:
         job = aside.submit(work, first)
-        found = work(second)
-        return job.result(), found
+        result = work(second)
+        return job.result(), result
 
 
-def _stepped(slider, orbits, problem, cycles, stride, tolerance, envelope):
-    """Refine the steps until two runs agree; their differences on the way tell the error of the finer one."""
-    from contact.solve.time_stepping import steps
+def _exact_refusal(burst, by_name):
+    if burst.envelope.size > 0:
+        return "it takes no envelope; use method stepped or leave the envelope out"
+    return ""
 
-    begin = rest(slider, orbits, problem, nodes=16, truncation=1e-12)
-    fits = [k for k, (number, _) in enumerate(STEPS) if not why_not_stepped(slider, problem, number)]
-    if len(fits) < 2:
-        refusal = why_not_stepped(slider, problem, STEPS[-2][0])
-        raise ConvergenceError(
-            "not applicable", f"the stepped way does not apply: {refusal}; use method exact"
-        )
 
-    inner = _divisor(stride, max(1, cycles // (2 * WITNESSES)))
-    late = cycles // inner // 2
+def _stepped_refusal(burst, by_name):
+    # by name two step sizes are enough
+    reason = why_not_stepped(burst.slider, burst.problem, STEPS[-2 if by_name else 0][0])
+    return f"{reason}; use method exact" if reason else ""
 
-    def follow(k):
-        state, rows = begin.state.copy(), np.empty((cycles // inner, 3))
-        if not steps(problem, state, cycles, STEPS[k][0], inner, rows, envelope):
-            raise ConvergenceError("not finite", "the stepped motion overflowed; use method exact")
-        return np.append(rows[late:, 0], state[2]), state, rows
 
-    k = max(next(k for k, (_, down_to) in enumerate(STEPS) if tolerance >= down_to), fits[1])
-    (coarse, _, _), (fine, state, rows) = _both(follow, k - 1, k)
-    while True:
-        reference = reference_speed(float(state[2]) * problem.speed, orbits) / problem.speed
-        # events fall anywhere in a step: one difference may vanish by chance, the largest of many does not
-        error = float(np.max(np.abs(fine - coarse))) / ((STEPS[k][0] / STEPS[k - 1][0]) ** ORDER - 1.0)
-        error = error + FLOOR * STEPS[k][1] * reference if reference > 0.0 else 0.0
-        if error <= tolerance * reference or k == len(STEPS) - 1:
+def _averaged_refusal(burst, by_name):
+    if burst.envelope.size > 0:
+        return "it takes no envelope; use method stepped or leave the envelope out"
+    if burst.cycles < 3:
+        return f"{burst.cycles} cycles are too few; use method exact"
+    reason = why_not(burst.slider, burst.orbits)
+    return f"{reason}; use method stepped or exact" if reason else ""
+
+
+# Method: (function, why it does not apply). The cheapest comes first: beyond EXACT_CYCLES cycles "auto" takes the first
+# whose estimated error keeps the tolerance, up to there it follows every event.
+STRATEGY = {
+    # error: half the steps and fewer nodes; first against second order; shares of what second order leaves
+    "averaged": (_averaged, _averaged_refusal),
+    # error: two step sizes, compared at 24 instants
+    "stepped": (_stepped, _stepped_refusal),
+    # error: two collocation orders with two truncations; rounding per cycle
+    "exact": (_exact, _exact_refusal),
+}
+METHODS = ("auto", *STRATEGY)
+
+
+def run(method: str, burst: Burst):
+    """Return (motion at the end, rows, error of v, statistics, method used) of a burst.
+
+    The exact method leaves the energies of the burst in the motion's sums, and in `motion.begun` those at its start.
+
+    Raises
+    ------
+    ConvergenceError
+        Status "not applicable" if a method asked for by name does not apply, or what the motion ran into.
+    """
+    if method != "auto":
+        follow, refusal = STRATEGY[method]
+        reason = refusal(burst, True)
+        if reason:
+            raise ConvergenceError("not applicable", f"the {method} method does not apply: {reason}")
+        return (*follow(burst), method)
+    best = None
+    for name, (follow, refusal) in STRATEGY.items():
+        if burst.cycles <= EXACT_CYCLES and burst.envelope.size == 0:
             break
-        k += 1
-        coarse, (fine, state, rows) = fine, follow(k)
-    begin.state[:] = state
-    statistics = {
-        "steps_per_cycle": STEPS[k][0], "cycles": cycles,
-        "omega_n_dt": _resonance(problem) * 2.0 * math.pi / STEPS[k][0],
-    }  # fmt: skip
-    every = stride // inner
-    return begin, rows[every - 1 :: every], error, statistics
-
-
-def _divisor(number, most):
-    """Return the largest divisor of a number that is at most `most`."""
-    return next(d for d in range(min(number, most), 0, -1) if number % d == 0)
+        if refusal(burst, False):
+            continue
+        try:
+            answer = (*follow(burst), name)
+        except ConvergenceError:
+            continue
+        if best is None or answer[2] <= best[2]:
+            best = answer
+        if answer[2] <= burst.tolerance * burst.reference(float(answer[0].state[2])):
+            break
+        if name == "stepped" and burst.cycles > 100 * EXACT_CYCLES:
+            break  # minutes of events are asked for by name
+    return best or run("exact", burst)
 
 
 def _resonance(problem):
@@ -226,14 +270,14 @@ def why_not_stepped(slider, problem, per_cycle):
         return "no friction"
     step = 2.0 * math.pi / per_cycle
     turn = step * _resonance(problem)
-    if turn > LARGEST_STEP:
+    if turn > MAX_STEP:
         return (
             f"the contact resonance is too fast: omega_n dt = {turn:.3g} with {per_cycle} steps "
-            f"per cycle, more than {LARGEST_STEP}"
+            f"per cycle, more than {MAX_STEP}"
         )
     # Hunt-Crossley's force enters by the rate, to first order in the step
-    if step * problem.contact_damping * problem.stiffness * load(2.0, problem.shape) > LARGEST_DAMPING:
+    if step * problem.contact_damping * problem.stiffness * load(2.0, problem.shape) > MAX_DAMPING:
         return f"the contact's damper is too fast for {per_cycle} steps per cycle"
-    if step * max(problem.normal_damping, problem.tangential_damping) > LARGEST_STEP:
+    if step * max(problem.normal_damping, problem.tangential_damping) > MAX_STEP:
         return f"the dampers are too fast for {per_cycle} steps per cycle"
     return ""

@@ -46,8 +46,6 @@ def ring_down(slider, problem, motion, envelope: Envelope, *, frequency: float, 
     cycles -= cycles % stride
     if cycles == 0:
         return np.empty(0), np.empty((0, 3))
-    found = np.empty((cycles // stride, 3))
     shape = envelope.at(np.arange(cycles + 1) / frequency)
-    if not steps(problem, motion.state, cycles, serving[0], stride, found, shape):
-        raise ConvergenceError("not finite", "the stepped motion overflowed in the ring-down")
+    found = steps(problem, motion.state, cycles, serving[0], stride=stride, envelope=shape)
     return stride * np.arange(1, len(found) + 1) / frequency, found

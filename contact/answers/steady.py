@@ -26,12 +26,14 @@ from contact.orbit import Orbit, as_orbits
 from contact.problem import scaled
 from contact.slider import Slider
 from contact.solve.averaged_sweep import MAX_RATIO_HELD, MAX_THRESHOLD_ERROR, THRESHOLD_ERROR
+from contact.solve.equilibrium import Balance, balanced, cycle_at
+from contact.solve.event_driven import CHATTER, STRETCHES
 
 METHODS = ("auto", "exact", "averaged")
 # largest ratio of contact resonance to wave for which a periodic motion is searched, and cycles to settle before
 SLOWEST_WAVE, SETTLE = 20.0, 200
-# stretches of a cycle up to which that is worth its time
-MOST_STRETCHES = 8000.0
+# segments of a cycle up to which that is worth its time
+MAX_SEGMENTS = 8000.0
 # error of first order over (f_n/f)^2; true: 0.1 to 1.9 from 0.75 to 20 nm (`tests/benchmarks/contact_ways.py`)
 AVERAGING_ERROR = 3.0
 
@@ -133,88 +135,110 @@ def _closed(slider, orbits):
     }  # fmt: skip
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Search:
+    """A steady state, searched on the side on which the crests drive towards +x: mirrored waves, mirrored answers."""
+
+    slider: Slider
+    orbits: tuple[Orbit, ...]
+    side: float
+    tolerance: float
+    ratio: float
+    balance: Balance
+
+    def relative(self, difference, velocity):
+        """Return a difference of velocities over the reference speed."""
+        return relative_to_reference(difference, velocity, self.orbits)
+
+    def answer(self, note, *, velocity, error, height, motion, work, before, sticks, spans=1, **statistics):
+        """Return the answer of a motion over some cycles; `velocity` on this side, `height` in m."""
+        counted = motion.events()
+        for name, number in zip(
+            ("stretches", "halvings", "sweeps", "cycles"), work[STRETCHES:CHATTER], strict=True
+        ):
+            counted[name] = int(number)
+        counted["smallest_gap"], counted["chatter"] = motion.smallest_gap(), bool(counted["chatter"])
+        status, message = _judged(error, self.tolerance, note)
+        moving = "intermittent" if counted["release"] else "slip"
+        return {
+            "velocity": float(self.side * velocity) if velocity else 0.0, "regime": "stick" if sticks else moving,
+            "relative_error": float(error), "height": float(height), "status": status, "message": message,
+            "method": "exact", "statistics": counted | statistics,
+            "ledger": ledger(self.slider, motion, before, spans=spans),
+        }  # fmt: skip
+
+
 def _searched(slider, orbits, tolerance, method):
-    # solved on the side on which the crests drive towards +x, so that mirrored waves give mirrored answers
     side, driven = towards_plus(orbits)
     ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
     mean, balance = _equilibrium(slider, driven, ratio, method)
+    search = _Search(
+        slider=slider, orbits=driven, side=side, tolerance=tolerance, ratio=ratio, balance=balance
+    )
     if method == "averaged" or (mean is not None and mean.held):
-        return _averaged(slider, side, mean, balance, tolerance)
+        return _averaged(search, mean)
     if balance.held or ratio > SLOWEST_WAVE:
-        return _waited(slider, side, driven, balance, tolerance)
+        return _waited(search)
     try:
-        return _reached(slider, side, driven, balance, tolerance)
+        return _reached(search)
     except ConvergenceError as failed:
-        if ratio > MAX_RATIO_HELD or failed.status == "unstable" or _adhesive(balance):
-            return _waited(slider, side, driven, balance, tolerance)
+        # the contact's damper acts on the slider within a few cycles, so that it does not ride still
+        adhesive = balance.problem.contact_damping * balance.problem.preload > 1e-2
+        if ratio > MAX_RATIO_HELD or failed.status == "unstable" or adhesive:
+            return _waited(search)
         if method == "exact":
             raise
-        found = _averaged(slider, side, mean, balance, tolerance)
+        found = _averaged(search, mean)
         return found | {"message": f"{found['message']}, for the full motion was not found: {failed}"}
 
 
-def _reached(slider, side, orbits, balance, tolerance):
+def _reached(search):
     """Return the motion that repeats with the wave's period, or the one that a slider from rest reaches instead."""
-    answer, periodic_motion = _repeating(slider, side, orbits, balance, tolerance)
-    if slider.normal_resonance(len(orbits)) / orbits[0].frequency > MAX_RATIO_HELD:
-        return _from_rest(slider, side, orbits, balance, tolerance, answer, periodic_motion)
-    if slider.normal_damping == 0.0 and slider.contact_damping == 0.0 and answer["velocity"] != 0.0:
-        return _bouncing(slider, side, orbits, balance, tolerance, answer)
-    return answer
-
-
-def _from_rest(slider, side, orbits, balance, tolerance, answer, periodic_motion):
-    """Return the answer if a slider from rest comes to it, else the motion that it does come to."""
     from contact.solve.settling import reached_instead
 
+    slider, answer, periodic_motion = search.slider, *_repeating(search)
+    if search.ratio <= MAX_RATIO_HELD:
+        undamped = slider.normal_damping == 0.0 and slider.contact_damping == 0.0
+        return _bouncing(search, answer) if undamped and answer["velocity"] != 0.0 else answer
     try:
-        run = reached_instead(slider, orbits, balance, periodic_motion)
+        run = reached_instead(slider, search.orbits, search.balance, periodic_motion)
     except ConvergenceError as failed:
         note = f"; whether a slider from rest comes to it was not seen: {failed}"
         return answer | {"message": answer["message"] + note}
     if run is None:
         return answer
-    found = _settled(slider, side, orbits, balance, run, tolerance)
-    note = (
-        f"; a motion that repeats every cycle has {answer['velocity']:.4g} m/s, but is not reached from rest"
-    )
-    return found | {"message": found["message"] + note, "other_velocity": answer["velocity"]}
+    found, velocity = _settled(search, run), answer["velocity"]
+    note = f"; a motion that repeats every cycle has {velocity:.4g} m/s, but is not reached from rest"
+    return found | {"message": found["message"] + note, "other_velocity": velocity}
 
 
-def _bouncing(slider, side, orbits, balance, tolerance, answer):
+def _bouncing(search, answer):
     """Return the answer with the bounce that no damper ends as a part of its error.
 
     For the laws that the cycle means do not know the difference in velocity is that of the elastic law.
     """
     from contact.solve.bounce import speed_lost
 
-    elastic = replace(slider, law="elastic", reciprocal=False)
-    problem = scaled(elastic, orbits, direction=balance.load_sign, start=0.0)
-    heights = slider.rest_approach(len(orbits)) / problem.length, answer["height"] / problem.length
-    ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
-    lost = speed_lost(problem, heights, ratio, side * answer["velocity"] / problem.speed) * problem.speed
+    elastic = replace(search.slider, law="elastic", reciprocal=False)
+    problem = scaled(elastic, search.orbits, direction=search.balance.load_sign, start=0.0)
+    heights = elastic.rest_approach(len(search.orbits)) / problem.length, answer["height"] / problem.length
+    near = search.side * answer["velocity"] / problem.speed
+    lost = speed_lost(problem, heights, search.ratio, near) * problem.speed
     if not np.isfinite(lost):
         return answer
-    other = answer["velocity"] + side * lost
-    apart = relative_to_reference(lost, answer["velocity"], orbits)
-    error = answer["relative_error"] + apart
+    other = answer["velocity"] + search.side * lost
+    error = answer["relative_error"] + search.relative(lost, answer["velocity"])
     note = (
         "periodic motion of the full equations; without normal damping a start from rest goes on bouncing, "
         f"at {other:.4g} m/s in the mean: give slider.damping.normal or slider.damping.contact"
     )
-    status, note = _judged(error, tolerance, note)
-    return answer | {
-        "relative_error": error,
-        "status": status,
-        "message": note,
-        "other_velocity": float(other),
-    }
+    status, note = _judged(error, search.tolerance, note)
+    changed = {"relative_error": error, "status": status, "message": note, "other_velocity": float(other)}
+    return answer | changed
 
 
 def _equilibrium(slider, orbits, ratio, method):
     """Return (averaged steady state or None where averaging is no answer, balance to start the full motion from)."""
-    from contact.solve.equilibrium import balanced, cycle_at
-
     if not why_not(slider, orbits, STIFFEST_STEADY):
         try:
             mean = mean_motion(slider, orbits)
@@ -222,14 +246,8 @@ def _equilibrium(slider, orbits, ratio, method):
             if failed.status == "runaway" or method == "averaged":
                 raise
         else:
-            return mean, cycle_at(
-                slider,
-                orbits,
-                height=mean.height,
-                velocity=mean.first_order,
-                held=mean.held,
-                load_sign=mean.load_sign,
-            )
+            known = {"height": mean.height, "velocity": mean.first_order, "held": mean.held}
+            return mean, cycle_at(slider, orbits, load_sign=mean.load_sign, **known)
     elif method == "averaged" and ratio > MAX_RATIO_HELD:
         raise ConvergenceError(
             "not applicable",
@@ -242,8 +260,6 @@ def _equilibrium(slider, orbits, ratio, method):
 
 def _first_order(slider, orbits, balance, ratio):
     """Return the averaged steady state of a law that only the event-driven solver knows; of first order."""
-    from contact.solve.equilibrium import balanced
-
     velocity, error = balance.speed * balance.problem.speed, AVERAGING_ERROR * ratio**2
     if balance.held:
         larger = 1.0 + min(THRESHOLD_ERROR * ratio**2, MAX_THRESHOLD_ERROR)
@@ -259,13 +275,13 @@ def _first_order(slider, orbits, balance, ratio):
     )  # fmt: skip
 
 
-def _repeating(slider, side, orbits, balance, tolerance):
+def _repeating(search):
     """Return (answer of the full equations, the motion): stable, and repeating with the wave's period."""
-    from contact.law import elastic
     from contact.solve.shooting import periodic
 
+    balance = search.balance
     unit = balance.problem.speed
-    if balance.problem.segments > MOST_STRETCHES:
+    if balance.problem.segments > MAX_SEGMENTS:
         raise ConvergenceError(
             "out of reach",
             f"a cycle takes {balance.problem.segments:.3g} stretches of the motion; raise the mass",
@@ -273,68 +289,67 @@ def _repeating(slider, side, orbits, balance, tolerance):
     try:
         fine = periodic(balance, nodes=16, truncation=1e-12)
     except ConvergenceError:
-        # averaging is no start here: let the motion settle by itself first, for some 30 000 stretches at most
+        # averaging is no start here: let the motion settle by itself first, for some 30 000 segments at most
         settle = int(min(SETTLE, 5.0 + 5000.0 * balance.problem.longest))
         fine = periodic(balance, nodes=16, truncation=1e-12, settle=settle)
     coarse = periodic(balance, nodes=10, truncation=1e-8, near=fine)
-    growth = fine.growth
     if not fine.stable:
         raise ConvergenceError(
             "unstable",
-            f"the motion that repeats with the wave's period grows by {growth:.6g} per cycle: the slider hops",
+            f"the motion that repeats with the wave's period grows by {fine.growth:.6g} per cycle: the slider hops",
         )
     velocity = fine.speed * unit
-    missed = abs(fine.speed - coarse.speed) + fine.step + fine.rounding
-    error = relative_to_reference(missed * unit, velocity, orbits)
-    status, note = _judged(error, tolerance, "periodic motion of the full equations")
-    statistics = _counted(fine.motion, balance.work + fine.work + coarse.work)
-    sticks = not any(statistics[name] for name in ("contact", "release", "stick_to_slip", "slip_to_stick"))
-    held = (fine.motion.regime == elastic.STICK) | (fine.motion.regime == elastic.SEPARATED)
-    sticks = sticks and fine.motion.memory is None and bool(np.all(held) and np.any(fine.motion.regime))
+    error = search.relative((abs(fine.speed - coarse.speed) + fine.step + fine.rounding) * unit, velocity)
+    sticks = fine.motion.memory is None and fine.motion.sticks
     if sticks:  # what is left is rounding
         velocity, error = 0.0, 0.0
-    moving = "intermittent" if statistics["release"] else "slip"
-    statistics["averaged_velocity"] = float(side * balance.speed * unit)
-    statistics["growth_per_cycle"] = growth
-    answer = {
-        "velocity": float(side * velocity), "regime": "stick" if sticks else moving,
-        "relative_error": float(error), "height": float(-fine.state[0] * balance.problem.length), "status": status,
-        "message": note, "method": "exact", "statistics": statistics,
-        "ledger": ledger(slider, fine.motion, fine.before),
-    }  # fmt: skip
+    answer = search.answer(
+        "periodic motion of the full equations", velocity=velocity, error=error, sticks=sticks,
+        height=-fine.state[0] * balance.problem.length, motion=fine.motion, before=fine.before,
+        work=balance.work + fine.work + coarse.work, averaged_velocity=float(search.side * balance.speed * unit),
+        growth_per_cycle=fine.growth,
+    )  # fmt: skip
     return answer, fine
 
 
-def _waited(slider, side, orbits, balance, tolerance):
+def _waited(search):
     """Return the answer of a long run from rest: the slider hops, or is carried by a slow wave."""
     from contact.solve.settling import long_run
 
-    run = long_run(slider, orbits, balance.load_sign)
-    return _settled(slider, side, orbits, balance, run, tolerance)
+    return _settled(search, long_run(search.slider, search.orbits, search.balance.load_sign))
 
 
-def _settled(slider, side, orbits, balance, found, tolerance):
+def _settled(search, run):
     """Return the answer that a long run gives."""
-    unit = found.problem.speed
-    error = relative_to_reference(found.error * unit, found.speed * unit, orbits)
-    if found.sticks:
+    unit = run.motion.problem.speed
+    if run.sticks:
         note = "every contact sticks"
-    elif found.period:
-        note = f"motion that repeats after {found.period} cycles, reached from rest in {found.passed}"
+    elif run.period:
+        note = f"motion that repeats after {run.period} cycles, reached from rest in {run.passed}"
     else:
-        note = f"mean of {found.cycles} cycles after {found.passed} from rest, for no motion that repeats was seen"
-    if found.starts > 1:
+        note = (
+            f"mean of {run.cycles} cycles after {run.passed} from rest, for no motion that repeats was seen"
+        )
+    if run.starts > 1:
         note += "; two runs from almost the same start were compared"
-    status, note = _judged(error, tolerance, note)
-    statistics = _counted(found.motion, balance.work + found.motion.tally)
-    statistics["period_cycles"], statistics["averaged_cycles"] = found.period, found.cycles
-    moving = "intermittent" if statistics["release"] else "slip"
-    return {
-        "velocity": float(side * found.speed * unit), "regime": "stick" if found.sticks else moving,
-        "relative_error": float(error), "height": float(found.height * found.problem.length), "status": status,
-        "message": note, "method": "exact", "statistics": statistics,
-        "ledger": ledger(slider, found.motion, found.before, spans=found.cycles),
-    }  # fmt: skip
+    return search.answer(
+        note, velocity=run.speed * unit, error=search.relative(run.error * unit, run.speed * unit), sticks=run.sticks,
+        height=run.height * run.motion.problem.length, motion=run.motion, before=run.before, spans=run.cycles,
+        work=search.balance.work + run.motion.tally, period_cycles=run.period, averaged_cycles=run.cycles,
+    )  # fmt: skip
+
+
+def _averaged(search, mean):
+    """Return the averaged answer; the energies are those of a cycle at constant height and velocity."""
+    motion, work = search.balance.motion, search.balance.work
+    known = {} if mean.held else {"averaged_velocity": search.side * mean.first_order}
+    answer = search.answer(
+        "held by friction" if mean.held else "cycle means", velocity=mean.velocity, error=mean.relative_error,
+        height=mean.height, motion=motion, work=work, before=motion.energy(), sticks=mean.held, **known,
+    )  # fmt: skip
+    if mean.held and answer["status"] != "ok":
+        answer["message"] += ", for so near the threshold the slider may move"
+    return answer | {"method": "averaged", "regime": mean.regime}
 
 
 def _judged(error, tolerance, note):
@@ -342,34 +357,3 @@ def _judged(error, tolerance, note):
     if error <= tolerance:
         return "ok", note
     return "above tolerance", f"{note}; estimated error {error:.2g} exceeds {tolerance:.2g}"
-
-
-def _adhesive(balance):
-    """Return whether the contact's damper acts on the slider within a few cycles, so that it does not ride still."""
-    return balance.problem.contact_damping * balance.problem.preload > 1e-2
-
-
-def _averaged(slider, side, mean, balance, tolerance):
-    """Return the averaged answer; the energies are those of a cycle at constant height and velocity."""
-    note = "held by friction" if mean.held else "cycle means"
-    status, note = _judged(mean.relative_error, tolerance, note)
-    if mean.held and status != "ok":
-        note += ", for so near the threshold the slider may move"
-    statistics = _counted(balance.motion, balance.work)
-    if not mean.held:
-        statistics["averaged_velocity"] = side * mean.first_order
-    return {
-        "velocity": side * mean.velocity if mean.velocity else 0.0, "regime": mean.regime,
-        "relative_error": mean.relative_error, "height": mean.height, "status": status, "message": note,
-        "method": "averaged", "ledger": ledger(slider, balance.motion, balance.motion.energy()),
-        "statistics": statistics,
-    }  # fmt: skip
-
-
-def _counted(motion, work):
-    """Return the events of one cycle and the whole work of the search."""
-    counted = motion.events()
-    for name, number in zip(("stretches", "halvings", "sweeps", "cycles"), work[6:10], strict=True):
-        counted[name] = int(number)
-    counted["smallest_gap"], counted["chatter"] = motion.smallest_gap(), bool(counted["chatter"])
-    return counted

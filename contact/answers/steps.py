@@ -151,12 +151,8 @@ def _drive(slider, problem, motion, cycles, envelope, frequency):
             raise ConvergenceError("not applicable", f"an envelope needs fixed steps: {reason}")
         motion.turn(cycles)
         return float(motion.sums[DISPLACEMENT])
-    shape = np.empty(0, complex)
-    if envelope is not None:
-        shape = envelope.at(np.arange(cycles + 1) / frequency)
-    rows = np.empty((cycles, 3))
-    if not steps(problem, motion.state, cycles, 96, 1, rows, shape):
-        raise ConvergenceError("not finite", "the stepped motion overflowed")
+    shape = envelope.at(np.arange(cycles + 1) / frequency) if envelope is not None else None
+    rows = steps(problem, motion.state, cycles, 96, envelope=shape)
     return float(2.0 * math.pi * np.sum(rows[:, 2]))
 
 

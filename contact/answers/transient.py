@@ -18,7 +18,7 @@ import numpy as np
 
 from contact import bounds
 from contact.answers.ledger import Ledger, ledger, together
-from contact.answers.methods import METHODS, rest_problem, run, silence
+from contact.answers.methods import METHODS, Burst, rest_problem, run, silence
 from contact.answers.ring_down import ring_down as ringing_down
 from contact.drive import available, relative_to_reference, towards_plus
 from contact.envelope import Envelope
@@ -139,9 +139,8 @@ def burst(
     side, driven = towards_plus(listed)
     problem = rest_problem(slider, driven)
     shape = envelope.at(np.arange(cycles + 1) / frequency) if envelope is not None else np.empty(0, complex)
-    motion, rows, error, statistics, method = run(
-        method, slider, driven, problem, cycles, stride, tolerance, shape
-    )
+    asked = Burst(slider, driven, problem, cycles, stride, tolerance, shape)
+    motion, rows, error, statistics, method = run(method, asked)
     speed_at_end = float(motion.state[2])
     length = problem.length
     time = [np.zeros(1), np.arange(1, len(rows) + 1) * stride / frequency, np.full(1, cycles / frequency)]

@@ -27,6 +27,8 @@ from collections.abc import Mapping
 from functools import cache, cached_property
 from pathlib import Path
 
+from numpy import ndarray
+
 from contact.jit.shapes import check_shapes
 
 HERE = Path(__file__).parents[1]  # the package, with all its kernels
@@ -37,7 +39,7 @@ _PLAIN = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 _LOCK = threading.RLock()
 # shapes of calls that a kernel remembers as fitting
 MAX_KEPT_SHAPES = 1000
-_DTYPES = {"f": "float64", "i": "int64", "c": "complex128"}
+_CODES = {"<f8": "f", "<i8": "i", "<c16": "c"}
 
 
 def compiled(function):
@@ -120,37 +122,30 @@ class Native(Kernel):
 
     def __init__(self, function, types, shapes=None):
         super().__init__(function)
-        self.types, self._loaded = types, {}
-        self.shapes, self._fitting = shapes or {}, set()
+        self.types, self.shapes = types, shapes or {}
+        self._loaded, self._fitting, self._packed = {}, set(), [(None, "", b"", ())] * len(types)
 
     def __call__(self, *arguments):
         """Run the machine code; arrays must have the types that the kernel was declared with."""
-        words, values, lengths = [], [], []
-        for kind, argument in zip(self.types, arguments, strict=True):
-            for word, part in _parts(kind, argument):
-                words.append(word)
-                if len(word) == 1:
-                    values.append(float(part) if word == "f" else int(part))
-                else:
-                    face = part.__array_interface__
-                    if (
-                        face["strides"] is not None
-                        or part.dtype != _DTYPES[word[0]]
-                        or part.ndim != int(word[1])
-                    ):
-                        raise TypeError(f"{self.__name__}: {word} expected, got {part.dtype} {part.shape}")
-                    values.append(face["data"][0])
-                    values.extend(part.shape)
-                    lengths.append(part.shape)
-        if self.shapes and tuple(lengths) not in self._fitting:
-            self._check(arguments, tuple(lengths))
-        if len(words) not in self._loaded:
+        parts = []
+        for k, (kind, argument) in enumerate(zip(self.types, arguments, strict=True)):
+            part = self._packed[k]
+            # a named tuple that was given the last time lies ready: its arrays are where they were
+            if argument is None or part[0] is not argument:
+                part = (argument, *_packed(self.__name__, kind, argument))
+                if kind == "t":
+                    self._packed[k] = part
+            parts.append(part)
+        lengths = tuple([part[3] for part in parts])
+        if self.shapes and lengths not in self._fitting:
+            self._check(arguments, lengths)
+        words = " ".join([part[1] for part in parts])
+        if words not in self._loaded:
             self._load(words, arguments)
-        loaded = self._loaded[len(words)]
-        if loaded is None:
+        entry = self._loaded[words]
+        if entry is None:
             return int(self.dispatcher(*arguments) or 0)
-        entry, layout = loaded
-        table, answer = struct.pack(layout, *values), ctypes.c_int64()
+        table, answer = b"".join([part[2] for part in parts]), ctypes.c_int64()
         if entry(ctypes.byref(answer), ctypes.byref(ctypes.c_void_p()), table, table) != 0:
             raise RuntimeError(f"{self.__name__} has failed")  # kernels raise nothing: not reached
         return answer.value
@@ -163,23 +158,23 @@ class Native(Kernel):
             self._fitting.add(lengths)
 
     def _load(self, words, arguments):
-        """Keep (function, layout of its table of arguments), from a file that is made if there is none.
+        """Keep the function for arguments of these type words, from a file that is made if there is none.
 
         Whatever fails here - a file that the installed llvmlite does not load, a private part of numba that is gone -
         leaves the kernel to numba's ordinary compiler; an error of the kernel itself is raised again by that.
         """
-        name = f"{self.__module__}-{self.__name__}-{len(words)}.o"
-        layout = "".join("d" if w == "f" else "q" * (1 + int(w[1:] or 0)) for w in words)
+        name = f"{self.__module__}-{self.__name__}-{hashlib.sha256(words.encode()).hexdigest()[:8]}.o"
         with _LOCK:
+            if words in self._loaded:  # by another thread
+                return
             try:
-                entry = _kept(name) or _made(name, lambda: _machine_code(self, words, arguments))
+                code = lambda: _machine_code(self, words.split(), arguments)  # noqa: E731
+                self._loaded[words] = _kept(name) or _made(name, code)
             except Exception as failed:
                 ORDINARY[self.__name__] = f"{type(failed).__name__}: {failed}"
-                self._loaded[len(words)] = None
+                self._loaded[words] = None
                 for kernel in _KERNELS:  # what was half compiled for the machine code is compiled afresh
                     vars(kernel).pop("inner", None)
-            else:
-                self._loaded[len(words)] = entry, layout
 
 
 # kernels that numba's ordinary compiler compiles, and why
@@ -208,22 +203,42 @@ def _made(name, compiled_now):
     return entry
 
 
-def _parts(kind, argument):
-    """Yield (type word, value); a named tuple gives those of its fields, None nothing."""
+def _packed(name, kind, argument):
+    """Return (type words, their values as 64-bit words, shapes of the arrays) of an argument of a kernel.
+
+    A named tuple gives those of its fields, None nothing.
+    """
     if kind != "t":
-        yield kind, argument
-    elif argument is not None:
-        for field in argument:
-            yield from _parts(_kind(field), field)
-
-
-def _kind(field):
-    """Return the type word of a field of a named tuple."""
-    if field is None or isinstance(field, tuple):
-        return "t"
-    if hasattr(field, "dtype") and field.ndim > 0:
-        return f"{field.dtype.kind}{field.ndim}"
-    return "f" if isinstance(field, float) else "i"
+        fields = [argument]
+    elif argument is None:
+        return "", b"", ()
+    else:
+        fields = list(argument)
+    words, layout, values, shapes = [], [], [], []
+    for field in fields:
+        if isinstance(field, ndarray):
+            face = field.__array_interface__
+            shape = face["shape"]
+            word = f"{_CODES.get(face['typestr'])}{len(shape)}"
+            if face["strides"] is not None or word[0] == "N" or kind not in ("t", word):
+                expected = f"{field.dtype.kind}{field.ndim}" if kind == "t" else kind
+                raise TypeError(f"{name}: {expected} expected, got {field.dtype} {field.shape}")
+            words.append(word)
+            values += face["data"][0], *shape
+            layout.append("q" * (1 + len(shape)))
+            shapes.append(shape)
+        elif field is None or isinstance(field, tuple):
+            word, packed, inner = _packed(name, "t", field)
+            words.append(word)
+            values.append(packed)
+            layout.append(f"{len(packed)}s")
+            shapes += inner
+        else:
+            word = kind if kind != "t" else "f" if isinstance(field, float) else "i"
+            words.append(word)
+            values.append(field if word == "f" else int(field))
+            layout.append("d" if word == "f" else "q")
+    return " ".join(words), struct.pack("".join(layout), *values), tuple(shapes)
 
 
 def _read(path):

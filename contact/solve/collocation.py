@@ -1,15 +1,15 @@
-r"""Spectral nodes on one smooth stretch of motion, and the matrices that integrate along it.
+r"""Spectral nodes on one smooth segment of motion, and the matrices that integrate along it.
 
-A stretch [t0, t0 + L] runs between two events; t = t0 + L tau. At contact and release (z^1.5), and where stick ends
-((1 - x/x_max)^1.5), the forces have a square root. A quadratic map makes it a polynomial: tau = s^2 if the stretch
+A segment [t0, t0 + L] runs between two events; t = t0 + L tau. At contact and release (z^1.5), and where stick ends
+((1 - x/x_max)^1.5), the forces have a square root. A quadratic map makes it a polynomial: tau = s^2 if the segment
 starts at such an event, tau = 1 - (1 - s)^2 if it ends at one, tau = s if neither. In sigma = 2 s - 1 on [-1, 1]
 everything is then smooth, and interpolation at Chebyshev-Lobatto nodes in sigma is spectral.
 Clenshaw and Curtis, Numer. Math. 2 (1960) 197; the iteration that uses the matrices is Picard's (Clenshaw and Norton,
 Computer J. 6 (1963) 88).
 """
 
-from dataclasses import dataclass
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,8 +17,7 @@ import numpy as np
 SMOOTH, ROOT_AT_START, ROOT_AT_END = 0, 1, 2
 
 
-@dataclass(frozen=True)
-class Collocation:
+class Collocation(NamedTuple):
     """Nodes and matrices of one order; every array is read-only, first axis the map where there are three.
 
     Attributes
@@ -28,11 +27,10 @@ class Collocation:
     bary : (n,) array
         Barycentric weights in sigma.
     tau : (3, n) array
-        Fraction of the stretch at each node, 0 to 1.
-    once, twice : (3, n, n) arrays
-        Integrals in tau from 0: (once @ f)_j = int_0^tau_j f dtau; twice of a second integral.
-    columns : (3, 2, n, n) array
-        once and twice transposed: what the kernels add up runs along rows.
+        Fraction of the segment at each node, 0 to 1.
+    integrals : (3, 2, n, n) array
+        Matrices of the integral in tau from 0, and of a second integral, transposed, for the kernels add up along rows:
+        int_0^tau_j f dtau = sum_k integrals[map, 0, k, j] f_k.
     rates : (n, n) array
         Derivatives in sigma at the nodes.
     tail : (2, n) array
@@ -42,9 +40,7 @@ class Collocation:
     sigma: np.ndarray
     bary: np.ndarray
     tau: np.ndarray
-    once: np.ndarray
-    twice: np.ndarray
-    columns: np.ndarray
+    integrals: np.ndarray
     rates: np.ndarray
     tail: np.ndarray
 
@@ -68,7 +64,7 @@ def collocation(nodes: int) -> Collocation:
     at = -1.0 + 0.5 * (sigma[:, None] + 1.0) * (point + 1.0)
     area = 0.5 * (sigma[:, None] + 1.0) * weight
     chebyshev = np.cos(k[:, None, None] * np.arccos(at))
-    taus, once, twice = [], [], []
+    taus, integrals = [], []
     for fraction, rate in (
         (lambda s: s, lambda s: 0.5 + 0.0 * s),
         (lambda s: s**2, lambda s: s),
@@ -76,23 +72,13 @@ def collocation(nodes: int) -> Collocation:
     ):
         tau, tau_at, slope = fraction(0.5 * (sigma + 1.0)), fraction(0.5 * (at + 1.0)), rate(0.5 * (at + 1.0))
         taus.append(tau)
-        once.append(np.einsum("jq,kjq->jk", area * slope, chebyshev) @ analysis)
         # Cauchy's formula for repeated integration
-        twice.append(np.einsum("jq,kjq->jk", area * slope * (tau[:, None] - tau_at), chebyshev) @ analysis)
+        weights = area * slope, area * slope * (tau[:, None] - tau_at)
+        integrals.append([(np.einsum("jq,kjq->jk", each, chebyshev) @ analysis).T for each in weights])
     gap = sigma[:, None] - sigma + np.eye(nodes)
     rates = bary[None, :] / bary[:, None] / gap
     rates -= np.diag(rates.sum(axis=1))  # a constant has no slope
-    columns = np.array([[a.T, b.T] for a, b in zip(once, twice, strict=True)])
-    arrays = (
-        sigma,
-        bary,
-        np.array(taus),
-        np.array(once),
-        np.array(twice),
-        columns,
-        rates,
-        analysis[-2:].copy(),
-    )
-    for array in arrays:
+    table = Collocation(sigma, bary, np.array(taus), np.array(integrals), rates, analysis[-2:].copy())
+    for array in table:
         array.setflags(write=False)
-    return Collocation(*arrays)
+    return table

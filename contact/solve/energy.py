@@ -1,4 +1,4 @@
-r"""Where the energy goes, stretch by stretch: powers at the nodes, integrated with the motion's own matrices.
+r"""Where the energy goes, segment by segment: powers at the nodes, integrated with the motion's own matrices.
 
 The surface does the work N u_z' + Q u_x' on the contact, N all of the normal force. What does not reach the slider is
 stored in the springs, lost in the Hunt-Crossley damper (chi P z'^2) or in slip (Q times slip speed). The elastic law
@@ -11,10 +11,11 @@ import numpy as np
 
 from contact.interpolation import interpolate
 from contact.jit.compiled import compiled
+from contact.kinematics import slip_speed
 from contact.law.elastic import ANNULUS, CREEP, SEPARATED, SLIP, back_force
 from contact.law.hysteretic import annulus_slip, front, place_on
 from contact.problem import ELASTIC
-from contact.solve.segment import BACK, CLIMB, FRONT, SPEED, TRAVEL, U_X_RATE, U_Z_RATE, P, Q, X, Z
+from contact.solve.segment import BACK, CLIMB, FRONT, SPEED, TRAVEL, U_X_RATE, U_Z_RATE, P, Q, X, Z, rates_at
 
 # places in the sums: integrals over phase of sum Q, of the sum of normal forces without damper, slider displacement
 TRACTION, SUPPORT, DISPLACEMENT = 0, 1, 2
@@ -27,42 +28,39 @@ SINCE, CROWDING, SUMS = 11, 12, 13
 
 
 @compiled
-def account(problem, length, column, regime, sign, shared, own, sums):
-    """Add the integrals over one stretch to the sums."""
-    chi, mu, c = problem.contact_damping, problem.friction, problem.limit_slope
-    d_n, d_t, q = problem.normal_damping, problem.tangential_damping, problem.load
-    n = shared.shape[1]
-    for k in range(n):
-        weight = length * column[k, n - 1]
-        w, v = shared[CLIMB, k], shared[SPEED, k]
-        sums[NORMAL_LOSS] += weight * d_n * w * w
-        sums[TANGENTIAL_LOSS] += weight * d_t * v * v
-        sums[LOAD_WORK] += weight * q * v
-        for i in range(regime.size):
-            if regime[i] == SEPARATED:
+def account(problem, grid, state, nodes, segment):
+    """Add the integrals over one segment to the sums."""
+    friction, c, shape = problem.friction * problem.stiffness, problem.limit_slope, problem.shape
+    slider, own, sums, last = nodes.slider, nodes.contact, state.sums, nodes.guard.size - 1
+    for k in range(last + 1):
+        weight = segment.length * grid.integrals[segment.map, 0, k, last]
+        w, v = slider[CLIMB, k], slider[SPEED, k]
+        sums[NORMAL_LOSS] += weight * problem.normal_damping * w * w
+        sums[TANGENTIAL_LOSS] += weight * problem.tangential_damping * v * v
+        sums[LOAD_WORK] += weight * problem.load * v
+        for i in range(state.regime.size):
+            regime, sign = state.regime[i], state.sign[i]
+            if regime == SEPARATED:
                 continue
-            normal, traction = own[P, i, k], own[Q, i, k]
-            z_rate, x_rate = own[U_Z_RATE, i, k] - w, own[U_X_RATE, i, k] - v
-            spring = normal + own[BACK, i, k]
-            damper = chi * normal * z_rate
-            sums[TRACTION] += weight * traction
+            z, x, tangential = own[Z, i, k], own[X, i, k], own[Q, i, k]
+            z_rate, x_rate = rates_at(nodes, i, k)
+            spring = own[P, i, k] + own[BACK, i, k]
+            damper = problem.contact_damping * own[P, i, k] * z_rate
+            sums[TRACTION] += weight * tangential
             sums[SUPPORT] += weight * spring
             sums[WAVE_NORMAL] += weight * (spring + damper) * own[U_Z_RATE, i, k]
-            sums[WAVE_TANGENTIAL] += weight * traction * own[U_X_RATE, i, k]
+            sums[WAVE_TANGENTIAL] += weight * tangential * own[U_X_RATE, i, k]
             sums[CONTACT_LOSS] += weight * damper * z_rate
-            if regime[i] == SLIP or regime[i] == CREEP:
-                sums[SLIP_LOSS] += weight * traction * (x_rate - sign[i] * c * z_rate)
-            elif regime[i] == ANNULUS:
-                spread = annulus_slip(own[Z, i, k], own[FRONT, i, k])
-                sums[SLIP_LOSS] += weight * mu * problem.stiffness * spread * (sign[i] * x_rate - c * z_rate)
+            slip = slip_speed(sign, z_rate, x_rate, c)
+            if regime == SLIP or regime == CREEP:
+                sums[SLIP_LOSS] += weight * tangential * sign * slip
+            elif regime == ANNULUS:
+                sums[SLIP_LOSS] += weight * friction * annulus_slip(z, own[FRONT, i, k]) * slip
             if problem.law == ELASTIC:
-                force = back_force(
-                    regime[i], sign[i], own[Z, i, k], own[X, i, k], mu * problem.stiffness, c, problem.shape
-                )
-                sums[LEAK] -= weight * force * z_rate
-    sums[DISPLACEMENT] += shared[TRAVEL, n - 1]
+                sums[LEAK] -= weight * back_force(regime, sign, z, x, friction, c, shape) * z_rate
+    sums[DISPLACEMENT] += slider[TRAVEL, last]
     if sums[SINCE] > 0.0:
-        sums[SINCE] += length
+        sums[SINCE] += segment.length
 
 
 @compiled
@@ -73,7 +71,7 @@ def mark(sums):
     sums[SINCE] = 1e-300
 
 
-def chain_energy(memory, i, regime, s, z, x, c, sigma, bary, rates):
+def chain_energy(memory, i, regime, s, z, x, c, grid):
     """Return the tangential springs' energy over mu K: (3/8c) int (x - y)^2/sqrt(eta) d eta, (x - y)^2 the deflection.
 
     On a line y is linear in eta; on a curve sqrt(eta) dy = (2c/3) dM, so that by parts the integral is
@@ -85,7 +83,7 @@ def chain_energy(memory, i, regime, s, z, x, c, sigma, bary, rates):
     if regime == SLIP:
         pieces = [(int(s), 0.0, 0.0, 0.0, -1)]
     elif regime == ANNULUS:
-        eta, _ = front(memory, i, s, z, x, c, sigma, bary)
+        eta, _ = front(memory, i, s, z, x, c, grid.sigma, grid.bary)
         y = x - s * c * (z - eta)
         pieces.append((int(s), eta, y - c * eta, y + c * eta, -1))
     node, weight = np.polynomial.legendre.leggauss(24)
@@ -102,12 +100,16 @@ def chain_energy(memory, i, regime, s, z, x, c, sigma, bary, rates):
             total += parts[1] - parts[0]
             continue
         curve = memory.curve[i, k]
-        end = place_on(curve, stop, c, sigma, bary) if 2.0 * c * stop < curve[1, -1] - curve[0, -1] else 1.0
+        end = (
+            place_on(curve, stop, c, grid.sigma, grid.bary)
+            if 2.0 * c * stop < curve[1, -1] - curve[0, -1]
+            else 1.0
+        )
         middle, half = 0.5 * (end - 1.0), 0.5 * (end + 1.0)
-        profile, slope = 0.5 * (curve[0] + curve[1]), rates @ curve[2]
+        profile, slope = 0.5 * (curve[0] + curve[1]), grid.rates @ curve[2]
 
         def at(values, place):
-            return interpolate(place, sigma, bary, values)
+            return interpolate(place, grid.sigma, grid.bary, values)
 
         inside = sum(
             g * (x - at(profile, middle + half * p)) * at(slope, middle + half * p)

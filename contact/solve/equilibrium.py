@@ -166,7 +166,7 @@ def opposed(slider: Slider, orbits: tuple[Orbit, ...]) -> float:
 
 def traction(problem, height, speed, deformations, work):
     """Return (<sum Q>, motion) of a repeating cycle at constant height and velocity, from given deformations."""
-    motion = Motion(immobile(problem), table=collocation(NODES), truncation=TRUNCATION)
+    motion = Motion(immobile(problem), grid=collocation(NODES), truncation=TRUNCATION)
     motion.place(-height, 0.0, speed, deformations)
     for turn in range(6):
         before = motion.state[3:].copy()

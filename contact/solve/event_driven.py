@@ -1,23 +1,21 @@
-r"""The event-exact motion: stretch after stretch, each ended by the first root of any guard.
+r"""The event-driven motion: segment after segment, each ended by the first root of any guard.
 
-A stretch is first laid out to its longest length; if a guard turns negative on it, the root is found on the
-interpolant, the stretch is laid out anew to end there, and its length is corrected by Newton's method with the
-guard's true rate until the guard vanishes to rounding. Where the last cycle had the same stretch, the length and the
+A segment is first laid out to its longest length; if a guard turns negative on it, the root is found on the
+interpolant, the segment is laid out anew to end there, and its length is corrected by Newton's method with the
+guard's true rate until the guard vanishes to rounding. Where the last cycle had the same segment, the length and the
 accelerations of that one are the first guess, and Newton's and Picard's iterations go on together. Extrema of every
-guard between the nodes are searched in either case, so no contact is skipped. A stretch whose highest Chebyshev
+guard between the nodes are searched in either case, so no contact is skipped. A segment whose highest Chebyshev
 coefficients exceed the tolerance, or on which Picard's iteration does not gain, is halved.
 """
+
+from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
 from contact.interpolation import interpolate
 from contact.jit.compiled import compiled, native
-from contact.law.elastic import (
-    ANNULUS,
-    GROW,
-    SEPARATED,
-    STICK,
-)
+from contact.law.elastic import ANNULUS, GROW, SEPARATED, STICK
 from contact.law.hysteretic import write_curve
 from contact.solve.collocation import ROOT_AT_END, ROOT_AT_START, SMOOTH
 from contact.solve.energy import DISPLACEMENT, account, mark
@@ -26,52 +24,169 @@ from contact.solve.segment import (
     CLIMB,
     HEIGHT,
     LEVEL,
-    PULL,
-    PUSH,
+    NORMAL_ACCELERATION,
+    NORMAL_VELOCITY,
+    PLANES,
+    POSITION,
+    ROWS,
     SPEED,
+    TANGENTIAL_ACCELERATION,
+    VELOCITY,
+    Nodes,
     P,
     Q,
+    Segment,
     X,
     Z,
     end_kinematics,
     forces,
-    guess,
+    has_converged,
     integrate,
-    still,
+    lay_out,
+    resized,
+    segment_at,
     surface,
-    sweep,
 )
-from contact.solve.warm_start import END, MAP, WHICH, WHO, kept, matching, recalled
+from contact.solve.warm_start import Pattern, blank, keep, matching, recalled
 
 # why a run ended
 DONE, NOT_FINITE, TOO_MANY, STIFF, FULL = 0, 1, 2, 3, 4
-# places in the tally after the kinds of event: stretches, halvings, sweeps, cycles
+# places in the tally after the kinds of event: segments, halvings, sweeps, cycles
 # and, after them, events at one instant beyond one per contact
 STRETCHES, HALVINGS, SWEEPS, CYCLES, CHATTER, TALLY = 6, 7, 8, 9, 10, 12
+# what became of an attempt at a segment
+ACCEPTED, TOO_ROUGH, NOT_CONVERGED, EVENT_AT_START = 0, 1, 2, 3
+# columns of `Task.samples` and of `Task.rows`
+APPROACH, DEFORMATION, NORMAL_FORCE, TANGENTIAL_FORCE, REGIME, SLIDER_VELOCITY, SAMPLED = range(7)
+ROW_VELOCITY, ROW_POSITION, ROW_MEAN_VELOCITY, ROW = 0, 1, 2, 3
+
+
+class Task(NamedTuple):
+    """What a run is to do and to record.
+
+    Attributes
+    ----------
+    start, stop : float
+        Phases; with a wave, within one cycle (rounding).
+    number : int
+        How many times; more than once over a whole cycle only.
+    mobile : int
+        0: the slider's velocity stays as it is whatever the forces (a body of infinite mass).
+    tolerance : float
+        Truncation allowed per segment, relative to the friction and preload impulse of a radian.
+    limit : int
+        Largest number of segments each time.
+    at, samples : (k,), (k, contacts, SAMPLED) arrays
+        Where to record z, x, P, Q, regime and v; rising, in (start, stop]. Recording alters nothing else.
+    stride, rows : int, (number // stride, ROW) array
+        Every `stride` cycles a row (v, z_s, mean v of the last cycle) is recorded; stride 0 records nothing.
+    """
+
+    start: float
+    stop: float
+    number: int
+    mobile: int
+    tolerance: float
+    limit: int
+    at: np.ndarray
+    samples: np.ndarray
+    stride: int
+    rows: np.ndarray
+
+
+class Work(NamedTuple):
+    """Work arrays: values at the nodes of a segment, and the segments of the last cycle (`warm_start`)."""
+
+    nodes: Nodes
+    pattern: Pattern
+
+
+@cache
+def room(contacts: int, nodes: int, thread: int) -> Work:
+    """Return the work arrays of a thread, which are the same every time."""
+    return Work(
+        Nodes(np.zeros((ROWS, nodes)), np.zeros((PLANES, contacts, nodes)), np.empty(nodes)),
+        blank(contacts, nodes),
+    )
+
+
+class Course(NamedTuple):
+    """Where a run stands: phase, length to try, whether a contact has just closed, match in the cycle number `old`."""
+
+    phase: float
+    length: float
+    entered: bool
+    match: int
+    old: int
 
 
 @compiled
-def _lay_out(problem, tau, columns, sigma, bary, state, regime, sign, phase, length, shared, own,
-             mobile, memory):  # fmt: skip
-    surface(phase, length, tau, problem.paths, own)
-    guess(state, length, tau, shared[PUSH, 0], shared[PULL, 0], shared)
-    converged = sweep(
-        problem, state, length, tau, columns, regime, sign, shared, own, mobile, sigma, bary, memory, 25,
-    )  # fmt: skip
-    end_kinematics(regime, sign, state[3:], problem.limit_slope, shared, own)
-    return converged
+def _warm_started(problem, grid, state, nodes, task, segment, memory):
+    """Lay a segment out from recalled accelerations to the event at its end, if any; return its length, 0 if it fails.
+
+    Newton's iteration for the length and Picard's for the motion in one.
+    """
+    room = min(problem.longest, task.stop - segment.phase)
+    surface(problem, grid, nodes, segment)
+    integrate(grid, state, nodes, segment)
+    last = np.inf
+    for _ in range(15):
+        forces(problem, grid, state, nodes, segment, task.mobile, memory)
+        change = 0.0
+        if task.mobile:
+            change = integrate(grid, state, nodes, segment) / (1.0 + abs(state.slider[POSITION]))
+        state.tally[SWEEPS] += 1
+        if not change < 1e100:
+            return 0.0
+        arrived = has_converged(change, last)
+        last = change
+        end_kinematics(problem, state, nodes)
+        if segment.contact >= 0:
+            end = segment.phase + segment.length
+            value, rate = end_guard(problem, state, nodes, segment.contact, segment.guard, end, memory)
+            step = -value / rate
+            if not rate < 0.0 or abs(step) > 0.2 * segment.length:
+                return 0.0
+            if abs(value) >= 1e-16 and abs(step) >= 2e-16:
+                arrived = False
+                segment = resized(segment, segment.length + step)
+                if not 0.0 < segment.length < room:
+                    return 0.0
+                surface(problem, grid, nodes, segment)
+        if arrived:
+            place, other, _ = earliest(problem, grid, state, nodes, memory)
+            # an event that this segment did not have: a cold start will find it
+            known = other < 0 or (segment.contact >= 0 and place > 1.0 - 1e-6)
+            return segment.length if known else 0.0
+    return 0.0
 
 
 @compiled
-def _fraction(s, map_):
-    """Return tau at s in [0, 1]."""
-    if map_ == ROOT_AT_START:
-        return s * s
-    return 1.0 - (1.0 - s) ** 2 if map_ == ROOT_AT_END else s
+def _cold_started(problem, grid, state, nodes, task, segment, memory):
+    """Lay a segment out, and end it at the first root of a guard on it; return (converged, segment)."""
+    entered = segment.map == ROOT_AT_START
+    converged, sweeps = lay_out(problem, grid, state, nodes, segment, task.mobile, memory)
+    state.tally[SWEEPS] += sweeps
+    if not converged:
+        return False, segment
+    place, who, which = earliest(problem, grid, state, nodes, memory)
+    for _ in range(12):
+        if who < 0:
+            break
+        sharp = _is_sharp(which, state.regime[who])
+        segment = _cut(segment, place, who, which, sharp, entered)
+        segment = _landed(problem, grid, state, nodes, task, segment, memory)
+        if segment.length == 0.0 or segment.contact < 0:
+            break
+        # with the better motion another guard may come first
+        place, who, which = earliest(problem, grid, state, nodes, memory)
+        if (who == segment.contact and which == segment.guard) or place > 1.0 - 1e-6:
+            break
+    return True, segment
 
 
 @compiled
-def _sharp(which, regime):
+def _is_sharp(which, regime):
     """Return whether a guard's root is one at which the force has a square root."""
     if which == 0:
         return regime != SEPARATED
@@ -79,50 +194,49 @@ def _sharp(which, regime):
 
 
 @compiled
-def _met(problem, tau, columns, sigma, bary, rates, state, regime, sign, phase, length, end, who, which,
-         shared, own, mobile, memory, values, tally):  # fmt: skip
-    """Lay a stretch out from recalled accelerations to the event at its end, if any; return its length, 0 if it fails.
-
-    Newton's iteration for the length and Picard's for the motion in one.
-    """
-    c, band = problem.limit_slope, problem.stick_band
-    surface(phase, length, tau, problem.paths, own)
-    integrate(state, length, tau, columns, shared)
-    last = np.inf
-    for _ in range(15):
-        forces(problem, regime, sign, state[3:], shared, own, mobile, length, columns, sigma, bary, memory)
-        change = 0.0
-        if mobile:
-            change = integrate(state, length, tau, columns, shared) / (1.0 + abs(state[0]))
-        tally[SWEEPS] += 1
-        if not change < 1e100:
-            return 0.0
-        arrived = still(change, last)
-        last = change
-        end_kinematics(regime, sign, state[3:], c, shared, own)
-        if who >= 0:
-            value, rate = end_guard(
-                who, which, regime, sign, shared, own, problem.paths, phase + length, c, band, memory
-            )
-            step = -value / rate
-            if not rate < 0.0 or abs(step) > 0.2 * length:
-                return 0.0
-            if abs(value) >= 1e-16 and abs(step) >= 2e-16:
-                arrived = False
-                length += step
-                if not 0.0 < length < end:
-                    return 0.0
-                surface(phase, length, tau, problem.paths, own)
-        if arrived:
-            place, other, _ = earliest(sigma, bary, rates, regime, sign, shared, own, c, band, memory, values)
-            # an event that this stretch did not have: the usual way will find it
-            return length if other < 0 or (who >= 0 and place > 1.0 - 1e-6) else 0.0
-    return 0.0
+def _cut(segment, place, who, which, sharp, entered):
+    """Return the segment cut at a root in sigma; with roots of the force at both ends it is cut in the middle."""
+    s = 0.5 * (min(place, 1.0) + 1.0)
+    if segment.map == ROOT_AT_START:
+        s = s * s
+    elif segment.map == ROOT_AT_END:
+        s = 1.0 - (1.0 - s) ** 2
+    length, map_ = segment.length * s, segment.map
+    if sharp and entered and length > 1e-9:
+        length, who = 0.5 * length, -1
+    elif sharp:
+        map_ = ROOT_AT_END
+    return Segment(segment.phase, length, segment.longest, map_, who, which, 0)
 
 
 @compiled
-def _roughness(tail, own, length, push_scale, pull_scale):
+def _landed(problem, grid, state, nodes, task, segment, memory):
+    """Return the segment laid out to where its guard vanishes, its length by Newton's method."""
+    for trial in range(12):
+        if segment.length < 1e-14:
+            segment = resized(segment, 0.0)
+        length = segment.length
+        _, sweeps = lay_out(problem, grid, state, nodes, segment, task.mobile, memory)
+        state.tally[SWEEPS] += sweeps
+        if segment.contact < 0:
+            break
+        end = segment.phase + length
+        value, rate = end_guard(problem, state, nodes, segment.contact, segment.guard, end, memory)
+        if length == 0.0 or abs(value) < 1e-16 or not rate < 0.0:
+            break
+        step = -value / rate
+        if abs(step) < 2e-16 or (trial > 6 and abs(step) < 1e-14):
+            break
+        length = min(max(length + step, 0.5 * length), min(1.1 * length + 1e-12, segment.longest))
+        segment = resized(segment, length)
+    return segment
+
+
+@compiled
+def _roughness(problem, grid, nodes, segment):
     """Return the largest of the two highest Chebyshev coefficients of the forces, times length over scale."""
+    own, tail = nodes.contact, grid.tail
+    push_scale, pull_scale = problem.preload + 1e-300, problem.friction * problem.preload + 1e-300
     # an impact without preload has its own scale
     most = 0.0
     for i in range(own.shape[1]):
@@ -137,233 +251,190 @@ def _roughness(tail, own, length, push_scale, pull_scale):
             for k in range(own.shape[2]):
                 ep += tail[r, k] * own[P, i, k]
                 eq += tail[r, k] * own[Q, i, k]
-            worst = max(worst, length * abs(ep) / push_scale, length * abs(eq) / pull_scale)
+            worst = max(worst, segment.length * abs(ep) / push_scale, segment.length * abs(eq) / pull_scale)
     return worst
 
 
 @compiled
-def _record(phase, length, map_, sigma, bary, shared, own, regime, sample_phase, samples, taken):
-    """Interpolate the samples that fall on the stretch; return how many are taken by now."""
-    while taken < sample_phase.size and sample_phase[taken] <= phase + length:
-        t = min(max((sample_phase[taken] - phase) / length, 0.0), 1.0)
-        if map_ == ROOT_AT_START:
+def _sample(grid, state, nodes, task, segment, taken):
+    """Interpolate the samples that fall on the segment; return how many are taken by now."""
+    while taken < task.at.size and task.at[taken] <= segment.phase + segment.length:
+        t = min(max((task.at[taken] - segment.phase) / segment.length, 0.0), 1.0)
+        if segment.map == ROOT_AT_START:
             t = np.sqrt(t)
-        elif map_ == ROOT_AT_END:
+        elif segment.map == ROOT_AT_END:
             t = 1.0 - np.sqrt(1.0 - t)
-        for i in range(regime.size):
-            for k in range(4):
-                samples[taken, i, k] = interpolate(2.0 * t - 1.0, sigma, bary, own[Z + k, i])
-            samples[taken, i, 4] = regime[i]
-            samples[taken, i, 5] = interpolate(2.0 * t - 1.0, sigma, bary, shared[SPEED])
+        place, sample = 2.0 * t - 1.0, task.samples[taken]
+        for i in range(state.regime.size):
+            for k in range(REGIME):
+                sample[i, k] = interpolate(place, grid.sigma, grid.bary, nodes.contact[Z + k, i])
+            sample[i, REGIME] = state.regime[i]
+            sample[i, SLIDER_VELOCITY] = interpolate(place, grid.sigma, grid.bary, nodes.slider[SPEED])
         taken += 1
     return taken
 
 
 @compiled
-def advance(problem, sigma, bary, taus, columns, rates, tail, state, regime, sign, phase, stop, mobile,
-            tolerance, tally, sums, sample_phase, samples, limit, memory, count, marks, numbers, new, shared, own,
-            values):  # fmt: skip
-    """Move the state from one phase to another; return the reason for ending; see `travel`.
-
-    The pattern's row `new` is filled, the other one is the guess.
-    """
-    contacts, n = regime.size, sigma.size
-    c, band, longest = problem.limit_slope, problem.stick_band, problem.longest
-    push_scale, pull_scale = problem.preload + 1e-300, problem.friction * problem.preload + 1e-300
-    length, idle, taken, spent = longest, 0, 0, 0
-    old, first, familiar = 1 - new, 0, True
-    count[new] = 0
-    entered = False  # the stretch starts where a contact was made
-    while phase < stop:
-        spent += 1
-        if spent > limit:
-            return TOO_MANY
+def _move_to_end(problem, grid, state, nodes, memory):
+    """Set the state to that at the end of a segment, which also has the first accelerations of the next."""
+    end, slider, own = nodes.guard.size - 1, nodes.slider, nodes.contact
+    state.slider[POSITION], state.slider[NORMAL_VELOCITY] = slider[HEIGHT, end], slider[CLIMB, end]
+    state.slider[VELOCITY] = slider[SPEED, end]
+    for i in range(state.regime.size):
+        state.deformation[i] = own[X, i, end]
         if memory is not None:
-            for i in range(contacts):
-                if memory.count[i] > memory.kind.shape[1] - 4:
-                    return FULL
-        if not np.isfinite(state[0] + state[1] + state[2]):
+            if state.regime[i] == GROW:
+                write_curve(memory, i, own[Z, i], own[X, i], own[LEVEL, i], problem.limit_slope, grid.rates)
+    _begin_with(nodes, slider[NORMAL_ACCELERATION, end], slider[TANGENTIAL_ACCELERATION, end])
+
+
+@compiled
+def _begin_with(nodes, normal, tangential):
+    """Set the accelerations from which the next segment is guessed."""
+    nodes.slider[NORMAL_ACCELERATION, 0], nodes.slider[TANGENTIAL_ACCELERATION, 0] = normal, tangential
+
+
+@compiled
+def _is_full(state, memory):
+    """Return whether some contact has no room to remember more."""
+    if memory is not None:
+        for i in range(state.regime.size):
+            if memory.count[i] > memory.kind.shape[1] - 4:
+                return True
+    return False
+
+
+@compiled
+def _from_last_cycle(problem, grid, state, work, task, memory, course):
+    """Return the segment that the last cycle had here, laid out to the same end or event; length 0 without it."""
+    pattern, old, m = work.pattern, course.old, course.match
+    nothing = segment_at(course.phase, 0.0, SMOOTH, 0)
+    if m < 0:
+        return nothing
+    map_, contact, end = pattern.map[old, m], pattern.contact[old, m], pattern.end[old, m]
+    last = contact < 0 and end >= task.stop - 1e-12
+    length = (task.stop if last else end) - course.phase
+    fits = 0.0 < length <= problem.longest and course.phase + length <= task.stop
+    if not fits or (map_ == ROOT_AT_START) != course.entered:
+        return nothing
+    segment = Segment(course.phase, length, length, map_, contact, pattern.guard[old, m], int(last))
+    recalled(pattern, old, m, work.nodes)
+    found = _warm_started(problem, grid, state, work.nodes, task, segment, memory)
+    return Segment(segment.phase, found, found, map_, contact, segment.guard, segment.last)
+
+
+@compiled
+def _attempt(problem, grid, state, work, task, memory, course):
+    """Lay out the next segment; return (what became of it, the segment, the length to try next)."""
+    nodes, longest = work.nodes, problem.longest
+    normal, tangential = nodes.slider[NORMAL_ACCELERATION, 0], nodes.slider[TANGENTIAL_ACCELERATION, 0]
+    segment = _from_last_cycle(problem, grid, state, work, task, memory, course)
+    if segment.length == 0.0:
+        _begin_with(nodes, normal, tangential)
+        last = course.phase + course.length >= task.stop - 1e-12
+        length = task.stop - course.phase if last else course.length
+        segment = segment_at(course.phase, length, ROOT_AT_START if course.entered else SMOOTH, int(last))
+        converged, segment = _cold_started(problem, grid, state, nodes, task, segment, memory)
+        if not converged:
+            return NOT_CONVERGED, segment, 0.25 * segment.length
+    if segment.length == 0.0:
+        return EVENT_AT_START, segment, segment.longest
+    rough, change = _roughness(problem, grid, nodes, segment), 1.0
+    if course.match < 0 or rough > task.tolerance:
+        order = nodes.guard.size - 1
+        change = min(2.0, max(0.2, 0.9 * (task.tolerance / (rough + 1e-300)) ** (1.0 / order)))
+    if rough > task.tolerance and segment.length > 1e-6 * longest:
+        _begin_with(nodes, normal, tangential)
+        return TOO_ROUGH, segment, segment.length * min(change, 0.7)
+    return ACCEPTED, segment, max(segment.length * change, 0.3 * segment.longest)
+
+
+@compiled
+def advance(problem, grid, state, work, task, memory, cycle):
+    """Move the state from start to stop; return the reason for ending.
+
+    Of the pattern's two cycles that of number `cycle % 2` is filled, the other one is the guess.
+    """
+    contacts, new, nodes, tally = state.regime.size, cycle % 2, work.nodes, state.tally
+    phase, length, idle, taken, spent = task.start, problem.longest, 0, 0, 0
+    first, warm = 0, True
+    work.pattern.count[new] = 0
+    entered = False  # the segment starts where a contact was made
+    while phase < task.stop:
+        spent += 1
+        if spent > task.limit:
+            return TOO_MANY
+        if _is_full(state, memory):
+            return FULL
+        if not np.isfinite(state.slider[POSITION] + state.slider[NORMAL_VELOCITY] + state.slider[VELOCITY]):
             return NOT_FINITE
-        push, pull = shared[PUSH, 0], shared[PULL, 0]
-        length = min(length, longest)
-        who, which, closing, full = -1, -1, False, 0.0
-        m = matching(count, marks, numbers, old, first, phase, regime, sign) if familiar else -1
-        if m >= 0:
-            first = m + 1
-            end, map_, who, which = (
-                numbers[old, m, END],
-                marks[old, m, MAP],
-                marks[old, m, WHO],
-                marks[old, m, WHICH],
-            )
-            closing = who < 0 and end >= stop - 1e-12
-            end = (stop if closing else end) - phase
-            if 0.0 < end <= longest and phase + end <= stop and (map_ == ROOT_AT_START) == entered:
-                recalled(numbers, old, m, shared)
-                full = _met(problem, taus[map_], columns[map_], sigma, bary, rates, state, regime, sign,
-                            phase, end, min(longest, stop - phase), who, which, shared, own, mobile, memory, values,
-                            tally)  # fmt: skip
-                length = full if full > 0.0 else length
-        if full == 0.0:
-            who, which = -1, -1
-            shared[PUSH, 0], shared[PULL, 0] = push, pull
-            closing = phase + length >= stop - 1e-12
-            if closing:
-                length = stop - phase
-            map_ = ROOT_AT_START if entered else SMOOTH
-            ok, tried = _lay_out(problem, taus[map_], columns[map_], sigma, bary, state, regime, sign,
-                                 phase, length, shared, own, mobile, memory)  # fmt: skip
-            tally[SWEEPS] += tried
-            if not ok:
-                length *= 0.25
-                tally[HALVINGS] += 1
-                if length < 1e-9 * longest:
-                    return STIFF
-                continue
-            full = length
-            place, who, which = earliest(
-                sigma, bary, rates, regime, sign, shared, own, c, band, memory, values
-            )
-            for _ in range(12):
-                if who < 0:
-                    break
-                closing = False
-                length *= _fraction(0.5 * (min(place, 1.0) + 1.0), map_)
-                sharp = _sharp(which, regime[who])
-                if sharp and entered and length > 1e-9:  # roots at both ends: cut in the middle
-                    length *= 0.5
-                    who = -1
-                elif sharp:
-                    map_ = ROOT_AT_END
-                for trial in range(12):
-                    if length < 1e-14:
-                        length = 0.0
-                    _, tried = _lay_out(problem, taus[map_], columns[map_], sigma, bary, state, regime,
-                                        sign, phase, length, shared, own, mobile, memory)  # fmt: skip
-                    tally[SWEEPS] += tried
-                    if who < 0:
-                        break
-                    value, rate = end_guard(
-                        who, which, regime, sign, shared, own, problem.paths, phase + length, c, band, memory
-                    )
-                    if length == 0.0 or abs(value) < 1e-16 or not rate < 0.0:
-                        break
-                    step = -value / rate
-                    if abs(step) < 2e-16 or (trial > 6 and abs(step) < 1e-14):
-                        break
-                    length = min(max(length + step, 0.5 * length), min(1.1 * length + 1e-12, full))
-                if length == 0.0 or who < 0:
-                    break
-                # with the better motion another guard may come first
-                place, other, another = earliest(
-                    sigma, bary, rates, regime, sign, shared, own, c, band, memory, values
-                )
-                if other < 0 or (other == who and another == which) or place > 1.0 - 1e-6:
-                    break
-                who, which = other, another
-        if length > 0.0:
-            rough = _roughness(tail, own, length, push_scale, pull_scale)
-            change = 1.0
-            if m < 0 or rough > tolerance:
-                change = min(2.0, max(0.2, 0.9 * (tolerance / (rough + 1e-300)) ** (1.0 / (n - 1))))
-            if rough > tolerance and length > 1e-6 * longest:
-                length *= min(change, 0.7)
-                tally[HALVINGS] += 1
-                shared[PUSH, 0], shared[PULL, 0] = push, pull
-                familiar = False
-                continue
-            familiar = True
+        match = matching(work.pattern, 1 - new, first, phase, state) if warm else -1
+        first = max(first, match + 1)
+        course = Course(phase, min(length, problem.longest), entered, match, 1 - new)
+        outcome, segment, length = _attempt(problem, grid, state, work, task, memory, course)
+        if outcome == NOT_CONVERGED or outcome == TOO_ROUGH:
+            tally[HALVINGS] += 1
+            if outcome == NOT_CONVERGED and length < 1e-9 * problem.longest:
+                return STIFF
+            warm = warm and outcome == NOT_CONVERGED
+            continue
+        if outcome == ACCEPTED:
             tally[STRETCHES] += 1
-            account(problem, length, columns[map_, 0], regime, sign, shared, own, sums)
-            taken = _record(
-                phase, length, map_, sigma, bary, shared, own, regime, sample_phase, samples, taken
-            )
-            begin = phase
-            phase = stop if closing else phase + length
-            kept(count, marks, numbers, new, begin, phase, map_, who, which, regime, sign, shared)
-            state[0], state[1], state[2] = shared[HEIGHT, n - 1], shared[CLIMB, n - 1], shared[SPEED, n - 1]
-            for i in range(contacts):
-                state[3 + i] = own[X, i, n - 1]
-                if memory is not None and regime[i] == GROW:
-                    write_curve(memory, i, own[Z, i], own[X, i], own[LEVEL, i], c, rates)
-            shared[PUSH, 0], shared[PULL, 0] = shared[PUSH, n - 1], shared[PULL, n - 1]
-            idle, entered = 0, False
-            length = max(length * change, 0.3 * full)
+            account(problem, grid, state, nodes, segment)
+            taken = _sample(grid, state, nodes, task, segment, taken)
+            phase = task.stop if segment.last else phase + segment.length
+            keep(work.pattern, new, segment, phase, state, nodes)
+            _move_to_end(problem, grid, state, nodes, memory)
+            idle, entered, warm = 0, False, True
         else:
             idle += 1
-            if idle > contacts:
-                tally[CHATTER] += 1
+            tally[CHATTER] += idle > contacts
             if idle > 20 * contacts + 20:
                 return TOO_MANY
-            length = full
-        if who >= 0:
-            made = transit(
-                problem, sigma, bary, state, regime, sign, phase, who, which, shared, own, memory, tally,
-            )  # fmt: skip
-            mark(sums)
+        if segment.contact >= 0:
+            made = transit(problem, grid, state, nodes, segment, phase, memory)
+            mark(state.sums)
             entered = entered or made
     return DONE
 
 
 @native(
-    "t f1 f1 f2 f4 f2 f2 f1 i1 f1 f f i i f i1 f1 f1 f3 i f2 i t i1 i3 f3 f2 f3 f1",
+    "t t t t t t",
     {
         "problem.paths.height": "n", "problem.paths.normal_cos": "n", "problem.paths.tangential_cos": "n",
-        "sigma": "m", "bary": "m", "taus": "3 m", "columns": "3 2 m m",
-        "rates": "m m", "tail": "2 m", "state": "3+n", "regime": "n", "sign": "n", "tally": "12", "sums": "13",
-        "sample_phase": "s", "samples": "s n 6", "speeds": "r 3", "memory.count": "n", "memory.kind": "n p",
-        "memory.corner": "n p 4", "memory.curve": "n p 5 m", "memory.level": "n", "count": "2", "marks": "2 c 3+2n",
-        "numbers": "2 c 2+2m", "shared": "6 m", "own": "11 n m", "values": "m",
+        "grid.sigma": "m", "grid.bary": "m", "grid.tau": "3 m", "grid.integrals": "3 2 m m", "grid.rates": "m m",
+        "grid.tail": "2 m", "state.slider": "3", "state.deformation": "n", "state.sign": "n", "state.regime": "n",
+        "state.tally": "12", "state.sums": "13", "work.nodes.slider": "10 m", "work.nodes.contact": "11 n m",
+        "work.nodes.guard": "m", "work.pattern.regime": "2 c n", "work.pattern.acceleration": "2 c 2 m",
+        "task.at": "s", "task.samples": "s n 6", "task.rows": "r 3", "memory.count": "n", "memory.kind": "n p",
+        "memory.corner": "n p 4", "memory.curve": "n p 5 m", "memory.level": "n",
     },
 )  # fmt: skip
-def travel(problem, sigma, bary, taus, columns, rates, tail, state, regime, sign, start, stop, number, mobile,
-           tolerance, tally, sums, sample_phase, samples, stride, speeds, limit, memory, count, marks, numbers, shared,
-           own, values):  # fmt: skip
+def travel(problem, grid, state, work, task, memory):
     """Move the state from one phase to another, or again and again over the same cycle; return the reason for ending.
 
     Parameters
     ----------
     problem : Problem
-    sigma, bary, taus, columns, rates, tail : arrays
-        See `collocation`.
-    state, regime, sign : (3 + contacts,), (contacts,), (contacts,) arrays
-        Slider position, its rate, slider velocity, deformations; all changed in place.
-    start, stop : float
-        Phases; with a wave, within one cycle (rounding).
-    number : int
-        How many times; more than once over a whole cycle only.
-    mobile : bool
-        False: the slider's velocity stays as it is whatever the forces (a body of infinite mass).
-    tolerance : float
-        Truncation allowed per stretch, relative to the friction and preload impulse of a radian.
-    tally, sums : (TALLY,) int array, (SUMS,) array
-        Added to; see `energy` for the sums.
-    sample_phase, samples : (k,), (k, contacts, 6) arrays
-        Where to record z, x, P, Q, regime and v; rising, in (start, stop]. Recording alters nothing else.
-    stride, speeds : int, (number // stride, 3) array
-        Every `stride` cycles a row (v, z_s, mean v of the last cycle) is recorded; stride 0 records nothing.
-    limit : int
-        Largest number of stretches each time.
+    grid : Collocation
+    state : segment.State
+        Changed in place.
+    work : Work
+        Work.
+    task : Task
     memory : memory.Memory or None
         Of the hysteretic law; None for the elastic one, and then nothing of it is compiled.
-    count, marks, numbers : arrays
-        See `warm_start`; work.
-    shared, own, values : (ROWS, n), (PLANES, contacts, n), (n,) arrays
-        Work.
     """
-    count[0] = count[1] = 0
-    for k in range(number):
-        before = sums[DISPLACEMENT]
-        shared[PUSH, 0] = shared[PULL, 0] = 0.0
-        why = advance(problem, sigma, bary, taus, columns, rates, tail, state, regime, sign, start, stop,
-                      mobile, tolerance, tally, sums, sample_phase, samples, limit, memory, count, marks, numbers,
-                      k % 2, shared, own, values)  # fmt: skip
+    work.pattern.count[:], work.nodes.slider[:], work.nodes.contact[:] = 0, 0.0, 0.0
+    for k in range(task.number):
+        before = state.sums[DISPLACEMENT]
+        _begin_with(work.nodes, 0.0, 0.0)
+        why = advance(problem, grid, state, work, task, memory, k)
         if why != DONE:
             return why
-        tally[CYCLES] += 1
-        if stride > 0 and (k + 1) % stride == 0:
-            row = (k + 1) // stride - 1
-            speeds[row, 0] = state[2]
-            speeds[row, 1] = state[0]
-            speeds[row, 2] = (sums[DISPLACEMENT] - before) / (2.0 * np.pi)
+        state.tally[CYCLES] += 1
+        if task.stride > 0 and (k + 1) % task.stride == 0:
+            row = task.rows[(k + 1) // task.stride - 1]
+            row[ROW_VELOCITY], row[ROW_POSITION] = state.slider[VELOCITY], state.slider[POSITION]
+            row[ROW_MEAN_VELOCITY] = (state.sums[DISPLACEMENT] - before) / (2.0 * np.pi)
     return DONE

@@ -1,12 +1,9 @@
-r"""Events at the end of a stretch: which guard vanishes first, how fast, and what follows.
-
-The table of node values of the stretch is that of `segment`.
-"""
+r"""Events at the end of a segment: which guard vanishes first, how fast, and what follows."""
 
 import numpy as np
 
 from contact.jit.compiled import compiled
-from contact.kinematics import at_phase
+from contact.kinematics import at_phase, slip_speed
 from contact.law.elastic import (
     ANNULUS,
     CONTACT,
@@ -23,122 +20,116 @@ from contact.law.elastic import (
 from contact.law.hysteretic import memory_guard, recall
 from contact.solve.roots import first_root
 from contact.solve.segment import (
-    CLIMB,
     FRONT,
-    PULL,
-    PUSH,
-    SPEED,
-    U_X_RATE,
-    U_Z_RATE,
+    NORMAL_ACCELERATION,
+    NORMAL_VELOCITY,
+    POSITION,
+    TANGENTIAL_ACCELERATION,
+    VELOCITY,
     X,
     Z,
     guards,
+    rates_at,
 )  # fmt: skip
 
 # the last guard of each regime
 _LAST = (0, 2, 1, 2, 3, 2)
 
 
-def open_regimes(problem, phase, state, regime, sign):
+def open_regimes(problem, phase, state):
     """Set regime and sign of every contact, and its deformation within the slip limit, from the state at a phase."""
-    paths, c, s = problem.paths, np.cos(phase), np.sin(phase)
-    for i in range(regime.size):
-        u_z, u_z_rate, _, u_x_rate = at_phase(paths, i, c, s)
-        regime[i], sign[i], state[3 + i] = opening(
-            paths.height[i] + u_z - state[0], state[3 + i], u_z_rate - state[1], u_x_rate - state[2],
-            problem.limit_slope, problem.stick_band,
-        )  # fmt: skip
+    slider = state.slider
+    for i in range(state.regime.size):
+        u_z, u_z_rate, _, u_x_rate = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
+        z = u_z + problem.paths.height[i] - slider[POSITION]
+        z_rate, x_rate = u_z_rate - slider[NORMAL_VELOCITY], u_x_rate - slider[VELOCITY]
+        state.regime[i], state.sign[i], state.deformation[i] = opening(
+            z, state.deformation[i], z_rate, x_rate, problem.limit_slope, problem.stick_band
+        )
 
 
 @compiled
-def earliest(sigma, bary, rates, regime, sign, shared, own, c, band, memory, values):
-    """Return (sigma, contact, guard) of the earliest root on the stretch; sigma = 2 if there is none."""
+def earliest(problem, grid, state, nodes, memory):
+    """Return (sigma, contact, guard) of the earliest root on the segment; sigma = 2 if there is none."""
     first, who, which = 2.0, -1, -1
-    for i in range(regime.size):
+    for i in range(state.regime.size):
+        regime = state.regime[i]
         for k in range(4):
-            if (k > 0 and regime[i] == SEPARATED) or (k > _LAST[regime[i]]):
+            if (k > 0 and regime == SEPARATED) or k > _LAST[regime]:
                 continue
-            if (
-                k == 3
-                and first < 1.0 - 1e-6
-                and memory is not None
-                and memory.kind[i, memory.count[i] - 1] == 0
-            ):
-                continue  # the front on a curve is smooth only up to the first of the other events
-            guards(i, k, regime, sign, shared, own, c, band, memory, values)
-            place = first_root(sigma, bary, rates, values)
+            if k == 3 and first < 1.0 - 1e-6 and memory is not None:
+                if memory.kind[i, memory.count[i] - 1] == 0:
+                    continue  # the front on a curve is smooth only up to the first of the other events
+            guards(problem, state, nodes, i, k, memory)
+            place = first_root(grid.sigma, grid.bary, grid.rates, nodes.guard)
             if place < first:
                 first, who, which = place, i, k
     return first, who, which
 
 
 @compiled
-def end_guard(i, which, regime, sign, shared, own, paths, phase, c, band, memory):
-    """Return a guard at the end of the stretch and its rate there."""
-    n = shared.shape[1] - 1
-    z_rate, x_rate = own[U_Z_RATE, i, n] - shared[CLIMB, n], own[U_X_RATE, i, n] - shared[SPEED, n]
-    u_z, _, u_x, _ = at_phase(paths, i, np.cos(phase), np.sin(phase))
-    z_second, x_second = -u_z - shared[PUSH, n], -u_x - shared[PULL, n]
-    if memory is not None and regime[i] >= ANNULUS:
+def end_guard(problem, state, nodes, i, which, phase, memory):
+    """Return a guard at the end of the segment, which is at this phase, and its rate there."""
+    n, regime, sign = nodes.guard.size - 1, state.regime[i], state.sign[i]
+    c, band = problem.limit_slope, problem.stick_band
+    z, x = nodes.contact[Z, i, n], nodes.contact[X, i, n]
+    z_rate, x_rate = rates_at(nodes, i, n)
+    u_z, _, u_x, _ = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
+    z_second = -u_z - nodes.slider[NORMAL_ACCELERATION, n]
+    x_second = -u_x - nodes.slider[TANGENTIAL_ACCELERATION, n]
+    if memory is not None and regime >= ANNULUS:
         value, rate = memory_guard(
-            memory,
-            i,
-            regime[i],
-            which,
-            sign[i],
-            own[Z, i, n],
-            own[X, i, n],
-            z_rate,
-            x_rate,
-            own[FRONT, i, n],
-            c,
+            memory, i, regime, which, sign, z, x, z_rate, x_rate, nodes.contact[FRONT, i, n], c
         )
         if which == 1:
-            rate = sign[i] * x_second - c * z_second if regime[i] == ANNULUS else c * z_second - x_second
-        elif which == 2 and regime[i] == GROW:
+            rate = slip_speed(sign, z_second, x_second, c) if regime == ANNULUS else c * z_second - x_second
+        elif which == 2 and regime == GROW:
             rate = c * z_second + x_second
         return value, rate
-    value = guard(regime[i], which, sign[i], own[Z, i, n], own[X, i, n], z_rate, x_rate, c, band)
-    if (regime[i] == SLIP or regime[i] == CREEP) and which == 1:
-        rate = sign[i] * x_second - c * z_second
-        return value, rate if regime[i] == SLIP else -rate
+    value = guard(regime, which, sign, z, x, z_rate, x_rate, c, band)
+    if (regime == SLIP or regime == CREEP) and which == 1:
+        rate = slip_speed(sign, z_second, x_second, c)
+        return value, rate if regime == SLIP else -rate
     # the guards on position are linear in (z, x): their rate is the guard of the rates
-    return value, guard(regime[i], which, sign[i], z_rate, x_rate, 0.0, 0.0, c, band) - FAR_SIDE
+    return value, guard(regime, which, sign, z_rate, x_rate, 0.0, 0.0, c, band) - FAR_SIDE
 
 
 @compiled
-def transit(problem, sigma, bary, state, regime, sign, phase, who, which, shared, own, memory, tally):
-    """Take contact `who`, and all whose guards vanish at the same instant, to their next regimes and count it.
+def transit(problem, grid, state, nodes, segment, phase, memory):
+    """Take the contact whose guard ends the segment, and all whose guards vanish then, to their next regimes.
 
     Returns whether a contact was made.
     """
-    contacts, n = regime.size, shared.shape[1]
-    c, band = problem.limit_slope, problem.stick_band
     made = False
-    _, rate = end_guard(who, which, regime, sign, shared, own, problem.paths, phase, c, band, memory)
+    _, rate = end_guard(problem, state, nodes, segment.contact, segment.guard, phase, memory)
     if not rate < 0.0:
-        tally[GRAZE] += 1
-    for i in range(contacts):
+        state.tally[GRAZE] += 1
+    for i in range(state.regime.size):
         for k in range(4):
-            met = i == who and k == which
-            if i != who and (regime[i] != SEPARATED or k == 0):
-                value, rate = end_guard(
-                    i, k, regime, sign, shared, own, problem.paths, phase, c, band, memory
-                )
+            met = i == segment.contact and k == segment.guard
+            if i != segment.contact and (state.regime[i] != SEPARATED or k == 0):
+                value, rate = end_guard(problem, state, nodes, i, k, phase, memory)
                 met = abs(value) < 4e-16 and rate < 0.0
             if met:
-                z_rate = own[U_Z_RATE, i, n - 1] - shared[CLIMB, n - 1]
-                x_rate = own[U_X_RATE, i, n - 1] - shared[SPEED, n - 1]
-                if memory is not None:
-                    regime[i], sign[i], state[3 + i], kind = recall(
-                        memory, i, regime[i], k, sign[i], own[Z, i, n - 1], state[3 + i], z_rate, x_rate, c,
-                        sigma, bary,
-                    )  # fmt: skip
-                else:
-                    regime[i], sign[i], state[3 + i], kind = follow(
-                        regime[i], k, sign[i], own[Z, i, n - 1], state[3 + i], z_rate, x_rate, c, band
-                    )
-                tally[kind] += 1
+                kind = _enter_next(problem, grid, state, nodes, i, k, memory)
+                state.tally[kind] += 1
                 made = made or kind == CONTACT
                 break
     return made
+
+
+@compiled
+def _enter_next(problem, grid, state, nodes, i, which, memory):
+    """Take a contact to the far side of a guard; return the kind of event."""
+    regime, sign, x, n = state.regime[i], state.sign[i], state.deformation[i], nodes.guard.size - 1
+    z, c = nodes.contact[Z, i, n], problem.limit_slope
+    z_rate, x_rate = rates_at(nodes, i, n)
+    if memory is not None:
+        state.regime[i], state.sign[i], state.deformation[i], kind = recall(
+            memory, i, regime, which, sign, z, x, z_rate, x_rate, c, grid.sigma, grid.bary
+        )
+    else:
+        state.regime[i], state.sign[i], state.deformation[i], kind = follow(
+            regime, which, sign, z, x, z_rate, x_rate, c, problem.stick_band
+        )
+    return kind

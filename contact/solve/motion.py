@@ -1,17 +1,18 @@
-"""A run of the event-exact motion: the state it carries, and the arrays that the compiled kernel wants.
+"""A run of the event-driven motion: the state it carries, and the arrays that the compiled kernel wants.
 
 The only class here that changes: it guards the state of one slider on one wave, in the wave's own units.
 """
 
 import copy
 import math
+import threading
 
 import numpy as np
 
 from contact.convergence import ConvergenceError
 from contact.law import elastic, hysteretic, normal
 from contact.problem import HYSTERETIC, Problem
-from contact.solve import energy, event_driven, events, segment, warm_start
+from contact.solve import energy, event_driven, events, segment
 from contact.solve.collocation import Collocation
 
 _SENTENCES = {
@@ -32,28 +33,38 @@ _SENTENCES = {
 
 
 class Motion:
-    """State of a slider on a wave, moved along by stretches between events.
+    """State of a slider on a wave, moved along by segments between events.
 
     Parameters
     ----------
     problem : Problem
         The dimensionless problem.
-    table : Collocation
-        Points and matrices of a stretch.
+    grid : Collocation
+        Points and matrices of a segment.
     truncation : float
-        Allowed per stretch, relative to the friction and preload impulse of a radian.
+        Allowed per segment, relative to the friction and preload impulse of a radian.
+
+    Attributes
+    ----------
+    state : (3 + contacts,) array
+        z_s, z_s', v and the deformations.
     """
 
-    def __init__(self, problem: Problem, *, table: Collocation, truncation: float):
+    def __init__(self, problem: Problem, *, grid: Collocation, truncation: float):
         contacts = problem.contacts
-        self.problem, self.table, self.truncation = problem, table, truncation
-        self.state = np.zeros(3 + contacts)
-        self.regime, self.sign = np.zeros(contacts, np.int64), np.ones(contacts)
-        self.tally, self.sums = np.zeros(event_driven.TALLY, np.int64), np.zeros(energy.SUMS)
+        self.problem, self.grid, self.truncation = problem, grid, truncation
+        tally, sums = np.zeros(event_driven.TALLY, np.int64), np.zeros(energy.SUMS)
+        self._carry(np.zeros(3 + contacts), np.ones(contacts), np.zeros(contacts, np.int64), tally, sums)
         remembers = problem.law == HYSTERETIC and problem.limit_slope > 0.0
         # energies at the start of what the sums cover, where someone noted them
         self.begun = None
-        self.memory = hysteretic.blank(contacts, table.sigma.size) if remembers else None
+        self.memory = hysteretic.blank(contacts, grid.sigma.size) if remembers else None
+
+    def _carry(self, state, sign, regime, tally, sums):
+        """Set the arrays that the kernels change."""
+        self.state, self.sign, self.regime, self.tally, self.sums = state, sign, regime, tally, sums
+        # what the kernels take: the arrays themselves
+        self.carried = segment.State(state[:3], state[3:], sign, regime, tally, sums)
 
     def place(self, height, climb, speed, deformations=0.0):
         """Set the state at phase 0: slider position and its rate, slider velocity, deformations; all scaled.
@@ -66,43 +77,42 @@ class Motion:
             return
         self.state[:3] = height, climb, speed
         self.state[3:] = deformations
-        events.open_regimes(
-            self.problem, 0.0, self.state, self.regime, self.sign
-        )  # fmt: skip
+        events.open_regimes(self.problem, 0.0, self.carried)
 
     def copy(self) -> "Motion":
         """Return an independent motion in the same state."""
         twin = copy.copy(self)
-        for name in ("state", "regime", "sign", "tally", "sums"):
-            setattr(twin, name, getattr(self, name).copy())
+        twin._carry(*(each.copy() for each in (self.state, self.sign, self.regime, self.tally, self.sums)))
         if self.memory is not None:
             twin.memory = hysteretic.copy(self.memory)
         return twin
 
+    def begin(self) -> np.ndarray:
+        """Set what has been counted and summed to zero; return the energies at this start."""
+        self.tally[:], self.sums[:] = 0, 0.0
+        return self.energy()
+
     def turn(self, number: int, *, mobile: bool = True, stride: int = 0) -> np.ndarray:
         """Move through `number` whole cycles; return rows (v, z_s, mean v) every `stride` cycles."""
-        rows = np.empty((number // stride if stride else 0, 3))
-        nothing = np.empty((0, self.regime.size, 6))
+        rows = np.empty((number // stride if stride else 0, event_driven.ROW))
+        nothing = np.empty((0, self.regime.size, event_driven.SAMPLED))
         self._travel(0.0, 2.0 * np.pi, number, mobile, nothing[:, 0, 0], nothing, stride, rows)
         return rows
 
     def move(self, start: float, stop: float, at: np.ndarray) -> np.ndarray:
         """Move from one phase to another; return (k, contacts, 6) samples z, x, P, Q, regime, v at the phases `at`."""
-        samples, cycles = np.zeros((at.size, self.regime.size, 6)), self.tally[event_driven.CYCLES]
-        self._travel(start, stop, 1, True, at, samples, 0, np.empty((0, 3)))
+        samples = np.zeros((at.size, self.regime.size, event_driven.SAMPLED))
+        cycles = self.tally[event_driven.CYCLES]
+        self._travel(start, stop, 1, True, at, samples, 0, np.empty((0, event_driven.ROW)))
         self.tally[event_driven.CYCLES] = cycles
         return samples
 
     def _travel(self, start, stop, number, mobile, at, samples, stride, rows):
-        table, contacts = self.table, self.regime.size
-        n = table.sigma.size
-        shared, own = np.zeros((segment.ROWS, n)), np.zeros((segment.PLANES, contacts, n))
-        why = event_driven.travel(
-            self.problem, table.sigma, table.bary, table.tau, table.columns, table.rates,
-            table.tail, self.state, self.regime, self.sign, start, stop, number, mobile, self.truncation, self.tally,
-            self.sums, at, samples, stride, rows, self._limit(stop - start), self.memory,
-            *warm_start.blank(contacts, n), shared, own, np.empty(n),
-        )  # fmt: skip
+        task = event_driven.Task(
+            start, stop, number, mobile, self.truncation, self._limit(stop - start), at, samples, stride, rows
+        )
+        work = event_driven.room(self.regime.size, self.grid.sigma.size, threading.get_ident())
+        why = event_driven.travel(self.problem, self.grid, self.carried, work, task, self.memory)
         if why != event_driven.DONE:
             self.fail(why)
 
@@ -114,7 +124,7 @@ class Motion:
         raise ConvergenceError(status, sentence.format(advice=advice))
 
     def events(self) -> dict[str, int]:
-        """Return the number of events by kind, and of stretches, halvings and sweeps."""
+        """Return the number of events by kind, and of segments, halvings and sweeps."""
         names = (*elastic.NAMES, "stretches", "halvings", "sweeps", "cycles", "chatter", "wipe_out")
         return {name: int(number) for name, number in zip(names, self.tally, strict=True)}
 
@@ -123,37 +133,60 @@ class Motion:
 
         At phase 0: the surface's height there is what the approach is taken from.
         """
-        problem = self.problem
+        problem, state = self.problem, self.carried
         kappa, mu, c = problem.stiffness, problem.friction, problem.limit_slope
-        height, climb, speed = self.state[:3]
+        height, climb, speed = state.slider
         z = np.maximum(problem.paths.height + problem.paths.normal_cos - height, 0.0)
         stored = kappa * np.sum(normal.energy(z, problem.shape))
         if self.memory is None and c > 0.0:
-            stick = np.maximum(z - np.abs(self.state[3:]) / c, 0.0)
+            stick = np.maximum(z - np.abs(state.deformation) / c, 0.0)
             stored += mu * kappa * c * np.sum(elastic.friction_energy(z, stick, problem.shape))
         elif self.memory is not None:
-            table = self.table
             for i in range(z.size):
-                stored += mu * kappa * energy.chain_energy(
-                    self.memory, i, self.regime[i], self.sign[i], z[i], self.state[3 + i], c, table.sigma, table.bary,
-                    table.rates,
-                )  # fmt: skip
+                stored += (
+                    mu
+                    * kappa
+                    * energy.chain_energy(
+                        self.memory, i, self.regime[i], self.sign[i], z[i], state.deformation[i], c, self.grid
+                    )
+                )
         return np.array([stored, problem.preload * height, 0.5 * (climb**2 + speed**2)])
 
     def _displace(self, height, climb, speed, deformations):
-        table, c = self.table, self.problem.limit_slope
+        grid, c, state = self.grid, self.problem.limit_slope, self.carried
         surface = self.problem.paths.height + self.problem.paths.normal_cos
         target = np.broadcast_to(np.asarray(deformations, float), self.regime.shape)
         for i in range(self.regime.size):
             # a memory is known at the end of a run, where the surface is as at phase 0
-            old, new = surface[i] - self.state[0], surface[i] - height
-            if old == new and target[i] == self.state[3 + i] and self.regime[i] != elastic.SEPARATED:
+            x, old, new = (
+                state.deformation[i],
+                surface[i] - state.slider[segment.POSITION],
+                surface[i] - height,
+            )
+            if old == new and target[i] == x and self.regime[i] != elastic.SEPARATED:
                 continue
-            self.regime[i], self.sign[i], self.state[3 + i] = hysteretic.jump(
-                self.memory, i, self.regime[i], self.sign[i], old, self.state[3 + i], new, target[i], c, table.sigma,
-                table.bary, table.rates,
-            )  # fmt: skip
-        self.state[:3] = height, climb, speed
+            self.regime[i], self.sign[i], state.deformation[i] = hysteretic.jump(
+                self.memory,
+                i,
+                self.regime[i],
+                self.sign[i],
+                old,
+                x,
+                new,
+                target[i],
+                c,
+                grid.sigma,
+                grid.bary,
+                grid.rates,
+            )
+        state.slider[:] = height, climb, speed
+
+    @property
+    def sticks(self) -> bool:
+        """Whether some contact sticks, all others are apart, and nothing else has happened since `begin`."""
+        moved = elastic.CONTACT, elastic.RELEASE, elastic.STICK_TO_SLIP, elastic.SLIP_TO_STICK
+        rest = (self.regime == elastic.STICK) | (self.regime == elastic.SEPARATED)
+        return bool(np.all(rest) and np.any(self.regime)) and not np.any(self.tally[list(moved)])
 
     def smallest_gap(self) -> float:
         """Return the smallest time between two events since the sums were cleared, s; inf if there were not two."""
@@ -161,6 +194,6 @@ class Motion:
         return float(1.0 / (crowding * self.problem.omega)) if crowding > 0.0 else math.inf
 
     def _limit(self, span):
-        """Return the stretches that a run may take: a guard that fires for ever must fail, not hang."""
+        """Return the segments that a run may take: a guard that fires for ever must fail, not hang."""
         events = 500.0 * self.regime.size * (1.0 + span / (2.0 * math.pi))
         return int(min(events + 40.0 * span / self.problem.longest, 1e9))

@@ -1,54 +1,132 @@
-r"""One smooth stretch of motion between two events, by Chebyshev-Picard iteration.
+r"""One smooth segment of motion between two events, by Chebyshev-Picard iteration.
 
 The forces at the nodes give velocities and positions by the collocation's integration matrices, and these give the
 forces again. A slider is heavy against the contact's stiffness over a part of a cycle, so each sweep gains a factor of
-about (omega_n L)^2/2: four digits and more at a wave of 2 MHz, and a shorter stretch where it gains too little.
+about (omega_n L)^2/2: four digits and more at a wave of 2 MHz, and a shorter segment where it gains too little.
 """
+
+from typing import NamedTuple
 
 import numpy as np
 
 from contact.jit.compiled import compiled
 from contact.kinematics import at_phase
-from contact.law.elastic import (
-    ANNULUS,
-    FAR_SIDE,
-    GROW,
-    SEPARATED,
-    SLIP,
-    STICK,
-    back_force,
-    friction_load,
-    guard,
-    traction,
-)
+from contact.law.elastic import ANNULUS, FAR_SIDE, GROW, SEPARATED, SLIP, back_force, guard, traction
 from contact.law.hysteretic import memory_guard, moment
 from contact.law.normal import load
 from contact.problem import RECIPROCAL
 
-# rows of the table of node values common to all contacts
-HEIGHT, CLIMB, TRAVEL, SPEED, PUSH, PULL, ROWS = range(7)
-# planes of the table of node values per contact
+# what `State.slider` holds
+POSITION, NORMAL_VELOCITY, VELOCITY = 0, 1, 2
+# rows of `Nodes.slider`: the motion, its accelerations, and the integrals of these, once and twice
+(
+    HEIGHT,
+    CLIMB,
+    TRAVEL,
+    SPEED,
+    NORMAL_ACCELERATION,
+    TANGENTIAL_ACCELERATION,
+    NORMAL_ONCE,
+    NORMAL_TWICE,
+    TANGENTIAL_ONCE,
+    TANGENTIAL_TWICE,
+    ROWS,
+) = range(11)
+# planes of `Nodes.contact`
 U_Z, U_X, U_Z_RATE, U_X_RATE, Z, X, P, Q, BACK, FRONT, LEVEL, PLANES = range(12)
-# a longer stretch takes the C library's sine and cosine
-_SHORT = 0.8
+# sweeps of Picard's iteration
+MAX_SWEEPS = 25
+
+
+class State(NamedTuple):
+    """What a slider carries from one segment to the next, and what has been counted on the way.
+
+    Attributes
+    ----------
+    slider : (3,) array
+        z_s, z_s' and v.
+    deformation, sign : (contacts,) arrays
+        x and the sign of deformation or slip.
+    regime : (contacts,) int array
+        See `law.elastic`.
+    tally, sums : (TALLY,) int array, (SUMS,) array
+        Events and work, see `event_driven`; integrals, see `energy`.
+    """
+
+    slider: np.ndarray
+    deformation: np.ndarray
+    sign: np.ndarray
+    regime: np.ndarray
+    tally: np.ndarray
+    sums: np.ndarray
+
+
+class Nodes(NamedTuple):
+    """Values at the nodes: of the slider (ROWS, n), of the contacts (PLANES, contacts, n), of a guard (n,)."""
+
+    slider: np.ndarray
+    contact: np.ndarray
+    guard: np.ndarray
+
+
+class Segment(NamedTuple):
+    """Where a segment lies and how it ends.
+
+    Attributes
+    ----------
+    phase, length : float
+        Its start, and its length so far; 0 where an event falls on its start.
+    longest : float
+        The length that it had before an event was found on it.
+    map : int
+        Of the collocation.
+    contact, guard : int
+        Whose guard, and which, vanishes at its end; -1 without an event.
+    last : int
+        Whether it ends where the run ends.
+    """
+
+    phase: float
+    length: float
+    longest: float
+    map: int
+    contact: int
+    guard: int
+    last: int
 
 
 @compiled
-def surface(phase, length, tau, paths, own):
-    """Fill the surface's displacement (u_z with the contact's height, u_x from the start) and velocity at the nodes."""
-    c0, s0 = np.cos(phase), np.sin(phase)
-    short = length <= _SHORT
-    for i in range(paths.height.size):
-        # in the frame of the start: u_z = a cos t + b sin t, u_x = d cos t + e sin t
-        a, b, d, e = at_phase(paths, i, c0, s0)
-        for j in range(tau.size):
-            t = length * tau[j]
+def segment_at(phase, length, map_, last):
+    """Return a segment without an event."""
+    return Segment(phase, length, length, map_, -1, -1, last)
+
+
+@compiled
+def resized(segment, length):
+    """Return the segment with another length."""
+    return Segment(
+        segment.phase, length, segment.longest, segment.map, segment.contact, segment.guard, segment.last
+    )
+
+
+@compiled
+def surface(problem, grid, nodes, segment):
+    """Fill the surface's displacement (u_x relative to the start) and velocity at the nodes."""
+    c0, s0 = np.cos(segment.phase), np.sin(segment.phase)
+    short = segment.length <= 0.8
+    own = nodes.contact
+    for i in range(own.shape[1]):
+        # in the frame of the start: u_z = a cos t + b sin t
+        a, b, d, e = at_phase(problem.paths, i, c0, s0)
+        height = problem.paths.height[i]
+        for j in range(own.shape[2]):
+            t = segment.length * grid.tau[segment.map, j]
             if short:
                 s, v = _sine(t)
             else:
                 s, v = np.sin(t), 1.0 - np.cos(t)
             c = 1.0 - v
-            own[U_Z, i, j] = paths.height[i] + a * c + b * s
+            own[U_Z, i, j] = a * c + b * s + height
             own[U_X, i, j] = e * s - d * v
             own[U_Z_RATE, i, j] = b * c - a * s
             own[U_X_RATE, i, j] = e * c - d * s
@@ -70,103 +148,112 @@ def _sine(t):
 
 
 @compiled
-def forces(problem, regime, sign, start_x, shared, own, mobile, length, columns, sigma, bary, memory):
+def forces(problem, grid, state, nodes, segment, mobile, memory):
     """Fill approach, deformation, forces and accelerations at the nodes from the slider's motion there."""
-    d_n, p, d_t, q = problem.normal_damping, problem.preload, problem.tangential_damping, problem.load
-    n = shared.shape[1]
+    slider, own = nodes.slider, nodes.contact
+    n = grid.sigma.size
     if memory is not None:
-        _edge(regime, problem.limit_slope, shared, own, length, columns, memory)
+        _edge(problem, grid, state, nodes, segment, memory)
+    d_n, p, d_t, q = problem.normal_damping, problem.preload, problem.tangential_damping, problem.load
     for j in range(n):
-        shared[PUSH, j] = -d_n * shared[CLIMB, j] - p if mobile else 0.0
-        shared[PULL, j] = -d_t * shared[SPEED, j] - q if mobile else 0.0
-    for i in range(regime.size):
-        if regime[i] == SEPARATED:
+        slider[NORMAL_ACCELERATION, j] = -d_n * slider[CLIMB, j] - p if mobile else 0.0
+        slider[TANGENTIAL_ACCELERATION, j] = -d_t * slider[SPEED, j] - q if mobile else 0.0
+    for i in range(state.regime.size):
+        if state.regime[i] == SEPARATED:
             for j in range(n):
-                own[Z, i, j] = own[U_Z, i, j] - shared[HEIGHT, j]
+                own[Z, i, j] = own[U_Z, i, j] - slider[HEIGHT, j]
                 own[P, i, j] = own[Q, i, j] = own[X, i, j] = own[BACK, i, j] = 0.0
             continue
-        _contact(problem, i, regime[i], sign[i], start_x[i], shared, own, sigma, bary, memory)
+        _contact(problem, grid, state, nodes, i, memory)
         if mobile:
             chi = problem.contact_damping
             for j in range(n):
-                damped = own[P, i, j] * (1.0 + chi * (own[U_Z_RATE, i, j] - shared[CLIMB, j]))
-                shared[PUSH, j] += damped + own[BACK, i, j]
-                shared[PULL, j] += own[Q, i, j]
+                damped = own[P, i, j] * (1.0 + chi * (own[U_Z_RATE, i, j] - slider[CLIMB, j]))
+                slider[NORMAL_ACCELERATION, j] += damped + own[BACK, i, j]
+                slider[TANGENTIAL_ACCELERATION, j] += own[Q, i, j]
 
 
 @compiled
-def _contact(problem, i, regime, sign, start_x, shared, own, sigma, bary, memory):
-    """Fill approach, deformation and forces of one contact that is not apart; branch-free where it is often used."""
-    kappa, mu, c = problem.stiffness, problem.friction, problem.limit_slope
-    n = shared.shape[1]
+def _contact(problem, grid, state, nodes, i, memory):
+    """Fill approach, deformation and forces of one contact that is not apart."""
+    kappa, c, shape = problem.stiffness, problem.limit_slope, problem.shape
+    friction, regime, sign, own = problem.friction * kappa, state.regime[i], state.sign[i], nodes.contact
+    n = grid.sigma.size
     for j in range(n):
-        z = own[U_Z, i, j] - shared[HEIGHT, j]
-        x = sign * c * z if regime == SLIP else start_x + own[U_X, i, j] - shared[TRAVEL, j]
+        z = own[U_Z, i, j] - nodes.slider[HEIGHT, j]
+        slid = state.deformation[i] + own[U_X, i, j] - nodes.slider[TRAVEL, j]
         own[Z, i, j] = z
-        own[X, i, j] = x
-        own[P, i, j] = kappa * load(z, problem.shape)
+        own[X, i, j] = sign * c * z if regime == SLIP else slid
+        own[P, i, j] = kappa * load(z, shape)
         own[BACK, i, j] = 0.0
-    if regime == STICK and c > 0.0:
-        for j in range(n):
-            z = own[Z, i, j]
-            full = sign * mu * kappa * friction_load(z, z - sign * own[X, i, j] / c, problem.shape)
-            own[Q, i, j] = full if z > 0.0 else 0.0
-    elif memory is not None and regime >= ANNULUS:
+    if memory is not None and regime >= ANNULUS:
         for j in range(n):
             z = own[Z, i, j]
             level = own[LEVEL, i, j] if z > 0.0 else 0.0
             if regime == ANNULUS and z > 0.0:
-                level, own[FRONT, i, j] = moment(memory, i, ANNULUS, sign, z, own[X, i, j], c, sigma, bary)
-            own[Q, i, j] = mu * kappa * level
+                level, own[FRONT, i, j] = moment(
+                    memory, i, ANNULUS, sign, z, own[X, i, j], c, grid.sigma, grid.bary
+                )
+            own[Q, i, j] = friction * level
     else:
         for j in range(n):
-            own[Q, i, j] = traction(regime, sign, own[Z, i, j], own[X, i, j], mu * kappa, c, problem.shape)
+            own[Q, i, j] = traction(regime, sign, own[Z, i, j], own[X, i, j], friction, c, shape)
     if problem.law == RECIPROCAL:
         for j in range(n):
-            own[BACK, i, j] = back_force(
-                regime, sign, own[Z, i, j], own[X, i, j], mu * kappa, c, problem.shape
-            )
+            own[BACK, i, j] = back_force(regime, sign, own[Z, i, j], own[X, i, j], friction, c, shape)
 
 
 @compiled
-def _edge(regime, c, shared, own, length, columns, memory):
+def _edge(problem, grid, state, nodes, segment, memory):
     """Fill the moment M at the nodes of contacts that grow without slip: dM = (3/2c) sqrt(z) dx."""
-    n = shared.shape[1]
-    for i in range(regime.size):
-        if regime[i] != GROW:
+    own, n = nodes.contact, grid.sigma.size
+    for i in range(state.regime.size):
+        if state.regime[i] != GROW:
             continue
         for j in range(n):
-            z = max(own[U_Z, i, j] - shared[HEIGHT, j], 0.0)
-            own[FRONT, i, j] = np.sqrt(z) * (own[U_X_RATE, i, j] - shared[SPEED, j])
+            z = max(own[U_Z, i, j] - nodes.slider[HEIGHT, j], 0.0)
+            own[FRONT, i, j] = np.sqrt(z) * (own[U_X_RATE, i, j] - nodes.slider[SPEED, j])
         for j in range(n):
             total = 0.0
             for k in range(n):
-                total += columns[0, k, j] * own[FRONT, i, k]
-            own[LEVEL, i, j] = memory.level[i] + 1.5 / c * length * total
+                total += grid.integrals[segment.map, 0, k, j] * own[FRONT, i, k]
+            own[LEVEL, i, j] = memory.level[i] + 1.5 / problem.limit_slope * segment.length * total
 
 
 @compiled
-def integrate(state, length, tau, columns, shared):
+def integrate(grid, state, nodes, segment):
     """Fill the slider's motion at the nodes from its accelerations there; return the largest change."""
-    n = tau.size
-    change = 0.0
+    once, twice = grid.integrals[segment.map, 0], grid.integrals[segment.map, 1]
+    slider, length, n = nodes.slider, segment.length, grid.sigma.size
     for j in range(0, n, 4):
-        # the last four nodes may overlap with those before
-        b = min(j, n - 4)
-        w0, w1, w2, w3 = _four(columns[0], b, shared[PUSH])
-        h0, h1, h2, h3 = _four(columns[1], b, shared[PUSH])
-        v0, v1, v2, v3 = _four(columns[0], b, shared[PULL])
-        d0, d1, d2, d3 = _four(columns[1], b, shared[PULL])
-        change = max(change, _settle(state, length, tau, shared, b, w0, h0, v0, d0))
-        change = max(change, _settle(state, length, tau, shared, b + 1, w1, h1, v1, d1))
-        change = max(change, _settle(state, length, tau, shared, b + 2, w2, h2, v2, d2))
-        change = max(change, _settle(state, length, tau, shared, b + 3, w3, h3, v3, d3))
+        b = min(j, n - 4)  # the last four nodes may overlap with those before
+        _four(once, b, slider[NORMAL_ACCELERATION], slider[NORMAL_ONCE])
+        _four(twice, b, slider[NORMAL_ACCELERATION], slider[NORMAL_TWICE])
+        _four(once, b, slider[TANGENTIAL_ACCELERATION], slider[TANGENTIAL_ONCE])
+        _four(twice, b, slider[TANGENTIAL_ACCELERATION], slider[TANGENTIAL_TWICE])
+    change = 0.0
+    z_s, z_rate, v = state.slider[POSITION], state.slider[NORMAL_VELOCITY], state.slider[VELOCITY]
+    for j in range(n):
+        tau = grid.tau[segment.map, j]
+        climb, speed = z_rate + length * slider[NORMAL_ONCE, j], v + length * slider[TANGENTIAL_ONCE, j]
+        height = z_s + length * (z_rate * tau + length * slider[NORMAL_TWICE, j])
+        travel = length * (v * tau + length * slider[TANGENTIAL_TWICE, j])
+        moved = max(abs(height - slider[HEIGHT, j]), abs(travel - slider[TRAVEL, j]))
+        moved = max(moved, abs(climb - slider[CLIMB, j]), abs(speed - slider[SPEED, j]))
+        slider[HEIGHT, j], slider[CLIMB, j], slider[TRAVEL, j], slider[SPEED, j] = (
+            height,
+            climb,
+            travel,
+            speed,
+        )
+        # a motion that is not finite must not pass for one that does not change
+        change = max(change, moved if moved < 1e100 else 1e300)
     return change
 
 
 @compiled
-def _four(columns, j, values):
-    """Return four sums at once, sum_k columns[k, j..j+3] values[k]: the processor's width."""
+def _four(columns, j, values, out):
+    """Fill four sums at once, sum_k columns[k, j..j+3] values[k]: the processor's width."""
     a = b = c = d = 0.0
     # unsigned places: no check for negative ones stands between the four
     j0, j1, j2, j3 = np.uint64(j), np.uint64(j + 1), np.uint64(j + 2), np.uint64(j + 3)
@@ -176,92 +263,91 @@ def _four(columns, j, values):
         b += columns[k, j1] * f
         c += columns[k, j2] * f
         d += columns[k, j3] * f
-    return a, b, c, d
+    out[j0], out[j1], out[j2], out[j3] = a, b, c, d
 
 
 @compiled
-def _settle(state, length, tau, shared, j, w, h, v, d):
-    """Set the motion at one node from the integrals; return its change."""
-    w = state[1] + length * w
-    h = state[0] + length * (state[1] * tau[j] + length * h)
-    v = state[2] + length * v
-    d = length * (state[2] * tau[j] + length * d)
-    change = max(abs(h - shared[HEIGHT, j]), abs(d - shared[TRAVEL, j]))
-    change = max(change, abs(w - shared[CLIMB, j]), abs(v - shared[SPEED, j]))
-    shared[HEIGHT, j], shared[CLIMB, j], shared[TRAVEL, j], shared[SPEED, j] = h, w, d, v
-    # a motion that is not finite must not pass for one that does not change
-    return change if change < 1e100 else 1e300
-
-
-@compiled
-def still(change, last):
+def has_converged(change, last):
     """Return whether Picard's iteration has arrived: the last change times the observed gain is below rounding."""
     gain = change / last
     return change < 1e-16 or (0.0 < gain < 0.5 and change * gain < 1e-15) or (gain > 0.5 and change < 2e-15)
 
 
 @compiled
-def sweep(problem, state, length, tau, columns, regime, sign, shared, own, mobile, sigma, bary, memory, most):
-    """Iterate to the fixed point; return (converged, sweeps).
-
-    The motion on entry is the first guess.
-    """
-    last = np.inf
-    for count in range(1, most + 1):
-        forces(problem, regime, sign, state[3:], shared, own, mobile, length, columns, sigma, bary, memory)
+def lay_out(problem, grid, state, nodes, segment, mobile, memory):
+    """Iterate to the motion on a segment, from constant accelerations; return (converged, sweeps)."""
+    surface(problem, grid, nodes, segment)
+    _guess(grid, state, nodes, segment)
+    converged, count, last = False, 0, np.inf
+    while not converged and count < MAX_SWEEPS:
+        count += 1
+        forces(problem, grid, state, nodes, segment, mobile, memory)
         if not mobile:
-            return True, 1
-        change = integrate(state, length, tau, columns, shared) / (1.0 + abs(state[0]))
+            converged = True
+            break
+        change = integrate(grid, state, nodes, segment) / (1.0 + abs(state.slider[POSITION]))
         if not change < 1e100:
-            return False, count
-        if still(change, last):
-            return True, count
+            break
+        converged = has_converged(change, last)
         last = change
-    return False, most
+    end_kinematics(problem, state, nodes)
+    return converged, count
 
 
 @compiled
-def guess(state, length, tau, push, pull, shared):
-    """Fill the first guess: constant accelerations from the end of the last stretch."""
-    for j in range(tau.size):
-        t = length * tau[j]
-        shared[HEIGHT, j] = state[0] + t * (state[1] + 0.5 * t * push)
-        shared[CLIMB, j] = state[1] + t * push
-        shared[TRAVEL, j] = t * (state[2] + 0.5 * t * pull)
-        shared[SPEED, j] = state[2] + t * pull
+def _guess(grid, state, nodes, segment):
+    """Fill the first guess: constant accelerations from the end of the last segment."""
+    slider = nodes.slider
+    normal, tangential = slider[NORMAL_ACCELERATION, 0], slider[TANGENTIAL_ACCELERATION, 0]
+    z_s, climb, v = state.slider[POSITION], state.slider[NORMAL_VELOCITY], state.slider[VELOCITY]
+    for j in range(grid.sigma.size):
+        t = segment.length * grid.tau[segment.map, j]
+        slider[HEIGHT, j] = z_s + t * (climb + 0.5 * t * normal)
+        slider[CLIMB, j] = climb + t * normal
+        slider[TRAVEL, j] = t * (v + 0.5 * t * tangential)
+        slider[SPEED, j] = v + t * tangential
 
 
 @compiled
-def end_kinematics(regime, sign, start_x, c, shared, own):
+def end_kinematics(problem, state, nodes):
     """Set approach and deformation of every contact at the end of the segment from the slider's motion there.
 
     Picard's iteration leaves them as they were before its last sweep, up to 1e-12 away: enough for a contact that has
     just closed to begin the next segment with a negative approach.
     """
-    n = shared.shape[1] - 1
-    for i in range(regime.size):
-        z = own[U_Z, i, n] - shared[HEIGHT, n]
+    own, n = nodes.contact, nodes.guard.size - 1
+    for i in range(state.regime.size):
+        z = own[U_Z, i, n] - nodes.slider[HEIGHT, n]
         own[Z, i, n] = z
-        if regime[i] == SLIP:
-            own[X, i, n] = sign[i] * c * z
-        elif regime[i] != SEPARATED:
-            own[X, i, n] = start_x[i] + own[U_X, i, n] - shared[TRAVEL, n]
+        if state.regime[i] == SLIP:
+            own[X, i, n] = state.sign[i] * problem.limit_slope * z
+        elif state.regime[i] != SEPARATED:
+            own[X, i, n] = state.deformation[i] + own[U_X, i, n] - nodes.slider[TRAVEL, n]
 
 
 @compiled
-def guards(i, which, regime, sign, shared, own, c, band, memory, out):
-    """Fill `out` with guard `which` of contact i at all nodes."""
+def rates_at(nodes, i, j):
+    """Return (z', x') of a contact that sticks, at a node."""
+    own, slider = nodes.contact, nodes.slider
+    return own[U_Z_RATE, i, j] - slider[CLIMB, j], own[U_X_RATE, i, j] - slider[SPEED, j]
+
+
+@compiled
+def guards(problem, state, nodes, i, which, memory):
+    """Fill `nodes.guard` with guard `which` of contact i at all nodes."""
+    regime, sign, own, out = state.regime[i], state.sign[i], nodes.contact, nodes.guard
     if which == 0:
-        side = -1.0 if regime[i] == SEPARATED else 1.0
+        side = -1.0 if regime == SEPARATED else 1.0
         for j in range(out.size):
             out[j] = FAR_SIDE + side * own[Z, i, j]
         return
+    c, band = problem.limit_slope, problem.stick_band
     for j in range(out.size):
         z, x = own[Z, i, j], own[X, i, j]
-        z_rate, x_rate = own[U_Z_RATE, i, j] - shared[CLIMB, j], own[U_X_RATE, i, j] - shared[SPEED, j]
-        if memory is not None and regime[i] >= ANNULUS:
+        z_rate, x_rate = rates_at(nodes, i, j)
+        if memory is not None and regime >= ANNULUS:
             out[j], _ = memory_guard(
-                memory, i, regime[i], which, sign[i], z, x, z_rate, x_rate, own[FRONT, i, j], c
+                memory, i, regime, which, sign, z, x, z_rate, x_rate, own[FRONT, i, j], c
             )
         else:
-            out[j] = guard(regime[i], which, sign[i], z, x, z_rate, x_rate, c, band)
+            out[j] = guard(regime, which, sign, z, x, z_rate, x_rate, c, band)

@@ -15,14 +15,13 @@ import numpy as np
 from contact.convergence import ConvergenceError
 from contact.drive import relative_to_reference
 from contact.kinematics import at_phase, tangential_amplitude
-from contact.law import elastic
 from contact.orbit import Orbit
-from contact.problem import Problem, scaled
+from contact.problem import scaled
 from contact.slider import Slider
 from contact.solve.collocation import collocation
 from contact.solve.energy import DISPLACEMENT
 from contact.solve.equilibrium import Balance
-from contact.solve.event_driven import HALVINGS, STRETCHES
+from contact.solve.event_driven import APPROACH, HALVINGS, STRETCHES
 from contact.solve.motion import Motion
 from contact.solve.shooting import Periodic
 
@@ -32,9 +31,9 @@ PERIODS, REPEATS = 12, 1e-9
 CLOSE = 1e-5
 # largest difference of two velocities, over the reference speed, that are those of one motion
 SAME = 1e-3
-# stretches that a run may take (some seconds), and cycles
-BUDGET, MOST_CYCLES = 600_000, 30_000
-MEMORY = 10.0  # how much dearer a stretch is with the hysteretic law
+# segments that a run may take (some seconds), and cycles
+BUDGET, MAX_CYCLES = 600_000, 30_000
+MEMORY = 10.0  # cost of a segment with the hysteretic law
 BATCHES, STUDENT = 16, 2.13  # of the mean, and the factor for 95 % with 15 degrees of freedom
 # as fast against the wave as this a contact follows the surface from the start
 SLOW = 5.0
@@ -42,14 +41,12 @@ SLOW = 5.0
 
 @dataclass(frozen=True, kw_only=True)
 class LongRun:
-    """Mean of a long motion, in the units of `problem`.
+    """Mean of a long motion, in the units of its problem; phase 0 is where u_z of the first contact rises through zero.
 
     Attributes
     ----------
-    problem : Problem
-        Phase 0 is where u_z of the first contact passes zero upwards.
-    speed, height : float
-        Means of v and of -z_s.
+    speed : float
+        Mean of v.
     error : float
         Estimated, of `speed`.
     period : int
@@ -66,9 +63,7 @@ class LongRun:
         `Motion.energy` at their start.
     """
 
-    problem: Problem
     speed: float
-    height: float
     error: float
     period: int
     sticks: bool
@@ -77,6 +72,13 @@ class LongRun:
     starts: int = 1
     motion: Motion
     before: np.ndarray
+
+    @property
+    def height(self) -> float:
+        """Minus the mean of z_s over some more cycles; u_z itself has none."""
+        ahead, at = self.motion.copy(), 2.0 * math.pi * np.arange(1, 65) / 64
+        more = [ahead.move(0.0, 2.0 * math.pi, at)[:, 0, APPROACH].mean() for _ in range(self.period or 4)]
+        return float(np.mean(more) - self.motion.problem.paths.height[0])
 
 
 def long_run(
@@ -131,29 +133,37 @@ def reached_instead(
 
 def _followed(problem, begin, rate, near):
     """Return the mean of the motion from one start."""
-    motion = Motion(problem, table=collocation(14), truncation=1e-11)
+    motion = Motion(problem, grid=collocation(14), truncation=1e-11)
     motion.place(*begin[:3], begin[3:])
     budget = BUDGET / (MEMORY if motion.memory is not None else 1.0)
     block, passed, spent = 1, 0, 0
     rows, quiet = np.empty((0, 3)), 0
     while True:
-        before = motion.energy()
-        motion.tally[:], motion.sums[:] = 0, 0.0
+        before = motion.begin()
         rows = np.vstack([rows, motion.turn(block, stride=1)])
         passed += block
         spent += int(motion.tally[STRETCHES] + motion.tally[HALVINGS])
-        quiet = quiet + 1 if _stuck(motion) else 0
+        quiet = quiet + 1 if motion.sticks else 0
         if quiet > 1:
-            return _found(problem, motion, before, 0.0, 0.0, 0, True, block, passed)
+            return LongRun(
+                speed=0.0,
+                error=0.0,
+                period=0,
+                sticks=True,
+                cycles=block,
+                passed=passed,
+                motion=motion,
+                before=before,
+            )
         period, gap = _period(rows)
         if near is not None and _arrived(rows, near):
             period, gap = 1, 0.0
         if period:
-            return _repeating(problem, motion, period, gap, passed)
-        if spent > 0.25 * budget or passed > MOST_CYCLES // 4:
-            return _mean(problem, motion, max(BATCHES, passed), passed, rate)
+            return _repeating(motion, period, gap, passed)
+        if spent > 0.25 * budget or passed > MAX_CYCLES // 4:
+            return _mean(motion, max(BATCHES, passed), passed, rate)
         # as many cycles in a block as a twentieth of the budget takes
-        block = int(min(max(1, 0.05 * budget * passed / spent), MOST_CYCLES // 20, 2 * block))
+        block = int(min(max(1, 0.05 * budget * passed / spent), MAX_CYCLES // 20, 2 * block))
 
 
 def _relaxation(problem):
@@ -163,15 +173,15 @@ def _relaxation(problem):
 
 
 def _refuse_unless_affordable(problem, rate):
-    stretches = problem.segments
-    if stretches > BUDGET / 30:
+    segments = problem.segments
+    if segments > BUDGET / 30:
         raise ConvergenceError(
             "out of reach",
-            f"a cycle takes {stretches:.3g} stretches of the motion, for contact or dampers are so much faster than "
+            f"a cycle takes {segments:.3g} stretches of the motion, for contact or dampers are so much faster than "
             "the wave; raise the mass or lower the dampers",
         )
     cycles = 2.0 / (2.0 * math.pi * rate)
-    if cycles > min(MOST_CYCLES, BUDGET / max(stretches, 16.0)) / 4:
+    if cycles > min(MAX_CYCLES, BUDGET / max(segments, 16.0)) / 4:
         raise ConvergenceError(
             "out of reach",
             f"no stable motion repeats with the wave's period, and the slider takes {cycles:.3g} cycles to settle, too "
@@ -187,13 +197,6 @@ def _rest(slider, orbits, problem):
         return np.array([-depth, 0.0, 0.0, *x])
     u_z, z_rate, _, x_rate = at_phase(problem.paths, np.arange(problem.contacts), 1.0, 0.0)
     return np.array([np.mean(u_z) - depth, np.mean(z_rate), np.mean(x_rate), *x])
-
-
-def _stuck(motion):
-    """Return whether every contact stuck through the last block."""
-    events = (elastic.CONTACT, elastic.RELEASE, elastic.STICK_TO_SLIP, elastic.SLIP_TO_STICK)
-    held = (motion.regime == elastic.STICK) | (motion.regime == elastic.SEPARATED)
-    return bool(np.all(held) and np.any(motion.regime)) and not np.any(motion.tally[list(events)])
 
 
 def _arrived(rows, near):
@@ -220,26 +223,27 @@ def _period(rows):
     return 0, math.inf
 
 
-def _repeating(problem, motion, period, gap, passed):
+def _repeating(motion, period, gap, passed):
     """Return the mean over one period, its error from the same period at another order."""
-    begin, before = motion.copy(), motion.energy()
-    motion.tally[:], motion.sums[:] = 0, 0.0
+    begin, before = motion.copy(), motion.begin()
     motion.turn(period)
-    coarse = Motion(problem, table=collocation(10), truncation=1e-8)
-    coarse.state, coarse.regime, coarse.sign = begin.state.copy(), begin.regime.copy(), begin.sign.copy()
+    coarse = Motion(motion.problem, grid=collocation(10), truncation=1e-8)
+    coarse.state[:], coarse.regime[:], coarse.sign[:] = begin.state, begin.regime, begin.sign
     if begin.memory is None:
         coarse.turn(period)
         error = abs(coarse.sums[DISPLACEMENT] - motion.sums[DISPLACEMENT]) / (2.0 * math.pi * period)
     else:  # what a contact remembers is kept on the nodes of its own order
         error = 1e-9
     speed = float(motion.sums[DISPLACEMENT]) / (2.0 * math.pi * period)
-    return _found(problem, motion, before, speed, error + gap, period, False, period, passed)
+    return LongRun(
+        speed=speed, error=error + gap, period=period, sticks=False, cycles=period, passed=passed, motion=motion,
+        before=before,
+    )  # fmt: skip
 
 
-def _mean(problem, motion, cycles, passed, rate):
+def _mean(motion, cycles, passed, rate):
     """Return the mean over as many cycles again, in batches; what is left to settle counts as an error."""
-    before = motion.energy()
-    motion.tally[:], motion.sums[:] = 0, 0.0
+    before = motion.begin()
     each = max(1, cycles // BATCHES)
     means = motion.turn(each * BATCHES, stride=1)[:, 2].reshape(BATCHES, each).mean(axis=1)
     spread = STUDENT * float(np.std(means, ddof=1)) / math.sqrt(BATCHES)
@@ -250,25 +254,9 @@ def _mean(problem, motion, cycles, passed, rate):
         raise ConvergenceError(
             "not settled",
             f"after {passed + BATCHES * each} cycles the slider's speed still drifts by "
-            f"{drift * problem.speed:.2g} m/s; raise the dampers or follow a burst",
+            f"{drift * motion.problem.speed:.2g} m/s; raise the dampers or follow a burst",
         )
-    speed = float(np.mean(means))
-    return _found(
-        problem, motion, before, speed, (spread + drift) / settled, 0, False, each * BATCHES, passed
-    )
-
-
-def _found(problem, motion, before, speed, error, period, sticks, cycles, passed):
     return LongRun(
-        problem=problem, speed=speed, height=_mean_approach(motion, period or 4), error=error, period=period,
-        sticks=sticks, cycles=cycles, passed=passed, motion=motion, before=before,
+        speed=float(np.mean(means)), error=(spread + drift) / settled, period=0, sticks=False,
+        cycles=each * BATCHES, passed=passed, motion=motion, before=before,
     )  # fmt: skip
-
-
-def _mean_approach(motion, cycles):
-    """Return minus the mean of z_s over some more cycles; u_z itself has none."""
-    ahead, at = motion.copy(), 2.0 * math.pi * np.arange(1, 65) / 64
-    return float(
-        np.mean([ahead.move(0.0, 2.0 * math.pi, at)[:, 0, 0].mean() for _ in range(cycles)])
-        - motion.problem.paths.height[0]
-    )

@@ -83,9 +83,9 @@ def periodic(
     balance : Balance
         The averaged steady state: where to start.
     nodes : int
-        Collocation points per stretch.
+        Collocation points per segment.
     truncation : float
-        Allowed per stretch, see `Motion`.
+        Allowed per segment, see `Motion`.
     near : Periodic, optional
         Start from this motion instead, with its Jacobian.
     settle : int
@@ -100,40 +100,69 @@ def periodic(
     ConvergenceError
         If the fixed point is not reached to 1e-6.
     """
-    motion = Motion(balance.problem, table=collocation(nodes), truncation=truncation)
-    base = motion
-    work, before = np.zeros(TALLY, np.int64), np.zeros(3)
+    cycle = _CycleMap(balance.problem, nodes, truncation)
+    if near is None:
+        y = np.concatenate(([-balance.height, 0.0, balance.speed], balance.motion.state[3:]))
+        y[3:] = cycle(y)[3:]  # the full motion's own deformations
+        for _ in range(settle):
+            y = cycle(y)
+        jacobian = cycle.jacobian(y)
+    else:
+        y, jacobian = near.state.copy(), near.jacobian
+    y, jacobian, step = _fixed_point(cycle, y, jacobian)
+    size, turn, motion = float(np.max(np.abs(step))), 2.0 * math.pi, cycle.motion
+    if not size < 1e-6:
+        raise ConvergenceError(
+            "not converged",
+            f"the cycle map's fixed point was not reached (last step {size:.2g}); follow a burst with method exact",
+        )
+    return Periodic(
+        speed=motion.sums[DISPLACEMENT] / turn + step[2], support=motion.sums[SUPPORT] / turn, state=y,
+        jacobian=jacobian, step=size, motion=motion, before=cycle.before, work=cycle.work,
+    )  # fmt: skip
 
-    def cycle(y, keep=True):
-        nonlocal motion, base
-        if motion.memory is not None:  # a contact that does not forget starts from what it remembers
-            motion = base.copy()
-        motion.tally[:], motion.sums[:] = 0, 0.0
+
+class _CycleMap:
+    """The map of one wave cycle; `motion` has made the last one, `work` counts all."""
+
+    def __init__(self, problem, nodes, truncation):
+        self.motion = self.base = Motion(problem, grid=collocation(nodes), truncation=truncation)
+        self.work, self.before = np.zeros(TALLY, np.int64), np.zeros(3)
+
+    def __call__(self, y, keep=True):
+        if self.motion.memory is not None:  # a contact that does not forget starts from what it remembers
+            self.motion = self.base.copy()
+        motion = self.motion
         motion.place(*y[:3], y[3:])
-        before[:] = motion.energy()
+        self.before = motion.begin()
         motion.turn(1)
-        work[:] += motion.tally
+        self.work += motion.tally
         if not np.max(np.abs(motion.state)) < BOUND:
             raise ConvergenceError(
                 "not finite",
                 "the cycle map throws the slider off; lower the contact damping or follow a burst",
             )
         if keep:
-            base = motion
+            self.base = motion
         return motion.state.copy()
 
-    if near is None:
-        y = np.concatenate(([-balance.height, 0.0, balance.speed], balance.motion.state[3:]))
-        y[3:] = cycle(y)[3:]  # the full motion's own deformations
-        for _ in range(settle):
-            y = cycle(y)
-        jacobian = _jacobian(cycle, y)
-    else:
-        y, jacobian = near.state.copy(), near.jacobian
+    def jacobian(self, y):
+        """Return the derivative by differences; deformations are moved towards zero."""
+        start = self(y, keep=False)
+        columns = []
+        for k in range(y.size):
+            moved = y.copy()
+            moved[k] += 1e-7 if k < 3 or y[k] < 0.0 else -1e-7
+            columns.append((self(moved, keep=False) - start) / (moved[k] - y[k]))
+        return np.array(columns).T
+
+
+def _fixed_point(cycle, y, jacobian):
+    """Return (state, Jacobian, last step) of Newton's method for the map's fixed point."""
     least = math.inf
     for count in range(40):
         if count % 10 == 9:  # slow: close to an edge, where the map bends
-            jacobian = _jacobian(cycle, y)
+            jacobian = cycle.jacobian(y)
         residual = y - cycle(y)
         try:
             step = np.linalg.solve(jacobian - np.eye(y.size), residual)
@@ -147,30 +176,4 @@ def periodic(
         least = min(least, size)
         # far from the fixed point the map bends: no state moves by more than half its size
         y = y + step * min(1.0, 0.5 / float(np.max(np.abs(step) / (1.0 + np.abs(y)))))
-    if not size < 1e-6:
-        raise ConvergenceError(
-            "not converged",
-            f"the cycle map's fixed point was not reached (last step {size:.2g}); follow a burst with method exact",
-        )
-    turn = 2.0 * math.pi
-    return Periodic(
-        speed=motion.sums[DISPLACEMENT] / turn + step[2],
-        support=motion.sums[SUPPORT] / turn,
-        state=y,
-        jacobian=jacobian,
-        step=size,
-        motion=motion,
-        before=before,
-        work=work,
-    )
-
-
-def _jacobian(cycle, y):
-    """Return the derivative of the cycle map by differences; deformations are moved towards zero."""
-    start = cycle(y, keep=False)
-    columns = []
-    for k in range(y.size):
-        moved = y.copy()
-        moved[k] += 1e-7 if k < 3 or y[k] < 0.0 else -1e-7
-        columns.append((cycle(moved, keep=False) - start) / (moved[k] - y[k]))
-    return np.array(columns).T
+    return y, jacobian, step

@@ -11,10 +11,13 @@ An envelope scales the wave: e(t), complex, linear within each cycle, u = Re(e U
 Not for a stick band (creep), nor where the contact resonance is not well resolved by the step.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
+from contact.convergence import ConvergenceError
 from contact.jit.compiled import compiled, native
-from contact.kinematics import Paths, at_phase, of_run
+from contact.kinematics import Paths, at_phase, of_run, slip_speed
 from contact.law.normal import load
 from contact.problem import from_row
 from contact.solve.end_corrections import (
@@ -29,234 +32,309 @@ from contact.solve.end_corrections import (
     slip_edge,
 )
 
-# rows of the cells, one column per run: slider, contact forces alone, distance within the cycle, what a step is made of
-HEIGHT, CLIMB, SPEED, PUSH, PULL, TRAVELLED, STEP, DAMP_N, DAMP_T, INVERSE, CELL = range(11)
+# rows of `Work.slider`, one column per run: motion, contact forces, distance within the cycle, what a step is made of
+HEIGHT, CLIMB, SPEED, NORMAL, TANGENTIAL, TRAVELLED, STEP, DAMP_N, DAMP_T, INVERSE, ROWS = range(11)
+# planes of `Work.table`: surface displacement and velocity at the steps of a cycle
+U_Z, U_X, W_Z, W_X, PLANES = range(5)
+# rows of `Work.contact`: approach, deformation, sign of slip or 0
+Z, X, SLIP, CONTACT = range(4)
+
+
+class Runs(NamedTuple):
+    """Runs of n contacts side by side: their problems (`Problem.row` and paths) and steps per cycle."""
+
+    numbers: np.ndarray
+    paths: Paths
+    per_cycle: np.ndarray
+
+
+class Task(NamedTuple):
+    """What is done and recorded: cycles, rows (v, z_s, mean v) every `stride` of them, factor on the waves."""
+
+    number: int
+    stride: int
+    rows: np.ndarray
+    envelope: np.ndarray
+
+
+class Work(NamedTuple):
+    """Work: (runs, PLANES, steps + 1, n), (runs, CONTACT, n) and (ROWS, runs)."""
+
+    table: np.ndarray
+    contact: np.ndarray
+    slider: np.ndarray
+
+
+class Passage(NamedTuple):
+    """What one contact does in a step: approach and rates at its ends, surface minus slider travel, accelerations."""
+
+    h: float
+    z_old: float
+    z_new: float
+    z_rate_old: float
+    z_rate_new: float
+    x_rate_old: float
+    x_rate_new: float
+    along: float
+    z_bend: float
+    x_bend: float
 
 
 @compiled
 def _tabulate(paths, per_cycle, before, after, table):
     """Fill surface displacement and velocity of one cycle under an envelope that goes from `before` to `after`."""
-    u_z, u_x, w_z, w_x = table[0], table[1], table[2], table[3]
     h = 2.0 * np.pi / per_cycle
     turn = (after - before) / (2.0 * np.pi)
     for k in range(per_cycle + 1):
         co, si = np.cos(h * (k % per_cycle)), np.sin(h * (k % per_cycle))
         e = before + (after - before) * (k / per_cycle)
         for i in range(paths.height.size):
-            u, w, along, drift = at_phase(paths, i, co, si)
-            u_z[k, i] = paths.height[i] + e.real * u + e.imag * w
-            w_z[k, i] = e.real * w - e.imag * u + turn.real * u + turn.imag * w
-            u, w = along, drift
-            u_x[k, i] = e.real * u + e.imag * w
-            w_x[k, i] = e.real * w - e.imag * u + turn.real * u + turn.imag * w
+            u_z, w_z, u_x, w_x = at_phase(paths, i, co, si)
+            table[U_Z, k, i] = paths.height[i] + e.real * u_z + e.imag * w_z
+            table[W_Z, k, i] = e.real * w_z - e.imag * u_z + turn.real * u_z + turn.imag * w_z
+            table[U_X, k, i] = e.real * u_x + e.imag * w_x
+            table[W_X, k, i] = e.real * w_x - e.imag * u_x + turn.real * u_x + turn.imag * w_x
 
 
 @compiled
-def _step(problem, k, table, own, cells, m):
-    """Move one run from step k of the cycle to the next; column m of `cells` is the slider, `own` its contacts."""
-    kappa, chi, d_n, p = problem.stiffness, problem.contact_damping, problem.normal_damping, problem.preload
-    d_t, q, mu, c = problem.tangential_damping, problem.load, problem.friction, problem.limit_slope
-    u_z, u_x, w_z, w_x = table[0], table[1], table[2], table[3]
-    z, x, slip, shape = own[0], own[1], own[2], problem.shape
-    height, climb, speed, push, pull = (
-        cells[HEIGHT, m],
-        cells[CLIMB, m],
-        cells[SPEED, m],
-        cells[PUSH, m],
-        cells[PULL, m],
+def _slip_speeds(problem, passage, sign):
+    """Return the speeds of slip of a sign at the ends of the step."""
+    c = problem.limit_slope
+    before = slip_speed(sign, passage.z_rate_old, passage.x_rate_old, c)
+    return before, slip_speed(sign, passage.z_rate_new, passage.x_rate_new, c)
+
+
+@compiled
+def _leave_stick(problem, passage, x):
+    """Return (sign, excess of Q) of a contact that leaves stick towards where its deformation goes."""
+    c = problem.limit_slope
+    sign = 1.0 if x + passage.along > 0.0 else -1.0
+    v_old, v_new = _slip_speeds(problem, passage, sign)
+    below, above = sign * x - c * passage.z_old, sign * (x + passage.along) - c * passage.z_new
+    return sign, -sign * slip_edge(problem, below, above, v_old, v_new, passage.h)
+
+
+@compiled
+def _release(problem, passage, x, slip):
+    """Return (x, slip, excess of P, excess of Q) of a contact that opens."""
+    h = passage.h
+    r0, r1 = h * passage.z_rate_old, h * passage.z_rate_new
+    s = rising_root(-passage.z_old, -passage.z_new, -r0, -r1)
+    rate = max(-(r0 + s * (r1 - r0)) / h, 1e-6)
+    first, second = contact_edge(problem, rate, passage.z_bend, h)
+    sign, tangential = 1.0 if x > 0.0 else -1.0, 0.0
+    if slip == 0.0:  # it must have slipped before
+        sign, tangential = _leave_stick(problem, passage, x)
+    normal = edge_excess(s, h, first * (1.0 - problem.contact_damping * rate), second, problem.shape)
+    return (
+        0.0,
+        0.0,
+        normal,
+        tangential + sign * problem.friction * edge_excess(s, h, first, second, problem.shape),
     )
-    h = cells[STEP, m]
-    climb_half = climb + 0.5 * h * (push - p - d_n * climb)
-    speed_half = speed + 0.5 * h * (pull - q - d_t * speed)
+
+
+@compiled
+def _stick(problem, passage, x, sticks):
+    """Return (x, slip, excess of Q) of a contact that sticks at the start of the step, or `sticks` all along."""
+    limit, deformation = problem.limit_slope * passage.z_new, x + passage.along
+    if sticks:  # past x = 0
+        force, x_rate = (
+            problem.friction * problem.stiffness * load(passage.z_new, problem.shape),
+            passage.x_rate_new,
+        )
+        bend = curvature(problem.shape) * force * x_rate * abs(x_rate) / (limit * limit)
+        return deformation, 0.0, passage_excess(x / (x - deformation), passage.h, bend)
+    sign, excess = _leave_stick(problem, passage, x)
+    _, v_new = _slip_speeds(problem, passage, sign)
+    # it may slip and stick again within the step
+    return sign * limit, sign if v_new >= 0.0 else 0.0, excess
+
+
+@compiled
+def _slip(problem, passage, sign):
+    """Return (x, slip) of a contact that slips at the start of the step."""
+    c, h = problem.limit_slope, passage.h
+    v_old, v_new = _slip_speeds(problem, passage, sign)
+    if v_new >= 0.0:
+        return sign * c * passage.z_new, sign
+    _, lag = last_part(v_old, v_new, (sign * passage.along - c * (passage.z_new - passage.z_old)) / h)
+    return sign * (c * passage.z_new + h * lag), 0.0
+
+
+@compiled
+def _close(problem, passage):
+    """Return (x, slip, excess of P, excess of Q) of a contact that closes."""
+    c, h, shape = problem.limit_slope, passage.h, problem.shape
+    r0, r1 = h * passage.z_rate_old, h * passage.z_rate_new
+    s = rising_root(passage.z_old, passage.z_new, r0, r1)
+    y0, y1 = h * passage.x_rate_old, h * passage.x_rate_new
+    rate, drift = max((r0 + s * (r1 - r0)) / h, 1e-6), (y0 + s * (y1 - y0)) / h
+    sign = 1.0 if drift > 0.0 else -1.0
+    first, second = contact_edge(problem, rate, passage.z_bend, h)
+    normal = edge_excess(1.0 - s, h, first * (1.0 + problem.contact_damping * rate), second, shape)
+    ratio = min(sign * drift / (c * rate), 1.0)
+    (share, steep), turn = closing_share(ratio, shape), 0.0
+    if ratio < 1.0:
+        turn = steep * (sign * passage.x_bend / c - ratio * passage.z_bend) / rate
+        turn = min(max(turn, -1.0 / h), 1.0 / h)
+    excess = edge_excess(1.0 - s, h, first * share, second * share + first * turn, shape)
+    tangential = sign * problem.friction * excess
+    x, limit = passage.along - cubic(s, 0.0, passage.along, y0, y1), c * passage.z_new
+    if ratio == 1.0:
+        v_old, v_new = sign * drift - c * rate, slip_speed(sign, passage.z_rate_new, passage.x_rate_new, c)
+        if v_new >= 0.0:
+            return sign * limit, sign, normal, tangential
+        # slip ends within the step: what follows is stick from the limit there
+        rest = (1.0 - s) * h * v_new / (v_new - v_old)
+        return sign * (limit + 0.5 * rest * v_new), 0.0, normal, tangential
+    if abs(x) < limit:
+        return x, 0.0, normal, tangential
+    sign = 1.0 if x > 0.0 else -1.0
+    return sign * limit, sign, normal, tangential
+
+
+@compiled
+def _passed(problem, passage, x, slip, sticks):
+    """Return (x, slip, excess of P, excess of Q) after the step; an excess is that of the trapezoidal sum."""
+    if passage.z_new <= 0.0:
+        return _release(problem, passage, x, slip)
+    if passage.z_old <= 0.0:
+        return _close(problem, passage)
+    if slip == 0.0:
+        x, slip, excess = _stick(problem, passage, x, sticks)
+        return x, slip, 0.0, excess
+    x, slip = _slip(problem, passage, slip)
+    return x, slip, 0.0, 0.0
+
+
+@compiled
+def _step(problem, k, table, own, slider, m):
+    """Move one run from step k of the cycle to the next; column m of `slider` is its motion, `own` its contacts."""
+    h, mu, kappa = slider[STEP, m], problem.friction, problem.stiffness
+    height, climb, speed = slider[HEIGHT, m], slider[CLIMB, m], slider[SPEED, m]
+    push = slider[NORMAL, m] - problem.preload - problem.normal_damping * climb
+    pull = slider[TANGENTIAL, m] - problem.load - problem.tangential_damping * speed
+    climb_half, speed_half = climb + 0.5 * h * push, speed + 0.5 * h * pull
     height += h * climb_half
     travel = h * speed_half
-    cells[TRAVELLED, m] += travel
-    climb_next = 2.0 * climb_half - climb  # enough for rates at the step's end
-    speed_next = 2.0 * speed_half - speed
+    # enough for rates at the step's end
+    climb_next, speed_next = 2.0 * climb_half - climb, 2.0 * speed_half - speed
     push, pull, push_excess, pull_excess = 0.0, 0.0, 0.0, 0.0
-    for i in range(z.size):
-        z_old, z_new = z[i], u_z[k + 1, i] - height
-        z[i] = z_new
-        if z_new <= 0.0:
-            if z_old > 0.0:
-                r0, r1 = h * (w_z[k, i] - climb), h * (w_z[k + 1, i] - climb_next)
-                s = rising_root(-z_old, -z_new, -r0, -r1)
-                rate = max(-(r0 + s * (r1 - r0)) / h, 1e-6)
-                first, second = contact_edge(problem, rate, problem.paths.height[i] - height, h)
-                sign = 1.0 if x[i] > 0.0 else -1.0
-                if slip[i] == 0.0:  # it must have slipped before
-                    along = x[i] + u_x[k + 1, i] - u_x[k, i] - travel
-                    sign = 1.0 if along > 0.0 else -1.0
-                    v_old = sign * (w_x[k, i] - speed) - c * (w_z[k, i] - climb)
-                    v_new = sign * (w_x[k + 1, i] - speed_next) - c * (w_z[k + 1, i] - climb_next)
-                    pull_excess -= sign * slip_edge(
-                        problem,
-                        sign * x[i] - c * z_old,
-                        sign * along - c * z_new,
-                        v_old,
-                        v_new,
-                        h,
-                    )
-                push_excess += edge_excess(s, h, first * (1.0 - chi * rate), second, shape)
-                pull_excess += sign * mu * edge_excess(s, h, first, second, shape)
-                x[i], slip[i] = 0.0, 0.0
+    for i in range(own.shape[1]):
+        z_old, z_new, x, slip = own[Z, i], table[U_Z, k + 1, i] - height, own[X, i], own[SLIP, i]
+        own[Z, i] = z_new
+        if z_old <= 0.0 and z_new <= 0.0:
             continue
-        z_rate, x_rate = w_z[k + 1, i] - climb_next, w_x[k + 1, i] - speed_next
-        limit = c * z_new
-        along = u_x[k + 1, i] - u_x[k, i] - travel
-        elastic = kappa * load(z_new, problem.shape)
-        if z_old > 0.0 and slip[i] == 0.0:
-            old = x[i]
-            deformation = old + along
-            if abs(deformation) < limit:  # stick all along
-                x[i] = deformation
-                push += elastic * (1.0 + chi * z_rate)
-                # mu P (1 - (1 - |x|/c z)^1.5) without its division
-                stick = z_new - abs(deformation) * cells[INVERSE, m]
-                force = mu * (elastic - kappa * load(stick, problem.shape))
-                pull += force if deformation > 0.0 else -force
-                if old * deformation < 0.0:
-                    bend = curvature(shape) * mu * elastic * x_rate * abs(x_rate) / (limit * limit)
-                    pull_excess += passage_excess(old / (old - deformation), h, bend)
-                continue
-            sign = 1.0 if deformation > 0.0 else -1.0
-            v_old = sign * (w_x[k, i] - speed) - c * (w_z[k, i] - climb)
-            v_new = sign * x_rate - c * z_rate
-            pull_excess -= sign * slip_edge(
-                problem, sign * old - c * z_old, sign * deformation - limit, v_old, v_new, h
-            )
-            if v_new >= 0.0:
-                x[i], slip[i] = sign * limit, sign
-            else:  # slips and sticks again within the step
-                x[i] = sign * limit
+        along, z_rate = table[U_X, k + 1, i] - table[U_X, k, i] - travel, table[W_Z, k + 1, i] - climb_next
+        moved = x + along
+        sticks = z_old > 0.0 and slip == 0.0 and abs(moved) < problem.limit_slope * z_new
+        if sticks and x * moved >= 0.0:
+            x = moved
         else:
-            if z_old <= 0.0:
-                r0, r1 = h * (w_z[k, i] - climb), h * z_rate
-                s = rising_root(z_old, z_new, r0, r1)
-                y0, y1 = h * (w_x[k, i] - speed), h * x_rate
-                rate, drift = max((r0 + s * (r1 - r0)) / h, 1e-6), (y0 + s * (y1 - y0)) / h
-                sign = 1.0 if drift > 0.0 else -1.0
-                x[i] = along - cubic(s, 0.0, along, y0, y1)
-                first, second = contact_edge(problem, rate, problem.paths.height[i] - height, h)
-                push_excess += edge_excess(1.0 - s, h, first * (1.0 + chi * rate), second, shape)
-                ratio = min(sign * drift / (c * rate), 1.0)
-                share, steep = closing_share(ratio, shape)
-                turn = 0.0
-                if ratio < 1.0:
-                    bend = sign * (w_x[k + 1, i] - w_x[k, i]) / (h * c) + ratio * (
-                        height - problem.paths.height[i]
-                    )
-                    turn = steep * bend / rate
-                    turn = min(max(turn, -1.0 / h), 1.0 / h)
-                pull_excess += (
-                    sign * mu * edge_excess(1.0 - s, h, first * share, second * share + first * turn, shape)
-                )
-                slip[i] = sign if ratio == 1.0 else 0.0
-                v_old = sign * drift - c * rate
+            passage = Passage(
+                h, z_old, z_new, table[W_Z, k, i] - climb, z_rate, table[W_X, k, i] - speed,
+                table[W_X, k + 1, i] - speed_next, along, problem.paths.height[i] - height,
+                (table[W_X, k + 1, i] - table[W_X, k, i]) / h,
+            )  # fmt: skip
+            x, slip, normal, tangential = _passed(problem, passage, x, slip, sticks)
+            push_excess += normal
+            pull_excess += tangential
+        own[X, i], own[SLIP, i] = x, slip
+        if z_new > 0.0:
+            elastic = kappa * load(z_new, problem.shape)
+            push += elastic * (1.0 + problem.contact_damping * z_rate)
+            if slip != 0.0:
+                pull += slip * mu * elastic
             else:
-                s, sign = 0.0, slip[i]
-                v_old = sign * (w_x[k, i] - speed) - c * (w_z[k, i] - climb)
-            if slip[i] != 0.0:
-                v_new = sign * x_rate - c * z_rate
-                if v_new >= 0.0:
-                    x[i] = sign * limit
-                elif z_old <= 0.0:
-                    # slip ends within the step: what follows is stick from the limit there
-                    rest = (1.0 - s) * h * v_new / (v_new - v_old)
-                    x[i] = sign * (limit + 0.5 * rest * v_new)
-                    slip[i] = 0.0
-                else:
-                    _, lag = last_part(v_old, v_new, (sign * along - c * (z_new - z_old)) / h)
-                    x[i] = sign * (limit + h * lag)
-                    slip[i] = 0.0
-            elif abs(x[i]) >= limit:
-                slip[i] = 1.0 if x[i] > 0.0 else -1.0
-                x[i] = slip[i] * limit
-        push += elastic * (1.0 + chi * z_rate)
-        if slip[i] != 0.0:
-            pull += slip[i] * mu * elastic
-        else:
-            stick = z_new - abs(x[i]) * cells[INVERSE, m]
-            force = mu * (elastic - kappa * load(stick, problem.shape))
-            pull += force if x[i] > 0.0 else -force
-    climb = (climb_half + 0.5 * h * (push - p) - push_excess) * cells[DAMP_N, m]
-    speed = (speed_half + 0.5 * h * (pull - q) - pull_excess) * cells[DAMP_T, m]
-    cells[HEIGHT, m], cells[CLIMB, m], cells[SPEED, m], cells[PUSH, m], cells[PULL, m] = (
+                stuck = z_new - abs(x) * slider[INVERSE, m]
+                force = mu * (elastic - kappa * load(stuck, problem.shape))
+                pull += force if x > 0.0 else -force
+    climb = climb_half + 0.5 * h * (push - problem.preload) - push_excess
+    speed = speed_half + 0.5 * h * (pull - problem.load) - pull_excess
+    slider[HEIGHT, m], slider[CLIMB, m], slider[SPEED, m] = (
         height,
-        climb,
-        speed,
-        push,
-        pull,
+        climb * slider[DAMP_N, m],
+        speed * slider[DAMP_T, m],
     )
+    slider[NORMAL, m], slider[TANGENTIAL, m] = push, pull
+    slider[TRAVELLED, m] += travel
 
 
 @native(
-    "f2 t f2 i i1 i f3 c1 f4 f3 f2",
+    "t f2 t t",
     {
-        "numbers": "r 14", "paths.height": "r n", "paths.normal_cos": "r n", "states": "r 3+n",
-        "per_cycle": "r", "rows": "r m 3", "tables": "r 4 s n", "own": "r 3 n", "cells": "10 r",
+        "runs.numbers": "r 14", "runs.paths.height": "r n", "runs.paths.normal_cos": "r n", "runs.per_cycle": "r",
+        "states": "r 3+n", "task.rows": "r m 3", "work.table": "r 4 s n", "work.contact": "r 3 n",
+        "work.slider": "10 r",
     },
 )  # fmt: skip
-def _abreast(numbers, paths, states, number, per_cycle, stride, rows, envelope, tables, own, cells):
+def _abreast(runs, states, task, work):
     """Do the work of `abreast`; return whether all is finite."""
-    runs, n = paths.height.shape
+    per_cycle, slider, envelope = runs.per_cycle, work.slider, task.envelope
     shaped = envelope.size > 0
     e = envelope[0] if shaped else 1.0 + 0.0j
     most = 0
-    for m in range(runs):
-        _tabulate(of_run(paths, m), per_cycle[m], e, e, tables[m])
-        _begin(from_row(numbers[m], of_run(paths, m)), states[m], per_cycle[m], tables[m], own[m], cells, m)
+    for m in range(per_cycle.size):
+        _tabulate(of_run(runs.paths, m), per_cycle[m], e, e, work.table[m])
+        _begin(from_row(runs.numbers[m], of_run(runs.paths, m)), states[m], per_cycle[m], work, m)
         most = max(most, per_cycle[m])
-    for cycle in range(number):
-        for m in range(runs):
-            cells[TRAVELLED, m] = 0.0
+    for cycle in range(task.number):
+        for m in range(per_cycle.size):
+            slider[TRAVELLED, m] = 0.0
             if shaped:
-                _tabulate(of_run(paths, m), per_cycle[m], envelope[cycle], envelope[cycle + 1], tables[m])
+                _tabulate(
+                    of_run(runs.paths, m), per_cycle[m], envelope[cycle], envelope[cycle + 1], work.table[m]
+                )
         # runs do not wait for each other: the processor works at several at once
         for k in range(most):
-            for m in range(runs):
+            for m in range(per_cycle.size):
                 if k < per_cycle[m]:
-                    _step(from_row(numbers[m], of_run(paths, m)), k, tables[m], own[m], cells, m)
-        for m in range(runs):
-            if not np.isfinite(cells[HEIGHT, m] + cells[CLIMB, m] + cells[SPEED, m]):
+                    problem = from_row(runs.numbers[m], of_run(runs.paths, m))
+                    _step(problem, k, work.table[m], work.contact[m], slider, m)
+        for m in range(per_cycle.size):
+            if not np.isfinite(slider[HEIGHT, m] + slider[CLIMB, m] + slider[SPEED, m]):
                 return False
-            if stride > 0 and (cycle + 1) % stride == 0:
-                row = (cycle + 1) // stride - 1
-                rows[m, row, 0], rows[m, row, 1] = cells[SPEED, m], cells[HEIGHT, m]
-                rows[m, row, 2] = cells[TRAVELLED, m] / (2.0 * np.pi)
-    for m in range(runs):
-        states[m, 0], states[m, 1], states[m, 2] = cells[HEIGHT, m], cells[CLIMB, m], cells[SPEED, m]
-        for i in range(n):
-            states[m, 3 + i] = own[m, 1, i]
+            if task.stride > 0 and (cycle + 1) % task.stride == 0:
+                row = task.rows[m, (cycle + 1) // task.stride - 1]
+                row[0], row[1], row[2] = (
+                    slider[SPEED, m],
+                    slider[HEIGHT, m],
+                    slider[TRAVELLED, m] / (2.0 * np.pi),
+                )
+    for m in range(per_cycle.size):
+        for row in (HEIGHT, CLIMB, SPEED):
+            states[m, row] = slider[row, m]
+        for i in range(work.contact.shape[2]):
+            states[m, 3 + i] = work.contact[m, X, i]
     return True
 
 
 @compiled
-def _begin(problem, state, per_cycle, table, own, cells, m):
+def _begin(problem, state, per_cycle, work, m):
     """Set the forces of the first instant and what stays the same."""
+    slider, own, table = work.slider, work.contact[m], work.table[m]
     h = 2.0 * np.pi / per_cycle
-    cells[STEP, m], cells[INVERSE, m] = h, 1.0 / problem.limit_slope
-    cells[DAMP_N, m], cells[DAMP_T, m] = (
-        1.0 / (1.0 + 0.5 * h * problem.normal_damping),
-        1.0 / (1.0 + 0.5 * h * problem.tangential_damping),
-    )
-    kappa, chi, mu, c = problem.stiffness, problem.contact_damping, problem.friction, problem.limit_slope
-    cells[HEIGHT, m], cells[CLIMB, m], cells[SPEED, m] = state[0], state[1], state[2]
+    slider[STEP, m], slider[INVERSE, m] = h, 1.0 / problem.limit_slope
+    slider[DAMP_N, m] = 1.0 / (1.0 + 0.5 * h * problem.normal_damping)
+    slider[DAMP_T, m] = 1.0 / (1.0 + 0.5 * h * problem.tangential_damping)
+    for row in (HEIGHT, CLIMB, SPEED):
+        slider[row, m] = state[row]
     push, pull = 0.0, 0.0
     for i in range(own.shape[1]):
-        x, z, slip = state[3 + i], table[0, 0, i] - state[0], 0.0
+        x, z, slip = state[3 + i], table[U_Z, 0, i] - slider[HEIGHT, m], 0.0
         if z > 0.0:
-            elastic = kappa * load(z, problem.shape)
-            push += elastic * (1.0 + chi * (table[2, 0, i] - state[1]))
-            stick = z - abs(x) / c
-            pull += np.sign(x) * mu * (elastic - kappa * load(stick, problem.shape))
-            slip = np.sign(x) if stick < 1e-13 * z else 0.0
-        own[0, i], own[1, i], own[2, i] = z, x, slip
-    cells[PUSH, m], cells[PULL, m] = push, pull
+            elastic = problem.stiffness * load(z, problem.shape)
+            push += elastic * (1.0 + problem.contact_damping * (table[W_Z, 0, i] - slider[CLIMB, m]))
+            stuck = z - abs(x) / problem.limit_slope
+            pull += np.sign(x) * problem.friction * (elastic - problem.stiffness * load(stuck, problem.shape))
+            slip = np.sign(x) if stuck < 1e-13 * z else 0.0
+        own[Z, i], own[X, i], own[SLIP, i] = z, x, slip
+    slider[NORMAL, m], slider[TANGENTIAL, m] = push, pull
 
 
-def abreast(problems, states, number, per_cycle, stride, rows, envelope) -> bool:
-    """Move several runs through whole cycles, side by side; return whether all have stayed finite.
+def abreast(problems, states, number, per_cycle, stride, envelope) -> np.ndarray:
+    """Move several runs through whole cycles, side by side; return rows (runs, number // stride, 3) (v, z_s, mean v).
 
     Parameters
     ----------
@@ -268,18 +346,30 @@ def abreast(problems, states, number, per_cycle, stride, rows, envelope) -> bool
         Cycles.
     per_cycle : (k,) int array
         Steps in each cycle.
-    stride, rows : int, (k, number // stride, 3) array
-        Every `stride` cycles a row (v, z_s, mean v of the last cycle) is filled; stride 0 records nothing.
+    stride : int
+        Cycles per row; the mean v is that of the last one. 0 records nothing.
     envelope : (0,) or (number + 1,) complex array
         Factor on the waves at the ends of the cycles; empty: the waves as they are.
+
+    Raises
+    ------
+    ConvergenceError
+        Status "not finite" if a motion overflows.
     """
-    numbers = np.array([each.row for each in problems])
     paths = Paths(*(np.array(rows) for rows in zip(*(each.paths for each in problems), strict=True)))
-    runs, n = paths.height.shape
-    room = np.empty((runs, 4, int(np.max(per_cycle)) + 1, n)), np.empty((runs, 3, n)), np.zeros((CELL, runs))
-    return bool(_abreast(numbers, paths, states, number, per_cycle, stride, rows, envelope, *room))
+    count, n = paths.height.shape
+    work = Work(
+        np.empty((count, PLANES, int(np.max(per_cycle)) + 1, n)),
+        np.empty((count, CONTACT, n)),
+        np.zeros((ROWS, count)),
+    )
+    task = Task(number, stride, np.empty((count, number // stride if stride else 0, 3)), envelope)
+    if not _abreast(Runs(np.array([each.row for each in problems]), paths, per_cycle), states, task, work):
+        raise ConvergenceError("not finite", "the stepped motion overflowed; use method exact")
+    return task.rows
 
 
-def steps(problem, state, number, per_cycle, stride, rows, envelope) -> bool:
-    """Move one run through whole cycles of equal steps: `abreast` of one."""
-    return abreast([problem], state[None], number, np.array([per_cycle]), stride, rows[None], envelope)
+def steps(problem, state, number, per_cycle, *, stride=1, envelope=None) -> np.ndarray:
+    """Move one run through whole cycles of equal steps; return its rows, see `abreast`."""
+    envelope = np.empty(0, complex) if envelope is None else envelope
+    return abreast([problem], state[None], number, np.array([per_cycle]), stride, envelope)[0]

@@ -1,8 +1,8 @@
-r"""The stretches of the last cycle, as the first guess of the next.
+r"""The segments of the last cycle, as the first guess of the next.
 
 A slider that is heavy on the wave's time scale meets the same events, at nearly the same phases, in cycle after cycle.
-For each stretch the kernel keeps where it began and ended, how it ended and the accelerations at its nodes. The next
-cycle lays its stretch out to the same end at once; what it finds there is checked as any other stretch is, so that the
+For each segment the kernel keeps where it began and ended, how it ended and the accelerations at its nodes. The next
+cycle lays its segment out to the same end at once; what it finds there is checked as any other segment is, so that the
 pattern saves time and decides nothing.
 """
 
@@ -11,71 +11,87 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.jit.compiled import compiled
-from contact.solve.segment import PULL, PUSH
+from contact.solve.segment import NORMAL_ACCELERATION, TANGENTIAL_ACCELERATION
 
-# stretches that are kept per cycle: of an impact many more are not worth it
+# segments that are kept per cycle: of an impact many more are not worth it
 ROOM = 48
-# places in the numbers before the accelerations, and in the marks before regimes and signs
-BEGIN, END, NODES = 0, 1, 2
-MAP, WHO, WHICH, MARKS = 0, 1, 2, 3
-# how far a stretch may begin from where it did, in its own length
+# how far a segment may begin from where it did, in its own length
 _NEAR = 0.3
 
 
 class Pattern(NamedTuple):
-    """Two cycles, the last and this: stretches (2,), marks (2, K, 3 + 2 contacts), numbers (2, K, 2 + 2 nodes)."""
+    """Segments of two cycles, the last and this; work.
+
+    Attributes
+    ----------
+    count : (2,) int array
+        Segments that are kept.
+    begin, end : (2, K) arrays
+        Phases.
+    map, contact, guard : (2, K) int arrays
+        As in `segment.Segment`.
+    regime, sign : (2, K, contacts) arrays
+        Of the contacts.
+    acceleration : (2, K, 2, nodes) array
+        Of the slider, normal and tangential.
+    """
 
     count: np.ndarray
-    marks: np.ndarray
-    numbers: np.ndarray
+    begin: np.ndarray
+    end: np.ndarray
+    map: np.ndarray
+    contact: np.ndarray
+    guard: np.ndarray
+    regime: np.ndarray
+    sign: np.ndarray
+    acceleration: np.ndarray
 
 
 def blank(contacts: int, nodes: int) -> Pattern:
     """Return room for a pattern."""
+    which, contact = (2, ROOM), (2, ROOM, contacts)
+    kinds = [np.empty(which, np.int64) for _ in range(3)]
     return Pattern(
-        np.zeros(2, np.int64),
-        np.zeros((2, ROOM, MARKS + 2 * contacts), np.int64),
-        np.zeros((2, ROOM, NODES + 2 * nodes)),
-    )
+        np.zeros(2, np.int64), np.empty(which), np.empty(which), *kinds, np.empty(contact, np.int64), np.empty(contact),
+        np.empty((2, ROOM, 2, nodes)),
+    )  # fmt: skip
 
 
 @compiled
-def matching(count, marks, numbers, old, first, phase, regime, sign):
-    """Return the number of the last cycle's stretch that begins here with these regimes, -1 if there is none."""
-    for m in range(first, min(first + 4, count[old])):
-        begin, end = numbers[old, m, BEGIN], numbers[old, m, END]
+def matching(pattern, old, first, phase, state):
+    """Return the number of the last cycle's segment that begins here with these regimes, -1 if there is none."""
+    for m in range(first, min(first + 4, pattern.count[old])):
+        begin, end = pattern.begin[old, m], pattern.end[old, m]
         if abs(phase - begin) > _NEAR * (end - begin):
             continue
         same = True
-        for i in range(regime.size):
-            same = same and marks[old, m, MARKS + 2 * i] == regime[i]
-            same = same and marks[old, m, MARKS + 2 * i + 1] == sign[i]
+        for i in range(state.regime.size):
+            same = same and pattern.regime[old, m, i] == state.regime[i]
+            same = same and pattern.sign[old, m, i] == state.sign[i]
         if same:
             return m
     return -1
 
 
 @compiled
-def recalled(numbers, old, m, shared):
-    """Fill the accelerations at the nodes with those of the last cycle's stretch."""
-    n = shared.shape[1]
-    for j in range(n):
-        shared[PUSH, j] = numbers[old, m, NODES + j]
-        shared[PULL, j] = numbers[old, m, NODES + n + j]
+def recalled(pattern, old, m, nodes):
+    """Fill the accelerations at the nodes with those of the last cycle's segment."""
+    for j in range(nodes.guard.size):
+        nodes.slider[NORMAL_ACCELERATION, j] = pattern.acceleration[old, m, 0, j]
+        nodes.slider[TANGENTIAL_ACCELERATION, j] = pattern.acceleration[old, m, 1, j]
 
 
 @compiled
-def kept(count, marks, numbers, new, begin, end, map_, who, which, regime, sign, shared):
-    """Keep a stretch of this cycle."""
-    m, n = count[new], shared.shape[1]
-    if m >= marks.shape[1]:
+def keep(pattern, new, segment, end, state, nodes):
+    """Keep a segment of this cycle, which ends at the phase `end`."""
+    m = pattern.count[new]
+    if m >= pattern.begin.shape[1]:
         return
-    marks[new, m, MAP], marks[new, m, WHO], marks[new, m, WHICH] = map_, who, which
-    for i in range(regime.size):
-        marks[new, m, MARKS + 2 * i] = regime[i]
-        marks[new, m, MARKS + 2 * i + 1] = 1 if sign[i] > 0.0 else -1
-    numbers[new, m, BEGIN], numbers[new, m, END] = begin, end
-    for j in range(n):
-        numbers[new, m, NODES + j] = shared[PUSH, j]
-        numbers[new, m, NODES + n + j] = shared[PULL, j]
-    count[new] = m + 1
+    pattern.begin[new, m], pattern.end[new, m], pattern.map[new, m] = segment.phase, end, segment.map
+    pattern.contact[new, m], pattern.guard[new, m] = segment.contact, segment.guard
+    for i in range(state.regime.size):
+        pattern.regime[new, m, i], pattern.sign[new, m, i] = state.regime[i], state.sign[i]
+    for j in range(nodes.guard.size):
+        pattern.acceleration[new, m, 0, j] = nodes.slider[NORMAL_ACCELERATION, j]
+        pattern.acceleration[new, m, 1, j] = nodes.slider[TANGENTIAL_ACCELERATION, j]
+    pattern.count[new] = m + 1

@@ -4,7 +4,7 @@ Massless strips reflect the wave because they short-circuit its field. In an end
 pitch p, the two standing waves of wavelength 2 p have the velocities v_free (1 - e dv/v),
 
     e = (1 - cos D)/2        potential odd about the strips,                    D = pi metallisation
-    e = (1 + cos D)/2 + x    even: the one that the two combs drive,            x = P_1/2(-cos D) / P_-1/2(-cos D)
+    e = (1 + cos D)/2 + x    even: the one that the two electrodes drive,            x = P_1/2(-cos D) / P_-1/2(-cos D)
 
 to first order in dv/v: K. Blotekjaer, K. A. Ingebrigtsen and H. Skeie, IEEE Trans. Electron Devices 20 (1973) 1133.
 Between these edges the grating reflects. With the detuning d = (omega - omega_0)/v from their middle and the

@@ -113,7 +113,7 @@ class TransducerEstimate:
 
     @property
     def capacitance(self) -> float:
-        """Between the combs in F, of strips in an endless row of grounded ones."""
+        """Between the electrodes in F, of strips in an endless row of grounded ones."""
         row = self.transducer
         potentials = np.array([COMB_POTENTIALS[sign] for sign in row.signs])
         apart = abs(np.subtract.outer(np.arange(len(potentials)), np.arange(len(potentials))))

@@ -75,7 +75,7 @@ def electrode_charges(solution: Solution, index: int) -> ElectrodeCharges:
             np.add.outer(gll_nodes(section.order) * column.width * section.length_unit, starts).ravel()
         )
         reactions.append(reaction.ravel())
-        metal.append(np.full(reaction.size, column.comb is not None))
+        metal.append(np.full(reaction.size, column.electrode is not None))
     in_row = np.argsort(np.concatenate(places), kind="stable")
     place, reaction, on_metal = (np.concatenate(each)[in_row] for each in (places, reactions, metal))
     node = np.cumsum(np.diff(place, prepend=-np.inf) > SAME_NODE * section.length_unit) - 1

@@ -161,9 +161,9 @@ def line_source(modes: GuidedModes) -> LineSource:
     even = np.flatnonzero(~odd)
     load = np.zeros(n, dtype=complex)
     load[section.surface_dofs["phi"]] = -0.5
-    end = modes.right_end
+    end = modes.right_impedance
     linear, slope = np.zeros(n), 0.0
-    if section.floats:
+    if section.floating_potential:
         linear, slope = _linear_potential(modes)
         constant = section.constant_potential
         second, first, _ = section.matrices(modes.frequency)

@@ -122,7 +122,7 @@ def _travel(fields: PortFields, kept: np.ndarray, mirror_width) -> np.ndarray:
     """Amplitudes that arrive from those that are sent: of each transducer, to the right, then to the left."""
     network, modes, unit, m = fields.network, fields.modes, fields.section.length_unit, len(kept)
     edges = [
-        (place, place + each.block.width)
+        (place, place + each.superelement.width)
         for place, each in zip(network.places, network.scatterers, strict=True)
     ]
     out = np.zeros((2 * m * len(edges), 2 * m * len(edges)), dtype=complex)
@@ -150,7 +150,7 @@ def _travel(fields: PortFields, kept: np.ndarray, mirror_width) -> np.ndarray:
 
 def _response(scatterer: Scatterer, kept: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Lines, what arrives there, and amplitudes sent, for each mode from the left and from the right, and each port."""
-    modes, width = scatterer.modes, scatterer.block.width
+    modes, width = scatterer.modes, scatterer.superelement.width
     n, m = modes.section.size, len(kept)
     ports = scatterer.potentials.shape[1]
     incoming = np.zeros((2 * n, 2 * m + ports), dtype=complex)

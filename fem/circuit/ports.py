@@ -167,7 +167,7 @@ def solve_circuit(
         if name not in everyone:
             raise ValueError(f"the driven transducer must be one of {', '.join(everyone)}, got {name!r}")
         if name not in names:
-            raise ValueError(f"the driven transducer must have two combs, but {name!r} has not")
+            raise ValueError(f"the driven transducer must have two electrodes, but {name!r} has not")
     size, omega = len(names), 2 * np.pi * frequency
     # V' + Z I' at the source's end for V = 1 and for I = 1
     across, along = (

@@ -4,7 +4,7 @@ The faces between the elements follow from the sides and the electrode, the insi
 boundary.  The loss is summed element by element from the imaginary parts of the moduli (c'' |S|^2 and eps'' |E|^2),
 apart from everything the solution was made with, so that
 
-    power in at the combs = power out through the two lines + power lost between them
+    power in at the electrodes = power out through the two lines + power lost between them
 
 is an audit of the whole solve, and not an identity of one matrix.
 """
@@ -26,8 +26,8 @@ class ColumnField:
         """Values of every element from the ``first`` up, in its own order of nodes and fields; places last."""
         section, column = self.column.section, self.column
         values = np.concatenate([sides, column.faces_from @ sides])
-        if column.comb is not None:
-            values[electrode_dofs(section, column.faces)] = sides[2 * section.size + column.comb]
+        if column.electrode is not None:
+            values[electrode_dofs(section, column.faces)] = sides[2 * section.size + column.electrode]
         for element in range(first, len(section.media)):
             height, medium = section.heights[element], section.media[element]
             dofs = element_dofs(section, element, column.faces)

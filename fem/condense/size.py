@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.condense.superelement import PORTS
-from fem.condense.transducer import transducer_blocks
+from fem.condense.transducer import transducer_superelements
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section, discretise
 from fem.geometry import Stator, Transducer
@@ -53,7 +53,7 @@ class StatorSize:
 
     @property
     def complex(self) -> bool:
-        """Whether the blocks are complex: there is loss or an absorbing bottom."""
+        """Whether the superelements are complex: there is loss or an absorbing bottom."""
         parts = (self.section.heights, *(medium.xx for medium in self.section.media))
         return np.result_type(*parts).kind == "c"
 
@@ -65,7 +65,7 @@ class StatorSize:
 
     @property
     def block_bytes(self) -> int:
-        """Memory of the blocks that one solution keeps, for the way back to every line."""
+        """Memory of the superelements that one solution keeps, for the way back to every line."""
         sides = 2 * self.line + PORTS
         joins = (self.joins + self.mirrored) * (sides + self.line) * sides
         columns = self.condensed * (sides + self.faces) * sides
@@ -87,22 +87,22 @@ class _Count:
         self.length_unit, self.mirror = section.length_unit, section.odd is not None
         self.condensed = self.joins = self.images = 0
 
-    def column(self, width, comb):
+    def column(self, width, electrode):
         self.condensed += 1
         return _Counted()
 
-    def joined(self, left, right, comb=None):
+    def joined(self, left, right, electrode=None):
         self.joins += 1
         return _Counted(left.columns + right.columns, left.joins + right.joins + 1)
 
-    def mirrored(self, block):
-        self.images += block.joins
-        return block
+    def mirrored(self, piece):
+        self.images += piece.joins
+        return piece
 
-    def swapped(self, block):
-        return block
+    def exchanged(self, piece):
+        return piece
 
-    opened = swapped
+    open_circuited = exchanged
 
 
 def stator_size(
@@ -128,13 +128,13 @@ def stator_size(
     scale = min(each.finger_width / 2 for each in row)
     section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)
     count = _Count(section)
-    blocks = transducer_blocks(count, stator, row, resolution)
+    pieces = transducer_superelements(count, stator, row, resolution)
     return StatorSize(
         section=section,
         resolution=resolution,
-        columns=sum(block.columns for block in blocks),
+        columns=sum(piece.columns for piece in pieces),
         condensed=count.condensed,
         joins=count.joins,
         mirrored=count.images,
-        scatterers=len({id(block) for block in blocks}),
+        scatterers=len({id(piece) for piece in pieces}),
     )

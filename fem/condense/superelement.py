@@ -8,7 +8,7 @@ displacements and potentials there:
     [g_left, g_right, q+, q-] = A [u_left, u_right, V+, V-],      A complex symmetric.
 
 g is the outward nodal flux (-f on the left, +f on the right) and q = int grad psi . D = -Q, the charge with its sign
-turned.  A finger is equipotential: phi on its surface nodes, corners included, is the potential of its comb.
+reflected.  A finger is equipotential: phi on its surface nodes, corners included, is the potential of its electrode.
 """
 
 from collections.abc import Callable
@@ -21,12 +21,12 @@ from fem.discretize.forms import element_matrix
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.materials.medium import Medium
 
-PORTS = 2  # potentials of the positive and the negative comb
+PORTS = 2  # potentials of the positive and the negative electrode
 MOST_AMPLIFIED = 1e9  # of a piece's fields over those at its sides, up to which seven digits are left
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Block:
+class Superelement:
     """A piece of stator condensed to its sides.
 
     Attributes
@@ -34,17 +34,17 @@ class Block:
     size : int
         Unknowns n of a line.
     matrix : ndarray, shape (2 n + 2, 2 n + 2)
-        Over left line, right line, potential of the positive and of the negative comb; scaled.
+        Over left line, right line, potential of the positive and of the negative electrode; scaled.
     width : float
         Length units.
     parts : tuple
-        The two blocks it was joined of and the line between them as a function of the sides, (n, 2 n + 2); or empty.
+        The two it was joined of and the line between them as a function of the sides, (n, 2 n + 2); or empty.
     column : Column or None
         What it was condensed from, for a single column.
-    turned : bool
-        Whether the parts and the column know the two combs the other way round.
+    exchanged : bool
+        True if its two electrodes are those of the parts and of the column in exchanged order.
     floating : ndarray or None, shape (2 n + 2,)
-        For an open strip: its potential, in the place of comb 0, as a function of the sides.
+        For an open strip: its potential, in the place of electrode 0, as a function of the sides.
     expand : callable or None
         For a superelement on lines reduced to a basis: its sides -> the same piece on full lines, and its sides.
     """
@@ -54,9 +54,9 @@ class Block:
     width: float
     parts: tuple = field(default=(), repr=False)
     column: "Column | None" = field(default=None, repr=False)
-    turned: bool = False
+    exchanged: bool = False
     floating: np.ndarray | None = field(default=None, repr=False)
-    expand: Callable[[np.ndarray], tuple["Block", np.ndarray]] | None = field(default=None, repr=False)
+    expand: Callable[[np.ndarray], tuple["Superelement", np.ndarray]] | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -70,12 +70,12 @@ class Column:
         Length units.
     frequency : float
         Hz.
-    comb : int or None
+    electrode : int or None
         0 or 1 for a finger on top, None for a bare surface.
     faces : ndarray, shape (elements + 1, order - 1, 4)
         Number of the unknown on a face between elements by node and field, -1 where there is none.
     faces_from : ndarray, shape (face unknowns, 2 n + 2)
-        Faces from sides and comb potentials.
+        Faces from sides and electrode potentials.
     inside_from : dict
         By kind of element (height, medium): inside from its rim.
     """
@@ -83,7 +83,7 @@ class Column:
     section: Section
     width: float
     frequency: float
-    comb: int | None
+    electrode: int | None
     faces: np.ndarray = field(repr=False)
     faces_from: np.ndarray = field(repr=False)
     inside_from: dict = field(repr=False)
@@ -100,7 +100,7 @@ class ElementSets:
         self.rim = np.concatenate([self.left, self.right, self.bottom, self.top])
 
 
-def condensed(section: Section, frequency: float, *, width: float, comb: int | None) -> Block:
+def condensed(section: Section, frequency: float, *, width: float, electrode: int | None) -> Superelement:
     """Condense a column of elements to its sides and its electrode.
 
     Parameters
@@ -110,37 +110,37 @@ def condensed(section: Section, frequency: float, *, width: float, comb: int | N
         Hz.
     width : float
         Length units.
-    comb : int or None
+    electrode : int or None
         Comb of the finger on top, if any.
 
     Returns
     -------
-    Block
+    Superelement
     """
     skeleton, faces, inside_from = _skeleton(section, width, frequency)
     sides = 2 * section.size + PORTS
     drop = np.arange(sides, len(skeleton))
     tied = np.empty(0, dtype=int)
-    if comb is not None:
-        # The corners stay behind as empty rows of the sides: their line knows them as the comb's.
+    if electrode is not None:
+        # The corners stay behind as empty rows of the sides: their line knows them as the electrode's.
         tied = electrode_dofs(section, faces)
-        skeleton = _folded(skeleton, tied, 2 * section.size + comb)
+        skeleton = _folded(skeleton, tied, 2 * section.size + electrode)
         drop = np.setdiff1d(drop, tied)
     matrix, back = _schur(skeleton, np.arange(sides), drop)
     faces_from = np.zeros((len(skeleton) - sides, sides), dtype=back.dtype)
     faces_from[drop - sides] = back
-    if comb is not None:
-        faces_from[tied[tied >= sides] - sides, 2 * section.size + comb] = 1.0
+    if electrode is not None:
+        faces_from[tied[tied >= sides] - sides, 2 * section.size + electrode] = 1.0
     column = Column(
         section=section,
         width=width,
         frequency=frequency,
-        comb=comb,
+        electrode=electrode,
         faces=faces,
         faces_from=faces_from,
         inside_from=inside_from,
     )
-    return Block(size=section.size, matrix=matrix, width=width, column=column)
+    return Superelement(size=section.size, matrix=matrix, width=width, column=column)
 
 
 def _skeleton(section: Section, width: float, frequency: float) -> tuple[np.ndarray, np.ndarray, dict]:
@@ -205,9 +205,9 @@ def _folded(matrix, tied, port):
     return matrix
 
 
-def folded(block: Block, side: int, phi: int, comb: int) -> np.ndarray:
-    """Matrix of a block whose left (0) or right (1) surface node lies on a finger of the comb."""
-    return _folded(block.matrix, np.array([side * block.size + phi]), 2 * block.size + comb)
+def folded(piece: Superelement, side: int, phi: int, electrode: int) -> np.ndarray:
+    """Matrix of a superelement whose left (0) or right (1) surface node lies on a finger of the electrode."""
+    return _folded(piece.matrix, np.array([side * piece.size + phi]), 2 * piece.size + electrode)
 
 
 def _schur(matrix, keep, drop):

@@ -11,8 +11,8 @@ from typing import Protocol
 
 import numpy as np
 
-from fem.condense.join import joined, mirrored, opened, repeated, swapped
-from fem.condense.superelement import Block, condensed
+from fem.condense.join import exchanged, joined, mirrored, open_circuited, repeated
+from fem.condense.superelement import Superelement, condensed
 from fem.discretize.grading import Resolution, edge_layers, graded
 from fem.discretize.section import Section
 from fem.geometry import Stator, Transducer, outer_gaps
@@ -21,25 +21,25 @@ from fem.geometry import Stator, Transducer, outer_gaps
 class Assembly(Protocol):
     """What the walk asks for: columns of elements, and what is made of them.
 
-    ``mirror`` says whether x -> -x is a symmetry; a finger is on electrode 0 until it is swapped.
+    ``mirror`` says whether x -> -x is a symmetry; a finger is on electrode 0 until it is exchanged.
     """
 
     length_unit: float
     mirror: bool
 
-    def column(self, width: float, comb: int | None) -> Block:
+    def column(self, width: float, electrode: int | None) -> Superelement:
         """Condense one column of elements."""
 
-    def joined(self, left: Block, right: Block, comb: int | None = None) -> Block:
-        """Join two neighbours; ``comb`` if a finger lies on the line they share."""
+    def joined(self, left: Superelement, right: Superelement, electrode: int | None = None) -> Superelement:
+        """Join two neighbours; ``electrode`` if a finger lies on the line they share."""
 
-    def mirrored(self, block: Block) -> Block:
+    def mirrored(self, superelement: Superelement) -> Superelement:
         """Reflect in x -> -x."""
 
-    def swapped(self, block: Block) -> Block:
+    def exchanged(self, superelement: Superelement) -> Superelement:
         """Put the fingers on the other electrode."""
 
-    def opened(self, block: Block) -> Block:
+    def open_circuited(self, superelement: Superelement) -> Superelement:
         """Cut the finger off from its electrode."""
 
 
@@ -60,22 +60,22 @@ class Condensation:
         """Whether x -> -x is a symmetry."""
         return self.section.odd is not None
 
-    def column(self, width: float, comb: int | None) -> Block:
+    def column(self, width: float, electrode: int | None) -> Superelement:
         """Condense one column of elements."""
-        return condensed(self.section, self.frequency, width=width, comb=comb)
+        return condensed(self.section, self.frequency, width=width, electrode=electrode)
 
-    def joined(self, left: Block, right: Block, comb: int | None = None) -> Block:
+    def joined(self, left: Superelement, right: Superelement, electrode: int | None = None) -> Superelement:
         """Join two neighbours."""
-        phi = None if comb is None else self.section.surface_dofs["phi"]
-        return joined(left, right, phi=phi, comb=comb)
+        phi = None if electrode is None else self.section.surface_dofs["phi"]
+        return joined(left, right, phi=phi, electrode=electrode)
 
-    def mirrored(self, block: Block) -> Block:
+    def mirrored(self, superelement: Superelement) -> Superelement:
         """Reflect in x -> -x."""
         solid = self.section.solid
-        return mirrored(block, self.section.odd, bool(solid.parity[solid.fields.index("phi")]))
+        return mirrored(superelement, self.section.odd, bool(solid.parity[solid.fields.index("phi")]))
 
-    swapped = staticmethod(swapped)
-    opened = staticmethod(opened)
+    exchanged = staticmethod(exchanged)
+    open_circuited = staticmethod(open_circuited)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,21 +91,23 @@ class FingerShape:
         return abs(self.half_gaps[0] - self.half_gaps[1]) < 1e-9 * self.half_gaps[0]
 
 
-def half_cells(make: Assembly, shape: FingerShape, resolution: Resolution) -> tuple[Block, Block]:
-    """Condense the two halves of a finger's cell: gap to mid-finger, and mid-finger to gap, comb 0."""
-    done: dict[tuple, Block] = {}
+def half_cells(
+    make: Assembly, shape: FingerShape, resolution: Resolution
+) -> tuple[Superelement, Superelement]:
+    """Condense the two halves of a finger's cell: gap to mid-finger, and mid-finger to gap, electrode 0."""
+    done: dict[tuple, Superelement] = {}
 
-    def piece(width: float, comb: int | None) -> Block:
-        key = (round(width, 12), comb)
+    def piece(width: float, electrode: int | None) -> Superelement:
+        key = (round(width, 12), electrode)
         if key not in done:
-            done[key] = make.column(width, comb)
+            done[key] = make.column(width, electrode)
         return done[key]
 
-    def row(widths: np.ndarray, comb: int | None) -> Block:
-        block = piece(widths[0], comb)
+    def row(widths: np.ndarray, electrode: int | None) -> Superelement:
+        whole = piece(widths[0], electrode)
         for width in widths[1:]:
-            block = make.joined(block, piece(width, comb), comb)
-        return block
+            whole = make.joined(whole, piece(width, electrode), electrode)
+        return whole
 
     smallest = min(shape.half_finger, *shape.half_gaps)
     metal, left, right = (
@@ -118,8 +120,8 @@ def half_cells(make: Assembly, shape: FingerShape, resolution: Resolution) -> tu
     return rising, make.joined(row(metal, 0), row(right[::-1], None), 0)
 
 
-def finger_cell(make: Assembly, shape: FingerShape, resolution: Resolution) -> Block:
-    """Condense half a gap, a finger of comb 0 and half a gap."""
+def finger_cell(make: Assembly, shape: FingerShape, resolution: Resolution) -> Superelement:
+    """Condense half a gap, a finger of electrode 0 and half a gap."""
     return make.joined(*half_cells(make, shape, resolution), 0)
 
 
@@ -127,9 +129,9 @@ def fingers_in_row(
     make: Assembly,
     signs: str,
     gaps: Callable[[int], tuple[float, float]],
-    cell: Callable[[float, float], Block],
-    bare: Callable[[float, float], Block],
-) -> Block:
+    cell: Callable[[float, float], Superelement],
+    bare: Callable[[float, float], Superelement],
+) -> Superelement:
     """Join the cells of a row of fingers; equal runs are joined once.
 
     Parameters
@@ -140,25 +142,25 @@ def fingers_in_row(
     gaps : callable
         Number of a finger -> bare surface left and right of it.
     cell, bare : callable
-        Both gaps -> block of a finger of comb 0, or of bare surface of the same width.
+        Both gaps -> superelement of a finger of electrode 0, or of bare surface of the same width.
     """
-    singles: dict[tuple, Block] = {}
+    singles: dict[tuple, Superelement] = {}
 
-    def single(sign: str, left: float, right: float) -> Block:
+    def single(sign: str, left: float, right: float) -> Superelement:
         if (sign, left, right) not in singles:
             kinds = {
                 "+": cell,
-                "-": lambda *gap: make.swapped(cell(*gap)),
+                "-": lambda *gap: make.exchanged(cell(*gap)),
                 "0": bare,
-                "o": lambda *gap: make.opened(cell(*gap)),
+                "o": lambda *gap: make.open_circuited(cell(*gap)),
             }
             singles[sign, left, right] = kinds[sign](left, right)
         return singles[sign, left, right]
 
     fingers = [(sign, *gaps(place)) for place, sign in enumerate(signs)]
-    runs: dict[tuple, Block] = {}
+    runs: dict[tuple, Superelement] = {}
 
-    def run(start: int, stop: int) -> Block:
+    def run(start: int, stop: int) -> Superelement:
         key = tuple(fingers[start:stop])
         if key not in runs:
             if stop - start == 1:
@@ -171,32 +173,34 @@ def fingers_in_row(
     return run(0, len(fingers))
 
 
-def transducer_blocks(
+def transducer_superelements(
     make: Assembly, stator: Stator, transducers: tuple[Transducer, ...], resolution: Resolution
-) -> list[Block]:
+) -> list[Superelement]:
     """Superelements of transducers from left to right, between their outer gaps; equal ones are the same object."""
-    made: dict[tuple, Block] = {}
-    blocks = []
+    made: dict[tuple, Superelement] = {}
+    pieces = []
     for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
         key = (transducer.signs, transducer.pitch, transducer.metallisation, gaps)
         if key not in made:
-            made[key] = _transducer_block(make, transducer, gaps, resolution)
-        blocks.append(made[key])
-    return blocks
+            made[key] = _transducer_superelement(make, transducer, gaps, resolution)
+        pieces.append(made[key])
+    return pieces
 
 
-def _transducer_block(make: Assembly, transducer: Transducer, gaps, resolution: Resolution) -> Block:
+def _transducer_superelement(
+    make: Assembly, transducer: Transducer, gaps, resolution: Resolution
+) -> Superelement:
     unit = make.length_unit
     half_gap = transducer.half_gap / unit
-    made: dict[tuple, Block] = {}
+    made: dict[tuple, Superelement] = {}
 
-    def cell(left: float, right: float) -> Block:
+    def cell(left: float, right: float) -> Superelement:
         if (left, right) not in made:
             shape = FingerShape(half_finger=transducer.finger_width / 2 / unit, half_gaps=(left, right))
             made[left, right] = finger_cell(make, shape, resolution)
         return made[left, right]
 
-    def bare(left: float, right: float) -> Block:
+    def bare(left: float, right: float) -> Superelement:
         widths = graded(left + transducer.finger_width / unit + right, 0, largest=resolution.element_size)
         return repeated(make.column(widths[0], None), len(widths), make.joined)
 

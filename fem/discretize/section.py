@@ -170,7 +170,7 @@ class Section:
         return out
 
     @property
-    def floats(self) -> bool:
+    def floating_potential(self) -> bool:
         """True if the potential floats: adding a constant to phi changes nothing in a uniform segment."""
         return "phi" in self.solid.fields and self.dofs[0, FIELD_COLUMN["phi"]] >= 0
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from fem.condense.join import lines
 from fem.condense.recovery import ColumnField
-from fem.condense.superelement import Block
+from fem.condense.superelement import Superelement
 from fem.results.solution import Solution
 from fem.results.surface import MeshedPiece, Surface, UniformSegment
 from fem.waveguide.ends import Walls
@@ -96,11 +96,11 @@ def _reflected(network, side, at_end):
     return sent @ at_end[arriving]
 
 
-def _superelement(solution: Solution, index: int) -> tuple[Block, np.ndarray, float]:
+def _superelement(solution: Solution, index: int) -> tuple[Superelement, np.ndarray, float]:
     """Superelement of a transducer or of an end (`ENDS`), its sides, and where it begins in length units."""
     modes, network = solution.fields.modes, solution.fields.network
     if index not in ENDS:
-        return network.scatterers[index].block, solution.sides(index), network.places[index]
+        return network.scatterers[index].superelement, solution.sides(index), network.places[index]
     side = ENDS.index(index)
     right, left = _amplitudes(solution, len(network.scatterers) if side else 0)
     here, stop = network.segments[-side]
@@ -112,17 +112,17 @@ def _superelement(solution: Solution, index: int) -> tuple[Block, np.ndarray, fl
         0.0  # a matter of gauge: the potential refers to the transducer
     )
     line = modes.right @ right + modes.left @ left
-    block, sides = network.ends.recover(side, line)
-    return block, sides, stop if side else 0.0
+    superelement, sides = network.ends.recover(side, line)
+    return superelement, sides, stop if side else 0.0
 
 
 def column_fields(solution: Solution, index: int):
     """Columns of a transducer or of an end by kind: (recovery, left edges in m, sides (2 n + 2, places))."""
     unit = solution.fields.section.length_unit
-    block, sides, begin = _superelement(solution, index)
+    superelement, sides, begin = _superelement(solution, index)
     kinds: dict[tuple, tuple] = {}
-    for start, part, own in lines(block, sides, begin):
-        column, starts, found = kinds.setdefault((part.width, part.column.comb), (part.column, [], []))
+    for start, part, own in lines(superelement, sides, begin):
+        column, starts, found = kinds.setdefault((part.width, part.column.electrode), (part.column, [], []))
         starts.append(start * unit)
         found.append(own)
     for column, starts, found in kinds.values():

@@ -1,6 +1,6 @@
 """The whole field of a driven stator on a grid, rebuilt on demand; likewise of a free wave.
 
-The lines of the grid are the nodes of the columns under the transducers and evenly spaced ones in the stretches, where
+The lines of the grid are the nodes of the columns under the transducers and evenly spaced ones in the segments, where
 the field is a sum of modes; through the depth the nodes are the section's own, so that nothing is averaged over an
 element.  Derivatives are those of the elements' polynomials and of the modes.
 """
@@ -17,7 +17,7 @@ from fem.results.solution import Solution
 from fem.results.surface import MeshedPiece
 from fem.results.surface_wave import SurfaceWave
 
-HAIR = 1e-6  # of the lines' distance: places nearer than this are one
+SAME_LINE = 1e-6  # of the lines' distance: places nearer than this are one
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,9 +86,9 @@ def wave_field(
     ----------
     wave : SurfaceWave
     per_wavelength : float
-        Lines per surface wavelength in the stretches.
+        Lines per surface wavelength in the segments.
     places : tuple of float
-        m from the left end: where a line is to stand as well, as far as they lie in stretches.
+        m from the left end: where a line is to stand as well, as far as they lie in segments.
     span : tuple of float, optional
         m from the left end: only lines between these places.
     energies : bool
@@ -101,7 +101,7 @@ def wave_field(
     solution = wave.solution
     section = solution.fields.section.full
     step = wave.phase_velocity / wave.frequency / per_wavelength
-    hair = HAIR * step
+    nearby = SAME_LINE * step
     low, high = (0.0, wave.length) if span is None else span
     lines, values, slopes, offset, step_in_mean = [], [], [], 0.0, 0.0
     transducer = 0
@@ -113,7 +113,7 @@ def wave_field(
             if seen:
                 which = ENDS[transducer > 0] if end else transducer
                 x, part, slope = _in_columns(solution, which, slopes=energies)
-                inside = (x > start - hair) & (x < stop + hair)
+                inside = (x > start - nearby) & (x < stop + nearby)
                 x, part, slope = x[inside], part[inside], slope[inside] if energies else None
             offset += 0.0 if end else step_in_mean
             transducer += not end
@@ -127,7 +127,7 @@ def wave_field(
         if not seen:
             continue
         part[:, :, 3] += shift
-        first = 1 if lines and x[0] < lines[-1][-1] + hair else 0  # the line shared with the piece before
+        first = 1 if lines and x[0] < lines[-1][-1] + nearby else 0  # the line shared with the piece before
         lines.append(x[first:])
         values.append(part[first:])
         slopes.append(slope[first:] if energies else slope)
@@ -192,9 +192,11 @@ def free_field(
 
 
 def _lines(start: float, stop: float, step: float, places) -> np.ndarray:
-    """Evenly spaced lines of a stretch, with those that stand at given places."""
+    """Evenly spaced lines of a segment, with those that stand at given places."""
     even = np.linspace(start, stop, max(3, int(np.ceil((stop - start) / step))) + 1)
-    wanted = np.array([place for place in places if start + HAIR * step < place < stop - HAIR * step])
+    wanted = np.array(
+        [place for place in places if start + SAME_LINE * step < place < stop - SAME_LINE * step]
+    )
     if not len(wanted):
         return even
     near = abs(even[:, None] - wanted).min(axis=1) < 1e-3 * step
@@ -214,7 +216,7 @@ def _constant_shape(solution: Solution) -> tuple[int, complex, complex] | None:
 
 
 def _gauge_step(solution: Solution, piece) -> complex:
-    """Mean potential of the transducer after a stretch against that of the one before, scaled."""
+    """Mean potential of the transducer after a segment against that of the one before, scaled."""
     constant = _constant_shape(solution)
     if constant is None or not np.isfinite(piece.stop):
         return 0.0
@@ -223,7 +225,7 @@ def _gauge_step(solution: Solution, piece) -> complex:
 
 
 def _between(solution: Solution, piece, x: np.ndarray, *, first: bool, slopes: bool):
-    """Fields of a stretch at lines x, (lines, nodes, 4), and their x derivatives per m if asked for."""
+    """Fields of a segment at lines x, (lines, nodes, 4), and their x derivatives per m if asked for."""
     modes = solution.fields.modes
     right, left = piece.right.copy(), piece.left.copy()
     constant = _constant_shape(solution)

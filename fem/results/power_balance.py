@@ -64,10 +64,10 @@ def power_balance(solution: Solution) -> PowerBalance:
     for index, scatterer in enumerate(fields.network.scatterers):
         sides, arriving = solution.sides(index), solution.incoming(index)
         leaving = sides[: 2 * n] - arriving
-        left = modes.right_end @ arriving[:n] - modes.left_end @ leaving[:n]
-        right = modes.right_end @ leaving[n:] - modes.left_end @ arriving[n:]
+        left = modes.right_impedance @ arriving[:n] - modes.left_impedance @ leaving[:n]
+        right = modes.right_impedance @ leaving[n:] - modes.left_impedance @ arriving[n:]
         fluxes = power(sides[:n], left, frequency), power(sides[n : 2 * n], right, frequency)
-        reaction = scatterer.block.matrix[2 * n :] @ sides
+        reaction = scatterer.superelement.matrix[2 * n :] @ sides
         taken = np.pi * frequency * np.imag(np.sum(reaction * np.conj(sides[2 * n :])))
         lost = sum(recovery.loss(places) for recovery, _, places in column_fields(solution, index))
         worst = max(worst, abs(taken - (fluxes[1] - fluxes[0]) - lost) * over_aperture)

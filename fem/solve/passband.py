@@ -18,7 +18,7 @@ import numpy as np
 from fem.analytic.coupled_modes import relative_amplitude
 from fem.analytic.half_space import automatic_period
 from fem.analytic.quasistatic import transducer_estimate
-from fem.condense.transducer import Condensation, transducer_blocks
+from fem.condense.transducer import Condensation, transducer_superelements
 from fem.discretize.refinement import LEVELS
 from fem.discretize.section import discretise
 from fem.geometry import Stator, Transducer
@@ -42,7 +42,7 @@ def best_period(stator: Stator, transducer: Transducer, frequency: float) -> flo
     stator : Stator
         Its ends are taken as absorbing.
     transducer : Transducer
-        Alone on it, with fingers of both combs; its period is not read.
+        Alone on it, with fingers of both electrodes; its period is not read.
     frequency : float
         Hz.
 
@@ -83,9 +83,9 @@ def _best_period(stator: Stator, transducer: Transducer, frequency: float) -> fl
     modes = guided_modes(section, frequency)
 
     def power_at(period: float) -> float:
-        block, row = _alone(stator, replace(transducer, period=period))
-        pieces = transducer_blocks(Condensation(section, frequency), block, (row,), level)
-        return surface_power(joined_fields(block, (row,), pieces, modes=modes, resolution=level))
+        superelement, row = _alone(stator, replace(transducer, period=period))
+        pieces = transducer_superelements(Condensation(section, frequency), superelement, (row,), level)
+        return surface_power(joined_fields(superelement, (row,), pieces, modes=modes, resolution=level))
 
     return _largest(power_at, guess, transducer.finger_pairs)
 

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 
 from fem.condense.join import lines
-from fem.condense.superelement import PORTS, Block
+from fem.condense.superelement import PORTS, Superelement
 from fem.condense.transducer import Condensation, fingers_in_row
 from fem.discretize.section import Section
 from fem.geometry import Transducer
@@ -25,7 +25,7 @@ WALL_WIDTH = (
 )
 WALL_DISTANCES = (1.0, 1.5, 3.0)  # in wall widths, where the fields sent back feed the basis
 ARRIVING_AT_WALL = 100.0  # likewise after a wavelength, at a wall: the basis forgives more there
-ARRIVING = 0.1  # modes that keep this times ``kept`` of their amplitude over the shortest stretch may arrive
+ARRIVING = 0.1  # modes that keep this times ``kept`` of their amplitude over the shortest segment may arrive
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,9 +69,9 @@ class ReducedSection:
         return self.full.surface_speed
 
     @property
-    def floats(self) -> bool:
+    def floating_potential(self) -> bool:
         """Whether nothing fixes the potential."""
-        return self.full.floats
+        return self.full.floating_potential
 
     @cached_property
     def constant_potential(self) -> np.ndarray:
@@ -123,15 +123,17 @@ def finger_key(transducer: Transducer) -> tuple[float, float]:
 
 
 def even_rows(
-    make: Condensation, transducers: tuple[Transducer, ...], cell: Callable[[tuple[float, float]], Block]
-) -> list[Block]:
-    """Superelements of transducers whose gaps are all alike, from the cell of a finger of comb 0 by `finger_key`."""
+    make: Condensation,
+    transducers: tuple[Transducer, ...],
+    cell: Callable[[tuple[float, float]], Superelement],
+) -> list[Superelement]:
+    """Superelements of transducers with equal gaps, from the cell of a finger of electrode 0 by `finger_key`."""
 
     def no_bare_cell(*gaps):
         raise ValueError("a band of frequencies takes transducers without left-out fingers")
 
-    cells: dict[tuple, Block] = {}
-    rows: dict[tuple, Block] = {}
+    cells: dict[tuple, Superelement] = {}
+    rows: dict[tuple, Superelement] = {}
     for each in transducers:
         key = finger_key(each)
         if key not in cells:
@@ -155,17 +157,30 @@ def bases_of(
     for group in groups:
         found = []
         for part in fields_seen:
-            own = group[np.any(part[group], axis=1)]  # a finger's potential is its comb's, not the line's
+            own = group[
+                np.any(part[group], axis=1)
+            ]  # a finger's potential is its electrode's, not the line's
             here = part[own] / abs(part).max()
             values, vectors = np.linalg.eigh(np.real(here @ np.conj(here.T)))
             found.append((own, vectors[:, ::-1], np.sqrt(np.maximum(values[::-1], 0.0))))
         count = max(int(np.sum(values > kept * values[0])) for _, _, values in found)
         count = min(count, *(len(own) for own, _, _ in found))
         for side, (own, vectors, _) in enumerate(found):
-            block = np.zeros((size, count))
-            block[own] = vectors[:, :count]
-            columns[side].append(block)
+            vectors_here = np.zeros((size, count))
+            vectors_here[own] = vectors[:, :count]
+            columns[side].append(vectors_here)
     return np.hstack(columns[0]), np.hstack(columns[1])
+
+
+def holding(basis: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    """Return an orthonormal basis turned so that it holds a vector which it nearly holds, exactly.
+
+    Left out by 4e-6, the constant potential, which is a mode, spoils the reciprocity of the ports by 1e-8.
+    """
+    unit = vector / np.linalg.norm(vector)
+    inside = basis.T @ unit
+    inside /= np.linalg.norm(inside)
+    return basis + np.outer(unit - basis @ inside, inside)
 
 
 def _end_fields(modes: GuidedModes, ends: str, kept: float) -> list[np.ndarray]:
@@ -187,8 +202,8 @@ def snapshots(stator, transducers, section, frequency, halves, resolution, drive
     """Fields on the lines in mid-gap and in mid-finger, of every port and every mode that may arrive; the solution."""
     modes = guided_modes(section, frequency)
     make = Condensation(section, frequency)
-    blocks = even_rows(make, transducers, lambda key: make.joined(*halves[key], 0))
-    fields_of_ports = joined_fields(stator, transducers, blocks, modes=modes, resolution=resolution)
+    pieces = even_rows(make, transducers, lambda key: make.joined(*halves[key], 0))
+    fields_of_ports = joined_fields(stator, transducers, pieces, modes=modes, resolution=resolution)
     network, volt = fields_of_ports.network, section.solid.potential_unit
     n = section.size
     gaps, fingers = _end_fields(modes, stator.ends, kept), []
@@ -200,12 +215,14 @@ def snapshots(stator, transducers, section, frequency, halves, resolution, drive
         incoming = np.zeros((2 * n, 2 * len(arriving)), dtype=complex)
         incoming[:n, : len(arriving)] = modes.right[:, arriving]
         incoming[n:, len(arriving) :] = modes.left[:, arriving]
-        quiet = np.zeros((PORTS, incoming.shape[1]))
-        scattered = np.concatenate([scatterer.sides(incoming, quiet), quiet])
+        no_voltage = np.zeros((PORTS, incoming.shape[1]))
+        scattered = np.concatenate([scatterer.sides(incoming, no_voltage), no_voltage])
         together = np.hstack([scattered, volt * fields_of_ports.sides[index]])
-        for count, (_, _, sides) in enumerate(lines(scatterer.block, together, finest=1.001 * quarter)):
+        for count, (_, _, sides) in enumerate(
+            lines(scatterer.superelement, together, finest=1.001 * quarter)
+        ):
             (fingers if count % 2 else gaps).append(sides[:n])
         gaps.append(together[n : 2 * n])
-    dead = np.hstack(fingers)
-    dead[section.surface_dofs["phi"]] = 0.0
-    return np.hstack(gaps), dead, driven_solution(fields_of_ports, drive)
+    finger_lines = np.hstack(fingers)
+    finger_lines[section.surface_dofs["phi"]] = 0.0
+    return np.hstack(gaps), finger_lines, driven_solution(fields_of_ports, drive)

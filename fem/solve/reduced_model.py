@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fem.circuit import Drive
-from fem.condense.superelement import Block
+from fem.condense.superelement import Superelement
 from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.discretize.grading import Resolution
 from fem.discretize.spectral import lagrange_weights
@@ -29,7 +29,7 @@ from fem.waveguide.port_fields import PortFields, joined_fields
 
 @dataclass(frozen=True, kw_only=True)
 class HalfCell:
-    """Projected half cells of one kind of finger at the nodes, comb 0: shape (nodes, 2 r + 2, 2 r + 2) each."""
+    """Projected half cells of one kind of finger at the nodes, electrode 0: shape (nodes, 2 r + 2, 2 r + 2) each."""
 
     rising: np.ndarray = field(repr=False)
     falling: np.ndarray | None = field(repr=False)
@@ -48,10 +48,12 @@ class FullPieces:
 
     def __init__(self, model: "ReducedModel", frequency: float):
         self.model, self.frequency = model, frequency
-        self._halves: dict[tuple, tuple[Block, Block]] = {}
+        self._halves: dict[tuple, tuple[Superelement, Superelement]] = {}
         self._ends: EndPieces | None = None
 
-    def half_cell(self, key: tuple[float, float], side: int, sides: np.ndarray) -> tuple[Block, np.ndarray]:
+    def half_cell(
+        self, key: tuple[float, float], side: int, sides: np.ndarray
+    ) -> tuple[Superelement, np.ndarray]:
         """Return the rising (0) or falling (1) half of a finger's cell, and its sides from the reduced ones."""
         model, full = self.model, self.model.section.full
         if key not in self._halves:
@@ -64,12 +66,12 @@ class FullPieces:
         lifted = np.concatenate([lines[0] @ sides[:r], lines[1] @ sides[r : 2 * r], sides[2 * r :]])
         return self._halves[key][side], lifted
 
-    def end(self, side: int, line: np.ndarray) -> tuple[Block, np.ndarray]:
+    def end(self, side: int, line: np.ndarray) -> tuple[Superelement, np.ndarray]:
         """Return the columns beside the left (0) or right (1) end, and their sides from the reduced inner line."""
         model, full = self.model, self.model.section.full
         if self._ends is None:
             self._ends = end_pieces(full, self.frequency, model.stator, model.resolution, width=WALL_WIDTH)
-        return self._ends.blocks[side], self._ends.sides(side, model.section.lift(line))
+        return self._ends.superelements[side], self._ends.sides(side, model.section.lift(line))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,7 +122,7 @@ class ReducedModel:
         weights = lagrange_weights(self.nodes, (2 * np.pi * frequency) ** 2)
         full = FullPieces(self, frequency)
         make = Condensation(self.section, frequency)
-        blocks = even_rows(make, self.transducers, lambda key: self._cell(make, key, weights, full))
+        pieces = even_rows(make, self.transducers, lambda key: self._cell(make, key, weights, full))
         walls = None
         if self.walls is not None:
             matrices = tuple(np.tensordot(weights, self.walls, axes=1))
@@ -128,7 +130,7 @@ class ReducedModel:
         return joined_fields(
             self.stator,
             self.transducers,
-            blocks,
+            pieces,
             modes=guided_modes(self.section, frequency),
             resolution=self.resolution,
             walls=walls,
@@ -138,18 +140,20 @@ class ReducedModel:
         """Solve for a drive at a frequency of the band (Hz)."""
         return driven_solution(self.port_fields(frequency), drive)
 
-    def _cell(self, make, key: tuple[float, float], weights: np.ndarray, full: FullPieces) -> Block:
+    def _cell(self, make, key: tuple[float, float], weights: np.ndarray, full: FullPieces) -> Superelement:
         halves, section = self.half_cells[key], self.section
 
-        def block(stack: np.ndarray) -> Block:
-            return Block(size=section.size, matrix=np.tensordot(weights, stack, axes=1), width=halves.width)
+        def interpolated(stack: np.ndarray) -> Superelement:
+            return Superelement(
+                size=section.size, matrix=np.tensordot(weights, stack, axes=1), width=halves.width
+            )
 
-        def expanded(half: Block, side: int) -> Block:
+        def expanded(half: Superelement, side: int) -> Superelement:
             return replace(half, expand=lambda sides: full.half_cell(key, side, sides))
 
-        rising = block(halves.rising)
+        rising = interpolated(halves.rising)
         if halves.falling is None:
             falling = make.mirrored(rising)
         else:
-            falling = block(halves.falling)
+            falling = interpolated(halves.falling)
         return make.joined(expanded(rising, 0), expanded(falling, 1))

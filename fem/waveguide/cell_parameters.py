@@ -19,7 +19,7 @@ GAIN = 6.0  # a level divides the error of the edges by more than this: 8 to 10 
 
 
 @dataclass(frozen=True, kw_only=True)
-class CellTriple:
+class CellParameters:
     """What the free, the metallised and the fingered cell of one material say together.
 
     Attributes
@@ -62,9 +62,9 @@ class CellTriple:
         return 2 * (self.open.velocity - self.shorted.velocity) / self.open.velocity
 
 
-def cell_triple(
+def cell_parameters(
     solid: Solid, *, period: float, metallisation: float, above: str = "none", tolerance: float
-) -> CellTriple:
+) -> CellParameters:
     """Velocities, stop bands, reflectivity, K2 and capacitance of a periodic transducer's cells.
 
     Parameters
@@ -76,7 +76,7 @@ def cell_triple(
 
     Returns
     -------
-    CellTriple
+    CellParameters
 
     Raises
     ------
@@ -97,7 +97,7 @@ def cell_triple(
             f"the stop bands' edges are known to {error:.1e} of their width only, "
             f"{tolerance:.1e} was asked for: ask for less"
         )
-    return CellTriple(
+    return CellParameters(
         solid=solid,
         period=period,
         metallisation=metallisation,

@@ -11,7 +11,7 @@ from functools import reduce
 import numpy as np
 
 from fem.condense.join import joined
-from fem.condense.superelement import Block, condensed
+from fem.condense.superelement import Superelement, condensed
 from fem.discretize.grading import CORNER_RATIO, Resolution, graded
 from fem.discretize.section import Section
 from fem.geometry import Stator
@@ -36,12 +36,13 @@ class Walls:
 
     matrices: tuple[np.ndarray, np.ndarray]
     width: float
-    recover: Callable[[int, np.ndarray], tuple[Block, np.ndarray]] = field(repr=False)
+    recover: Callable[[int, np.ndarray], tuple[Superelement, np.ndarray]] = field(repr=False)
 
     def sent_back(self, modes: GuidedModes, side: int, arriving: np.ndarray) -> np.ndarray:
         """Amplitudes of all modes sent back for each that arrives at the line: (E - X_back) q = -(E + X_on) p."""
         wall = self.matrices[side]
-        on, back = (modes.left_end, modes.right_end) if side == 0 else (modes.right_end, modes.left_end)
+        impedances = modes.left_impedance, modes.right_impedance
+        on, back = impedances if side == 0 else impedances[::-1]
         shapes = (modes.left if side == 0 else modes.right)[:, arriving]
         returned = -np.linalg.solve(wall - back, (wall + on) @ shapes)
         return modes.right_amplitudes(returned) if side == 0 else modes.left_amplitudes(returned)
@@ -87,17 +88,17 @@ class EndPieces:
     Attributes
     ----------
     section : Section
-    blocks : tuple of Block
+    superelements : tuple of Superelement
         Of the left and the right end.
     clamped : bool
     """
 
     section: Section
-    blocks: tuple[Block, Block] = field(repr=False)
+    superelements: tuple[Superelement, Superelement] = field(repr=False)
     clamped: bool
 
     def _lines(self, side: int) -> tuple[np.ndarray, np.ndarray]:
-        """Unknowns of the outer line that are not held, and those of the inner line, in the block's order."""
+        """Unknowns of the outer line that are not held, and those of the inner line, in the superelement's order."""
         n = self.section.size
         free = np.arange(n)
         if self.clamped:
@@ -106,18 +107,18 @@ class EndPieces:
 
     def _outer(self, side: int) -> np.ndarray:
         """Unknowns of the outer line as a function of those of the inner line."""
-        piece, (outer, inner) = self.blocks[side].matrix, self._lines(side)
+        piece, (outer, inner) = self.superelements[side].matrix, self._lines(side)
         return -np.linalg.solve(piece[np.ix_(outer, outer)], piece[np.ix_(outer, inner)])
 
     def matrix(self, side: int) -> np.ndarray:
         """Outward nodal flux on the inner line per unknown there, shape (n, n)."""
-        piece, (outer, inner) = self.blocks[side].matrix, self._lines(side)
+        piece, (outer, inner) = self.superelements[side].matrix, self._lines(side)
         return piece[np.ix_(inner, inner)] + piece[np.ix_(inner, outer)] @ self._outer(side)
 
     def sides(self, side: int, line: np.ndarray) -> np.ndarray:
         """Both lines and two empty electrodes for given unknowns of the inner line, shape (2 n + 2,)."""
         outer, inner = self._lines(side)
-        out = np.zeros(len(self.blocks[side].matrix), dtype=complex)
+        out = np.zeros(len(self.superelements[side].matrix), dtype=complex)
         out[inner] = line
         out[outer] = self._outer(side) @ line
         return out
@@ -141,9 +142,11 @@ def end_pieces(
     """
     layers = resolution.edge_layers if "clamped" in (stator.ends, stator.bottom) else 0
     widths = graded(width, layers, largest=width / END_COLUMNS, ratio=CORNER_RATIO)
-    columns = {each: condensed(section, frequency, width=each, comb=None) for each in widths}
+    columns = {each: condensed(section, frequency, width=each, electrode=None) for each in widths}
     return EndPieces(
         section=section,
-        blocks=tuple(reduce(joined, [columns[each] for each in order]) for order in (widths[::-1], widths)),
+        superelements=tuple(
+            reduce(joined, [columns[each] for each in order]) for order in (widths[::-1], widths)
+        ),
         clamped=stator.ends == "clamped",
     )

@@ -24,7 +24,7 @@ from functools import cached_property
 import numpy as np
 
 from fem.analytic.half_space import automatic_period
-from fem.condense.superelement import Block
+from fem.condense.superelement import Superelement
 from fem.condense.transducer import Condensation, FingerShape, finger_cell, half_cells
 from fem.convergence import ConvergenceError
 from fem.discretize.grading import Resolution
@@ -112,7 +112,7 @@ class Grating:
         ]
         return squares, *(np.stack([pair[side].matrix for pair in pairs]) for side in (0, 1))
 
-    def cell(self, frequency: float, *, open_fingers: bool) -> Block:
+    def cell(self, frequency: float, *, open_fingers: bool) -> Superelement:
         """Condensed cell at a frequency in Hz."""
         make = self._make(frequency)
         if abs(frequency / self.middle - 1) > REACH:
@@ -121,18 +121,18 @@ class Grating:
             squares, *halves = self._halves
             weights = lagrange_weights(squares, (2 * np.pi * frequency) ** 2)
             rising, falling = (
-                Block(size=self.section.size, matrix=np.tensordot(weights, half, axes=1), width=1.0)
+                Superelement(size=self.section.size, matrix=np.tensordot(weights, half, axes=1), width=1.0)
                 for half in halves
             )
             whole = make.joined(rising, falling, 0)
-        return make.opened(whole) if open_fingers else whole
+        return make.open_circuited(whole) if open_fingers else whole
 
     def edge_matrix(self, omega_squared: float, *, open_fingers: bool) -> np.ndarray:
         """B of lambda = -1, shape (n, n)."""
-        block = self.cell(float(np.sqrt(omega_squared)) / (2 * np.pi), open_fingers=open_fingers)
-        n = block.size
-        across = block.matrix[:n, n : 2 * n]
-        return block.matrix[:n, :n] + block.matrix[n : 2 * n, n : 2 * n] - across - across.T
+        cell = self.cell(float(np.sqrt(omega_squared)) / (2 * np.pi), open_fingers=open_fingers)
+        n = cell.size
+        across = cell.matrix[:n, n : 2 * n]
+        return cell.matrix[:n, :n] + cell.matrix[n : 2 * n, n : 2 * n] - across - across.T
 
     def factors(self, frequency: float, *, open_fingers: bool) -> tuple[np.ndarray, np.ndarray]:
         """The lambda nearest to -1 at a frequency in Hz, shape (WAVES,), and their fields in mid-gap, (n, WAVES).
@@ -143,10 +143,10 @@ class Grating:
         from scipy.linalg import lu_factor, lu_solve
         from scipy.sparse.linalg import LinearOperator, eigs
 
-        block = self.cell(frequency, open_fingers=open_fingers)
-        n = block.size
-        across = block.matrix[:n, n : 2 * n]
-        both = block.matrix[:n, :n] + block.matrix[n : 2 * n, n : 2 * n]
+        cell = self.cell(frequency, open_fingers=open_fingers)
+        n = cell.size
+        across = cell.matrix[:n, n : 2 * n]
+        both = cell.matrix[:n, :n] + cell.matrix[n : 2 * n, n : 2 * n]
         factor = lu_factor(across.T + SHIFT * both + SHIFT**2 * across, check_finite=False)
 
         def inverted(x: np.ndarray) -> np.ndarray:
@@ -225,12 +225,12 @@ class Grating:
     def capacitance(self) -> float:
         """Of a finger pair far below its resonances, F per metre of aperture, fingers at +V/2 and -V/2 in turn."""
         frequency = STATIC * self.middle
-        block = self.cell(frequency, open_fingers=False)
-        n = block.size
+        cell = self.cell(frequency, open_fingers=False)
+        n = cell.size
         matrix = self.edge_matrix((2 * np.pi * frequency) ** 2, open_fingers=False)
-        load = block.matrix[:n, 2 * n] - block.matrix[n : 2 * n, 2 * n]
+        load = cell.matrix[:n, 2 * n] - cell.matrix[n : 2 * n, 2 * n]
         lines = -np.linalg.solve(matrix, load)
-        reaction = block.matrix[2 * n, 2 * n] + load @ lines
+        reaction = cell.matrix[2 * n, 2 * n] + load @ lines
         medium = self.section.solid
         return float(-0.5 * reaction.real * medium.stress_unit / medium.potential_unit**2)
 

@@ -79,25 +79,25 @@ class GuidedModes:
         return second, first, zeroth
 
     @cached_property
-    def right_end(self) -> np.ndarray:
+    def right_impedance(self) -> np.ndarray:
         """Radiation impedance X of a segment that extends to the right without end, f = X u, shape (n, n)."""
         second, first, zeroth = self._symmetric_matrices
         return _radiation_impedance(second, first, zeroth, self.wavenumbers, self.right, self.right_flux)
 
     @cached_property
-    def left_end(self) -> np.ndarray:
+    def left_impedance(self) -> np.ndarray:
         """Radiation impedance X of a segment that extends to the left without end, -f = X u, shape (n, n)."""
         odd = _odd(self.section, self.lateral_wavenumber)
         if odd is not None:
             mirror = np.where(odd, -1.0, 1.0)
-            return mirror[:, None] * self.right_end * mirror
+            return mirror[:, None] * self.right_impedance * mirror
         second, first, zeroth = self._symmetric_matrices
         return _radiation_impedance(second, -first, zeroth, -self.backwards, self.left, -self.left_flux)
 
     @cached_property
-    def both_ends(self) -> np.ndarray:
+    def impedance_sum(self) -> np.ndarray:
         """Sum of the radiation impedances, which relates a jump of the flux to the field that it sends both ways."""
-        return self.right_end + self.left_end
+        return self.right_impedance + self.left_impedance
 
     @cached_property
     def _factors(self):
@@ -179,7 +179,7 @@ def guided_modes(section: Section, frequency: float, lateral_wavenumber: float =
         second, first, zeroth = section.matrices(frequency)
         skew = first - first.T
     constant = None
-    if section.floats and not lateral_wavenumber:
+    if section.floating_potential and not lateral_wavenumber:
         constant = section.constant_potential / np.linalg.norm(section.constant_potential)
     odd = _odd(section, lateral_wavenumber)
     if odd is not None:

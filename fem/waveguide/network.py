@@ -1,11 +1,11 @@
-"""Transducers in a waveguide: what each sends and scatters, and how stretches and ends tie them together.
+"""Transducers in a waveguide: what each sends and scatters, and how segments and ends tie them together.
 
-A transducer sits between two uniform stretches whose exact ends X_right and X_left are known (guided.py).  With p
+A transducer sits between two uniform segments whose exact ends X_right and X_left are known (guided.py).  With p
 the part of the field that goes right and q the part that goes left, its lines obey
 
     (A - diag(X_left, X_right)) u = [-(X_right + X_left) p_in, -(X_left + X_right) q_in] - A_ports V,
 
-so one factorisation gives what it sends for each voltage and for each mode that arrives.  Along a stretch of length
+so one factorisation gives what it sends for each voltage and for each mode that arrives.  Along a segment of length
 l a mode changes by exp(-i k l): only those that survive to double precision couple the pieces, which makes length
 free of cost.  Free and clamped ends turn the modes that arrive into all modes of the section.
 """
@@ -15,27 +15,27 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.condense.superelement import PORTS, Block
+from fem.condense.superelement import PORTS, Superelement
 from fem.waveguide.ends import Walls, end_reflection
 from fem.waveguide.modes import GuidedModes
 
-NEGLIGIBLE = 1e-18  # a mode's amplitude after a stretch, relative: far below rounding
+NEGLIGIBLE = 1e-18  # a mode's amplitude after a segment, relative: far below rounding
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scatterer:
-    """A transducer's block in the waveguide.
+    """A transducer's superelement in the waveguide.
 
     Attributes
     ----------
-    block : Block
+    superelement : Superelement
     modes : GuidedModes
     potentials : ndarray, shape (2, ports)
         Comb potentials of each port: half and minus half for the voltage; one and one for the mean where the
         section is grounded (elsewhere the mean is a matter of gauge).
     """
 
-    block: Block
+    superelement: Superelement
     modes: GuidedModes
     potentials: np.ndarray
 
@@ -43,10 +43,10 @@ class Scatterer:
     def _factor(self):
         from scipy.linalg import lu_factor
 
-        n = self.block.size
-        system = self.block.matrix[: 2 * n, : 2 * n].astype(complex)
-        system[:n, :n] -= self.modes.left_end
-        system[n:, n:] -= self.modes.right_end
+        n = self.superelement.size
+        system = self.superelement.matrix[: 2 * n, : 2 * n].astype(complex)
+        system[:n, :n] -= self.modes.left_impedance
+        system[n:, n:] -= self.modes.right_impedance
         return lu_factor(system, overwrite_a=True, check_finite=False)
 
     def sides(self, incoming: np.ndarray, potentials: np.ndarray) -> np.ndarray:
@@ -57,7 +57,7 @@ class Scatterer:
         incoming : ndarray, shape (2 n, m)
             Field going right at the left line, then field going left at the right line.
         potentials : ndarray, shape (2, m)
-            Of the combs, scaled.
+            Of the electrodes, scaled.
 
         Returns
         -------
@@ -65,9 +65,9 @@ class Scatterer:
         """
         from scipy.linalg import lu_solve
 
-        n = self.block.size
-        both = self.modes.both_ends
-        load = -self.block.matrix[: 2 * n, 2 * n :] @ potentials
+        n = self.superelement.size
+        both = self.modes.impedance_sum
+        load = -self.superelement.matrix[: 2 * n, 2 * n :] @ potentials
         load = load.astype(complex)
         load[:n] -= both @ incoming[:n]
         load[n:] -= both @ incoming[n:]
@@ -75,9 +75,9 @@ class Scatterer:
 
     def charge(self, sides: np.ndarray, potentials: np.ndarray) -> np.ndarray:
         """Reactions q of the ports, scaled (minus the charge), shape (ports, m)."""
-        n = self.block.size
-        combs = self.block.matrix[2 * n :]
-        return self.potentials.T @ (combs[:, : 2 * n] @ sides + combs[:, 2 * n :] @ potentials)
+        n = self.superelement.size
+        electrodes = self.superelement.matrix[2 * n :]
+        return self.potentials.T @ (electrodes[:, : 2 * n] @ sides + electrodes[:, 2 * n :] @ potentials)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,11 +114,11 @@ class Network:
         """Ends of the uniform segments before, between and after the scatterers, shape (scatterers + 1, 2)."""
         edges = [self.start]
         for place, scatterer in zip(self.places, self.scatterers, strict=True):
-            edges += [place, place + scatterer.block.width]
+            edges += [place, place + scatterer.superelement.width]
         return np.array([*edges, self.stop]).reshape(-1, 2)
 
     def survivors(self, length: float) -> np.ndarray:
-        """Modes that matter after a stretch; the constant potential carries nothing and is left out."""
+        """Modes that matter after a segment; the constant potential carries nothing and is left out."""
         alive = np.abs(np.exp(-1j * self.modes.wavenumbers * length)) > NEGLIGIBLE
         return np.flatnonzero(alive & (self.modes.wavenumbers != 0))
 
@@ -135,8 +135,8 @@ class Network:
         walls = self.ends != "absorbing"
         # unknowns: in the middle of every segment, amplitudes going right and going left
         slots, total = [], 0
-        for stretch, keep in enumerate(kept):
-            outer = stretch in (0, len(kept) - 1)
+        for segment, keep in enumerate(kept):
+            outer = segment in (0, len(kept) - 1)
             count = len(keep) if (walls or not outer) else 0
             slots.append((slice(total, total + count), slice(total + count, total + 2 * count)))
             total += 2 * count
@@ -185,18 +185,18 @@ class Network:
     def reflections(self) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
         """Of the left and the right end: the modes that arrive, and all modes sent back for each, (n, arriving)."""
         found = []
-        for stretch, side in ((0, 0), (-1, 1)):
-            start, stop = self.segments[stretch]
+        for segment, side in ((0, 0), (-1, 1)):
+            start, stop = self.segments[segment]
             arriving = self.survivors(stop - start)
             found.append((arriving, end_reflection(self.modes, self.ends, side, arriving)))
         return tuple(found)
 
     def _reflect(self, system, slots, kept, lengths):
         """Equations of the two ends: amplitudes leaving an end from those that arrive there."""
-        for stretch, side in ((0, 0), (len(kept) - 1, 1)):
-            going_right, going_left = slots[stretch]
+        for segment, side in ((0, 0), (len(kept) - 1, 1)):
+            going_right, going_left = slots[segment]
             keep, sent = self.reflections[side]
-            length = lengths[stretch]
+            length = lengths[segment]
             if side == 0:
                 back = self._sent("right", keep, length, self.modes.right @ sent)
                 system[going_right, going_left] -= back * self._half_way("left", keep, length)
@@ -217,7 +217,7 @@ class Network:
         """
         modes = self.modes
         shapes, opposite = (modes.right, modes.left) if towards == "right" else (modes.left, modes.right)
-        tests = opposite[:, chosen].T @ modes.both_ends
+        tests = opposite[:, chosen].T @ modes.impedance_sum
         half_way = self._half_way(towards, chosen, length)[:, None]
         return np.linalg.solve(tests @ shapes[:, chosen], half_way * (tests @ field))
 

@@ -17,8 +17,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem.condense.join import widths
-from fem.condense.superelement import Block
-from fem.condense.transducer import Condensation, transducer_blocks
+from fem.condense.superelement import Superelement
+from fem.condense.transducer import Condensation, transducer_superelements
 from fem.convergence import ConvergenceError
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section, discretise
@@ -82,7 +82,7 @@ class PortFields:
     @property
     def unknowns(self) -> int:
         """Unknowns of the discretised problem that was condensed."""
-        columns = sum(1 for each in self.network.scatterers for _ in widths(each.block))
+        columns = sum(1 for each in self.network.scatterers for _ in widths(each.superelement))
         return columns * self.resolution.order * self.section.size
 
     def amplification(self, swing: float) -> tuple[float, float]:
@@ -113,7 +113,7 @@ class PortFields:
         return tuple(float(1 / abs(1 - each).min()) for each in (factors, turned))
 
 
-def electrode_potentials(transducer: Transducer, floats: bool) -> np.ndarray:
+def electrode_potentials(transducer: Transducer, floating: bool) -> np.ndarray:
     """Potentials of the two electrodes for unit voltage and, where the section is grounded, for unit mean.
 
     Parameters
@@ -129,7 +129,7 @@ def electrode_potentials(transducer: Transducer, floats: bool) -> np.ndarray:
     """
     there = [float(sign in transducer.signs) for sign in "+-"]
     columns = [(0.5, -0.5)] if all(there) else []
-    if any(there) and not floats:
+    if any(there) and not floating:
         columns.append(tuple(there))
     return np.array(columns).reshape(-1, 2).T
 
@@ -167,20 +167,22 @@ def solve_ports(
     unit = slowest_wavelength(stator.solid, frequency)
     scale = min(transducer.finger_width / 2 for transducer in transducers)
     section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)
-    blocks = transducer_blocks(Condensation(section, frequency), stator, transducers, resolution)
+    superelements = transducer_superelements(
+        Condensation(section, frequency), stator, transducers, resolution
+    )
     modes = guided_modes(section, frequency)
     if modes.nearest_cut_off < CUT_OFF:
         raise ConvergenceError(
             f"a mode of the section is at its cut-off at {frequency:.12g} Hz, where the last digits decide: "
             "change the frequency by a part in 100000, or give the solid a mechanical_quality"
         )
-    return joined_fields(stator, transducers, blocks, modes=modes, resolution=resolution)
+    return joined_fields(stator, transducers, superelements, modes=modes, resolution=resolution)
 
 
 def joined_fields(
     stator: Stator,
     transducers: tuple[Transducer, ...],
-    blocks: list[Block],
+    superelements: list[Superelement],
     *,
     modes: GuidedModes,
     resolution: Resolution,
@@ -193,10 +195,10 @@ def joined_fields(
     stator : Stator
     transducers : tuple of Transducer
         From left to right.
-    blocks : list of Block
+    superelements : list of Superelement
         One each, the same object for equal ones; from the outer gap's beginning to its end.
     modes : GuidedModes
-        Of the uniform segments; their section is the blocks'.
+        Of the uniform segments; their section is the superelements'.
     resolution : Resolution
     walls : Walls, optional
         The stator's ends as superelements.
@@ -207,16 +209,16 @@ def joined_fields(
     """
     section = modes.section
     unit = section.length_unit
-    potentials = [electrode_potentials(transducer, section.floats) for transducer in transducers]
+    potentials = [electrode_potentials(transducer, section.floating_potential) for transducer in transducers]
     scatterers = {
-        id(block): Scatterer(block=block, modes=modes, potentials=own)
-        for block, own in zip(blocks, potentials, strict=True)
+        id(superelement): Scatterer(superelement=superelement, modes=modes, potentials=own)
+        for superelement, own in zip(superelements, potentials, strict=True)
     }
     gaps = outer_gaps(stator, transducers)
     inset = 0.0 if walls is None else walls.width
     network = Network(
         modes=modes,
-        scatterers=tuple(scatterers[id(block)] for block in blocks),
+        scatterers=tuple(scatterers[id(superelement)] for superelement in superelements),
         places=tuple((each.extent[0] - gap[0]) / unit for each, gap in zip(transducers, gaps, strict=True)),
         start=inset,
         stop=stator.length / unit - inset,

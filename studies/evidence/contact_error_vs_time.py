@@ -91,7 +91,7 @@ def _rows(seed: Seed, amplitude: float, cycles: int, chosen: tuple, tolerances: 
 
     def stepped(per_cycle, cycles=cycles):
         state = begin.copy()
-        steps(problem, state, cycles, per_cycle, 0, nothing, no_envelope)
+        steps(problem, state, cycles, per_cycle)
         return float(state[2])
 
     def averaged(tolerance):
@@ -106,9 +106,6 @@ def _rows(seed: Seed, amplitude: float, cycles: int, chosen: tuple, tolerances: 
             problem.row, peers.first_wave(problem), begin, cycles, per_cycle, BAND / problem.speed
         )
 
-    import numpy as np
-
-    nothing, no_envelope = np.empty((0, 3)), np.empty(0, complex)
     begin = rest(slider, orbits, problem, nodes=16, truncation=1e-12).state.copy()
     truth = exact(*FINEST)
     for warm in (

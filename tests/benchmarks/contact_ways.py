@@ -156,8 +156,7 @@ def simulated():
 
         def half(first, cycles, moved, n=per_cycle):
             own = np.ascontiguousarray(moved[first::2])
-            abreast([problem for problem, _ in begins[first::2]], own, cycles, np.full(len(own), n), 0,
-                    np.empty((len(own), 0, 3)), flat)  # fmt: skip
+            abreast([problem for problem, _ in begins[first::2]], own, cycles, np.full(len(own), n), 0, flat)
             moved[first::2] = own
 
         moved = states.copy()

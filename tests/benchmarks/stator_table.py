@@ -123,8 +123,8 @@ def same_mesh() -> None:
             frequency=2.2e6,
             resolution=resolution,
             wavelength=ours.fields.section.length_unit,
-            stretch_size=size,
-            stretch_layers=layers,
+            segment_size=size,
+            segment_layers=layers,
         )
         x = np.linspace(0.01, 0.99, 67) * stator.length
         moved, other = surface_of(ours).motion(x), direct.surface(x) @ ours.circuit.voltages
@@ -220,8 +220,8 @@ def physics() -> None:
     posed = problem("absorbing")
     own = structured(posed.stator, posed.transducers)
     modes, n = own.fields.modes, own.fields.section.size
-    piece = repeated(condensed(own.fields.section, 2.2e6, width=0.25, comb=None), 8).matrix
-    inner = np.linalg.solve(piece[n : 2 * n, n : 2 * n] - modes.right_end, piece[n : 2 * n, :n])
+    piece = repeated(condensed(own.fields.section, 2.2e6, width=0.25, electrode=None), 8).matrix
+    inner = np.linalg.solve(piece[n : 2 * n, n : 2 * n] - modes.right_impedance, piece[n : 2 * n, :n])
     wall = piece[:n, :n] - piece[:n, n : 2 * n] @ inner  # two wavelengths of elements, then the absorbing end
     back = Walls(matrices=(wall, wall), width=2.0, recover=None).sent_back(modes, 1, modes.rayleigh)
     sent = abs(back[modes.rayleigh]).max()

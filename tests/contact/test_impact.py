@@ -38,7 +38,7 @@ def thrown(case, speed_t=0.0, **changed):
     deepest = (1.25 * mass * speed**2 / s.normal_stiffness) ** 0.4
     wave = orbit(deepest, frequency=speed / deepest / (2.0 * math.pi))  # sets the units, then is silent
     problem = without_wave(scaled(s, (wave,), direction=1.0, start=0.0))
-    motion = Motion(problem, table=collocation(16), truncation=1e-10)
+    motion = Motion(problem, grid=collocation(16), truncation=1e-10)
     motion.place(1e-9, -speed / problem.speed, speed_t)
     return s, motion, speed, deepest
 
@@ -101,7 +101,7 @@ def test_the_stick_slip_valve_opens_and_closes_twice_a_cycle(over):
     x_max = s.limit_slope * s.rest_approach(1)
     wave = (Orbit(frequency=2.2e6, normal=0.0, tangential=(1.0 + over) * x_max),)
     problem = scaled(s, wave, direction=1.0, start=0.0)
-    motion = Motion(problem, table=collocation(16), truncation=1e-12)
+    motion = Motion(problem, grid=collocation(16), truncation=1e-12)
     motion.place(-s.rest_approach(1) / problem.length, 0.0, 0.0, x_max / problem.length)
     motion.turn(1, mobile=False)
     motion.tally[:], motion.sums[:] = 0, 0.0
@@ -121,7 +121,7 @@ def test_the_stick_slip_valve_stays_shut_below_the_slip_limit():
     x_max = s.limit_slope * s.rest_approach(1)
     wave = (Orbit(frequency=2.2e6, normal=0.0, tangential=(1.0 - 1e-9) * x_max),)
     problem = scaled(s, wave, direction=1.0, start=0.0)
-    motion = Motion(problem, table=collocation(16), truncation=1e-12)
+    motion = Motion(problem, grid=collocation(16), truncation=1e-12)
     motion.place(-s.rest_approach(1) / problem.length, 0.0, 0.0, wave[0].tangential.real / problem.length)
     motion.turn(300, mobile=False)
     assert motion.tally[elastic.STICK_TO_SLIP] == 0
@@ -133,7 +133,7 @@ def held(cycles):
     wave = orbit(0.99 * threshold_amplitude(s, orbit(1e-9)))
     assert steady(s, wave, tolerance=1.0).regime == "stick"
     balance = balanced(s, (wave,))
-    motion = Motion(balance.problem, table=collocation(12), truncation=1e-10)
+    motion = Motion(balance.problem, grid=collocation(12), truncation=1e-10)
     motion.place(-balance.height, 0.0, 0.0, balance.motion.state[3:])
     motion.turn(cycles)
     return motion

@@ -40,7 +40,7 @@ class Contact:
         return hysteretic.moment(self.memory, 0, self.regime, self.sign, z, self.x, C, *TABLES)[0]
 
     def energy(self):
-        return chain_energy(self.memory, 0, self.regime, self.sign, self.z, self.x, C, *TABLES, TABLE.rates)
+        return chain_energy(self.memory, 0, self.regime, self.sign, self.z, self.x, C, TABLE)
 
 
 class Springs:
@@ -127,7 +127,7 @@ def test_no_closed_loop_gives_energy_out(path):
 
 def motion_of(s, A, nodes=16, truncation=1e-12):
     problem = scaled(s, (orbit(A),), direction=1.0, start=-0.5 * np.pi)
-    motion = Motion(problem, table=collocation(nodes), truncation=truncation)
+    motion = Motion(problem, grid=collocation(nodes), truncation=truncation)
     motion.place(-s.rest_approach(1) / problem.length, 0.0, 0.0, 0.0)
     return motion
 

@@ -39,8 +39,8 @@ def test_structured_and_direct_solve_agree(solid, rest, layers):
         frequency=FREQUENCY,
         resolution=Resolution(order=order, edge_layers=layers),
         wavelength=slowest_wavelength(solid, FREQUENCY),
-        stretch_size=0.25,
-        stretch_layers=1,
+        segment_size=0.25,
+        segment_layers=1,
     )
     own = ours.fields.admittances
     assert ours.fields.names == direct.names
@@ -87,7 +87,7 @@ def test_the_port_matrix_is_symmetric_whatever_the_modes_err_by():
     mirror = np.where(exact.section.odd, -1.0, 1.0)[:, None]
     right = exact.right @ (np.eye(size) + 1e-5 * np.random.default_rng(3).standard_normal((size, size)))
     modes = replace(exact, right=right, left=mirror * right)
-    for name in ("right_end", "left_end"):
+    for name in ("right_impedance", "left_impedance"):
         modes.__dict__[name] = getattr(exact, name)
     scatterers = tuple(replace(each, modes=modes) for each in network.scatterers)
     charges = replace(network, modes=modes, scatterers=scatterers).solve().charges
@@ -121,7 +121,7 @@ def test_two_runs_are_reciprocal(solid, rest):
     transfer, reverse = forward.circuit.currents[1], backward.circuit.currents[0]
     assert transfer == pytest.approx(reverse, rel=1e-11)
     for index, scatterer in enumerate(forward.fields.network.scatterers):
-        reactions = scatterer.block.matrix[-2:] @ forward.sides(index)
+        reactions = scatterer.superelement.matrix[-2:] @ forward.sides(index)
         assert abs(reactions.sum()) < 1e-11 * abs(reactions).max()
 
 
@@ -226,7 +226,7 @@ def test_absorbing_ends_send_no_surface_wave_back(solid, rest):
     solved = solution(stator, (comb(stator, "a", 1.6, finger_pairs=2),))
     modes, n = solved.fields.modes, solved.fields.section.size
     line = solved.sides(0)[n : 2 * n]
-    block = solved.fields.network.scatterers[0].block
+    block = solved.fields.network.scatterers[0].superelement
     flux = block.matrix[n : 2 * n] @ solved.sides(0)
     both = np.block([[modes.right, modes.left], [modes.right_flux, modes.left_flux]])
     travels = np.abs(modes.wavenumbers.imag) < 0.05 * np.abs(modes.wavenumbers.real)

@@ -63,7 +63,7 @@ def _direct(problem: Problem, *, order: int, edge_layers: int):
             frequency=problem.frequency,
             resolution=Resolution(order=order, edge_layers=edge_layers),
             wavelength=slowest_wavelength(problem.stator.solid, problem.frequency),
-            stretch_size=1.0,
+            segment_size=1.0,
         )
         driven = problem.transducers[0].name
         wired = solve_circuit(

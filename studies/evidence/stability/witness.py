@@ -95,8 +95,8 @@ def _direct(motor, _) -> tuple[complex, np.ndarray]:
         frequency=motor.frequency,
         resolution=Resolution(order=6, edge_layers=2),
         wavelength=slowest_wavelength(motor.stator.solid, motor.frequency),
-        stretch_size=0.25,
-        stretch_layers=3,
+        segment_size=0.25,
+        segment_layers=3,
     )
     wired = solve_circuit(
         solution.admittances, solution.names, motor.transducers, motor.drive, motor.frequency

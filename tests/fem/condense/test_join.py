@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fem.condense.join import joined, lines, repeated, swapped, widths
+from fem.condense.join import exchanged, joined, lines, repeated, widths
 from fem.condense.superelement import condensed
 from fem.condense.transducer import Condensation, FingerShape, finger_cell, half_cells
 from fem.discretize.grading import Resolution
@@ -33,8 +33,8 @@ def close(one, other, tolerance=1e-11):
 
 def test_joining_is_associative(depth):
     phi = depth.surface_dofs["phi"]
-    finger, gap = (condensed(depth, FREQUENCY, width=0.1, comb=comb) for comb in (0, None))
-    tied = {"phi": phi, "comb": 0}
+    finger, gap = (condensed(depth, FREQUENCY, width=0.1, electrode=comb) for comb in (0, None))
+    tied = {"phi": phi, "electrode": 0}
     ours = joined(joined(gap, finger, **tied), joined(finger, gap, **tied), **tied)
     other = joined(joined(joined(gap, finger, **tied), finger, **tied), gap, **tied)
     assert close(ours.matrix, other.matrix)
@@ -62,8 +62,8 @@ def test_halving_a_column_changes_little(depth):
     lines_ = np.concatenate(
         [modes.right[:, slow], modes.right[:, slow] * np.exp(-0.2j * modes.wavenumbers[slow])]
     )
-    whole = condensed(depth, FREQUENCY, width=0.2, comb=None)
-    half = condensed(depth, FREQUENCY, width=0.1, comb=None)
+    whole = condensed(depth, FREQUENCY, width=0.2, electrode=None)
+    half = condensed(depth, FREQUENCY, width=0.1, electrode=None)
     ours = joined(half, half).matrix[: 2 * n, : 2 * n] @ lines_
     assert close(whole.matrix[: 2 * n, : 2 * n] @ lines_, ours, 1e-5)
 
@@ -75,7 +75,7 @@ def test_row_of_bare_columns_is_a_stretch(depth):
     for here, tolerance in ((fine, 1e-9), (depth, 1e-5)):
         n = here.size
         modes = guided_modes(here, FREQUENCY)
-        block = repeated(condensed(here, FREQUENCY, width=0.2, comb=None), 16)
+        block = repeated(condensed(here, FREQUENCY, width=0.2, electrode=None), 16)
         slow = np.flatnonzero(np.abs(modes.wavenumbers) < 10.0)
         step = np.exp(-1j * modes.wavenumbers[slow] * block.width)
         both = np.concatenate([modes.right[:, slow], modes.right[:, slow] * step])
@@ -119,10 +119,10 @@ def test_uneven_gaps():
 def test_swapped_combs(depth):
     cell = finger_cell(Condensation(depth, FREQUENCY), SHAPE, RESOLUTION)
     n = depth.size
-    other = swapped(cell)
+    other = exchanged(cell)
     assert np.array_equal(other.matrix[2 * n + 1], cell.matrix[2 * n][np.r_[0 : 2 * n, 2 * n + 1, 2 * n]])
     assert not np.any(other.matrix[2 * n])
-    assert np.array_equal(swapped(other).matrix, cell.matrix)
+    assert np.array_equal(exchanged(other).matrix, cell.matrix)
 
 
 def test_lines_between_carry_no_force(depth):
@@ -130,7 +130,7 @@ def test_lines_between_carry_no_force(depth):
     phi = depth.surface_dofs["phi"]
     n = depth.size
     cell = finger_cell(Condensation(depth, FREQUENCY), SHAPE, RESOLUTION)
-    block = repeated(joined(cell, swapped(cell)), 2)
+    block = repeated(joined(cell, exchanged(cell)), 2)
     sides = np.cos(1.0 + np.arange(2 * n + 2)).astype(complex)
     columns = list(lines(block, sides, 5.0))
     assert [start for start, _, _ in columns] == pytest.approx(
@@ -140,6 +140,6 @@ def test_lines_between_carry_no_force(depth):
     for (_, left, before), (_, right, after) in pairwise(columns):
         assert np.array_equal(before[n : 2 * n], after[:n])
         balance = left.matrix[n : 2 * n] @ before + right.matrix[:n] @ after
-        under = left.column.comb is not None or right.column.comb is not None
+        under = left.column.electrode is not None or right.column.electrode is not None
         balance[phi] *= not under  # there the finger takes the charge
         assert np.abs(balance).max() < 1e-11 * size

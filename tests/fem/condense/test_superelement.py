@@ -29,7 +29,7 @@ def test_bare_column_passes_the_guided_modes(depth):
     """Lines v and v exp(-i k w) meet the fluxes -f and f exp(-i k w); slow modes, which order 8 resolves along x."""
     n = depth.size
     modes = guided_modes(depth, FREQUENCY)
-    block = condensed(depth, FREQUENCY, width=WIDTH, comb=None)
+    block = condensed(depth, FREQUENCY, width=WIDTH, electrode=None)
     for wavenumbers, shapes, flux in (
         (modes.wavenumbers, modes.right, modes.right_flux),
         (modes.backwards, modes.left, modes.left_flux),
@@ -48,18 +48,18 @@ def test_bare_column_passes_the_guided_modes(depth):
 def test_constant_potential_is_a_gauge(depth, comb):
     """All potentials and the comb's raised by one volt: no flux and no charge, where nothing is grounded."""
     n = depth.size
-    block = condensed(depth, FREQUENCY, width=WIDTH, comb=comb)
+    block = condensed(depth, FREQUENCY, width=WIDTH, electrode=comb)
     raised = np.concatenate([depth.constant_potential, depth.constant_potential, np.zeros(PORTS)])
     if comb is not None:
         raised[[depth.surface_dofs["phi"], n + depth.surface_dofs["phi"]]] = 0.0
         raised[2 * n + comb] = 1.0
     size = np.abs(block.matrix @ raised).max() / np.abs(block.matrix).max()
-    assert (size < 1e-13) == depth.floats
+    assert (size < 1e-13) == depth.floating_potential
     assert np.abs(block.matrix - block.matrix.T).max() == 0
 
 
 def test_combs_differ_by_name_only(depth):
-    first, second = (condensed(depth, FREQUENCY, width=WIDTH, comb=comb).matrix for comb in (0, 1))
+    first, second = (condensed(depth, FREQUENCY, width=WIDTH, electrode=comb).matrix for comb in (0, 1))
     n = depth.size
     order = np.r_[0 : 2 * n, 2 * n + 1, 2 * n]
     assert np.abs(first[np.ix_(order, order)] - second).max() == 0
@@ -74,7 +74,7 @@ def test_finger_charges_its_capacitor():
     deep = section(plate(solid, thickness=thickness, bottom="grounded"), order=4, frequency=FREQUENCY)
     n = deep.size
     tiny = 1e-6 * FREQUENCY
-    block = condensed(deep, tiny, width=0.3, comb=0)
+    block = condensed(deep, tiny, width=0.3, electrode=0)
     body = deep.solid
     z = deep.nodes / deep.length_unit + thickness
     line = np.zeros(n)

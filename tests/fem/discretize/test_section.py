@@ -43,7 +43,7 @@ def test_unknowns(bottom, above):
     assert (len(gap) > 0) == (above == "vacuum")
     existing = depth.dofs[depth.dofs >= 0]
     assert np.array_equal(np.sort(existing), np.arange(depth.size))
-    assert depth.floats == (bottom in ("free", "clamped"))
+    assert depth.floating_potential == (bottom in ("free", "clamped"))
     assert depth.nodes[depth.surface] == 0
     assert depth.nodes[0] < 0
     assert np.iscomplexobj(depth.heights) == (bottom == "absorbing")

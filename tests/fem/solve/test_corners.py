@@ -53,8 +53,8 @@ def test_stated_error_bounds_the_distance_from_the_whole_stator_assembled_at_onc
         frequency=FREQUENCY,
         resolution=LEVELS[3],
         wavelength=slowest_wavelength(stator.solid, FREQUENCY),
-        stretch_size=0.5,
-        stretch_layers=5,
+        segment_size=0.5,
+        segment_layers=5,
     )
     motion = whole.surface(np.array([place]))[..., 0]
     assert motion_difference(wave.motion([place]), motion) < 1.5 * wave.relative_error

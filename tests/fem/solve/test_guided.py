@@ -233,10 +233,10 @@ def test_radiation_impedance_at_a_lateral_wavenumber():
     """The impedance gives the flux of every mode where y -> -y is a symmetry; refused with the reason elsewhere."""
     modes = modes_of_section(line(CUTS["YZ"], order=6), FREQUENCY, 1.1)
     slow = abs(modes.wavenumbers) < 20
-    error = modes.right_end @ modes.right - modes.right_flux
+    error = modes.right_impedance @ modes.right - modes.right_flux
     assert abs(error[:, slow]).max() < 1e-9 * abs(modes.right_flux[:, slow]).max()
     with pytest.raises(ValueError, match="where y -> -y is a symmetry"):
-        _ = modes_of_section(line(CUTS["128YX"], order=6), FREQUENCY, 1.1).right_end
+        _ = modes_of_section(line(CUTS["128YX"], order=6), FREQUENCY, 1.1).right_impedance
 
 
 def test_units_do_not_matter():

@@ -42,9 +42,9 @@ def test_a_piece_that_resonates_between_clamped_lines_is_refused_there_and_only_
     at = resonance()
     rising, falling, phi = clamped_piece(at)[1]
     with pytest.raises(ConvergenceError, match="resonates at this very frequency"):
-        joined(rising, falling, phi=phi, comb=0)
+        joined(rising, falling, phi=phi, electrode=0)
     rising, falling, phi = clamped_piece(at * (1 + 1e-6))[1]
-    assert np.all(np.isfinite(joined(rising, falling, phi=phi, comb=0).matrix))
+    assert np.all(np.isfinite(joined(rising, falling, phi=phi, electrode=0).matrix))
 
 
 def cut_off() -> float:

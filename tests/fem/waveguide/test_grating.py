@@ -11,7 +11,7 @@ from fem.analytic.quasistatic import surface_permittivity
 from fem.condense.transducer import Condensation, finger_cell
 from fem.discretize.refinement import LEVELS
 from fem.results.solution import solve_driven
-from fem.waveguide.cell_parameters import cell_triple
+from fem.waveguide.cell_parameters import cell_parameters
 from fem.waveguide.grating import StopBand, grating
 from tests.fem.stators import comb, lossless, plate, wave_of
 
@@ -137,7 +137,7 @@ def test_a_finite_reflector_sends_back_tanh_of_its_fingers(sign):
 @pytest.mark.slow
 def test_the_error_of_the_edges_holds_against_a_finer_answer():
     solid = lossless("PZT-8", "Z")
-    rough = cell_triple(solid, period=PERIOD, metallisation=0.5, tolerance=0.02)
+    rough = cell_parameters(solid, period=PERIOD, metallisation=0.5, tolerance=0.02)
     made = cells("PZT-8", "Z", metallisation=0.5, level=3)
     fine = [made.stop_band(open_fingers=each) for each in (False, True)]
     width = max(band.upper - band.lower for band in fine)

@@ -53,7 +53,7 @@ def test_ends_solve_their_riccati_equation(guided):
     """(X - K1^T) K2^-1 (X - K1) = K0 - omega^2 M, and to the left with K1 turned round; both symmetric."""
     second, first, zeroth = guided.section.matrices(FREQUENCY)
     scale = np.abs(zeroth).max()
-    for ends, skew in ((guided.right_end, first), (guided.left_end, -first)):
+    for ends, skew in ((guided.right_impedance, first), (guided.left_impedance, -first)):
         residual = (ends - skew.T) @ np.linalg.solve(second, ends - skew) - zeroth
         assert np.abs(residual).max() < 1e-12 * scale
         assert np.abs(ends - ends.T).max() == 0
@@ -62,19 +62,19 @@ def test_ends_solve_their_riccati_equation(guided):
 def test_ends_know_their_modes(guided):
     slow = np.abs(guided.wavenumbers) < 40.0
     right, left = guided.right[:, slow], guided.left[:, slow]
-    assert np.abs(guided.right_end @ right - guided.right_flux[:, slow]).max() < 1e-8
-    assert np.abs(guided.left_end @ left + guided.left_flux[:, slow]).max() < 1e-8
+    assert np.abs(guided.right_impedance @ right - guided.right_flux[:, slow]).max() < 1e-8
+    assert np.abs(guided.left_impedance @ left + guided.left_flux[:, slow]).max() < 1e-8
 
 
 def test_constant_potential_sends_nothing(guided):
     """Where nothing grounds the section, phi = 1 has no flux to either side and is one of the modes."""
     depth = guided.section
-    if not depth.floats:
+    if not depth.floating_potential:
         assert not np.any(guided.wavenumbers == 0)
         return
-    size = np.abs(guided.right_end).max()
-    assert np.abs(guided.right_end @ depth.constant_potential).max() < 1e-12 * size
-    assert np.abs(guided.left_end @ depth.constant_potential).max() < 1e-12 * size
+    size = np.abs(guided.right_impedance).max()
+    assert np.abs(guided.right_impedance @ depth.constant_potential).max() < 1e-12 * size
+    assert np.abs(guided.left_impedance @ depth.constant_potential).max() < 1e-12 * size
     assert np.sum(guided.wavenumbers == 0) == 1
 
 
@@ -128,9 +128,9 @@ def test_symmetry_only_saves_time(solid):
     full = section(plate(solid, thickness=1.3), layers=1)
     full.__dict__["odd"] = None  # as if x -> -x were no symmetry
     one, other = guided_modes(half, FREQUENCY), guided_modes(full, FREQUENCY)
-    size = np.abs(one.right_end).max()
-    assert np.abs(one.right_end - other.right_end).max() < 1e-9 * size
-    assert np.abs(one.left_end - other.left_end).max() < 1e-9 * size
+    size = np.abs(one.right_impedance).max()
+    assert np.abs(one.right_impedance - other.right_impedance).max() < 1e-9 * size
+    assert np.abs(one.left_impedance - other.left_impedance).max() < 1e-9 * size
     slow = [np.sort_complex(np.round(m.wavenumbers[np.abs(m.wavenumbers) < 15], 7)) for m in (one, other)]
     assert np.abs(slow[0] - slow[1]).max() < 1e-6
 
@@ -254,5 +254,8 @@ def test_long_waves_in_fine_layers_raise_no_warning():
     slow = 1e-4 * FREQUENCY
     depth = section(stator, order=8, layers=3, frequency=slow, scale=1e-5)
     modes = guided_modes(depth, slow)
-    assert np.all(np.isfinite(modes.right_end))
-    assert np.abs(modes.right_end @ depth.constant_potential).max() < 1e-5 * np.abs(modes.right_end).max()
+    assert np.all(np.isfinite(modes.right_impedance))
+    assert (
+        np.abs(modes.right_impedance @ depth.constant_potential).max()
+        < 1e-5 * np.abs(modes.right_impedance).max()
+    )

@@ -39,8 +39,8 @@ def test_bare_piece_scatters_nothing(guided):
     Without combs nothing fixes the mean potential: it is taken out.
     """
     depth, n = guided.section, guided.section.size
-    block = repeated(condensed(depth, FREQUENCY, width=0.2, comb=None), 3)
-    scatterer = Scatterer(block=block, modes=guided, potentials=np.array([[0.5], [-0.5]]))
+    block = repeated(condensed(depth, FREQUENCY, width=0.2, electrode=None), 3)
+    scatterer = Scatterer(superelement=block, modes=guided, potentials=np.array([[0.5], [-0.5]]))
     slow = np.flatnonzero((np.abs(guided.wavenumbers) < 9.0) & (guided.wavenumbers != 0))
     nothing = np.zeros((n, len(slow)))
     phase = np.exp(-1j * guided.wavenumbers[slow] * block.width)
@@ -51,7 +51,7 @@ def test_bare_piece_scatters_nothing(guided):
         (np.concatenate([nothing, left]), np.concatenate([left * back_phase, left])),
     ):
         error = scatterer.sides(incoming, np.zeros((2, len(slow)))) - expected
-        if depth.floats:
+        if depth.floating_potential:
             constant = np.tile(depth.constant_potential, 2)
             error = error - np.outer(constant, constant @ error) / constant.sum()
         assert np.abs(error).max() < 1e-9

@@ -19,8 +19,12 @@ def test_electrodes():
 
 def test_one_electrode_has_no_voltage():
     """A shorted reflector is one conductor, an open one none."""
-    shorted, opened = replace(A, pattern="++"), replace(A, pattern="oo")
-    assert electrode_potentials(shorted, True).shape == electrode_potentials(opened, False).shape == (2, 0)
+    shorted, open_circuited = replace(A, pattern="++"), replace(A, pattern="oo")
+    assert (
+        electrode_potentials(shorted, True).shape
+        == electrode_potentials(open_circuited, False).shape
+        == (2, 0)
+    )
     assert np.array_equal(electrode_potentials(shorted, False), [[1.0], [0.0]])
 
 
