@@ -135,9 +135,7 @@ def _explored(problem, minima, degrees, estimated, say) -> Fit:
 def _outermost(problem, minima, j: int, sign: float, step: float, allowed: float) -> End:
     """Return the end of an interval: the outermost of those about each minimum that the data do not rule out."""
     least = minima[0][1]
-    found = [
-        profile(problem, x, squares, j, sign, step, allowed - (squares - least)) for x, squares in minima
-    ]
+    found = [profile(problem, each, least, j, sign=sign, step=step, allowed=allowed) for each in minima]
     return min(found, key=lambda end: (end.closed, -sign * end.x[j]))
 
 
