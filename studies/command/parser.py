@@ -51,7 +51,11 @@ def parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--json", action="store_true", help="run.json on stdout; no pictures, files only with --out"
     )
-    run.add_argument("--field", action="store_true", help="keep the whole wave field in field.vtu")
+    run.add_argument(
+        "--field",
+        action="store_true",
+        help="keep the whole wave field in field.vtu, and the surface in surface_map.vtu and .csv",
+    )
     run.add_argument("--no-plot", action="store_true", help="draw nothing")
     run.add_argument(
         "--plot", action="store_true", help="show the pictures in windows when the run has ended"

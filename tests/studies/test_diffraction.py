@@ -160,3 +160,22 @@ def test_an_answer_that_is_known_is_the_same_in_another_company(spread):
     assert (motion.at(places[::-1]) == first[:, ::-1]).all()
     assert motion.relative_error(places) == max(motion.errors(places))
     assert abs(motion.at([(8e-3, -2e-3)])[2, 0] / first[2, 2] - 1) < 1e-6
+
+
+def test_the_files_of_the_field_hold_the_beam(spread, tmp_path):
+    """Read by meshio and numpy: the motion of the beam at places picked from the files."""
+    import meshio
+
+    spread.save(tmp_path / "run", field=True)
+    table = np.genfromtxt(tmp_path / "run" / "surface_map.csv", delimiter=",", names=True)
+    mesh = meshio.read(tmp_path / "run" / "surface_map.vtu")
+    assert len(mesh.points) == len(table)
+    for row in (len(table) // 3, 2 * len(table) // 3 + 7):
+        x, y = table["x_m"][row], table["y_m"][row]
+        expected = spread.surface_motion.beam.motion(x, y)
+        real = mesh.point_data["displacement_m_per_V_real"][row]
+        assert mesh.points[row] == pytest.approx((x, y, 0.0), abs=1e-12)
+        for k, name in enumerate("xyz"):
+            found = table[f"u_{name}_m_per_V_re"][row] + 1j * table[f"u_{name}_m_per_V_im"][row]
+            assert abs(found - expected[k]) < 1e-3 * abs(expected).max()
+            assert real[k] == pytest.approx(found.real, rel=1e-9, abs=1e-18)
