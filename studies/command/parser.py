@@ -219,7 +219,9 @@ def _view(call: argparse.ArgumentParser) -> None:
         help=".vtu (complex field), .pvd (instants of a period) or .csv of the field",
     )
     call.add_argument("--surface", action="store_true", help="--data FILE.csv of the surface alone")
-    call.add_argument("--show", metavar="WHAT", help="field, solid (the whole width) or contact (field)")
+    call.add_argument(
+        "--show", metavar="WHAT", help="field, solid (the whole width), beam (from above) or contact (field)"
+    )
     call.add_argument(
         "--quantity",
         metavar="Q",
