@@ -1,7 +1,7 @@
 r"""The averaged equilibrium of any law, as a cycle that the event-driven solver can go on from.
 
 A slider that is heavy on the wave's time scale keeps height h and velocity v through a cycle. h follows from
-<sum P_i> = preload (`riding.riding_height`), v from <sum Q_i>(v) = R_t v + load. The elastic law's means are in closed
+<sum P_i> = preload (`solve.riding`), v from <sum Q_i>(v) = R_t v + load. The elastic law's means are in closed
 form between events, and `averaged` has found h and v already (`cycle_at`); for the other laws the mean tangential force
 comes from a cycle of the event-driven solver (`balanced`). Bracket and rules are those of `averaged`. Error
 O((f_n/f)^2) against the full motion.
@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.convergence import ConvergenceError
+from contact.kinematics import normal_amplitude
 from contact.orbit import Orbit
 from contact.problem import RECIPROCAL, Problem, immobile, scaled
 from contact.slider import Slider
@@ -25,8 +26,8 @@ from contact.solve.collocation import collocation
 from contact.solve.energy import SUPPORT, TRACTION
 from contact.solve.event_driven import TALLY
 from contact.solve.motion import Motion
-from contact.solve.riding import riding_height
-from contact.solve.roots import narrowed, trial
+from contact.solve.riding import riding_approach
+from contact.solve.roots import bracketed, narrowed, trial
 
 NODES, TRUNCATION = 14, 1e-11
 
@@ -73,27 +74,22 @@ def balanced(slider: Slider, orbits: tuple[Orbit, ...]) -> Balance:
     """Return the averaged steady state; the crests should drive towards +x (`drive.towards_plus`)."""
     start = trough(orbits)
     problem = scaled(slider, orbits, direction=1.0, start=start)
-    high = riding_height(slider, orbits) / problem.length
-    work = np.zeros(TALLY, np.int64)
-    found = _at_height(slider, orbits, problem, start, high, work)
+    high, work = riding_approach(problem), np.zeros(TALLY, np.int64)
     if problem.law != RECIPROCAL:
-        return found
+        return _at_height(slider, orbits, problem, start, high, work)
     # the back force only adds to the support, so the slider rides higher: mean approach below `high`
-    preload = problem.preload
-    low = -max(abs(orbit.normal) for orbit in orbits) / problem.length
-    above, below = found.support - preload, -preload
-    for count in range(100):
-        middle = high - above * (high - low) / (above - below)
-        if not low < middle < high or count % 8 == 7:
-            middle = 0.5 * (low + high)
-        found = _at_height(slider, orbits, problem, start, middle, work)
-        excess = found.support - preload
-        if abs(excess) < 1e-12 * preload or high - low < 1e-14 * (1.0 + abs(high)):
-            break
-        if excess > 0.0:
-            high, above, below = middle, excess, below * 0.5
-        else:
-            low, below, above = middle, excess, above * 0.5
+    every, preload = np.arange(problem.contacts), problem.preload
+    low, found = -float(np.max(normal_amplitude(problem.paths, every) + problem.paths.height)), None
+
+    def excess(height):
+        nonlocal found
+        if height <= low:
+            return -preload
+        found = _at_height(slider, orbits, problem, start, height, work)
+        surplus = found.support - preload
+        return surplus if abs(surplus) > 1e-12 * preload else 0.0
+
+    bracketed(excess, low, high, tolerance=1e-14 * (1.0 + abs(high)))
     return found
 
 
@@ -159,7 +155,7 @@ def opposed(slider: Slider, orbits: tuple[Orbit, ...]) -> float:
     if slider.load == 0.0 or slider.friction_coefficient * slider.preload == 0.0:
         return 1.0
     problem = scaled(slider, orbits, direction=1.0, start=0.0)
-    height = riding_height(slider, orbits) / problem.length
+    height = riding_approach(problem)
     _, (largest, _) = _rest_cycles(problem, height, np.zeros(TALLY, np.int64))
     return -1.0 if largest < 0.0 else 1.0
 
