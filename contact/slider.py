@@ -111,6 +111,16 @@ class Slider:
         """C = mu E/4G, the slip limit over the approach."""
         return elastic.limit_slope(self.friction_coefficient, self.effective_modulus, self.tangential_modulus)
 
+    def contact_radius(self, approach: float) -> float:
+        """Return the radius in m of the contact circle at an approach in m."""
+        return float(normal.contact_radius(approach, self.radius, self.contact_shape))
+
+    def pressure(self, approach: float) -> float:
+        """Return the largest pressure of a sphere, 2 E a/(pi R), or the mean one of a punch, 2 E z/(pi R), in Pa."""
+        z = max(approach, 0.0)
+        length = z if self.shape == "punch" else self.contact_radius(z)
+        return 2.0 * self.effective_modulus * length / (math.pi * self.radius)
+
     def offsets(self, contacts: int) -> np.ndarray:
         """Return the heights of so many contacts as an array, m."""
         if self.heights and len(self.heights) != contacts:

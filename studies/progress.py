@@ -4,9 +4,10 @@ import sys
 import threading
 import time
 
-__all__ = ["Progress"]
+__all__ = ["Progress", "duration"]
 
 PATIENCE = 1.0  # s
+BETWEEN = 0.05  # of the time so far: between two lines where there is no terminal
 
 
 class Progress:
@@ -19,7 +20,7 @@ class Progress:
         self._begun = time.perf_counter()
         self._text = "starting"
         self._lock = threading.Lock()
-        self._live = None
+        self._live = self._first = None
         self._shown = False
         self._printed = 0.0
         self._timer = threading.Timer(PATIENCE, self._appear)
@@ -30,6 +31,18 @@ class Progress:
         with self._lock:
             self._text = text
             self._show()
+
+    def points(self, total: int, done: int, failed: int, cost: float) -> None:
+        """Say how many points of a sweep have a row that is kept, at what rate, and the workers' seconds."""
+        now = time.perf_counter()
+        if self._first is None:
+            self._first = done, now
+        rate = (done - self._first[0]) / max(now - self._first[1], 1e-9)
+        left = duration((total - done) / rate) if rate > 0 else "-"
+        self(
+            f"{done} of {total} points kept: {rate:.3g} points/s, {left} left, {failed} failed, "
+            f"{duration(cost)} of work"
+        )
 
     def __enter__(self):
         self._timer.start()
@@ -59,6 +72,21 @@ class Progress:
             return
         if self._live is not None:
             self._live.update(self._text)
-        elif (now := time.perf_counter()) > self._printed + PATIENCE:
+        elif (now := time.perf_counter()) > self._printed + max(PATIENCE, BETWEEN * (now - self._begun)):
             self._printed = now
             print(f"{self._text} ({now - self._begun:.1f} s)", file=sys.stderr, flush=True)
+
+
+def duration(seconds: float) -> str:
+    """Return a time in words.
+
+    Examples
+    --------
+    >>> duration(3.21), duration(200), duration(9000)
+    ('3.2 s', '3 min 20 s', '2 h 30 min')
+    """
+    if seconds < 60:
+        return f"{seconds:.1f} s"
+    if seconds < 3600:
+        return f"{int(seconds // 60)} min {int(seconds % 60)} s"
+    return f"{int(seconds // 3600)} h {int(seconds % 3600 // 60)} min"

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
-from studies.refusal import RunError, SceneError, nearest
+from studies.refusal import RunError, SceneError, nearest, needed
 from studies.results import Origin, result_directory
 from studies.scene import Scene
 
@@ -221,11 +221,7 @@ class Record:
         RunError
             If pandas is not installed.
         """
-        try:
-            import pandas as pd
-        except ImportError:
-            raise RunError("to_dataframe needs pandas: pip install pandas") from None
-        return pd.DataFrame(list(self.points))
+        return needed("pandas", "to_dataframe").DataFrame(list(self.points))
 
     def plot(self, ax: "Axes | None" = None) -> "Axes":
         """Draw the main result: velocity over voltage, without a slider the surface, else the wave's profile.

@@ -2,8 +2,9 @@
 
 from collections.abc import Iterable
 from difflib import get_close_matches
+from importlib import import_module
 
-__all__ = ["Refusals", "RunError", "SceneError", "nearest", "shown", "suggestion"]
+__all__ = ["Refusals", "RunError", "SceneError", "nearest", "needed", "shown", "suggestion"]
 
 MAX_PROBLEMS = 20  # printed for one scene; a table of numbers with a wrong unit would give 36
 
@@ -127,6 +128,14 @@ def nearest(word: str, known) -> str:
     if meant is not None:
         return f"; did you mean {meant}?"
     return f"; known: {', '.join(known)}" if known else ""
+
+
+def needed(module: str, what: str):
+    """Import an optional package; a `RunError` that names it where it is missing."""
+    try:
+        return import_module(module)
+    except ImportError:
+        raise RunError(f"{what} needs {module}, which is not installed: pip install {module}") from None
 
 
 def shown(value) -> str:

@@ -5,14 +5,18 @@ time; ``run(...)`` returns a record; ``figure(record, ax)`` draws the record, or
 """
 
 import json
+import math
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import wraps
 from importlib import import_module
+from inspect import signature
 from pathlib import Path
 
 from studies.record import Record, plain, provenance
 from studies.refusal import SceneError, nearest
+from studies.scene import Scene
 
 __all__ = [
     "STUDIES",
@@ -24,6 +28,7 @@ __all__ = [
     "of_record",
     "question",
     "run_study",
+    "study",
     "study_answer",
 ]
 
@@ -43,6 +48,7 @@ STUDIES = {
     "sensitivity": "inverse",
     "contact_error_vs_time": "evidence",
     "cell_triple": "stator",
+    "network": "stator",
     "fem_error_vs_time": "evidence",
     "gallery": "motor",
     "published_motors": "papers",
@@ -79,6 +85,17 @@ class Finding:
     found: float
     confirmed: bool
     remark: str = ""
+
+    @classmethod
+    def judged(cls, statement, quantity, found, *, low=-math.inf, high=math.inf, expected="", remark=""):
+        """Return the finding that a number lies between two others, both excluded."""
+        bounds = f"below {high:g}" if low == -math.inf else f"above {low:g}"
+        if math.isfinite(low) and math.isfinite(high):
+            bounds = f"between {low:g} and {high:g}"
+        return cls(
+            statement=statement, quantity=quantity, expected=expected or bounds, found=float(found),
+            confirmed=bool(low < found < high), remark=remark,
+        )  # fmt: skip
 
     def __str__(self):
         verdict = "confirmed" if self.confirmed else "contradicted"
@@ -185,6 +202,29 @@ def of_record(draw: Callable) -> Callable:
     return figure
 
 
+def study(run: Callable) -> Callable:
+    """Make a study's ``run`` of a function that takes a `Scene` and ``progress`` and returns panels and findings.
+
+    The result takes a path, a shipped name or a scene, first the function's own default, and an optional ``progress``;
+    it returns a `StudyRecord`, named as the module, with the time it took.
+    """
+    default = signature(run).parameters["scene"].default
+
+    @wraps(run)
+    def timed(
+        scene: str | Scene = default, *, progress: Callable[[str], None] | None = None, **given
+    ) -> StudyRecord:
+        begun = time.perf_counter()
+        chosen = scene if isinstance(scene, Scene) else Scene.load(scene)
+        panels, findings = run(chosen, progress=progress or (lambda text: None), **given)
+        return StudyRecord(
+            name=run.__module__.rpartition(".")[2], panels=tuple(panels), findings=tuple(findings),
+            seconds=time.perf_counter() - begun,
+        )  # fmt: skip
+
+    return timed
+
+
 def run_study(
     name: str,
     scene: str | None,
@@ -192,6 +232,7 @@ def run_study(
     *,
     progress: Callable[[str], None],
     over: dict | None = None,
+    options: dict | None = None,
     quick: bool = False,
 ) -> StudyRecord | Record:
     """Run a study, write its numbers into a directory and return its record.
@@ -207,13 +248,20 @@ def run_study(
         Called with what is being done.
     over : dict, optional
         Axes, for studies that take some.
+    options : dict, optional
+        Of the command line, for studies that take some: those in the module's ``OPTIONS``.
     quick : bool
         Whether to run the small version, with the arguments in the module's ``QUICK``.
     """
     chosen = module(name)
     if over and not getattr(chosen, "TAKES_AXES", False):
         raise SceneError("--over", f"is not taken by the study {name}")
-    options = ({"over": over} if over else {}) | (getattr(chosen, "QUICK", {}) if quick else {})
+    for option in options or {}:
+        if option not in getattr(chosen, "OPTIONS", ()):
+            raise SceneError(f"--{option}", f"is not taken by the study {name}")
+    options = (
+        ({"over": over} if over else {}) | (getattr(chosen, "QUICK", {}) if quick else {}) | (options or {})
+    )
     if scene is not None and not getattr(chosen, "TAKES_SCENE", False):
         raise SceneError("study", f"{name} has its own scenes and takes none")
     scenes = () if scene is None else (scene,)

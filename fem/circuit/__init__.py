@@ -1,16 +1,22 @@
 """The circuit of a stator: sources, ladders, impedances and terminations at the ports of its admittance matrix."""
 
 from fem.circuit.ladder import Element, Ladder, best_match, carried
+from fem.circuit.motional import MotionalModel, motional_model
 from fem.circuit.ports import Circuit, Drive, SourcePowers, as_drive, solve_circuit
+from fem.circuit.touchstone import read_touchstone, touchstone
 
 __all__ = [
     "Circuit",
     "Drive",
     "Element",
     "Ladder",
+    "MotionalModel",
     "SourcePowers",
     "as_drive",
     "best_match",
     "carried",
+    "motional_model",
+    "read_touchstone",
     "solve_circuit",
+    "touchstone",
 ]

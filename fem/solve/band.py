@@ -6,10 +6,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem.circuit import Drive
+from fem.convergence import ConvergenceError
 from fem.results.solution import driven_solution
 from fem.results.surface_wave import SurfaceWave, surface_wave
 from fem.solve.reduced_model import ReducedModel
 from fem.threads import side_by_side
+from fem.waveguide.port_fields import solve_ports
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,6 +66,13 @@ class Band:
         """Admittance matrix of all ports in S at frequencies of the band (Hz), shape (frequencies, ports, ports)."""
 
         def at(frequency: float) -> np.ndarray:
-            return self.model.port_fields(float(frequency)).admittances
+            model = self.model
+            try:
+                return model.port_fields(float(frequency)).admittances
+            except ConvergenceError:  # too few reduced lines to close the ends with, at this frequency
+                full = solve_ports(
+                    model.stator, model.transducers, frequency=float(frequency), resolution=model.resolution
+                )
+                return full.admittances
 
         return np.array(side_by_side(at, frequencies))

@@ -14,6 +14,8 @@ from fem.solve.harmonic import check_driven
 from fem.threads import one_blas_thread
 from fem.waveguide.port_fields import PortFields, solve_ports
 
+BAND_ROUNDS = 3
+
 
 @dataclass(frozen=True, kw_only=True)
 class PortAdmittance:
@@ -129,12 +131,22 @@ def _check_ports(transducers: tuple[Transducer, ...]) -> tuple[str, ...]:
 
 def _over_band(stator, transducers, at: np.ndarray, tolerance: float) -> PortAdmittance:
     drive = Drive(sources=dict.fromkeys(_check_ports(transducers), 1.0))
-    band = frequency_band(
-        stator, transducers, lowest=float(at.min()), highest=float(at.max()), drive=drive, tolerance=tolerance
-    )
-    return PortAdmittance(
+    goal, limits = tolerance, {"lowest": float(at.min()), "highest": float(at.max())}
+    for _ in range(BAND_ROUNDS):  # a band promises its motion; the admittances may ask for more
+        band = frequency_band(stator, transducers, **limits, drive=drive, tolerance=goal)
+        if band.admittance_error <= tolerance:
+            break
+        goal *= 0.5 * tolerance / band.admittance_error
+    found = PortAdmittance(
         names=band.port_names,
         frequency=at,
         matrix=band.admittances(at.reshape(-1)).reshape(*at.shape, len(band.port_names), -1),
         relative_error=band.admittance_error,
     )
+    if band.admittance_error > tolerance:
+        raise ConvergenceError(
+            f"the band's admittances are known to {band.admittance_error:.1e} only, {tolerance:.1e} was asked for: "
+            "ask for less, or solve one frequency at a time",
+            reached=found,
+        )
+    return found

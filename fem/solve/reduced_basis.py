@@ -172,6 +172,17 @@ def bases_of(
     return np.hstack(columns[0]), np.hstack(columns[1])
 
 
+def holding(basis: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    """Return an orthonormal basis turned so that it holds a vector which it nearly holds, exactly.
+
+    Left out by 4e-6, the constant potential, which is a mode, spoils the reciprocity of the ports by 1e-8.
+    """
+    unit = vector / np.linalg.norm(vector)
+    inside = basis.T @ unit
+    inside /= np.linalg.norm(inside)
+    return basis + np.outer(unit - basis @ inside, inside)
+
+
 def _end_fields(modes: GuidedModes, ends: str, kept: float) -> list[np.ndarray]:
     """Fields near a wall for every mode that may arrive there, at some distances from it."""
     if ends == "absorbing":

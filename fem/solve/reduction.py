@@ -13,7 +13,15 @@ from fem.discretize.spectral import chebyshev_nodes
 from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.solution import Solution
-from fem.solve.reduced_basis import WALL_WIDTH, ReducedSection, bases_of, finger_key, parity_groups, snapshots
+from fem.solve.reduced_basis import (
+    WALL_WIDTH,
+    ReducedSection,
+    bases_of,
+    finger_key,
+    holding,
+    parity_groups,
+    snapshots,
+)
 from fem.solve.reduced_model import HalfCell, ReducedModel
 from fem.threads import side_by_side
 from fem.waveguide.ends import end_pieces
@@ -151,7 +159,8 @@ def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> Re
         Singular values below this times the largest are left out.
     """
     section = nodes.section
-    bases = bases_of(nodes.fields, parity_groups(section, problem.stator.ends == "clamped"), truncation)
+    gap, finger = bases_of(nodes.fields, parity_groups(section, problem.stator.ends == "clamped"), truncation)
+    bases = holding(gap, section.constant_potential) if section.floating_potential else gap, finger
     odd = None
     if section.odd is not None:
         odd = np.array([section.odd[np.argmax(abs(column))] for column in bases[0].T])

@@ -69,4 +69,6 @@ def contact_slider(slider: Slider):
         contact_damping=slider.damping.contact,
         normal_damping=slider.damping.normal / share,
         tangential_damping=slider.damping.tangential / share,
+        shape=slider.shape,
+        heights=slider.heights or (),
     )

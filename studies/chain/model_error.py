@@ -13,6 +13,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 
+from studies.chain import bridge
 from studies.record import Record
 from studies.scene import resolved
 
@@ -210,8 +211,8 @@ def _contact(record: Record) -> Iterator[NeglectedEffect]:
     solid = resolved.solid(record.scene.stator)
     count = len(slider.offsets)
     share, omega = slider.preload / count, 2 * math.pi * record.wave["frequency_Hz"]
-    approach = (0.75 * share / (slider.effective_modulus * math.sqrt(slider.radius))) ** (2 / 3)
-    stiffness = 2 * slider.effective_modulus * math.sqrt(slider.radius * approach)
+    body, places = bridge.contact_slider(slider), 1 if isinstance(slider.contacts, int) else count
+    stiffness = (2 * math.pi * body.normal_resonance(places)) ** 2 * body.mass / places
     shear = float(solid.stiffness[4, 4])
     yield NeglectedEffect(
         effect="radiation of a contact into the stator",

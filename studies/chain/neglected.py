@@ -5,12 +5,10 @@ import fem
 
 def driven_left_out(stator: "fem.Stator", frequency: float) -> tuple[str, ...]:
     """Return what a driven stator is solved without at a frequency in Hz, and why."""
-    from fem.materials.medium import medium
-
     names, reasons = fem.fields(stator.solid), []
     if "uy" not in names:
         reasons.append("out-of-plane displacement: uncoupled in this orientation")
-    if medium(stator.solid, names).parity is not None:
+    if fem.medium(stator.solid, names).parity is not None:
         reasons.append("half of the guided-mode problem: x -> -x is a symmetry of this orientation")
     if stator.above == "none":
         reasons.append("field in the vacuum above: D_n = 0 on the bare surface")

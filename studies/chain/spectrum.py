@@ -13,7 +13,7 @@ from itertools import pairwise
 from studies.refusal import RunError
 from studies.scene import Scene, resolved
 
-__all__ = ["Response", "Spectrum", "response", "spectrum"]
+__all__ = ["Response", "Spectrum", "response", "spectrum", "takes_bands"]
 
 WIDEST = 1.6  # highest over lowest frequency of one band
 
@@ -130,7 +130,7 @@ def response(
             raise RunError(f"at {frequency / 1e6:.6g} MHz {error}") from None
 
     bands = []
-    if _takes_bands(block, transducers, places):
+    if takes_bands(block, transducers, places):
         count = max(1, math.ceil(math.log(highest / lowest) / math.log(WIDEST)))
         edges = [lowest * (highest / lowest) ** (k / count) for k in range(count)] + [highest]
         for low, high in pairwise(edges):
@@ -165,7 +165,7 @@ def spectrum(scene: Scene, prepared: Response, frequencies, place: float) -> Spe
     )
 
 
-def _takes_bands(block, transducers, places) -> bool:
+def takes_bands(block, transducers, places) -> bool:
     """Return whether bands serve: whole gaps everywhere, no finger left out, no place under a transducer."""
     from fem import outer_gaps
 

@@ -64,25 +64,22 @@ def _pressure(record: Record) -> Iterator[str]:
         orbits = bridge.scaled(bridge.orbits_per_volt(record.surface_wave, scene.slider), level)
     else:
         orbits = bridge.scaled(bridge.given_orbits(scene.wave), level)
-    approach = riding_height(slider, orbits) + max(abs(orbit.normal) for orbit in orbits)
-    highest = hertz_pressure(slider, max(approach, 0.0))
-    at_rest = hertz_pressure(slider, slider.rest_approach(len(orbits)))
-    known = (("the balls bear", strength("steel")), ("the stator bears", catalogue_strength(scene)))
+    crests = [abs(orbit.normal) for orbit in orbits] + slider.offsets(len(orbits))
+    highest = slider.pressure(riding_height(slider, orbits) + max(crests))
+    at_rest = slider.pressure(max(slider.rest_approaches(len(orbits))))
+    kind = "Mean pressure under a punch," if slider.shape == "punch" else "Hertz pressure"
+    what = "punches" if slider.shape == "punch" else "balls"
+    known = ((f"the {what} bear", strength("steel")), ("the stator bears", catalogue_strength(scene)))
     for part, limits in known:
         if limits is None or highest <= limits.contact_pressure:
             continue
         resting = at_rest > limits.contact_pressure
         pressure, when = (at_rest, "at rest") if resting else (highest, "on the wave's crest")
-        remedy = "more or larger balls, or less preload" + ("" if resting else " or drive")
+        remedy = f"more or larger {what}, or less preload" + ("" if resting else " or drive")
         yield (
-            f"Hertz pressure {pressure / 1e9:.3g} GPa {when} exceeds what {part}, "
+            f"{kind} {pressure / 1e9:.3g} GPa {when} exceeds what {part}, "
             f"{limits.contact_pressure / 1e9:.3g} GPa ({limits.pressure_source}): {remedy}"
         )
-
-
-def hertz_pressure(slider, approach: float) -> float:
-    """Return p0 = 2 E* a / (pi R), a^2 = R z, in Pa, of a ball pressed in by z in m; (6 P E*^2 / (pi^3 R^2))^(1/3)."""
-    return 2 * slider.effective_modulus / math.pi * math.sqrt(approach / slider.radius)
 
 
 def _reversal(record: Record) -> Iterator[str]:

@@ -33,9 +33,9 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.explain:
         return _explain(scene, wanted, as_json=arguments.json)
     if arguments.plot:
-        from studies.report.window import refuse_without_toolkit, show
+        from studies.report.figures import refuse_without_toolkit, show
 
-        refuse_without_toolkit()
+        refuse_without_toolkit("--plot", "without it the same pictures are files in the result directory")
     origin = _origin("run", arguments.scene)
     out = arguments.out
     if out is None and not arguments.json:
@@ -207,6 +207,11 @@ def study(arguments: argparse.Namespace) -> int:
             result.folder,
             progress=progress,
             over=axes_given(arguments.over),
+            options={
+                name: value
+                for name in ("band", "z0", "measured")
+                if (value := getattr(arguments, name)) is not None
+            },
             quick=arguments.quick,
         )
         result.commit()

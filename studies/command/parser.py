@@ -118,6 +118,11 @@ def parser() -> argparse.ArgumentParser:
         "scene", metavar="SCENE", nargs="?", help="a path or a shipped name, for studies of a scene"
     )
     _axes(study)
+    study.add_argument("--band", metavar="START:STOP:N", help="network: frequencies in MHz")
+    study.add_argument("--z0", metavar="OHM", help="network: reference impedance (50)")
+    study.add_argument(
+        "--measured", metavar="FILE", help="network: Touchstone file to draw over the prediction"
+    )
     study.add_argument(
         "--quick", action="store_true", help="a small version of it, to see what it gives: no evidence"
     )

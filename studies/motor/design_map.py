@@ -9,7 +9,6 @@ about 5 s.
 """
 
 import math
-import time
 from collections.abc import Callable
 from itertools import pairwise
 
@@ -17,7 +16,7 @@ from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.scene.override import replaced
 from studies.scene.resolved import resolved
-from studies.study import Finding, Panel, StudyRecord, of_record
+from studies.study import Finding, Panel, StudyRecord, of_record, study
 from studies.sweep import sweep
 from studies.sweep.axes import axis, level_key, rule_at, unit_of
 
@@ -40,6 +39,7 @@ PANELS = {
 }
 
 
+@study
 def run(
     scene: str | Scene = "twente-contact",
     *,
@@ -62,9 +62,7 @@ def run(
     """
     import numpy as np
 
-    begun = time.perf_counter()
-    say = progress or (lambda text: None)
-    chosen = resolved(scene if isinstance(scene, Scene) else Scene.load(scene))
+    chosen = resolved(scene)
     if chosen.slider is None:
         chosen.refuse("slider", "is missing: without one there is nothing to map")
     table, level = chosen.to_table(), level_key(chosen.to_table())
@@ -74,12 +72,12 @@ def run(
     own = [_own(table, each.keys[0]) for each in axes]
     if level not in (x_key, y_key):
         table = replaced(table, level, [max(chosen.levels)])
-    say(f"design map: {len(axes[0]) * len(axes[1])} points")
+    progress(f"design map: {len(axes[0]) * len(axes[1])} points")
     found = sweep(
         table,
         {y_key: axes[1].columns[0], x_key: axes[0].columns[0]},
         also=("limits", "thrust", "efficiency"),
-        progress=lambda count, kept, failed, cost: say(
+        progress=lambda count, kept, failed, cost: progress(
             f"design map: {kept} of {count} points, {failed} failed"
         ),
     )
@@ -104,10 +102,7 @@ def run(
         if key in grid:
             data = shared | {"value": _plain(grid[key]), "label": label, "scale": scale}
             panels.append(Panel(name=name, title=f"{chosen.title}{at}", data=data))
-    return StudyRecord(
-        name="design_map", panels=tuple(panels), findings=_findings(grid, regime, columns, chosen.slider, failed),
-        seconds=time.perf_counter() - begun,
-    )  # fmt: skip
+    return panels, _findings(grid, regime, columns, chosen.slider, failed)
 
 
 @of_record
@@ -249,9 +244,14 @@ def _findings(grid, regime, columns, slider, failed) -> tuple[Finding, ...]:
     ]  # fmt: skip
     best = float(np.nanmax(grid["contact_efficiency"][known]))
     findings.append(
-        Finding(statement="The load gets less than the wave gives.", quantity="largest efficiency of the contact",
-                expected="between 0 and 1", found=best, confirmed=0.0 < best < 1.0)
-    )  # fmt: skip
+        Finding.judged(
+            "The load gets less than the wave gives.",
+            "largest efficiency of the contact",
+            best,
+            low=0,
+            high=1,
+        )
+    )
     preload, mu = (
         np.array(columns.get(f"slider.{key}", [each] * known.size), float).reshape(known.shape)[known]
         for key, each in (("preload", slider.preload), ("friction_coefficient", slider.friction_coefficient))

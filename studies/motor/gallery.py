@@ -168,28 +168,18 @@ def _findings(record: Record, found, state, slow) -> tuple[Finding, ...]:
     speed = float(abs(slow.slider_velocity.mean() / state.velocity - 1))
     return (
         *_wave_findings(record, found),
-        Finding(
-            statement="The drawn field moves the surface under the slider as the run says.",
-            quantity="relative difference of u_z",
-            expected="below 1e-10",
-            found=amplitude,
-            confirmed=amplitude < 1e-10,
+        Finding.judged(
+            "The drawn field moves the surface under the slider as the run says.",
+            "relative difference of u_z", amplitude, high=1e-10,
         ),
-        Finding(
-            statement="What the wave gives the contact is accounted for.",
-            quantity="residual of the ledger, relative",
-            expected="below 1e-6",
-            found=residual,
-            confirmed=residual < 1e-6,
+        Finding.judged(
+            "What the wave gives the contact is accounted for.", "residual of the ledger, relative", residual, high=1e-6
         ),
-        Finding(
-            statement="The slider in slow motion runs at the steady velocity.",
-            quantity="difference of the mean velocities, relative",
-            expected="below 1e-6",
-            found=speed,
-            confirmed=speed < 1e-6,
+        Finding.judged(
+            "The slider in slow motion runs at the steady velocity.",
+            "difference of the mean velocities, relative", speed, high=1e-6,
         ),
-    )
+    )  # fmt: skip
 
 
 def _wave_findings(record: Record, found) -> list[Finding]:
@@ -217,14 +207,12 @@ def _wave_findings(record: Record, found) -> list[Finding]:
         measured = 2 * np.pi / abs(np.polyfit(at, np.unwrap(np.angle(normal)), 1)[0])
         difference, bound = float(abs(measured / found.wavelength - 1)), 0.1 * found.wavelength / np.ptp(at)
         findings.append(
-            Finding(
-                statement="The drawn field has the wavelength of the surface wave.",
-                quantity="wavelength by the phase of the drawn u_z over that of the run, less 1",
+            Finding.judged(
+                "The drawn field has the wavelength of the surface wave.",
+                "wavelength by the phase of the drawn u_z over that of the run, less 1", difference, high=bound,
                 expected=f"below {bound:.1g}: a tenth of a wavelength on the way from the transducer to the slider",
-                found=difference,
-                confirmed=bool(difference < bound),
             )
-        )
+        )  # fmt: skip
     return findings
 
 

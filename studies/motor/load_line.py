@@ -7,12 +7,11 @@ preload; efficiency between 0 and 1, largest inside the line; the ledger closes 
 and the stator's.
 """
 
-import time
 from collections.abc import Callable
 
 from studies.chain.driven_contact import driven_contact
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord, of_record
+from studies.study import Finding, Panel, StudyRecord, of_record, study
 
 __all__ = ["figure", "run"]
 
@@ -21,6 +20,7 @@ QUICK = {"points": 3}
 LINES = 4
 
 
+@study
 def run(
     scene: str | Scene = "twente-contact",
     *,
@@ -42,15 +42,13 @@ def run(
 
     import contact
 
-    begun = time.perf_counter()
-    say = progress or (lambda text: None)
-    driven = driven_contact(scene, progress=say)
+    driven = driven_contact(scene, progress=progress)
     chosen, slider, moving = driven.scene, driven.slider, driven.above(1.05)
     picked = sorted({moving[round(k * (len(moving) - 1) / LINES)] for k in range(1, LINES + 1)})
     drawn = {driven.named(level): driven.at(level) for level in picked}
     lines = {}
     for name, orbits in drawn.items():
-        say(f"load line: {name}")
+        progress(f"load line: {name}")
         lines[name] = contact.load_line(slider, orbits, points=points, tolerance=1e-4)
     # of the balls that are computed as one, the whole thrust
     balls = chosen.slider.preload / slider.preload
@@ -79,9 +77,7 @@ def run(
             ("efficiency", "efficiency of the contact", "efficiency", "mechanical efficiency (%)", 1e2),
         )
     ]  # fmt: skip
-    return StudyRecord(
-        name="load_line", panels=tuple(panels), findings=tuple(findings), seconds=time.perf_counter() - begun
-    )
+    return tuple(panels), tuple(findings)
 
 
 @of_record
@@ -89,17 +85,12 @@ def figure(record: Panel, ax):
     """Draw a quantity against load."""
     import numpy as np
 
-    from studies.report.figures import COLOURS, legend_below
+    from studies.report.figures import COLOURS, finished
 
     data = record.data
     palette = [COLOURS["stick"], COLOURS["slip"], COLOURS["second"], COLOURS["intermittent"], COLOURS["line"]]
     for (name, load), colour in zip(data["load_N"].items(), palette, strict=False):
         values = np.asarray(data["value"][name]) * data["factor"]
         ax.plot(np.asarray(load) * 1e6, values, ".-", color=colour, linewidth=1, markersize=4, label=name)
-    ax.set_xlabel("load (\u00b5N)")
-    ax.set_ylabel(data["axis"])
-    ax.set_title(record.title, fontsize="medium")
     ax.set_ylim(bottom=0)
-    ax.grid(alpha=0.3)
-    legend_below(ax, columns=3)
-    return ax
+    return finished(ax, "load (\u00b5N)", data["axis"], record.title, columns=3)

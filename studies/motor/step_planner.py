@@ -9,12 +9,11 @@ how it builds up is not in the steps.  Run time: about 5 s, and the stator's.
 """
 
 import math
-import time
 from collections.abc import Callable
 
 from studies.chain.driven_contact import driven_contact
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord, of_record
+from studies.study import Finding, Panel, StudyRecord, of_record, study
 
 __all__ = ["figure", "run"]
 
@@ -25,6 +24,7 @@ WANTED = (2e-9, 1e-8, 1e-7)  # m
 FAR = 0.1  # of the steady speed: below it the slider is taken to gain speed evenly
 
 
+@study
 def run(
     scene: str | Scene = "twente-contact",
     *,
@@ -52,15 +52,13 @@ def run(
 
     import contact
 
-    begun = time.perf_counter()
-    say = progress or (lambda text: None)
-    driven = driven_contact(scene, progress=say)
+    driven = driven_contact(scene, progress=progress)
     chosen, slider, moving = driven.scene, driven.slider, driven.above(1.5)
     picked = sorted({moving[round(k * (len(moving) - 1) / lines)] for k in range(1, lines + 1)})
     steps, planned = {}, {}
     for level in picked:
         name, orbits = driven.named(level), driven.at(level)
-        say(f"step planner: {name}")
+        progress(f"step planner: {name}")
         steps[name] = [contact.step(slider, orbits, cycles=number) for number in cycles]
         planned[name] = [contact.cycles_for(slider, orbits, displacement=size) for size in wanted]
     pairs = [(size, *pair) for plans in planned.values() for size, pair in zip(wanted, plans, strict=True)]
@@ -81,14 +79,19 @@ def run(
             ),
         ),
         *_growth(slowest, steady),
-        Finding(
-            statement="The step is the integral of the velocity.",
-            quantity=f"travel in {cycles[-2]} cycles and the slide after over the step",
+        Finding.judged(
+            "The step is the integral of the velocity.",
+            f"travel in {cycles[-2]} cycles and the slide after over the step",
+            travel,
+            low=0.98,
+            high=1.02,
             expected="1, but for the ring about where the slider stays",
-            found=travel,
-            confirmed=abs(travel - 1.0) < 0.02,
         ),
     ]
+
+    def table(value):
+        return {key: np.array([getattr(each, value) for each in line]) for key, line in steps.items()}
+
     sides = (("step_planner", "step", "displacement"), ("stopping", "slide after the burst", "stopping"))
     panels = [
         Panel(
@@ -96,17 +99,10 @@ def run(
             title=f"{chosen.title}: {title}",
             data={
                 "cycles": np.array(cycles),
-                "distance_m": {
-                    key: np.sign(steady) * np.array([getattr(each, value) for each in line])
-                    for key, line in steps.items()
-                },
-                "velocity_m_per_s": {
-                    key: np.array([each.velocity for each in line]) for key, line in steps.items()
-                },
-                "ring_m": {key: np.array([each.ring for each in line]) for key, line in steps.items()},
-                "stopping_time_s": {
-                    key: np.array([each.stopping_time for each in line]) for key, line in steps.items()
-                },
+                "distance_m": {key: np.sign(steady) * values for key, values in table(value).items()},
+                "velocity_m_per_s": table("velocity"),
+                "ring_m": table("ring"),
+                "stopping_time_s": table("stopping_time"),
                 "planned_cycles": {key: [pair[1].cycles for pair in plans] for key, plans in planned.items()},
                 "wanted_m": np.array(wanted),
                 "axis": f"{title} (nm)",
@@ -114,12 +110,7 @@ def run(
         )
         for file, title, value in sides
     ]
-    return StudyRecord(
-        name="step_planner",
-        panels=tuple(panels),
-        findings=tuple(findings),
-        seconds=time.perf_counter() - begun,
-    )
+    return tuple(panels), tuple(findings)
 
 
 def _growth(steps, steady: float) -> list[Finding]:
@@ -130,14 +121,12 @@ def _growth(steps, steady: float) -> list[Finding]:
     short, long = far[-2:]
     exponent = math.log(long.displacement / short.displacement) / math.log(long.cycles / short.cycles)
     return [
-        Finding(
-            statement="Far from its steady speed the slider gains speed evenly: steps grow as cycles squared.",
-            quantity=f"exponent between {short.cycles} and {long.cycles} cycles at the smallest amplitude",
-            expected="2",
-            found=exponent,
-            confirmed=abs(exponent - 2.0) < 0.1,
+        Finding.judged(
+            "Far from its steady speed the slider gains speed evenly: steps grow as cycles squared.",
+            f"exponent between {short.cycles} and {long.cycles} cycles at the smallest amplitude", exponent,
+            low=1.9, high=2.1, expected="2",
         )
-    ]
+    ]  # fmt: skip
 
 
 def _travelled(slider, orbits, frequency, step) -> float:
@@ -158,7 +147,7 @@ def figure(record: Panel, ax):
     """Draw distance against cycles; what was planned as crosses."""
     import numpy as np
 
-    from studies.report.figures import COLOURS, legend_below, logarithmic
+    from studies.report.figures import COLOURS, finished, logarithmic
 
     data = record.data
     palette = [COLOURS["stick"], COLOURS["slip"], COLOURS["second"], COLOURS["intermittent"]]
@@ -180,9 +169,4 @@ def figure(record: Panel, ax):
         ax.plot([], [], "x", color=COLOURS["line"], markersize=6, label=f"planned for {steps} nm")
     logarithmic(ax.xaxis)
     logarithmic(ax.yaxis)
-    ax.set_xlabel("cycles of the wave")
-    ax.set_ylabel(data["axis"])
-    ax.set_title(record.title, fontsize="medium")
-    ax.grid(alpha=0.3)
-    legend_below(ax, columns=5)
-    return ax
+    return finished(ax, "cycles of the wave", data["axis"], record.title, columns=5)

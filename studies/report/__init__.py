@@ -11,11 +11,12 @@ from pathlib import Path
 from studies.chain.model_error import sentences
 from studies.record import Record, provenance
 from studies.report import energies, figures
+from studies.report.answer import points_table
 from studies.report.intermediate import intermediate_numbers, si
 from studies.report.limits import model_limits
 from studies.scene.toml import document
 
-__all__ = ["report", "write_report"]
+__all__ = ["rendered", "report", "write_report"]
 
 TEMPLATE = "report.html"
 
@@ -25,8 +26,8 @@ def write_report(record: Record, folder: Path) -> None:
     (folder / TEMPLATE).write_text(report(record), encoding="utf-8")
 
 
-def report(record: Record) -> str:
-    """Return the page of a record."""
+def rendered(template: str, **values) -> str:
+    """Return a page from one of the templates."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
     environment = Environment(
@@ -36,9 +37,16 @@ def report(record: Record) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    written = datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC")
+    return environment.get_template(template).render(written=written, **values)
+
+
+def report(record: Record) -> str:
+    """Return the page of a record."""
     scene = record.scene
-    columns, points = _table(record)
-    return environment.get_template(TEMPLATE).render(
+    columns, points = points_table(record, missing="\u2013")
+    return rendered(
+        TEMPLATE,
         title=scene.title or "A run of sawmotor",
         headline=_headline(record),
         columns=columns,
@@ -57,7 +65,6 @@ def report(record: Record) -> str:
         left_out=record.left_out,
         limits=(*model_limits(scene), *(f"Estimated model error - {each}." for each in sentences(record))),
         provenance=provenance() | {"machine": _machine()},
-        written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
         scene=document(scene.to_table()),
     )
 
@@ -93,26 +100,6 @@ def _way(record: Record, point: dict) -> str:
         return f"towards {towards}"
     to = (driven.center - record.scene.slider.position) * point["velocity_m_per_s"] > 0
     return f"{'towards' if to else 'away from'} the driven transducer ({towards})"
-
-
-def _table(record: Record) -> tuple[list[str], list[list[str]]]:
-    """Return the heads and the rows of the points; what no point has is no column."""
-    columns = [
-        ("voltage (V)", "voltage_V", lambda value: f"{value:g}"),
-        ("u_z (nm)", "normal_amplitude_m", lambda value: f"{value * 1e9:.4g}"),
-        ("u_x (nm)", "tangential_amplitude_m", lambda value: f"{value * 1e9:.4g}"),
-        ("velocity (mm/s)", "velocity_m_per_s", lambda value: f"{value * 1e3:.5g}"),
-        ("at burst end (mm/s)", "velocity_at_burst_end_m_per_s", lambda value: f"{value * 1e3:.5g}"),
-        ("relative error", "relative_error", lambda value: f"{value:.1e}"),
-        ("regime", "regime", str),
-        ("status", "status", str),
-    ]
-    shown = [column for column in columns if any(column[1] in point for point in record.points)]
-    rows = [
-        [written(point[key]) if key in point else "\u2013" for _, key, written in shown]
-        for point in record.points
-    ]
-    return [name for name, _, _ in shown], rows
 
 
 def _pictures(record: Record) -> list[dict]:

@@ -9,7 +9,19 @@ from studies.record import Record
 from studies.report.measured import comparison_lines
 from studies.scene.match import ELEMENTS
 
-__all__ = ["answer", "print_json", "table"]
+__all__ = ["answer", "points_table", "print_json", "table"]
+
+COLUMNS = (
+    ("voltage (V)", "voltage_V", lambda value: f"{value:g}"),
+    ("available (W)", "available_power_W", lambda value: f"{value:.4g}"),
+    ("u_z (nm)", "normal_amplitude_m", lambda value: f"{value * 1e9:.4g}"),
+    ("u_x (nm)", "tangential_amplitude_m", lambda value: f"{value * 1e9:.4g}"),
+    ("velocity (mm/s)", "velocity_m_per_s", lambda value: f"{value * 1e3:.5g}"),
+    ("at burst end (mm/s)", "velocity_at_burst_end_m_per_s", lambda value: f"{value * 1e3:.5g}"),
+    ("regime", "regime", str),
+    ("rel. error", "relative_error", lambda value: f"{value:.1e}"),
+    ("status", "status", str),
+)  # of a point: its head, its key in run.json, and how it is written
 
 
 def print_json(value: dict) -> None:
@@ -22,7 +34,9 @@ def answer(record: Record) -> str:
     """Return what a run prints on stdout."""
     lines = [record.scene.title or "no title", ""]
     if record.points:
-        lines += [*_points(record), ""]
+        head, rows = points_table(record)
+        shown = [k for k, name in enumerate(head) if name != "status"]
+        lines += [*table([[row[k] for k in shown] for row in (head, *rows)]), ""]
     else:
         lines += _free_wave(record.wave)
     lines += _wave(record)
@@ -53,33 +67,13 @@ def table(rows: list[list[str]]) -> list[str]:
     ]
 
 
-def _points(record: Record) -> list[str]:
-    with_voltage, with_slider = record.scene.wave is None, record.scene.slider is not None
-    burst = record.scene.burst is not None and with_slider
-    powered = any("available_power_W" in point for point in record.points)
-    head = ["voltage (V)"] if with_voltage else []
-    head += ["available (W)"] if powered else []
-    head += ["u_z (nm)", "u_x (nm)"] + (["velocity (mm/s)"] if with_slider else [])
-    head += (["at burst end (mm/s)"] if burst else []) + (["regime"] if with_slider else []) + ["rel. error"]
-    rows = [head]
-    for point in record.points:
-        row = [f"{point['voltage_V']:g}"] if with_voltage else []
-        row += [f"{point['available_power_W']:.4g}"] if powered else []
-        row += [f"{point[f'{side}_amplitude_m'] * 1e9:.4g}" for side in ("normal", "tangential")]
-        if with_slider:
-            row.append(_milli(point.get("velocity_m_per_s")))
-        if burst:
-            row.append(_milli(point.get("velocity_at_burst_end_m_per_s")))
-        if with_slider:
-            row.append(point.get("regime", "-"))
-        error = point.get("relative_error")
-        row.append("-" if error is None else f"{error:.1e}")
-        rows.append(row)
-    return table(rows)
-
-
-def _milli(speed: float | None) -> str:
-    return "-" if speed is None else f"{speed * 1e3:.5g}"
+def points_table(record: Record, missing: str = "-") -> tuple[list[str], list[list[str]]]:
+    """Return heads and rows of a run's points; what no point has is no column."""
+    shown = [column for column in COLUMNS if any(column[1] in point for point in record.points)]
+    rows = [
+        [text(point[key]) if key in point else missing for _, key, text in shown] for point in record.points
+    ]
+    return [name for name, _, _ in shown], rows
 
 
 def _free_wave(wave: dict) -> list[str]:

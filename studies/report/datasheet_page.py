@@ -1,14 +1,12 @@
 """A motor's datasheet as one self-contained page, A4 when printed: table, characteristics, limits."""
 
-from datetime import UTC, datetime
-from pathlib import Path
-
 import numpy as np
 
 from studies.chain.model_error import sentences
 from studies.record import provenance
+from studies.report import rendered
 from studies.report.datasheet import SETTLED, Datasheet, Row
-from studies.report.figures import COLOURS, as_svg, legend_below, velocity
+from studies.report.figures import COLOURS, as_svg, finished, velocity
 from studies.report.intermediate import si
 from studies.report.limits import model_limits
 
@@ -28,22 +26,14 @@ PALETTE = ("stick", "slip", "intermittent")
 
 def page(sheet: Datasheet) -> str:
     """Return the HTML page of a datasheet."""
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent / "templates"),
-        autoescape=True,  # titles and names come from a scene's author
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     record = sheet.record
     drawn = (
         (lambda ax: speed(sheet, ax), "speed against drive"),
         (lambda ax: load_lines(sheet, ax), "speed against load"),
         (lambda ax: start_and_stop(sheet, ax), "start and stop"),
     )
-    return environment.get_template(TEMPLATE).render(
+    return rendered(
+        TEMPLATE,
         title=record.scene.title or "A motor",
         rated=sheet.driven.named(sheet.rated),
         conditions=_conditions(sheet),
@@ -57,7 +47,6 @@ def page(sheet: Datasheet) -> str:
         model_error=sentences(record),
         tolerance=f"{record.tolerance:g}",
         version=provenance()["version"],
-        written=datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"),
     )
 
 
@@ -99,14 +88,9 @@ def load_lines(sheet: Datasheet, ax):
             linewidth=1,
             label=name,
         )
-    ax.set_xlabel("load (\u00b5N)")
-    ax.set_ylabel("speed (mm/s)")
-    ax.set_title("speed against load", fontsize="medium")
     ax.set_xlim(left=0)
     ax.set_ylim(bottom=0)
-    ax.grid(alpha=0.3)
-    legend_below(ax)
-    return ax
+    return finished(ax, "load (\u00b5N)", "speed (mm/s)", "speed against load")
 
 
 def start_and_stop(sheet: Datasheet, ax):
@@ -118,12 +102,9 @@ def start_and_stop(sheet: Datasheet, ax):
     ax.axhline(
         share, color=COLOURS["stick"], linestyle="--", linewidth=1, label=f"{SETTLED:.0%} of the speed"
     )
-    ax.set_xlabel("time (ms)")
-    ax.set_ylabel("slider velocity (mm/s)")
-    ax.set_title(f"start and stop at {sheet.driven.named(sheet.rated)}", fontsize="medium")
-    ax.grid(alpha=0.3)
-    legend_below(ax)
-    return ax
+    return finished(
+        ax, "time (ms)", "slider velocity (mm/s)", f"start and stop at {sheet.driven.named(sheet.rated)}"
+    )
 
 
 def _written(row: Row) -> dict:
@@ -141,6 +122,8 @@ def _conditions(sheet: Datasheet) -> str:
     """Return what the motor is, in two sentences."""
     scene, slider = sheet.record.scene, sheet.record.scene.slider
     balls = len(slider.offsets)
+    feet = {"sphere": "ball", "punch": "flat punch"}[slider.shape]
+    feet += ("es" if slider.shape == "punch" else "s") * (balls > 1)
     sentences = []
     if scene.stator is not None:
         driven = next(each for each in scene.transducer if each.name == scene.drive.transducer)
@@ -153,9 +136,10 @@ def _conditions(sheet: Datasheet) -> str:
     else:
         sentences.append(f"Given wave at {si(scene.frequency, 'Hz', 6)}.")
     sentences.append(
-        f"Slider of {si(1e3 * slider.mass, 'g', 4)} on {balls} ball{'s' * (balls > 1)} of radius "
+        f"Slider of {si(1e3 * slider.mass, 'g', 4)} on {balls} {feet} of radius "
         f"{si(slider.radius, 'm', 4)}, preload {si(slider.preload, 'N', 4)}, friction coefficient "
-        f"{slider.friction_coefficient:g}, {slider.law} contact law."
+        f"{slider.friction_coefficient:g}, {slider.law} contact law"
+        + (", contacts of different height." if slider.heights else ".")
     )
     if slider.load and np.isfinite(slider.load):
         sentences.append(f"The scene's load of {si(slider.load, 'N', 4)} is part of the speed above.")

@@ -9,18 +9,22 @@ from collections.abc import Callable
 from pathlib import Path
 
 from studies.record import Record
+from studies.refusal import RunError
 
 __all__ = [
     "COLOURS",
     "as_svg",
     "draw_run",
     "errors",
+    "finished",
     "legend_below",
     "legend_beside",
     "logarithmic",
     "pictures",
     "profile",
+    "refuse_without_toolkit",
     "saved",
+    "show",
     "surface",
     "trajectories",
     "velocity",
@@ -52,6 +56,26 @@ def draw_run(record: Record, folder: Path) -> None:
     """Draw the pictures that a record has, into a directory."""
     for name, draw in pictures(record).items():
         saved(folder / f"{name}.png", lambda ax, draw=draw: draw(record, ax))
+
+
+def refuse_without_toolkit(what: str, instead: str) -> None:
+    """Refuse where matplotlib can open no window, and name what to do instead."""
+    from matplotlib import pyplot
+
+    if pyplot.get_backend().lower() == "agg":
+        raise RunError(
+            f"{what} needs a toolkit that matplotlib can use, and a display: pip install PySide6; {instead}"
+        )
+
+
+def show(record: Record) -> None:
+    """Show what a run found in windows until they are closed: velocity and trajectories, or surface or profile."""
+    from matplotlib import pyplot
+
+    for draw in pictures(record).values():
+        pyplot.figure(figsize=(7.0, 4.3), layout="constrained")
+        draw(record, pyplot.gca())
+    pyplot.show()
 
 
 def saved(path: Path, draw: Callable, *, size: tuple[float, float] = (7.0, 4.3)) -> None:
@@ -92,6 +116,17 @@ def legend_below(ax, handles=None, *, columns: int = 4) -> None:
             handles, labels, loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=below,
             ncols=min(columns, len(handles)), frameon=False, fontsize="small", borderaxespad=0.0,
         )  # fmt: skip
+
+
+def finished(ax, across: str, up: str, title: str, *, columns: int = 4, grid: bool = True):
+    """Write axes and title, put the legend below, and return the Axes."""
+    ax.set_xlabel(across)
+    ax.set_ylabel(up)
+    ax.set_title(title, fontsize="medium", parse_math=False)
+    if grid:
+        ax.grid(alpha=0.3)
+    legend_below(ax, columns=columns)
+    return ax
 
 
 def legend_beside(ax, **given) -> None:
@@ -200,12 +235,7 @@ def trajectories(record: Record, ax):
         ax.plot(
             motion.time * 1e3, motion.velocity * 1e3, color=colours(index / count), linewidth=1, label=label
         )
-    ax.set_xlabel("time (ms)")
-    ax.set_ylabel("slider velocity (mm/s)")
-    ax.set_title(record.scene.title, fontsize="medium", parse_math=False)
-    ax.grid(alpha=0.3)
-    legend_below(ax)
-    return ax
+    return finished(ax, "time (ms)", "slider velocity (mm/s)", record.scene.title)
 
 
 def surface(record: Record, ax):
@@ -220,16 +250,14 @@ def surface(record: Record, ax):
         ax.axvspan(*ends, color=COLOURS["stick"], alpha=0.25, linewidth=0)
     if record.scene.slider is not None:
         ax.axvline(record.scene.slider.position * 1e3, color=COLOURS["line"], linestyle=":", label="slider")
-    ax.set_xlabel("x along the surface (mm)")
-    ax.set_ylabel("amplitude per volt, peak (nm/V)")
-    ax.set_title(
-        f"{record.scene.title}: {record.wave['frequency_Hz'] / 1e6:g} MHz",
-        fontsize="medium",
-        parse_math=False,
-    )
     ax.set_ylim(bottom=0)
-    legend_below(ax)
-    return ax
+    return finished(
+        ax,
+        "x along the surface (mm)",
+        "amplitude per volt, peak (nm/V)",
+        f"{record.scene.title}: {record.wave['frequency_Hz'] / 1e6:g} MHz",
+        grid=False,
+    )
 
 
 def profile(record: Record, ax):
@@ -242,16 +270,12 @@ def profile(record: Record, ax):
         if abs(values).max() > 1e-9:
             label = f"Im {name}" if name == "u_x" else f"Re {name}"
             ax.plot(depth, part, ".-", color=COLOURS[colour], markersize=3, linewidth=0.8, label=label)
-    ax.set_xlabel("depth (mm)")
-    ax.set_ylabel("displacement over u_z at the surface")
-    ax.set_title(
+    return finished(
+        ax,
+        "depth (mm)",
+        "displacement over u_z at the surface",
         f"{record.scene.title}: {record.wave['phase_velocity_m_per_s']:.2f} m/s",
-        fontsize="medium",
-        parse_math=False,
     )
-    ax.grid(alpha=0.3)
-    legend_below(ax)
-    return ax
 
 
 def errors(record: Record, ax):
@@ -264,9 +288,4 @@ def errors(record: Record, ax):
         at, [point["relative_error"] for point in known], "o", color=COLOURS["slip"], label="estimated error"
     )
     ax.axhline(record.tolerance, color=COLOURS["line"], linestyle="--", linewidth=1, label="asked for")
-    ax.set_xlabel(unit)
-    ax.set_ylabel("relative error")
-    ax.set_title(record.scene.title, fontsize="medium", parse_math=False)
-    ax.grid(alpha=0.3)
-    legend_below(ax)
-    return ax
+    return finished(ax, unit, "relative error", record.scene.title)

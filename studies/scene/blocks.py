@@ -333,7 +333,7 @@ UNDAMPED = Damping()
 
 @dataclass(frozen=True, kw_only=True)
 class Slider(Block):
-    """A rigid slider on balls that share its load equally; mass, forces and viscous dampers are totals."""
+    """A rigid slider on balls or flat punches; mass, forces and viscous dampers are totals."""
 
     block: ClassVar[str] = "slider"
     position: Annotated[
@@ -341,13 +341,23 @@ class Slider(Block):
         Quantity("m"),
         "Of its centre, from the stator's left end; required with a stator, absent with a given wave.",
     ] = None
-    radius: Annotated[float, Quantity("m"), "Radius of each ball."]
+    shape: Annotated[
+        str,
+        Choice(("sphere", "punch")),
+        "Of each contact. punch: a rigid flat cylindrical projection, P = 2 a E* z, which slips as a whole.",
+    ] = "sphere"
+    radius: Annotated[float, Quantity("m"), "Radius of each ball or punch."]
     mass: Annotated[float, Quantity("kg"), "Mass of the whole slider."]
     contacts: Annotated[
         int | tuple[float, ...],
         Listed(Quantity("m", negative=True), alone=Count(10_000), distinct=True),
         "Places of the balls from the slider's centre, as a list; or a number of balls that all stand at its centre.",
     ]
+    heights: Annotated[
+        tuple[float, ...] | None,
+        Listed(Quantity("m", negative=True)),
+        "How much further each contact stands out towards the stator, one per place in contacts; absent: all alike.",
+    ] = None
     preload: Annotated[
         float | str, Quantity("N", zero=True, words=("weight",)), "Total normal force, the weight included."
     ]
@@ -396,7 +406,16 @@ class Slider(Block):
     damping: Annotated[Damping, Within(Damping), "Losses of the slider's motion."] = UNDAMPED
 
     def contradictions(self, unread):
-        """Ask for the moduli once, by value or by the ball's material."""
+        """Ask for the moduli once, by value or by the ball's material; refuse what no contact can be."""
+        if not {"shape", "law"} & unread and self.shape == "punch" and self.law == "hysteretic":
+            yield self.refusal("law", 'must be "elastic" with shape = "punch", which slips as a whole')
+        if self.heights is not None and not {"heights", "contacts"} & unread:
+            number = 0 if isinstance(self.contacts, int) else len(self.contacts)
+            if number == 0:
+                yield self.refusal("heights", "needs slider.contacts as a list of places, one per height")
+            elif number != len(self.heights):
+                rule = f"must hold one height for each of the {number} contacts, got {len(self.heights)}"
+                yield self.refusal("heights", rule)
         for key in sorted({"effective_modulus", "tangential_modulus"} - unread):
             if self.ball is not None and getattr(self, key) is not None:
                 yield self.refusal(

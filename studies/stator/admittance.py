@@ -6,13 +6,12 @@ conductance that is never negative, its largest value within a factor of 2 of th
 capacitance's within a quarter at the band's edges, where hardly a wave is sent.  Run time: about 10 s.
 """
 
-import time
 from collections.abc import Callable
 
 from studies.chain import passband
 from studies.chain.spectrum import response, spectrum
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord, of_record
+from studies.study import Finding, Panel, StudyRecord, of_record, study
 
 __all__ = ["figure", "run"]
 
@@ -21,6 +20,7 @@ QUICK = {"count": 9}
 COUNT = 81
 
 
+@study
 def run(
     scene: str | Scene = "twente",
     *,
@@ -43,12 +43,10 @@ def run(
     """
     import numpy as np
 
-    begun = time.perf_counter()
-    say = progress or (lambda text: None)
     chosen = passband.driven_scene(scene)
     place, at = passband.place(chosen), passband.frequencies(chosen, count)
-    prepared = response(chosen, at[0], at[-1], places=(place,), tolerance=tolerance, progress=say)
-    say(f"stator: {count} frequencies")
+    prepared = response(chosen, at[0], at[-1], places=(place,), tolerance=tolerance, progress=progress)
+    progress(f"stator: {count} frequencies")
     found = spectrum(chosen, prepared, at, place)
     theory = passband.expected(chosen)
     susceptance = 2 * np.pi * at * theory.capacitance
@@ -62,45 +60,31 @@ def run(
     }
     most = found.admittance.real.max() / data["estimated_conductance_S"].max()
     edge = float(np.mean((found.admittance.imag / susceptance)[[0, -1]]))
+    error, least = found.admittance_error, found.admittance.real.min()
     findings = (
-        Finding(
-            statement="A transducer takes power and gives none.",
-            quantity="smallest conductance (S)",
-            expected="above 0",
-            found=float(found.admittance.real.min()),
-            confirmed=bool(found.admittance.real.min() > 0),
-        ),
-        Finding(
-            statement="The largest conductance is that of charges which send one Rayleigh wave.",
-            quantity="largest conductance over the estimate's",
+        Finding.judged("A transducer takes power and gives none.", "smallest conductance (S)", least, low=0),
+        Finding.judged(
+            "The largest conductance is that of charges which send one Rayleigh wave.",
+            "largest conductance over the estimate's", most, low=0.5, high=2,
             expected="between 0.5 and 2: the estimate knows no reflections and no bulk waves",
-            found=float(most),
-            confirmed=bool(0.5 < most < 2),
         ),
-        Finding(
-            statement="Off the passband it is a capacitor.",
-            quantity="susceptance at the band's edges over that of the static capacitance, mean",
-            expected="between 0.75 and 1.25",
-            found=edge,
-            confirmed=0.75 < edge < 1.25,
+        Finding.judged(
+            "Off the passband it is a capacitor.",
+            "susceptance at the band's edges over that of the static capacitance, mean", edge, low=0.75, high=1.25,
         ),
-        Finding(
-            statement="The frequencies are known as well as was asked for.",
-            quantity="estimated error of the admittance, relative",
-            expected="below 5 times the tolerance of the surface motion",
-            found=found.admittance_error,
-            confirmed=found.admittance_error < 5 * tolerance,
+        Finding.judged(
+            "The frequencies are known as well as was asked for.", "estimated error of the admittance, relative",
+            error, high=5 * tolerance, expected="below 5 times the tolerance of the surface motion",
         ),
-    )
+    )  # fmt: skip
     panel = Panel(name="admittance", title=f"{chosen.title}: {chosen.drive.transducer!r}", data=data)
-    seconds = time.perf_counter() - begun
-    return StudyRecord(name="admittance", panels=(panel,), findings=findings, seconds=seconds)
+    return (panel,), findings
 
 
 @of_record
 def figure(record: Panel, ax):
     """Draw conductance and susceptance, computed points and estimated lines."""
-    from studies.report.figures import COLOURS, legend_below
+    from studies.report.figures import COLOURS, finished
 
     data = record.data
     at = data["frequency_Hz"] / 1e6
@@ -116,9 +100,4 @@ def figure(record: Panel, ax):
     ):
         ax.plot(at, data[part] * 1e3, "o", color=COLOURS[colour], markersize=3, label=label)
         ax.plot(at, data[theory] * 1e3, "-", color=COLOURS[colour], linewidth=1, label=line)
-    ax.set_xlabel("frequency (MHz)")
-    ax.set_ylabel("admittance (mS)")
-    ax.set_title(record.title, fontsize="medium")
-    ax.grid(alpha=0.3)
-    legend_below(ax, columns=2)
-    return ax
+    return finished(ax, "frequency (MHz)", "admittance (mS)", record.title, columns=2)

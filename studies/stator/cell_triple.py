@@ -7,12 +7,11 @@ the free wave; one edge common to both where x -> -x is a symmetry; reflectiviti
 charge at weak coupling; the capacitance of conformal mapping to 1 %.  Run time: about 10 s.
 """
 
-import time
 from collections.abc import Callable
 
 from studies.chain import passband
 from studies.scene import Scene, resolved
-from studies.study import Finding, Panel, StudyRecord, of_record
+from studies.study import Finding, Panel, StudyRecord, of_record, study
 
 __all__ = ["figure", "run"]
 
@@ -22,6 +21,7 @@ COUNT = 61
 REACH = 2.0  # widths of the stop bands shown on either side
 
 
+@study
 def run(
     scene: str | Scene = "twente-left",
     *,
@@ -48,20 +48,18 @@ def run(
     import fem
     from fem import LEVELS, grating, surface_permittivity
 
-    begun = time.perf_counter()
-    say = progress or (lambda text: None)
     chosen = passband.driven_scene(scene)
     driven = next(each for each in chosen.transducer if each.name == chosen.drive.transducer)
     solid, above, m = resolved.solid(chosen.stator), chosen.stator.above, driven.metallisation
     period = driven.period / (2 if driven.split else 1)  # of two fingers and two gaps
-    say(f"gratings of {solid.name}")
+    progress(f"gratings of {solid.name}")
     try:
         found = fem.cell_parameters(solid, period=period, metallisation=m, above=above, tolerance=tolerance)
     except fem.ConvergenceError as error:
         from studies.refusal import RunError
 
         raise RunError(str(error)) from None
-    say("Bloch waves")
+    progress("Bloch waves")
     cells = grating(solid, period=period, metallisation=m, above=above, resolution=LEVELS[1])
     width = found.open.upper - found.shorted.lower
     at = np.linspace(found.shorted.lower - REACH * width, found.open.upper + REACH * width, count)
@@ -104,35 +102,29 @@ def run(
             remark=f"v = {found.metallised_velocity:.6g}, {found.shorted.velocity:.6g}, {found.open.velocity:.6g}, "
             f"{found.free_velocity:.6g} m/s; K2 = {100 * found.coupling:.4g} %",
         ),
-        Finding(
-            statement="A standing wave that leaves the fingers without charge does not see their connection.",
-            quantity="distance of the common edge in both gratings, over the bands' width",
+        Finding.judged(
+            "A standing wave that leaves the fingers without charge does not see their connection.",
+            "distance of the common edge in both gratings, over the bands' width",
+            abs(found.shorted.upper - found.open.lower) / width, high=1e-6,
             expected="below 1e-6 where x -> -x is a symmetry",
-            found=abs(found.shorted.upper - found.open.lower) / width,
-            confirmed=abs(found.shorted.upper - found.open.lower) / width < 1e-6,
         ),
         *(
-            Finding(
-                statement=f"A finger of the {name} grating reflects as a strip of charge.",
-                quantity=f"|r| of a finger, against {strips[name]:.4g}",
-                expected="within 20 %",
-                found=band.reflectivity,
-                confirmed=bool(abs(band.reflectivity / strips[name] - 1) < 0.2),
+            Finding.judged(
+                f"A finger of the {name} grating reflects as a strip of charge.",
+                f"|r| of a finger, against {strips[name]:.4g}", band.reflectivity,
+                low=0.8 * strips[name], high=1.2 * strips[name], expected="within 20 %",
             )
             for name, band in (("shorted", found.shorted), ("open", found.open))
         ),
-        Finding(
-            statement="The capacitance is that of conformal mapping.",
-            quantity=f"pF per finger pair and mm, against {mapped * 1e9:.4g}",
-            expected="within 1 %",
-            found=found.capacitance * 1e9,
-            confirmed=bool(abs(found.capacitance / mapped - 1) < 0.01),
+        Finding.judged(
+            "The capacitance is that of conformal mapping.",
+            f"pF per finger pair and mm, against {mapped * 1e9:.4g}", found.capacitance * 1e9,
+            low=0.99e9 * mapped, high=1.01e9 * mapped, expected="within 1 %",
         ),
-    ]
+    ]  # fmt: skip
     title = f"{solid.name}, {solid.frame}: period {period * 1e3:.4g} mm, metallisation {m:g}"
     panel = Panel(name="stop_bands", title=title, data={"frequency_Hz": at, **waves, **table})
-    seconds = time.perf_counter() - begun
-    return StudyRecord(name="cell_triple", panels=(panel,), findings=tuple(findings), seconds=seconds)
+    return (panel,), tuple(findings)
 
 
 @of_record

@@ -8,11 +8,10 @@ wavelengths thick or more (a thin plate: no such thing); every root of Rayleigh-
 about 10 s.
 """
 
-import time
 from collections.abc import Callable
 
 from studies.scene import Scene, resolved
-from studies.study import Finding, Panel, StudyRecord, of_record
+from studies.study import Finding, Panel, StudyRecord, of_record, study
 
 __all__ = ["figure", "rayleigh_lamb", "run"]
 
@@ -28,6 +27,7 @@ PLATE = 1e-3  # m
 PLATE_FREQUENCIES = (0.4e6, 1.1e6, 2.0e6, 3.1e6, 4.3e6)  # of 1 mm of steel: up to 1.3 shear wavelengths
 
 
+@study
 def run(
     scene: str | Scene = "rayleigh",
     *,
@@ -49,24 +49,21 @@ def run(
 
     import fem
 
-    begun = time.perf_counter()
-    say = progress or (lambda text: None)
-    chosen = scene if isinstance(scene, Scene) else Scene.load(scene)
-    if chosen.stator is None:
-        chosen.refuse("stator", "is missing: a given wave has no section to guide it")
-    chosen = resolved.resolved(chosen)
-    stator, drive = resolved.stator(chosen.stator), chosen.frequency
+    if scene.stator is None:
+        scene.refuse("stator", "is missing: a given wave has no section to guide it")
+    scene = resolved.resolved(scene)
+    stator, drive = resolved.stator(scene.stator), scene.frequency
     frequencies = np.linspace(LOWEST, HIGHEST, count) * drive
-    say(f"{count} frequencies of {chosen.title}")
+    progress(f"{count} frequencies of {scene.title}")
     modes = _propagating(stator, frequencies)
     half_space = fem.rayleigh(stator.solid, "open" if stator.above == "none" else "vacuum").velocity
     free = fem.free_wave(stator, frequency=drive, tolerance=1e-6)
-    say("steel plate against Rayleigh-Lamb")
+    progress("steel plate against Rayleigh-Lamb")
     plate, lamb = _steel(PLATE_FREQUENCIES)
     panels = (
         Panel(
             name="section",
-            title=f"{chosen.title}: {len(modes[0])} propagating modes",
+            title=f"{scene.title}: {len(modes[0])} propagating modes",
             data={"frequency_Hz": modes[0], "wavenumber_rad_per_m": modes[1], "surface_share": modes[2],
                   "line_Hz": frequencies, "line_rad_per_m": 2 * np.pi * frequencies / half_space},
         ),
@@ -78,8 +75,7 @@ def run(
         ),
     )  # fmt: skip
     findings = (_surface_wave(stator, drive, free, half_space), *_against_lamb(plate))
-    seconds = time.perf_counter() - begun
-    return StudyRecord(name="dispersion", panels=panels, findings=findings, seconds=seconds)
+    return panels, findings
 
 
 @of_record
@@ -221,18 +217,17 @@ def _against_lamb(plate) -> list[Finding]:
         if len(roots) == len(modes):
             worst = max(worst, float(np.max(abs(modes / roots - 1))))
     return [
-        Finding(
-            statement="Every root of Rayleigh-Lamb is a mode and every mode a root.",
-            quantity="modes too many or too few",
+        Finding.judged(
+            "Every root of Rayleigh-Lamb is a mode and every mode a root.",
+            "modes too many or too few",
+            missing,
+            high=1,
             expected="0",
-            found=float(missing),
-            confirmed=missing == 0,
         ),
-        Finding(
-            statement="The modes have the wavenumbers of Rayleigh-Lamb.",
-            quantity="largest relative difference",
-            expected="below 1e-9",
-            found=worst,
-            confirmed=worst < 1e-9,
+        Finding.judged(
+            "The modes have the wavenumbers of Rayleigh-Lamb.",
+            "largest relative difference",
+            worst,
+            high=1e-9,
         ),
     ]

@@ -16,7 +16,7 @@ from time import perf_counter
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from studies.refusal import RunError, SceneError, shown
+from studies.refusal import RunError, SceneError, needed, shown
 from studies.scene import Scene, read_table
 from studies.sweep.axes import Axis
 from studies.sweep.design import Design, designed
@@ -107,11 +107,7 @@ class Sweep:
         RunError
             If pandas is not installed.
         """
-        try:
-            import pandas as pd
-        except ImportError:
-            raise RunError("to_dataframe needs pandas: pip install pandas") from None
-        return pd.DataFrame(self.columns()).set_index("point")
+        return needed("pandas", "to_dataframe").DataFrame(self.columns()).set_index("point")
 
     def to_xarray(self) -> "xr.Dataset":
         """Return the rows as an xarray Dataset, a dimension for each axis; what a row has not is NaN.
@@ -128,10 +124,6 @@ class Sweep:
         >>> dict(sweep("twente-contact", over).to_xarray()["velocity_m_per_s"].sizes)
         {'wave.normal_amplitude': 3, 'slider.preload': 2}
         """
-        try:
-            import xarray as xr
-        except ImportError:
-            raise RunError("to_xarray needs xarray: pip install xarray") from None
         import numpy as np
 
         columns = self.columns()
@@ -151,7 +143,7 @@ class Sweep:
                     ["" if value is None else value for value in column] if text else np.array(column, float)
                 )
                 data[name] = (dims, np.array(values).reshape(shape))
-        dataset = xr.Dataset(data, coordinates)
+        dataset = needed("xarray", "to_xarray").Dataset(data, coordinates)
         for name, variable in dataset.data_vars.items():
             for ending in (ending for ending in UNITS if name.endswith(ending)):
                 variable.attrs.setdefault("units", UNITS[ending])

@@ -5,10 +5,10 @@ import sys
 from argparse import Namespace
 from pathlib import Path
 
+from studies.progress import Progress, duration
 from studies.report.answer import print_json
 from studies.report.answer import table as aligned
 from studies.sweep import Sweep, sweep
-from studies.sweep.meter import Meter, duration
 
 __all__ = ["run_sweep", "summary", "sweep_answer"]
 
@@ -21,7 +21,7 @@ def run_sweep(arguments: Namespace, table: dict, over: dict, tolerance: float, o
     notice = _moving_periods(table, over)
     if notice:
         print(f"sawmotor: {notice}", file=sys.stderr)
-    with Meter() as meter:
+    with Progress() as progress:
         found = sweep(
             table,
             over,
@@ -33,7 +33,7 @@ def run_sweep(arguments: Namespace, table: dict, over: dict, tolerance: float, o
             out=out,
             workers=arguments.workers,
             scheduler=arguments.scheduler,
-            progress=meter,
+            progress=progress.points,
         )
     whole = summary(found)
     if arguments.json:

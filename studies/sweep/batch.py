@@ -7,7 +7,8 @@ whatever that does not know or reach - other laws, bursts, stiff contacts - is s
 
 import math
 import time
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import lru_cache
 
 from studies.chain import bridge
 from studies.chain.points import slider_answer
@@ -15,30 +16,12 @@ from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.sweep.design import Question
 from studies.sweep.outcomes import Driven, also_asked, electrical
-from studies.sweep.source import Source
+from studies.sweep.source import Source, reason
 from studies.sweep.source_solver import SHARE, STEPS, keep_to, variation
 
-__all__ = ["Batch", "solved_points"]
+__all__ = ["solved_points"]
 
 MAPPED = ("auto", "averaged")  # methods of the contact that the compiled loop may stand for
-
-
-@dataclass(frozen=True, kw_only=True)
-class Batch:
-    """What became of a batch.
-
-    Attributes
-    ----------
-    rows : list of tuple
-        Point, then the question's outcomes.
-    finer : list of int
-        Points that need a better stator.
-    seconds : float
-    """
-
-    rows: list[tuple]
-    finer: list[int]
-    seconds: float
 
 
 def solved_points(
@@ -47,8 +30,8 @@ def solved_points(
     values: list[tuple],
     sources: dict[str, Source],
     threads: int | None,
-) -> Batch:
-    """Return the rows of a batch.
+) -> tuple[list[tuple], list[int], float]:
+    """Return the rows of a batch, each a point and its outcomes, the points that need a better stator, and seconds.
 
     Parameters
     ----------
@@ -75,7 +58,7 @@ def solved_points(
             else:
                 ready[point] = made
         except (SceneError, RunError) as error:
-            found[point] = _failure(error)
+            found[point] = {"status": reason(error)}
     mapped = _mapped(question, ready, threads) if question.has_slider else {}
     for point, driven in ready.items():
         try:
@@ -84,16 +67,11 @@ def solved_points(
                 finer.append(point)
                 continue
             found[point] = electrical(driven) | also_asked(question, driven, answer)
-        except (SceneError, RunError) as error:
-            found[point] = _failure(error)
-        except MemoryError:
-            found[point] = {"status": "no answer: it needs more memory than the worker has"}
         except Exception as error:
-            text = " ".join(str(error).split())
-            found[point] = {"status": f"no answer: a defect of sawmotor: {type(error).__name__}: {text}"}
+            found[point] = {"status": reason(error)}
     names = question.outcomes
     rows = [(point, *(_kept(answer.get(name)) for name in names)) for point, answer in found.items()]
-    return Batch(rows=rows, finer=finer, seconds=time.perf_counter() - begun)
+    return rows, finer, time.perf_counter() - begun
 
 
 def _ready(question, given, own, source) -> Driven | dict:
@@ -222,17 +200,11 @@ def _ringing(driven: Driven):
     return _ring_up(plain, scene.slider.position)
 
 
-_RING_UPS = {}  # of the scenes that this process met last: the same for every slider and voltage
-
-
+@lru_cache(8)  # the same for every slider and voltage
 def _ring_up(scene: Scene, place: float):
     from studies.chain.ring_up import ring_up
 
-    if (scene, place) not in _RING_UPS:
-        while len(_RING_UPS) >= 8:
-            _RING_UPS.pop(next(iter(_RING_UPS)))
-        _RING_UPS[scene, place] = ring_up(scene, place, progress=lambda text: None)
-    return _RING_UPS[scene, place]
+    return ring_up(scene, place, progress=lambda text: None)
 
 
 def _free_wave(scene: Scene, tolerance: float) -> dict:
@@ -245,11 +217,6 @@ def _free_wave(scene: Scene, tolerance: float) -> dict:
     }
     status = f"above tolerance: {record.shortfall}" if record.shortfall else "ok"
     return found | {"relative_error": record.error["relative"], "status": status}
-
-
-def _failure(error: Exception) -> dict:
-    kind = "refused" if isinstance(error, SceneError) else "no answer"
-    return {"status": f"{kind}: {' '.join(str(error).split())}"}
 
 
 def _kept(value):

@@ -7,7 +7,7 @@ list of them is the last axis.  A design is never spelled out: a million points 
 import hashlib
 import json
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice, product
 
 from studies.refusal import SceneError
@@ -208,15 +208,7 @@ def _question(table, axes, tolerance, also) -> Question:
         own, places = own + moved, places if not moved else ()
     usable = sorted(each for each in frequencies if isinstance(each, float) and each > 0)
     band = (usable[0], usable[-1]) if len(usable) >= FEWEST else ()
-    return Question(
-        table=table,
-        keys=keys,
-        tolerance=tolerance,
-        also=also,
-        source_keys=own,
-        places=places,
-        frequencies=band,
-    )
+    return replace(question, source_keys=own, places=places, frequencies=band)
 
 
 def _places(table, moved, rows) -> tuple[float, ...]:

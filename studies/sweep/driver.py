@@ -99,17 +99,18 @@ class Driver:
         finer = []
         for finished in self._finished(self._batches(todo)):
             rows, batches = [], []
-            for task, batch in finished:
-                if batch is None:
+            for task, answer in finished:
+                if answer is None:
                     reason = f"{LOST}{LIVES} workers that computed it vanished"
                     blank = (None,) * (len(self.question.outcomes) - 1)
                     rows += [(task.points[0], *task.values[0], *blank, reason)]
                     continue
                 own = dict(zip(task.points, task.values, strict=True))
-                rows += [(row[0], *own[row[0]], *row[1:]) for row in batch.rows]
-                batches.append((len(batch.rows), batch.seconds))
-                finer += batch.finer
-                self._adapt(len(task.points), batch.seconds)
+                found, again, seconds = answer
+                rows += [(row[0], *own[row[0]], *row[1:]) for row in found]
+                batches.append((len(found), seconds))
+                finer += again
+                self._adapt(len(task.points), seconds)
             self.store.keep(rows, [], batches)
             self.kept += len(rows)
             self.failed += sum(row[-1] != "ok" for row in rows)

@@ -4,7 +4,21 @@ import json
 from dataclasses import asdict, dataclass
 from functools import cached_property
 
-__all__ = ["Source"]
+from studies.refusal import RunError, SceneError
+
+__all__ = ["Source", "reason"]
+
+
+def reason(error: Exception) -> str:
+    """Return why a point or a stator has no answer, as a row's status says it."""
+    text = " ".join(str(error).split())
+    if isinstance(error, SceneError):
+        return f"refused: {text}"
+    if isinstance(error, RunError):
+        return f"no answer: {text}"
+    if isinstance(error, MemoryError):
+        return "no answer: it needs more memory than the worker has"
+    return f"no answer: a defect of sawmotor: {type(error).__name__}: {text}"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,7 +14,7 @@ from functools import lru_cache
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene, resolved
 from studies.sweep.design import Question, contact_places
-from studies.sweep.source import Source
+from studies.sweep.source import Source, reason
 from studies.sweep.variation import Variation
 
 __all__ = ["SHARE", "STEPS", "keep_to", "serves_band", "solved_sources", "variation"]
@@ -109,15 +109,10 @@ def _answer(question: Question, name: str, step: int) -> Source:
         scene = variation(question).source(values)
         places = _places(question, scene, values)
         return _solved(question, name, step, scene, places)
-    except SceneError as error:
-        reason = f"refused: {error}"
-    except (RunError, fem.ConvergenceError) as error:
-        reason = f"no answer: {error}"
-    except MemoryError:
-        reason = "no answer: the stator needs more memory than the worker has"
     except Exception as error:
-        reason = f"no answer: a defect of sawmotor: {type(error).__name__}: {error}"
-    return Source(name=name, step=step, reason=" ".join(reason.split()))
+        if isinstance(error, fem.ConvergenceError):
+            error = RunError(str(error))
+        return Source(name=name, step=step, reason=reason(error))
 
 
 def _values(name: str) -> dict:

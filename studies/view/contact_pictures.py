@@ -103,15 +103,7 @@ def moments(history, contact: int = 0) -> Moments:
 
 
 class SlowMotion:
-    """A figure of one contact whose instant can be set: the picture of a movie.
-
-    Parameters
-    ----------
-    moments : Moments
-    title : str
-    figure : matplotlib.figure.Figure, optional
-        To draw on: pyplot's for a window; one that is drawn off screen if None.
-    """
+    """A figure of one contact whose instant can be set; drawn off screen unless one of a window is given."""
 
     def __init__(self, moments: Moments, *, title: str, figure=None):
         self.moments, self.figure = moments, figure or new_figure(9.0, 4.6, rows=0)[0]
@@ -135,13 +127,7 @@ class SlowMotion:
 
 
 def strip(moments: Moments, *, title: str):
-    """Draw snapshots of one contact over the traces of the same clock.
-
-    Parameters
-    ----------
-    moments : Moments
-    title : str
-    """
+    """Draw snapshots of one contact over the traces of the same clock."""
     figure, _ = new_figure(11.0, 6.6, rows=0)
     top, bottom = figure.subfigures(2, 1, height_ratios=(1.0, 2.0))
     chosen = np.linspace(0, len(moments.time), SNAPSHOTS, endpoint=False).astype(int)
@@ -197,16 +183,7 @@ def traces(figure, moments: Moments) -> list:
 
 
 def start_and_stop(trajectories, *, acceleration: float, title: str):
-    """Draw the slider's velocity over bursts, and closely how it stops.
-
-    Parameters
-    ----------
-    trajectories : sequence of (str, contact.Trajectory)
-        With what each is called.
-    acceleration : float
-        The largest that friction can give, mu preload / mass, m/s^2.
-    title : str
-    """
+    """Draw trajectories of bursts by name, closely how they stop, and the largest acceleration (m/s^2) of friction."""
     import matplotlib
 
     figure, (whole, end) = new_figure(7.6, 6.0, rows=2)

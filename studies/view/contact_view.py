@@ -8,6 +8,7 @@ from pathlib import Path
 
 from studies.chain import bridge
 from studies.refusal import RunError, SceneError
+from studies.report.figures import refuse_without_toolkit
 from studies.report.files import write_columns
 from studies.scene import Scene
 from studies.view import movie
@@ -22,25 +23,7 @@ DPI = 110
 
 
 def show(folder, wanted, written: Callable, *, progress: Callable[[str], None]) -> None:
-    """Draw the contact of a run into the files that are wanted, or in a window.
-
-    Parameters
-    ----------
-    folder : str or Path
-        What ``sawmotor run`` left.
-    wanted : studies.view.Wanted
-    written : callable
-        Writes a file, or says in a sentence that it cannot be written.
-    progress : callable
-        Told what is being done.
-
-    Raises
-    ------
-    SceneError
-        If the scene has no slider, or the files are none that a contact can be written to.
-    RunError
-        If the contact has no steady state, or a file cannot be written.
-    """
+    """Draw the contact of a run into the files that are wanted, or in a window."""
     record, scene = left_run(folder)
     if wanted.data is not None and not wanted.data.lower().endswith(".csv"):
         raise SceneError("--data", f"must end in .csv for a contact, got {wanted.data!r}")
@@ -144,11 +127,7 @@ def _window(found, title: str) -> None:
     from matplotlib import pyplot
     from matplotlib.animation import FuncAnimation
 
-    if pyplot.get_backend().lower() == "agg":
-        raise RunError(
-            "a window of the contact needs a toolkit that matplotlib can use: pip install PySide6; --screenshot FILE, "
-            "--movie FILE and --html FILE need none"
-        )
+    refuse_without_toolkit("a window of the contact", "--screenshot, --movie and --html FILE need none")
     figure = pyplot.figure(figsize=(9.0, 4.6), layout="constrained")
     figure, show = slow_motion(found, title, FRAMES, figure)
     figure.animation = FuncAnimation(figure, show, frames=FRAMES, interval=1000 / RATE)

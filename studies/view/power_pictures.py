@@ -27,14 +27,7 @@ GIVEN = ("wave_normal", "wave_tangential")
 
 
 def power_bars(electrical: dict, *, title: str):
-    """Draw the power of a driven transducer: given by the source, sent out as waves, lost.
-
-    Parameters
-    ----------
-    electrical : dict
-        Of run.json: ``power_W_per_V2``, ``power_radiated_W_per_V2``, ``power_dissipated_W_per_V2``.
-    title : str
-    """
+    """Draw the powers of ``electrical`` of run.json: given by the source, sent out as waves, lost."""
     rows = (
         ("given by the source", electrical["power_W_per_V2"], "slip"),
         ("sent out beyond the transducers", electrical["power_radiated_W_per_V2"], "second"),
@@ -48,20 +41,7 @@ def power_bars(electrical: dict, *, title: str):
 
 
 def power_along(x, power, *, covered, given: float, title: str):
-    """Draw the power that passes each line of the stator, by the flow integrated over depth and aperture.
-
-    Parameters
-    ----------
-    x : ndarray, shape (n,)
-        m.
-    power : ndarray, shape (n,)
-        W per V^2, positive along +x.
-    covered : sequence of (float, float)
-        Ends of the transducers, m.
-    given : float
-        By the source, W per V^2.
-    title : str
-    """
+    """Draw the power (W per V^2) that passes each line of the stator, between the transducers that cover it."""
     figure, ax = new_figure(7.2, 3.4)
     ax.plot(
         x * MM,
@@ -85,14 +65,7 @@ def power_along(x, power, *, covered, given: float, title: str):
 
 
 def ledger_bars(ledger: dict, *, title: str):
-    """Draw the energies of one cycle of the contact: what the wave gives and what becomes of it.
-
-    Parameters
-    ----------
-    ledger : dict of str to float
-        J, the attributes of `contact.ledger.Ledger`.
-    title : str
-    """
+    """Draw the energies (J) of one cycle of the contact by attribute of its ledger: from the wave, and to where."""
     largest = max(abs(value) for value in ledger.values()) or 1.0
     rows = [
         (name, ledger[key] * 1e12, COLOURS["slip" if key in GIVEN else "intermittent"])
@@ -110,18 +83,7 @@ def ledger_bars(ledger: dict, *, title: str):
 
 
 def depth_weights(z: np.ndarray, order: int) -> np.ndarray:
-    """Return the weights that integrate nodal values over the depth, exactly for the elements' polynomials.
-
-    Parameters
-    ----------
-    z : ndarray, shape (elements * order + 1,)
-        Nodes, m.
-    order : int
-
-    Returns
-    -------
-    ndarray, shape (elements * order + 1,)
-    """
+    """Return the weights that integrate values at the nodes over the depth, exactly for polynomials of the order."""
     from fem import reference_matrices
 
     lumped = reference_matrices(order).mass.sum(axis=1)

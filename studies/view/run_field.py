@@ -159,17 +159,7 @@ def run_field(folder: str | Path, *, progress: Callable[[str], None]) -> RunFiel
 
 
 def of_record(scene: Scene, record: dict, *, progress: Callable[[str], None]) -> RunField:
-    """Return the field of a run that is at hand.
-
-    Parameters
-    ----------
-    scene : Scene
-        As resolved, with a stator.
-    record : dict
-        What run.json holds.
-    progress : callable
-        Told what is being done.
-    """
+    """Return the field of a run that is at hand: its resolved scene, with a stator, and what run.json holds."""
     progress("computing the field")
     if scene.transducer:
         return _driven(scene, record, progress)
@@ -201,19 +191,7 @@ def _driven(scene: Scene, record: dict, progress) -> RunField:
 
 
 def solved_again(scene: Scene, record: dict, *, progress):
-    """Return the stator's surface wave, solved at the resolution that the run ended with.
-
-    A run that does not tell its resolution is run again.
-
-    Parameters
-    ----------
-    scene : Scene
-        As resolved, with transducers.
-    record : dict
-        What run.json holds.
-    progress : callable
-        Told what is being done.
-    """
+    """Return the surface wave of a run, solved at the resolution that run.json tells; without one, run again."""
     from fem import LEVELS, one_blas_thread, solve_driven, surface_wave
 
     named = record["wave"].get("resolution")

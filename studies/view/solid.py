@@ -10,7 +10,7 @@ import time
 
 import numpy as np
 
-from studies.refusal import RunError
+from studies.refusal import RunError, needed
 from studies.view import description
 from studies.view.quantities import present, shade
 from studies.view.run_field import RunField
@@ -268,12 +268,7 @@ def open_window(solid: Solid, *, section: bool) -> None:
 
 def _pyvista():
     """Import pyvista, quietly: without a display VTK says so on stderr before it finds another way."""
-    try:
-        import pyvista
-    except ImportError:
-        raise RunError(
-            "pictures of the field need pyvista, which is not installed: pip install pyvista"
-        ) from None
+    pyvista = needed("pyvista", "a solid or a window of the field")
     pyvista.vtk_verbosity("off")
     return pyvista
 

@@ -38,22 +38,7 @@ def anticlockwise(tangential, normal) -> np.ndarray:
 
 
 def orbits(places, tangential, normal, *, per: str, title: str):
-    """Draw the orbits of surface points, each with an arrow along its motion at the crest.
-
-    Parameters
-    ----------
-    places : ndarray, shape (n,)
-        m.
-    tangential, normal : ndarray, shape (n,)
-        Complex u_x and u_z, m.
-    per : str
-        What the amplitudes refer to, as in "nm per V".
-    title : str
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+    """Draw the orbits of surface points at places (m), complex u_x and u_z (m), an arrow along each at the crest."""
     places, tangential, normal = np.asarray(places), np.asarray(tangential) * NM, np.asarray(normal) * NM
     columns = min(6, len(places))
     rows = -(-len(places) // columns)
@@ -108,26 +93,7 @@ def orbits(places, tangential, normal, *, per: str, title: str):
 def amplitude(
     x, tangential, normal, *, wavelength: float, covered, focus: tuple[str, float], per: str, title: str
 ):
-    """Draw |u_x| and |u_z| along the surface, and from near with the ripple of the standing wave.
-
-    Parameters
-    ----------
-    x : ndarray, shape (n,)
-        m.
-    tangential, normal : ndarray, shape (n,)
-        Complex u_x and u_z, m.
-    wavelength : float
-        m.
-    covered : sequence of (float, float)
-        Ends of the transducers, m.
-    focus : tuple of (str, float)
-        Name and place (m) of what the lower picture is about.
-    per, title : str
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+    """Draw |u_x| and |u_z| (m) along the surface (m), and within 4 wavelengths of the focus, its name and place."""
     figure, (whole, near) = new_figure(7.2, 5.2, rows=2)
     sizes = (("|u_z|", abs(normal) * NM, "slip"), ("|u_x|", abs(tangential) * NM, "intermittent"))
     name, place = focus
@@ -155,22 +121,7 @@ def amplitude(
 
 
 def depth_profile(line_depth, analytic, computed, *, title: str):
-    """Draw the parts of a surface wave against depth: computed points on the lines of the half-space.
-
-    Parameters
-    ----------
-    line_depth : ndarray, shape (m,)
-        In wavelengths.
-    analytic : dict of str to ndarray, shape (m,)
-        By the name written, each relative to one and the same scale.
-    computed : dict of str to (ndarray, dict of str to ndarray)
-        By what the points are: their depths (n,) and the same names (n,); the first in colour, others in grey.
-    title : str
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-    """
+    """Draw computed points of a wave, name to (depth in wavelengths, parts by name), on the lines of the half-space."""
     figure, ax = new_figure(7.2, 4.2)
     tones = [COLOURS["slip"], COLOURS["intermittent"], COLOURS["second"]]
     for name, tone in zip(analytic, tones, strict=False):

@@ -21,3 +21,13 @@ def test_a_slow_task_is_shown_on_stderr(capsys, monkeypatch):
     assert out == ""
     assert "first (0." in err
     assert "second (0." in err
+
+
+def test_a_sweep_says_how_many_points_are_kept(monkeypatch):
+    """30 of 100 points in 2 s, 10 of them kept before: 10 points/s, the other 70 in 7 s."""
+    clock = iter([0.0, 0.0, 2.0])
+    monkeypatch.setattr("studies.progress.time.perf_counter", lambda: next(clock))
+    progress = Progress()
+    progress.points(100, 10, 1, 0.0)
+    progress.points(100, 30, 2, 75.0)
+    assert progress._text == "30 of 100 points kept: 10 points/s, 7.0 s left, 2 failed, 1 min 15 s of work"

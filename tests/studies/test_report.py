@@ -133,7 +133,7 @@ def test_numbers_of_the_stator_are_the_records_with_their_errors(driven):
     stator = driven.surface_wave.solution.fields.stator
     finer = fem.free_wave(stator, frequency=driven.scene.frequency, tolerance=1e-11)
     change = abs(finer.velocity / driven.wave["phase_velocity_m_per_s"] - 1)
-    assert change < float(found["phase velocity of the surface mode"].error) < 1e-3
+    assert change < float(found["phase velocity of the surface mode"].error) < 1e-2
 
 
 def test_the_ledger_closes_and_drops_what_rests(contact):

@@ -41,6 +41,8 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "drive.match": ["auto", [{"series_L": "2.6 uH", "Q": 80}, {"shunt_C": 1e-9}, {"series_R": "3 ohm"}]],
     "drive.sources": [{"left": 1, "right": "0.5 at 90 deg"}, {"right": [0.3, -1]}],
     "slider.contacts": [2, ["-1 mm", 0, "1 mm"]],
+    "slider.shape": ["punch"],
+    "slider.heights": [["0 nm", "-3 nm", 2e-9]],
     "slider.preload": ["weight", "5 mN", 0],
     "slider.gravity": [0],
     "slider.load": ["1 uN"],
@@ -92,6 +94,8 @@ def changed(path: str, value) -> dict:
         table["drive"]["source_impedance"] = 50
     if path == "drive.power":
         del table["drive"]["voltage"]
+    if path == "slider.heights":
+        table["slider"]["contacts"] = ["-1 mm", 0, "1 mm"]
     holder = table
     *blocks, last = [int(part) if part.isdigit() else part for part in path.split(".")]
     for block in blocks:

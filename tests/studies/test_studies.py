@@ -69,7 +69,7 @@ def test_the_cell_gives_the_half_space_on_both_surfaces(studied):
 
 
 def test_orders_are_measured_on_the_two_finest_meshes():
-    from studies.stator import rayleigh as chosen
+    from studies.evidence import rayleigh as chosen
 
     table = {"order": [2, 2, 2], "columns": [1, 2, 4], "relative_error": [1.0, 1e-3, 1e-3 / 16]}
     (finding,) = chosen._orders(table, "open")

@@ -15,11 +15,12 @@ import fem
 from studies.__main__ import main
 from studies.chain import run
 from studies.chain.stator_warnings import breakdown_voltage
-from studies.chain.warnings import hertz_pressure, warnings_of
+from studies.chain.warnings import warnings_of
 from studies.record import Record
 from studies.scene import Scene, read_table, shipped_scenes
 from studies.scene.override import assigned
 from studies.scene.resolved import resolved
+from tests.contact.motors import slider as slider_of
 
 
 class Surface(SimpleNamespace):
@@ -86,10 +87,13 @@ def test_the_made_up_record_gives_none():
 def test_hertz_pressure_is_hertz():
     force, modulus, radius = 1.25, 110e9, 0.5e-3
     approach = (3 * force / (4 * modulus * math.sqrt(radius))) ** (2 / 3)
-    slider = SimpleNamespace(effective_modulus=modulus, radius=radius)
+    slider = slider_of(radius=radius, effective_modulus=modulus)
     expected = (6 * force * modulus**2 / (math.pi**3 * radius**2)) ** (1 / 3)
-    assert hertz_pressure(slider, approach) == pytest.approx(expected, rel=1e-12)
+    assert slider.pressure(approach) == pytest.approx(expected, rel=1e-12)
     assert expected == pytest.approx(2.28e9, rel=5e-3)
+    # mean of a punch: P/(pi R^2) with P = 2 E R z
+    punch = slider_of(radius=radius, effective_modulus=modulus, shape="punch")
+    assert punch.pressure(force / (2 * modulus * radius)) == pytest.approx(force / (math.pi * radius**2))
 
 
 def test_pressure_on_the_balls():

@@ -1,0 +1,120 @@
+"""A transducer's admittance as a circuit: static capacitance and motional branches, for circuit simulators.
+
+    Y = i omega C0 + 1/R0 + sum_k 1 / (R_k + i omega L_k + 1 / (i omega C_k))
+
+With one branch it is the Butterworth-Van Dyke circuit (Van Dyke, Proc. IRE 16, 1928, 742), which has the resonance but
+not the sidelobes of a row of fingers; a few branches follow the whole passband (Foster's sum of resonances, with
+losses).  Elements are fitted by least squares of |Y - Y_fitted|, in logarithms, so that they stay positive and the
+circuit passive.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionalModel:
+    """Elements of a transducer's circuit; make it with `motional_model`.
+
+    Attributes
+    ----------
+    capacitance : float
+        C0 in F.
+    resistance : float
+        R0 in ohm, across C0.
+    branches : ndarray, shape (n, 3)
+        R in ohm, L in H and C in F of each series branch.
+    limits : tuple of float
+        Band of the fit, Hz.
+    error : float
+        Largest |Y - Y_fitted| over the largest |Y| in the band.
+    """
+
+    capacitance: float
+    resistance: float
+    branches: np.ndarray = field(repr=False)
+    limits: tuple[float, float]
+    error: float
+
+    def admittance(self, frequency: np.ndarray) -> np.ndarray:
+        """Y in S at frequencies in Hz."""
+        omega = 2 * np.pi * np.asarray(frequency, dtype=float)
+        series = [r + 1j * omega * inductance + 1 / (1j * omega * c) for r, inductance, c in self.branches]
+        return 1j * omega * self.capacitance + 1 / self.resistance + sum(1 / each for each in series)
+
+    def spice(self, name: str) -> str:
+        """Return the SPICE subcircuit of two terminals, p and n."""
+        low, high = (limit / 1e6 for limit in self.limits)
+        lines = [
+            f"* valid from {low:.6g} to {high:.6g} MHz: largest error {self.error:.2g} of the largest admittance",
+            f".subckt {name} p n",
+            f"C0 p n {self.capacitance:.9e}",
+            f"R0 p n {self.resistance:.9e}",
+        ]
+        for k, (r, inductance, c) in enumerate(self.branches, start=1):
+            lines += [
+                f"R{k} p a{k} {r:.9e}",
+                f"L{k} a{k} b{k} {inductance:.9e}",
+                f"C{k} b{k} n {c:.9e}",
+            ]
+        return "\n".join([*lines, f".ends {name}"]) + "\n"
+
+
+def motional_model(frequency: np.ndarray, admittance: np.ndarray, branches: int = 1) -> MotionalModel:
+    """Fit a static capacitance and motional branches to an admittance over a band.
+
+    Parameters
+    ----------
+    frequency : ndarray, shape (n,)
+        Hz, rising.
+    admittance : ndarray, shape (n,)
+        S.
+    branches : int
+
+    Returns
+    -------
+    MotionalModel
+    """
+    from scipy.optimize import least_squares
+
+    f, y = np.asarray(frequency, dtype=float), np.asarray(admittance, dtype=complex)
+    scale, middle = abs(y).max(), float(f[np.argmax(y.real)])
+    width = _half_width(f, y.real)
+
+    def model(parameters: np.ndarray) -> MotionalModel:
+        static, across = np.exp(parameters[:2])
+        peak, wide = (
+            np.exp(parameters[2::3]),
+            np.exp(parameters[4::3]),
+        )  # conductance, full width at half of it
+        omega = 2 * np.pi * middle * (1 + parameters[3::3] * width / middle)
+        r, rate = 1 / peak, 2 * np.pi * width * wide
+        inductance = r / rate
+        elements = np.stack([r, inductance, 1 / (inductance * omega**2)], axis=1)
+        return MotionalModel(
+            capacitance=float(static / (2 * np.pi * middle)),
+            resistance=float(1 / across),
+            branches=elements,
+            limits=(float(f[0]), float(f[-1])),
+            error=0.0,
+        )
+
+    def residual(parameters: np.ndarray) -> np.ndarray:
+        apart = (model(parameters).admittance(f) - y) / scale
+        return np.concatenate([apart.real, apart.imag])
+
+    places = np.linspace(-1.0, 1.0, branches) if branches > 1 else np.zeros(1)
+    start = [np.log(abs(np.median(y.imag))), np.log(1e-3 * scale)]
+    for place in places:
+        start += [np.log(y.real.max() / branches), place, np.log(1.0 / branches)]
+    found = model(least_squares(residual, start, method="trf", max_nfev=400).x)
+    error = float(abs(found.admittance(f) - y).max() / scale)
+    return MotionalModel(**{**vars(found), "error": error})
+
+
+def _half_width(frequency: np.ndarray, conductance: np.ndarray) -> float:
+    """Return the width in Hz over which the conductance exceeds half of its largest value."""
+    above = np.flatnonzero(conductance > conductance.max() / 2)
+    step = float(np.mean(np.diff(frequency)))
+    return max(float(frequency[above[-1]] - frequency[above[0]]), step)

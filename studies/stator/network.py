@@ -1,0 +1,323 @@
+"""What a network analyser on the transducers would show: S-parameters, and circuits for simulators.
+
+Method: admittance matrix of all transducers with two combs over a band (`--band 1.9:2.5:401`, MHz; the passband of the
+driven transducer if not given), as S-parameters of a real reference impedance (`--z0 50`), ports in the scene's order,
+whatever drives or terminates them there; written as ``network.sNp`` (Touchstone 1.1).  A file of a measurement
+(`--measured FILE.s2p`) is drawn over it; nothing is fitted.  Each transducer, the others terminated as in the scene, is
+also a SPICE subcircuit of a static capacitance with one motional branch (Butterworth and Van Dyke) and with several.
+Expected: passive and reciprocal; several branches nearer to the admittance than one.  Run time: about 15 s.
+"""
+
+import math
+import time
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+
+from studies.chain import passband
+from studies.chain.spectrum import WIDEST, takes_bands
+from studies.refusal import RunError, SceneError
+from studies.scene import Scene, resolved
+from studies.scene.quantity import si_value
+from studies.study import Finding, Panel, StudyRecord, of_record
+
+__all__ = ["figure", "run", "tables"]
+
+TAKES_SCENE = True
+OPTIONS = ("band", "z0", "measured")
+QUICK = {"count": 11, "tolerance": 5e-2}
+COUNT = 401
+BRANCHES = 5
+PASSIVE, RECIPROCAL = 1e-12, 1e-11
+
+
+def run(
+    scene: str | Scene = "twente",
+    *,
+    band: str | None = None,
+    z0: str | float = 50.0,
+    measured: str | None = None,
+    count: int = COUNT,
+    tolerance: float = 1e-3,
+    progress: Callable[[str], None] | None = None,
+) -> StudyRecord:
+    """Return the S-parameters of a scene's transducers and their circuits.
+
+    Parameters
+    ----------
+    scene : str or Scene
+        A path, a shipped name or a scene with transducers.
+    band : str, optional
+        START:STOP:N in MHz, or with units.
+    z0 : str or float
+        Reference impedance, ohm.
+    measured : str, optional
+        Touchstone file of as many ports, with the same reference impedance.
+    count : int
+        Frequencies where no band is given.
+    tolerance : float
+        Relative, of the admittances.
+    progress : callable, optional
+        Told what is being done.
+    """
+    import numpy as np
+
+    import fem
+
+    begun = time.perf_counter()
+    say = progress or (lambda text: None)
+    chosen = passband.driven_scene(scene)
+    reference = float(z0) if _is_number(z0) else si_value("--z0", z0, "ohm")
+    if not reference > 0:
+        raise SceneError("--z0", f"must be a positive resistance, got {z0!r} ohm")
+    at = passband.frequencies(chosen, count) if band is None else _band(band)
+    ports = _admittances(chosen, at, tolerance, say)
+    names = [each.name for each in chosen.transducer if each.name in ports.names]
+    order = [ports.names.index(name) for name in names]
+    admittance = ports.matrix[np.ix_(range(len(at)), order, order)]
+    unit = np.eye(len(names))
+    scattering = (unit - reference * admittance) @ np.linalg.inv(unit + reference * admittance)
+    shared = {"frequency_Hz": at, "ports": names, "reference_ohm": reference, "scattering": scattering}
+    if measured is not None:
+        f, s = _measured(Path(measured), len(names), reference)
+        shared |= {"measured_frequency_Hz": f, "measured_scattering": s, "measured_file": Path(measured).name}
+    panels = [
+        Panel(name="smith", title=f"{chosen.title}: reflection, {reference:g} ohm", data=shared),
+        Panel(name="magnitude", title=f"{chosen.title}: S-parameters, {reference:g} ohm", data=shared),
+    ]
+    if len(names) > 1:
+        delay = -np.gradient(np.unwrap(np.angle(scattering[:, 1, 0])), 2 * np.pi * at)
+        title = f"{chosen.title}: {names[0]} to {names[1]}"
+        data = {"frequency_Hz": at, "group_delay_s": delay}
+        panels.append(Panel(name="group_delay", title=title, data=data))
+    row, models = resolved.transducers(chosen), {}
+    for name in names:
+        seen = [fem.solve_circuit(y, ports.names, row, name, f).admittance
+                for y, f in zip(ports.matrix, at, strict=True)]  # fmt: skip
+        models[name] = [fem.motional_model(at, np.array(seen), branches) for branches in (1, BRANCHES)]
+        panels.append(_circuit_panel(name, at, np.array(seen), models[name]))
+    gain = float(np.linalg.svd(scattering, compute_uv=False).max())
+    apart = float(abs(scattering - scattering.transpose(0, 2, 1)).max())
+    findings = (
+        Finding(
+            statement="Transducers give no more power than they take.",
+            quantity="largest singular value of S, less 1",
+            expected=f"at most {PASSIVE:g}",
+            found=gain - 1,
+            confirmed=gain <= 1 + PASSIVE,
+        ),
+        Finding(
+            statement="The network is reciprocal.",
+            quantity="largest |S_ij - S_ji|",
+            expected=f"at most {RECIPROCAL:g}",
+            found=apart,
+            confirmed=apart <= RECIPROCAL,
+        ),
+        Finding(
+            statement="The admittances are known as well as was asked for.",
+            quantity="estimated error, over the largest admittance",
+            expected=f"at most {tolerance:g}",
+            found=ports.relative_error,
+            confirmed=ports.relative_error <= tolerance,
+        ),
+        *(
+            Finding(
+                statement=f"{name}: {BRANCHES} motional branches follow the admittance more closely than one.",
+                quantity="largest error over the largest admittance",
+                expected=f"below that of one branch, {one.error:.2g}",
+                found=several.error,
+                confirmed=several.error < one.error,
+            )
+            for name, (one, several) in models.items()
+        ),
+    )
+    return StudyRecord(
+        name="network", panels=tuple(panels), findings=findings, seconds=time.perf_counter() - begun
+    )
+
+
+def tables(record: StudyRecord) -> dict[str, str]:
+    """Return the Touchstone file and the SPICE subcircuits, by file name."""
+    import fem
+
+    data = record.panel("magnitude").data
+    remarks = (record.panel("magnitude").title, "ports: " + ", ".join(data["ports"]))
+    texts = fem.touchstone(data["frequency_Hz"], data["scattering"], data["reference_ohm"], remarks)
+    files = {f"network.s{len(data['ports'])}p": texts}
+    for panel in record.panels:
+        if "spice" in panel.data:
+            files[f"{panel.name}.cir"] = panel.data["spice"]
+    return files
+
+
+@of_record
+def figure(record: Panel, ax):
+    """Draw reflections in the Smith chart, magnitudes in dB, the group delay, or an admittance with its circuits."""
+    from studies.report.figures import COLOURS, legend_below
+
+    data = record.data
+    at = data["frequency_Hz"] / 1e6
+    if record.name == "smith":
+        return _smith(record, ax)
+    if "group_delay_s" in data:
+        ax.plot(at, data["group_delay_s"] * 1e6, color=COLOURS["slip"])
+        ax.set_ylabel("group delay (us)")
+    elif "spice" in data:
+        for part, values, line in (
+            ("field", data["admittance_S"], "o"),
+            ("one branch", data["one_branch_S"], "--"),
+            (f"{BRANCHES} branches", data["several_branches_S"], "-"),
+        ):
+            for name, of, colour in (("Re", "real", "slip"), ("Im", "imag", "stick")):
+                y = getattr(values, of) * 1e3
+                ax.plot(
+                    at, y, line, color=COLOURS[colour], markersize=2, linewidth=1, label=f"{name}, {part}"
+                )
+        ax.set_ylabel("admittance (mS)")
+        legend_below(ax, columns=3)
+    else:
+        for prefix, line, f in _sources(data):
+            for i, j in _pairs(data["ports"]):
+                size = 20 * _log10(abs(data[f"{prefix}scattering"][:, i, j]))
+                label = f"S{i + 1}{j + 1}" + (f" ({data['measured_file']})" if prefix else "")
+                ax.plot(f, size, line, color=f"C{i * len(data['ports']) + j}", markersize=3, label=label)
+        ax.set_ylabel("magnitude (dB)")
+        legend_below(ax, columns=4)
+    ax.set_xlabel("frequency (MHz)")
+    ax.set_title(record.title, fontsize="medium")
+    ax.grid(alpha=0.3)
+    return ax
+
+
+def _smith(record: Panel, ax):
+    """Draw the reflections over circles of resistance and arcs of reactance."""
+    import numpy as np
+
+    from studies.report.figures import COLOURS, legend_below
+
+    data, angle = record.data, np.linspace(0, 2 * np.pi, 361)
+    for r in (0, 0.2, 0.5, 1, 2, 5):
+        circle = r / (1 + r) + np.exp(1j * angle) / (1 + r)
+        ax.plot(circle.real, circle.imag, color=COLOURS["line"], linewidth=1 if r == 0 else 0.4)
+        ax.annotate(f"{r:g}", ((r - 1) / (r + 1), 0), fontsize="x-small", alpha=0.7)
+    reactance = np.concatenate([[0], np.geomspace(1e-3, 1e3, 400)])
+    for x in (0, 0.2, 0.5, 1, 2, 5):
+        for sign in (1, -1):
+            z = reactance + 1j * sign * x
+            arc = (z - 1) / (z + 1)
+            ax.plot(arc.real, arc.imag, color=COLOURS["line"], linewidth=0.4)
+    for prefix, line, _ in _sources(data):
+        for i, name in enumerate(data["ports"]):
+            s = data[f"{prefix}scattering"][:, i, i]
+            label = f"S{i + 1}{i + 1}, {name}" + (f" ({data['measured_file']})" if prefix else "")
+            ax.plot(s.real, s.imag, line, color=f"C{i}", markersize=3, label=label)
+    ax.set_aspect("equal")
+    ax.set_xlabel("Re S (resistance over the reference on the axis)")
+    ax.set_ylabel("Im S")
+    ax.set_title(record.title, fontsize="medium")
+    legend_below(ax, columns=2)
+    return ax
+
+
+def _sources(data: dict):
+    """Return prefix, line style and frequencies (MHz) of the prediction and, where there is one, the measurement."""
+    yield "", "-", data["frequency_Hz"] / 1e6
+    if "measured_frequency_Hz" in data:
+        yield "measured_", ".", data["measured_frequency_Hz"] / 1e6
+
+
+def _pairs(ports) -> list[tuple[int, int]]:
+    """Return the parameters drawn: of a reciprocal network one half."""
+    return [(i, j) for i in range(len(ports)) for j in range(i + 1)]
+
+
+def _log10(sizes):
+    import numpy as np
+
+    return np.log10(np.maximum(sizes, 1e-15))
+
+
+def _circuit_panel(name: str, at, seen, models) -> Panel:
+    safe = "".join(letter if letter.isalnum() else "_" for letter in name)
+    texts = [model.spice(f"{safe}_{kind}") for model, kind in zip(models, ("bvd", "motional"), strict=True)]
+    one, several = (model.admittance(at) for model in models)
+    return Panel(
+        name=f"circuit_{safe}",
+        title=f"Transducer {name!r}: errors {models[0].error:.2g} and {models[1].error:.2g}",
+        data={
+            "frequency_Hz": at, "admittance_S": seen, "one_branch_S": one, "several_branches_S": several,
+            "spice": "".join(texts),
+        },
+    )  # fmt: skip
+
+
+def _band(text: str):
+    """Return the frequencies in Hz of START:STOP:N, in MHz without a unit."""
+    import numpy as np
+
+    parts = str(text).split(":")
+    try:
+        low, high = (
+            1e6 * float(part) if _is_number(part) else si_value("--band", part, "Hz") for part in parts[:2]
+        )
+        count = int(parts[2])
+    except (ValueError, IndexError):
+        raise SceneError(
+            "--band", f"must be START:STOP:N, such as 1.9:2.5:401 in MHz, got {text!r}"
+        ) from None
+    if not (0 < low < high and len(parts) == 3 and 2 <= count <= 100_000):
+        raise SceneError(
+            "--band", f"must rise from START above 0 to STOP in 2 to 100000 values, got {text!r}"
+        )
+    return np.linspace(low, high, count)
+
+
+def _is_number(text: str | float) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
+
+
+def _measured(file: Path, ports: int, reference: float):
+    """Return frequencies and S-parameters of a Touchstone file."""
+    import fem
+
+    if not file.is_file():
+        raise SceneError("--measured", f"must be a Touchstone file, and {str(file)!r} is none")
+    if file.suffix.lower() != f".s{ports}p":
+        raise SceneError("--measured", f"must be a file of {ports} ports, .s{ports}p, got {file.name!r}")
+    try:
+        at, values, own = fem.read_touchstone(file.read_text(encoding="utf-8", errors="replace"), ports)
+    except ValueError as error:
+        raise SceneError("--measured", f"{file.name!r} {error}") from None
+    if own != reference:
+        raise SceneError("--measured", f"has the reference {own:g} ohm: give --z0 {own:g}, not {reference:g}")
+    return at, values
+
+
+def _admittances(scene: Scene, at, tolerance: float, say):
+    """Return the ``fem.PortAdmittance`` over the frequencies, in bands where the layout allows, else one by one."""
+    import numpy as np
+
+    import fem
+
+    block, row = resolved.stator(scene.stator), resolved.transducers(scene)
+    count = max(1, math.ceil(math.log(at[-1] / at[0]) / math.log(WIDEST)))
+    edges = np.searchsorted(at, at[0] * (at[-1] / at[0]) ** (np.arange(1, count) / count))
+    groups = [at[low:high] for low, high in pairwise([0, *edges, len(at)])]
+    if not takes_bands(block, row, ()):
+        groups = [np.array([f]) for f in at]
+    parts = []
+    for group in groups:
+        say(f"stator: {len(group)} frequencies from {group[0] / 1e6:.5g} MHz")
+        try:
+            parts.append(fem.port_admittance(block, row, frequency=group, tolerance=tolerance))
+        except fem.ConvergenceError as error:
+            raise RunError(f"from {group[0] / 1e6:.6g} to {group[-1] / 1e6:.6g} MHz {error}") from None
+    return fem.PortAdmittance(
+        names=parts[0].names,
+        frequency=at,
+        matrix=np.concatenate([part.matrix for part in parts]),
+        relative_error=max(part.relative_error for part in parts),
+    )

@@ -1,0 +1,58 @@
+"""Punches and heights through a scene: the run answers as the contact package does, and what cannot be is refused."""
+
+import pytest
+
+import contact
+from studies import Scene, run
+from studies.chain import bridge
+from studies.refusal import SceneError
+
+THREE = {"contacts": ["-5 mm", "0 mm", "5 mm"]}
+
+
+def test_a_run_on_punches_is_that_of_the_contact_package():
+    scene = Scene.load("twente-contact").replace(
+        slider={"shape": "punch", "radius": "2 um"}, wave={"normal_amplitude": "5 nm"}
+    )
+    point = run(scene).points[0]
+    block, wave = scene.slider, scene.wave
+    slider = contact.Slider(
+        radius=2e-6, mass=block.mass, preload=block.preload_force, load=0.0, law="elastic", reciprocal=False,
+        friction_coefficient=block.friction_coefficient, effective_modulus=block.effective_modulus,
+        tangential_modulus=block.tangential_modulus, stick_band=0.0, contact_damping=0.0,
+        normal_damping=block.damping.normal, tangential_damping=block.damping.tangential, shape="punch",
+    )  # fmt: skip
+    orbit = contact.Orbit(frequency=wave.frequency, normal=5e-9, tangential=-5e-9j * wave.tangential_ratio)
+    expected = contact.steady(slider, orbit, tolerance=1e-6).velocity
+    assert abs(point["velocity_m_per_s"]) == pytest.approx(abs(expected), rel=1e-6)
+    assert abs(expected) > 1e-3
+
+
+def test_a_contact_that_hangs_in_the_air_changes_nothing():
+    twente = Scene.load("twente").replace(drive={"voltage": "40 V"})
+    three = run(twente.replace(slider=THREE | {"heights": ["0 nm", "-1 um", "1 nm"]}))
+    two = run(twente.replace(slider={"contacts": ["-5 mm", "5 mm"], "heights": ["0 nm", "1 nm"]}))
+    velocity = two.points[0]["velocity_m_per_s"]
+    assert three.points[0]["velocity_m_per_s"] == pytest.approx(velocity, rel=1e-6)
+    assert abs(velocity) > 1e-3
+
+
+def test_heights_go_to_the_contacts_in_their_order():
+    scene = Scene.load("twente").replace(
+        slider=THREE | {"heights": ["0 nm", "-3 nm", "2 nm"], "preload": "1 mN"}
+    )
+    assert bridge.contact_slider(scene.slider).heights == (0.0, -3e-9, 2e-9)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"heights": ["1 nm"]}, r"slider\.heights needs slider\.contacts as a list of places"),
+        (THREE | {"heights": ["1 nm"]}, r"slider\.heights must hold one height for each of the 3 contacts, got 1"),
+        ({"shape": "punch", "law": "hysteretic"}, r'slider\.law must be "elastic" with shape = "punch"'),
+        ({"shape": "cone"}, r"slider\.shape"),
+    ],
+)  # fmt: skip
+def test_what_no_contact_can_be_is_refused(changes, sentence):
+    with pytest.raises(SceneError, match=sentence):
+        Scene.load("twente").replace(slider=changes)
