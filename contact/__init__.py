@@ -7,7 +7,7 @@ Motor*, with stick and slip as a stop operator. The compiled parts are loaded wh
 
 from contact.answers.cross_check import SecondOpinion, second_opinion
 from contact.answers.derivatives import velocity_derivative
-from contact.answers.load_line import LoadLine, blocked_thrust, load_line
+from contact.answers.load_line import LoadLine, blocked_thrust, load_line, mean_traction
 from contact.answers.steady import SteadyState, steady
 from contact.answers.steps import Step, cycles_for, step
 from contact.answers.sweep import MeanMotion, Sweep, mean_motion, steady_map, steady_sweep
@@ -46,6 +46,7 @@ __all__ = [
     "kernels",
     "load_line",
     "mean_motion",
+    "mean_traction",
     "release_amplitude",
     "release_factor",
     "riding_height",

@@ -75,8 +75,8 @@ class Record:
         Columns of surface.csv (driven stator) or of profile.csv (free wave).
     trajectories : tuple of (level, contact.Trajectory or Motion)
         With a burst.
-    surface_wave : fem.SurfaceWave or None
-        The stator's answer itself, from which the interior field can be rebuilt; None after `load`.
+    surface_motion : studies.chain.surface_motion.SurfaceMotion or None
+        The stator's answer itself, with ``wave``, from which the interior field can be rebuilt; None after `load`.
     versions : dict
         Of the program and its packages; those of this process when empty.
 
@@ -106,13 +106,18 @@ class Record:
     shortfall: str = ""
     surface: dict = field(default_factory=dict, repr=False)
     trajectories: tuple = field(default=(), repr=False)
-    surface_wave: object = field(default=None, repr=False, compare=False)
+    surface_motion: object = field(default=None, repr=False, compare=False)
     versions: dict = field(default_factory=dict, compare=False)
 
     @property
     def level(self) -> str:
         """Key of the points that says how hard the motor is driven."""
         return "normal_amplitude_m" if self.scene.wave is not None else "voltage_V"
+
+    @property
+    def surface_wave(self):
+        """Plane section of the driven stator, a fem.SurfaceWave; None without one."""
+        return None if self.surface_motion is None else self.surface_motion.wave
 
     @property
     def at_rest(self) -> bool:

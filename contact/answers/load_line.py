@@ -81,6 +81,38 @@ def blocked_thrust(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[f
     )
 
 
+def mean_traction(slider: Slider, orbits: Orbit | tuple[Orbit, ...], velocities: np.ndarray) -> np.ndarray:
+    """Return the mean tangential force of the surface on a slider that runs at given velocities, N along +x (averaged).
+
+    Parameters
+    ----------
+    slider : Slider
+        Its load and its tangential damping are not used.
+    orbits : Orbit or tuple of Orbit
+        Motion of the surface under each contact.
+    velocities : ndarray, shape (k,)
+        m/s along +x.
+
+    Returns
+    -------
+    ndarray, shape (k,)
+
+    Raises
+    ------
+    ConvergenceError
+        Status "not applicable" where the averaged way does not apply.
+    """
+    from contact.solve import averaged
+
+    listed = as_orbits(orbits)
+    free = replace(slider, load=0.0)
+    refuse_unless_applicable(free, listed, STIFFEST_STEADY)
+    side, driven = towards_plus(listed)
+    problem = scaled(free, driven, direction=1.0, start=0.0)
+    speeds = side * np.asarray(velocities, float) / problem.speed
+    return side * averaged.tractions(problem, speeds) * (slider.mass * problem.omega**2 * problem.length)
+
+
 def load_line(
     slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, points: int, tolerance: float
 ) -> LoadLine:

@@ -222,6 +222,23 @@ def balance(problem, harmonics):
     return _balance(problem, harmonics, room(max(harmonics, 1)), out), out
 
 
+@native("t f1 t f1")
+def _tractions(problem, speeds, work, out):
+    """Fill the mean tangential forces of cycles at given velocities; return 0."""
+    h = riding(problem, work.fine)
+    for k in range(speeds.size):
+        cycle(problem, h, speeds[k], work.at_rest, work.fine, work.plain, work.counts)
+        out[k] = work.plain[1]
+    return 0
+
+
+def tractions(problem, speeds):
+    """Return the mean tangential forces, scaled, of cycles at given scaled velocities, of first order."""
+    out = np.empty(len(speeds))
+    _tractions(problem, speeds, room(1), out)
+    return out
+
+
 @native("t t f1")
 def _rest_forces(problem, work, answer):
     """Fill the answer of `rest_tractions`; return 0."""

@@ -1,9 +1,8 @@
 """Modes that a line of charge on the bare surface sends out, and how they turn with the lateral wavenumber k_y.
 
-A section with a surface charge q at x = 0 obeys f(0-) - f(0+) = q e, e the surface's potential.  By x -> -x its odd
-unknowns vanish there and f = X u on the right (guided modes), so that X_ee u_e = -q e / 2 for the even ones; the modes'
-amplitudes are V^-1 u.  Where nothing grounds the section, the constant potential leaves X singular: what is sent
-then includes the linear potential, the double pole of the response at k = 0,
+A section with a surface charge q at x = 0 sends -i q v_p (l_p . e) exp(-i k_p x) / (l_p . L'(k_p) v_p) to the right in
+the guided mode v_p, with L(k) = k^2 K2 + i k (K1 - K1^T) + K0 - omega^2 M, e the surface's potential and l_p the left
+eigenvector: v_p with its odd unknowns turned, by x -> -x.  Where nothing grounds the section, k = 0 is a double pole,
 
     phi = s |x|,  u = s sgn(x) w,    (K0 - omega^2 M) w = (K1 - K1^T) 1,    s 1.(K2 1 + K1 w) = -q / 2,
 
@@ -156,46 +155,31 @@ def line_source(modes: GuidedModes) -> LineSource:
     LineSource
     """
     section = modes.section
-    n, medium = section.size, section.solid
-    odd = section.odd
-    even = np.flatnonzero(~odd)
-    load = np.zeros(n, dtype=complex)
-    load[section.surface_dofs["phi"]] = -0.5
-    end = modes.right_impedance
-    linear, slope = np.zeros(n), 0.0
-    if section.floating_potential:
-        linear, slope = _linear_potential(modes)
-        constant = section.constant_potential
-        second, first, _ = section.matrices(modes.frequency)
-        load = load + slope * (end @ linear - second @ constant - first @ linear)
-        border = constant[even][:, None]
-        system = np.block([[end[np.ix_(even, even)], border], [border.T, np.zeros((1, 1))]])
-        solved = np.linalg.solve(system, np.append(load[even], 0.0))[:-1]
-    else:
-        solved = np.linalg.solve(end[np.ix_(even, even)], load[even])
-    line = np.zeros(n, dtype=complex)
-    line[even] = solved
-    moving = np.flatnonzero(modes.wavenumbers != 0)
+    second, first, _ = section.matrices(modes.frequency)
+    at, moving = section.surface_dofs, np.flatnonzero(modes.wavenumbers != 0)
+    k, right = modes.wavenumbers[moving], modes.right[:, moving]
+    left = np.where(section.odd, -1.0, 1.0)[:, None] * right
+    products = np.sum(left * (2 * k * (second @ right) + 1j * ((first - first.T) @ right)), axis=0)
     # a charge of 1 C/m is a reaction of -potential_unit / stress_unit
-    scale = -medium.potential_unit / medium.stress_unit
-    amplitudes = scale * modes.right_amplitudes(line - slope * linear)[moving]
-    tangential, normal = section.surface_rows @ modes.right[:, moving]
+    scale = -section.solid.potential_unit / section.solid.stress_unit
+    amplitudes = -1j * scale * left[at["phi"]] / products
     return LineSource(
         surface=np.isin(moving, modes.rayleigh),
-        wavenumbers=modes.wavenumbers[moving] / section.length_unit,
+        wavenumbers=k / section.length_unit,
+        tangential=right[at["ux"]] * amplitudes,
+        normal=right[at["uz"]] * amplitudes,
         amplitudes=amplitudes,
-        tangential=tangential * amplitudes,
-        normal=normal * amplitudes,
-        static=complex(scale * slope * linear[section.surface_dofs["ux"]]),
+        static=scale * _static_motion(modes) if section.floating_potential else 0.0,
     )
 
 
-def _linear_potential(modes: GuidedModes) -> tuple[np.ndarray, complex]:
-    """Displacements w that go with phi = x, shape (n,), and the slope s of a unit reaction."""
+def _static_motion(modes: GuidedModes) -> complex:
+    """Motion u_x = s w at the surface that goes with the potential s |x| of a unit reaction."""
     section = modes.section
     second, first, zeroth = section.matrices(modes.frequency)
     constant = section.constant_potential
     border = constant[:, None]
     system = np.block([[zeroth, border], [border.T, np.zeros((1, 1))]])
-    solved = np.linalg.solve(system, np.append((first - first.T) @ constant, 0.0))[:-1]
-    return solved, complex(-0.5 / (constant @ (second @ constant + first @ solved)))
+    motion = np.linalg.solve(system, np.append((first - first.T) @ constant, 0.0))[:-1]
+    slope = -0.5 / (constant @ (second @ constant + first @ motion))
+    return complex(slope * motion[section.surface_dofs["ux"]])

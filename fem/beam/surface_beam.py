@@ -26,6 +26,7 @@ from fem.beam.cut_source import CutSource, cut_source
 from fem.beam.line_source import Branch, LineSource, isotropic_about_normal, line_source
 from fem.beam.reception import with_apertures
 from fem.circuit import Circuit
+from fem.geometry import Stator
 from fem.results.solution import Solution, driven_solution
 from fem.results.surface_wave import SurfaceWave
 
@@ -104,6 +105,10 @@ class SurfaceBeam:
         of the section's motion; nearer than a wavelength to the fingers, and where the surface wave alone is followed,
         the field contains it as far as the aperture goes.
         """
+        return self.motion_and_error(x, y)[1]
+
+    def motion_and_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0):
+        """`motion` and `relative_error` at once."""
         fine, coarse = self._both_rules(x, y)
         size = abs(fine[[0, 2]]).max(axis=0)
         largest = float(size.max())
@@ -111,7 +116,7 @@ class SurfaceBeam:
         places, where = np.unique(np.broadcast_arrays(x, y)[0], return_inverse=True)
         section = abs(self.wave.motion(places)).max(axis=0)[where.reshape(size.shape)]
         left_out = abs(self._beyond_the_modes(places)).max(axis=0)[where.reshape(size.shape)]
-        return rule + (np.maximum(size, section) * self.wave.relative_error + left_out) / size
+        return fine, rule + (np.maximum(size, section) * self.wave.relative_error + left_out) / size
 
     @property
     def surface_mode(self) -> "SurfaceBeam":
@@ -225,6 +230,13 @@ class _Nodes(NamedTuple):
     owner: np.ndarray
 
 
+def beam_refusal(stator: Stator) -> str:
+    """Why the field in three dimensions of a stator is not known, in a sentence; empty where it is."""
+    if stator.ends != "absorbing":
+        return f"the field in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}"
+    return ""
+
+
 def _charges_of(solution: Solution) -> tuple[ElectrodeCharges, ...]:
     return tuple(electrode_charges(solution, index) for index in range(len(solution.fields.transducers)))
 
@@ -281,15 +293,15 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
         For other ends, and a width smaller than an aperture.
     """
     solution = wave.solution
-    stator = solution.fields.stator
-    if stator.ends != "absorbing":
-        raise BeamError(f"the field in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}")
+    refusal = beam_refusal(solution.fields.stator)
+    if refusal:
+        raise BeamError(refusal)
     apertures = tuple(each.aperture for each in solution.fields.transducers)
     if mirror_width is not None and not max(apertures) <= mirror_width < np.inf:
         raise BeamError(
             f"mirror_width must be at least the largest aperture, {max(apertures):g} m, got {mirror_width!r}"
         )
-    isotropic = isotropic_about_normal(stator.solid)
+    isotropic = isotropic_about_normal(solution.fields.stator.solid)
     if isotropic and len(apertures) > 1:
         solution = driven_solution(with_apertures(solution.fields, mirror_width), solution.circuit.drive)
     return SurfaceBeam(

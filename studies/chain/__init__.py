@@ -13,10 +13,11 @@ from pathlib import Path
 import fem
 from studies.chain import bridge
 from studies.chain.model_error import model_error
-from studies.chain.neglected import driven_left_out, free_left_out
+from studies.chain.neglected import diffraction_left_out, driven_left_out, free_left_out
 from studies.chain.points import SliderAnswer, slider_answer
 from studies.chain.ring_up import ring_up, ring_up_left_out
 from studies.chain.source_powers import powers, with_available_power
+from studies.chain.surface_motion import SurfaceMotion, surface_motion, wanted_diffraction
 from studies.chain.warnings import warnings_of
 from studies.record import Record
 from studies.refusal import RunError, SceneError
@@ -25,6 +26,9 @@ from studies.scene import Scene, resolved
 __all__ = ["run", "slider_left_out"]
 
 SHARE = 0.25  # of the tolerance, for the stator at first and for the contact
+STALLED = (
+    0.7  # of the motion's error: what is left then is the beam's own, which no finer section makes smaller
+)
 ROUNDS = 3  # of the stator, each with the tolerance that the one before found to be needed
 
 
@@ -133,60 +137,69 @@ def _free(scene: Scene, tolerance: float) -> Record:
 def _driven(scene: Scene, tolerance: float, say) -> Record:
     begun = time.perf_counter()
     slider = scene.slider
-    place = scene.stator.length / 2 if slider is None else slider.position
-    places = (place,) if slider is None else _places(place, slider)
+    place = (scene.stator.length / 2, 0.0) if slider is None else slider.center
+    places = (place,) if slider is None else tuple(dict.fromkeys((place, *slider.places)))
+    wanted = wanted_diffraction(scene.stator.diffraction, slider is not None)
     block, transducers = resolved.stator(scene.stator), resolved.transducers(scene)
 
-    def solved(goal: float):
+    def solved(goal: float) -> SurfaceMotion:
         try:
-            return fem.driven_wave(
+            wave = fem.driven_wave(
                 block,
                 transducers,
                 frequency=scene.frequency,
                 drive=resolved.drive(scene),
                 tolerance=goal,
-                places=places,
+                places=tuple(dict.fromkeys(x for x, _ in places)),
                 progress=say,
             )
         except fem.ConvergenceError as error:
             if error.reached is None:
                 raise RunError(str(error)) from None
-            return error.reached  # it is recorded with its error, which says whether it is good enough
+            wave = error.reached  # it is recorded with its error, which says whether it is good enough
+        try:
+            return surface_motion(wave, wanted, places, tolerance)
+        except fem.BeamError as error:
+            scene.refuse("stator.diffraction", f"must be false or absent: {error}")
 
-    wave = solved(tolerance if slider is None else tolerance * SHARE)
+    motion = solved(tolerance if slider is None else tolerance * SHARE)
     contact_seconds, ringing = 0.0, None
 
     def answered() -> SliderAnswer:
         nonlocal contact_seconds
         started = time.perf_counter()
-        answer = _slider(scene, wave, place, tolerance, say, ringing)
+        answer = _slider(scene, motion, tolerance, say, ringing)
         contact_seconds += time.perf_counter() - started
         return answer
 
     if slider is None:
-        blocks = _amplitude_blocks(scene, wave, place, tolerance)
+        blocks = _amplitude_blocks(scene, motion, place, tolerance)
     else:
-        ringing = _ring_up(scene, wave, place, say)
+        ringing = _ring_up(scene, motion.wave, place[0], say)
         answer = answered()
         for _ in range(ROUNDS - 1):
-            goal = _needed(answer, wave.relative_error, tolerance, 0.0 if ringing is None else ringing.error)
+            before = motion.wave.relative_error
+            goal = _needed(answer, before, tolerance, 0.0 if ringing is None else ringing.error)
             if goal is None:
                 break
-            before = wave.relative_error
+            whole = motion.relative_error(places)
             try:
-                wave = solved(goal)
+                motion = solved(goal)
             except RunError:
                 break  # the answer that stands is recorded, with its error
             answer = answered()
-            if wave.relative_error >= before:
+            if motion.wave.relative_error >= before or motion.relative_error(places) > STALLED * whole:
                 break
         blocks = _slider_blocks(answer, tolerance)
+    wave = motion.wave
+    if motion.beam is not None:
+        scene = replace(scene, stator=replace(scene.stator, diffraction=True))
     sources = powers(scene, wave)
     blocks["points"] = with_available_power(blocks["points"], sources)
     record = Record(
         scene=scene,
         tolerance=tolerance,
-        wave=_wave_block(wave, place)
+        wave=_wave_block(scene, motion, place)
         | ({} if ringing is None or ringing.found is None else {"settling_time_s": ringing.found.settling}),
         electrical={
             "admittance_S": wave.admittance,
@@ -200,9 +213,10 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
         | sources
         | _several_sources(wave),
         left_out=driven_left_out(block, scene.frequency)
+        + diffraction_left_out(scene, motion)
         + ring_up_left_out(scene, ringing, blocks.get("trajectories", ())),
         surface=_surface_columns(wave),
-        surface_wave=wave,
+        surface_motion=motion,
         **blocks,
     )
     seconds = {"stator": time.perf_counter() - begun - contact_seconds}
@@ -224,10 +238,6 @@ def _several_sources(wave) -> dict:
     return {"sources": ports}
 
 
-def _places(place: float, slider) -> tuple[float, ...]:
-    return tuple(dict.fromkeys(place + offset for offset in (0.0, *slider.offsets)))
-
-
 def _ring_up(scene: Scene, wave, place: float, say):
     """Return the ring-up of a burst under the slider, or None where there is none to follow."""
     if scene.burst is None or wave.covered(place):
@@ -236,16 +246,18 @@ def _ring_up(scene: Scene, wave, place: float, say):
     return ring_up(scene, place, progress=say)
 
 
-def _slider(scene: Scene, wave, place: float, tolerance: float, say, ringing) -> SliderAnswer:
-    tangential, normal = abs(wave.motion(place))
+def _slider(scene: Scene, motion: SurfaceMotion, tolerance: float, say, ringing) -> SliderAnswer:
+    slider = scene.slider
+    tangential, _, normal = abs(motion.at([slider.center])[:, 0])
     return slider_answer(
         scene,
-        bridge.orbits_per_volt(wave, scene.slider),
+        bridge.orbits_per_volt(motion, slider),
         (float(normal), float(tangential)),
-        stator_error=wave.relative_error,
+        stator_error=motion.relative_error(slider.places),
         tolerance=tolerance,
         progress=say,
         ringing=ringing,
+        along=None if scene.burst is None else bridge.wave_along(motion, slider),
     )
 
 
@@ -285,20 +297,20 @@ def _slider_blocks(answer: SliderAnswer, tolerance: float) -> dict:
     return blocks
 
 
-def _amplitude_blocks(scene: Scene, wave, place: float, tolerance: float) -> dict:
+def _amplitude_blocks(scene: Scene, motion: SurfaceMotion, place, tolerance: float) -> dict:
     """Return the record's blocks where the wave field is the result."""
-    tangential, normal = (float(size) for size in abs(wave.motion(place)))
+    tangential, _, normal = (float(size) for size in abs(motion.at([place])[:, 0]))
+    error = motion.relative_error([place])
     points = tuple(
         {
             "voltage_V": voltage,
             "normal_amplitude_m": normal * voltage,
             "tangential_amplitude_m": tangential * voltage,
-            "relative_error": wave.relative_error if voltage else 0.0,
+            "relative_error": error if voltage else 0.0,
             "status": "ok",
         }
         for voltage in scene.levels
     )
-    error = wave.relative_error
     short = f"the surface amplitude's error is {error:.1e}, {tolerance:.1e} was asked for: ask for less"
     return {
         "points": points,
@@ -307,20 +319,27 @@ def _amplitude_blocks(scene: Scene, wave, place: float, tolerance: float) -> dic
     }
 
 
-def _wave_block(wave, place: float) -> dict:
-    tangential, normal = wave.motion(place)
+def _wave_block(scene: Scene, motion: SurfaceMotion, place: tuple[float, float]) -> dict:
+    wave, places = motion.wave, [place] if scene.slider is None else [place, *scene.slider.places]
+    found = motion.at(places)
+    tangential, lateral, normal = found[:, 0]
     block = {
         "frequency_Hz": wave.frequency,
         "normal_m_per_V": complex(normal),
         "tangential_m_per_V": complex(tangential),
     }
-    if not wave.covered(place):
-        block["rayleigh_normal_m_per_V"] = complex(wave.rayleigh_motion(place)[1])
+    if motion.beam is not None:
+        block["lateral_m_per_V"] = complex(lateral)
+        block["largest_lateral_ratio"] = float((abs(found[1]) / abs(found[0])).max())
+        in_section = map(complex, wave.motion(place[0]))
+        block |= zip(("section_tangential_m_per_V", "section_normal_m_per_V"), in_section, strict=True)
+    if not wave.covered(place[0]):
+        block["rayleigh_normal_m_per_V"] = motion.surface_mode_at(place)
     return block | {
-        "standing_wave_ratio": wave.standing_wave_ratio(place),
+        "standing_wave_ratio": motion.standing_wave_ratio(place),
         "phase_velocity_m_per_s": wave.phase_velocity,
         "surface_ratio": wave.surface_ratio,
-        "relative_error": wave.relative_error,
+        "relative_error": motion.relative_error(places),
         "resolution": wave.resolution,
     }
 
@@ -352,5 +371,7 @@ def slider_left_out(scene: Scene) -> tuple[str, ...]:
         sizes = direction_dependence(resolved.solid(scene.stator))
         if sizes:
             reasons.append(f"the contact's dependence on direction: {sizes}")
-    reasons.append("the slider's reaction on the wave, and its travel along the wave field")
+    if scene.burst is not None and scene.stator is not None and slider.travel is False:
+        reasons.append("the slider's travel along the wave field: slider.travel is false")
+    reasons.append("the slider's reaction on the wave")
     return tuple(reasons)

@@ -10,15 +10,15 @@ as one.
 
 from studies.scene.blocks import Slider, Wave
 
-__all__ = ["contact_slider", "given_orbits", "orbits_per_volt", "scaled"]
+__all__ = ["contact_slider", "given_orbits", "orbits_per_volt", "scaled", "wave_along"]
 
 
-def orbits_per_volt(surface_wave, slider: Slider) -> tuple:
+def orbits_per_volt(motion, slider: Slider) -> tuple:
     """Return the orbits under the balls for 1 V of the source (peak).
 
     Parameters
     ----------
-    surface_wave : fem.SurfaceWave
+    motion : studies.chain.surface_motion.SurfaceMotion
         Of the driven stator.
     slider : Slider
         The scene's block, its position in m.
@@ -30,11 +30,33 @@ def orbits_per_volt(surface_wave, slider: Slider) -> tuple:
     """
     from contact import Orbit
 
-    places = [slider.position + offset for offset in dict.fromkeys(slider.offsets)]
-    tangential, normal = surface_wave.motion(places)
+    tangential, _, normal = motion.at(slider.places)
     return tuple(
-        Orbit(frequency=surface_wave.frequency, normal=complex(u_z), tangential=complex(u_x))
+        Orbit(frequency=motion.wave.frequency, normal=complex(u_z), tangential=complex(u_x))
         for u_x, u_z in zip(tangential, normal, strict=True)
+    )
+
+
+def wave_along(motion, slider: Slider):
+    """Return the orbits under a slider that moves along x, a `studies.chain.travel.WaveAlong`, per volt."""
+    from contact import Orbit
+    from studies.chain.travel import WaveAlong
+
+    wave, places = motion.wave, slider.places
+
+    def orbits(displacements):
+        balls = [motion.along(x + displacements, y) for x, y in places]
+        return [
+            tuple(
+                Orbit(frequency=wave.frequency, normal=complex(each[2, k]), tangential=complex(each[0, k]))
+                for each in balls
+            )
+            for k in range(len(displacements))
+        ]
+
+    behind, ahead = min(x for x, _ in places), max(x for x, _ in places)
+    return WaveAlong(
+        wavelength=wave.phase_velocity / wave.frequency, limits=(-behind, wave.length - ahead), orbits=orbits
     )
 
 

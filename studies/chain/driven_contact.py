@@ -50,7 +50,7 @@ class DrivenContact:
         return cls(
             scene=scene,
             slider=bridge.contact_slider(scene.slider),
-            orbits=bridge.orbits_per_volt(record.surface_wave, scene.slider),
+            orbits=bridge.orbits_per_volt(record.surface_motion, scene.slider),
             amplitude=abs(complex(record.wave["normal_m_per_V"])),
             stator_error=float(record.wave["relative_error"]),
             record=record,

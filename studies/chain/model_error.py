@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 
 from studies.chain import bridge
+from studies.chain.surface_motion import default_refusal
 from studies.record import Record
 from studies.scene import resolved
 
@@ -72,37 +73,40 @@ def _driven(record: Record):
     return next(each for each in scene.transducer if each.name == scene.drive.transducer)
 
 
-def _places(record: Record) -> list[float]:
+def _places(record: Record) -> list[tuple[float, float]]:
     slider, length = record.scene.slider, record.scene.stator.length
-    return (
-        [length / 2] if slider is None else [slider.position + each for each in dict.fromkeys(slider.offsets)]
-    )
+    return [(length / 2, 0.0)] if slider is None else list(slider.places)
 
 
 def _aperture(record: Record) -> Iterator[NeglectedEffect]:
     """Yield what the finite aperture and the side faces do to the amplitude, the worst over the contacts."""
     import fem
 
-    wave, places = record.surface_wave, _places(record)
-    if any(wave.covered(place) for place in places):
+    motion, places = record.surface_motion, _places(record)
+    wave, (x, y) = motion.wave, zip(*places, strict=True)
+    if any(wave.covered(place) for place in x):
         return
     try:
-        beam = fem.surface_beam(wave)
-        with_aperture = beam.motion(places, 0.0)
+        if motion.beam is None and default_refusal(wave.solution.fields.stator):
+            raise fem.BeamError("no field in three dimensions without seconds of work")
+        beam = motion.beam or fem.surface_beam(wave)
+        with_aperture = beam.motion(x, y)
         width = record.scene.stator.width
-        images = 2 * beam.motion(places, width)
+        images = [beam.motion(x, [side * width - each for each in y]) for side in (1, -1)]
     except fem.BeamError:
-        ratios = [fresnel_ratio(record, place) for place in places]
+        ratios = [fresnel_ratio(record, place) for place in x]
         source = "Fresnel's integral on the axis of the driven aperture"
     else:
-        ratios = [float(each) for each in abs(with_aperture[2] / wave.motion(places)[1])]
+        ratios = [float(each) for each in abs(with_aperture[2] / wave.motion(x)[1])]
         source = "charges of the section within the aperture, guided modes at every lateral wavenumber"
         yield NeglectedEffect(
             effect="side faces",
             quantity="u_z",
-            size=max(float(each) for each in abs(images[2] / with_aperture[2])),
+            size=float((sum(abs(image[2]) for image in images) / abs(with_aperture[2])).max()),
             source="mirror images of the beam in both side faces",
         )
+    if motion.beam is not None:
+        return
     yield NeglectedEffect(
         effect="finite aperture",
         quantity="u_z",
@@ -239,7 +243,7 @@ def _contact(record: Record) -> Iterator[NeglectedEffect]:
 
 def _travel(record: Record) -> Iterator[NeglectedEffect]:
     scene = record.scene
-    if scene.slider is None or scene.burst is None:
+    if scene.slider is None or scene.burst is None or any("travel_m" in point for point in record.points):
         return
     fastest = max((abs(point.get("velocity_m_per_s", 0.0)) for point in record.points), default=0.0)
     wavelength = record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]

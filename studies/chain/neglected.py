@@ -1,6 +1,8 @@
 """What the stator's problem is solved without, and why: lines of ``left_out``."""
 
 import fem
+from studies.chain.surface_motion import SurfaceMotion
+from studies.scene import Scene
 
 
 def driven_left_out(stator: "fem.Stator", frequency: float) -> tuple[str, ...]:
@@ -19,6 +21,16 @@ def driven_left_out(stator: "fem.Stator", frequency: float) -> tuple[str, ...]:
     reasons.append("elements in the uniform stretches: sums of guided modes instead")
     reasons.append("interior field: only the surface was asked for")
     return tuple(reasons)
+
+
+def diffraction_left_out(scene: Scene, motion: SurfaceMotion) -> tuple[str, ...]:
+    """Return why the wave does not spread in the answer of a driven stator; nothing where it does."""
+    if motion.beam is not None:
+        return ()
+    if motion.reason:
+        return (f"diffraction, the wave is that of the plane section: {motion.reason}",)
+    said = "is false" if scene.stator.diffraction is False else "is absent, and the scene has no slider"
+    return (f"diffraction, the wave is that of the plane section: stator.diffraction {said}",)
 
 
 def free_left_out(stator: "fem.Stator") -> tuple[str, ...]:

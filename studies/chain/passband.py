@@ -24,7 +24,7 @@ def driven_scene(scene: str | Scene) -> Scene:
 
 def place(scene: Scene) -> float:
     """Return where the motion is wanted, m: under the slider, or mid-stator."""
-    return scene.stator.length / 2 if scene.slider is None else scene.slider.position
+    return scene.stator.length / 2 if scene.slider is None else scene.slider.center[0]
 
 
 def frequencies(scene: Scene, count: int):

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from studies.chain import bridge
 from studies.chain.propagation import velocity_error
@@ -49,6 +49,7 @@ def slider_answer(
     tolerance: float,
     progress: Callable[[str], None],
     ringing=None,
+    along=None,
 ) -> SliderAnswer:
     """Solve the contact at every level of a scene.
 
@@ -68,6 +69,8 @@ def slider_answer(
         Told what is being done.
     ringing : studies.chain.ring_up.RingUp, optional
         How the orbits grow during a burst.
+    along : studies.chain.travel.WaveAlong, optional
+        How they change along the field; without it the slider stays at its place.
     """
     from contact import kernels
 
@@ -80,7 +83,8 @@ def slider_answer(
         for side, amplitude in zip(("normal", "tangential"), amplitudes, strict=True):
             point[f"{side}_amplitude_m"] = amplitude * level
         here = bridge.scaled(orbits, level)
-        found, part, trajectory = _point(scene, slider, here, stator_error, tolerance, ringing)
+        travelling = None if along is None or scene.slider.travel is False else (along, level)
+        found, part, trajectory = _point(scene, slider, here, stator_error, tolerance, ringing, travelling)
         points.append(point | found)
         parts.append(part)
         trajectories += [] if trajectory is None else [(level, trajectory)]
@@ -92,7 +96,7 @@ def slider_answer(
     )
 
 
-def _point(scene: Scene, slider, orbits: tuple, stator_error: float, tolerance: float, ringing):
+def _point(scene: Scene, slider, orbits: tuple, stator_error: float, tolerance: float, ringing, travelling):
     """Return the point's values, the parts of its error and its trajectory; a failure is its status."""
     import contact
 
@@ -110,6 +114,9 @@ def _point(scene: Scene, slider, orbits: tuple, stator_error: float, tolerance: 
         from_contact, status, message, trajectory = state.relative_error, state.status, state.message, None
         if scene.burst is not None:
             trajectory = _burst(scene, slider, orbits, state.velocity, asked, ringing)
+            if travelling is not None:
+                trajectory, moved = _along(scene, slider, trajectory, *travelling)
+                values |= moved
             values["velocity_at_burst_end_m_per_s"] = trajectory.velocity_at_burst_end
             tally |= burst_tally(trajectory)
             from_stator += 0.0 if ringing is None else ringing.error
@@ -180,6 +187,32 @@ def _burst(scene: Scene, slider, orbits: tuple, velocity: float, tolerance: floa
         if method != "auto":
             raise
         return followed(None)  # this motion needs the events, and they take no envelope
+
+
+def _along(scene: Scene, slider, trajectory, along, level: float):
+    """Return the trajectory along the field, and what the point says of it; unchanged where the slider hardly moves."""
+    import numpy as np
+
+    import contact
+    from studies.chain.propagation import reference_speed
+    from studies.chain.travel import LEAST_TRAVEL, travelled, with_travel
+
+    on = trajectory.time <= trajectory.duration * (1 + 1e-12)
+    expected = float(np.trapezoid(trajectory.velocity[on], trajectory.time[on]))
+    if scene.slider.travel is None and abs(expected) <= LEAST_TRAVEL * along.wavelength:
+        return trajectory, {}
+    found = travelled(slider, along, level, trajectory.duration, expected)
+    if found.ended:
+        raise contact.ConvergenceError(
+            "not applicable",
+            f"a ball reaches the stator's end {found.time[-1]:.3g} s after the start: shorten drive.burst, or set "
+            "slider.travel = false for the velocity that the wave at the slider's place would give",
+        )
+    # what the averaged equation misses of the burst at one place, it misses of the change too
+    speed = reference_speed(trajectory.velocity_at_burst_end, trajectory.orbits)
+    missed = abs(found.held_velocity[-1] - trajectory.velocity_at_burst_end) / speed
+    error = trajectory.relative_error + (found.error + missed * abs(found.change)) / speed
+    return replace(with_travel(trajectory, found), relative_error=error), {"travel_m": float(found.place[-1])}
 
 
 def _summary(scene: Scene, slider, orbits: tuple, amplitude: float) -> dict:

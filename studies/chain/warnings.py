@@ -15,6 +15,7 @@ from studies.scene import Scene
 
 __all__ = ["scene_warnings", "warnings_of"]
 
+SIDEWAYS = 0.1  # |u_y| over |u_x| from which it is said
 CREEP = 0.01  # of the surface's own speed along x
 MAX_USUAL_LENGTH = 1.0  # m of a stator: a longer one is probably a mistaken unit
 
@@ -27,7 +28,7 @@ def warnings_of(record: Record) -> tuple[str, ...]:
         for each in OF_THE_STATOR:
             found += each(record)
     if scene.slider is not None:
-        for each in (_pressure, _reversal, _other_motion, _all_stick):
+        for each in (_sideways, _pressure, _reversal, _other_motion, _all_stick):
             found += each(record)
     return tuple(found)
 
@@ -41,12 +42,22 @@ def scene_warnings(scene: Scene) -> Iterator[str]:
         return
     for each in scene.transducer:
         half = each.finger_pairs * each.period / 2 if isinstance(each.period, float) else 0.0
-        if slider.position is not None and abs(slider.position - each.center) < half:
+        if slider.position is not None and abs(slider.center[0] - each.center) < half:
             yield f"the slider lies over the fingers of transducer {each.name}: its balls would rub on the metal"
     if isinstance(slider.contacts, int) and slider.contacts > 1:
         yield (
             f"contacts = {slider.contacts} means {slider.contacts} balls at one place, moved by the same wave: "
             'give their offsets along x instead, such as contacts = ["-5 mm", "5 mm"]'
+        )
+
+
+def _sideways(record: Record) -> Iterator[str]:
+    """Yield a warning where the surface moves a ball sideways, which the contact leaves out."""
+    ratio = record.wave.get("largest_lateral_ratio", 0.0)
+    if ratio > SIDEWAYS:
+        yield (
+            f"the surface moves sideways under a ball, |u_y/u_x| = {ratio:.2g}, but the contact follows it along "
+            "x alone: keep the balls nearer to the middle of the beam"
         )
 
 
@@ -61,7 +72,7 @@ def _pressure(record: Record) -> Iterator[str]:
         return
     level = max(scene.levels)
     if record.surface_wave is not None:
-        orbits = bridge.scaled(bridge.orbits_per_volt(record.surface_wave, scene.slider), level)
+        orbits = bridge.scaled(bridge.orbits_per_volt(record.surface_motion, scene.slider), level)
     else:
         orbits = bridge.scaled(bridge.given_orbits(scene.wave), level)
     crests = [abs(orbit.normal) for orbit in orbits] + slider.offsets(len(orbits))

@@ -200,9 +200,9 @@ class Predictor:
         from studies.chain.ring_up import ring_up
 
         plain = replace(scene, slider=None, drive=replace(scene.drive, voltage=(1.0,)))
-        name = (plain, scene.slider.position)
+        name = (plain, scene.slider.center[0])
         if name not in self._ring_ups:
-            self._ring_ups[name] = ring_up(plain, scene.slider.position, progress=self.progress)
+            self._ring_ups[name] = ring_up(plain, scene.slider.center[0], progress=self.progress)
         found = self._ring_ups[name]
         if found.found is None or found.found.settling < 1e-2 * duration:
             return None

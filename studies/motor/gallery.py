@@ -99,7 +99,7 @@ def run(
     record = run_chain(replace(chosen, drive=replace(chosen.drive, burst=None)), tolerance=1e-3, progress=say)
     found = of_record(record.scene, record.to_dict(), progress=say)
     slider = bridge.contact_slider(record.scene.slider)
-    orbits = bridge.orbits_per_volt(record.surface_wave, record.scene.slider)
+    orbits = bridge.orbits_per_volt(record.surface_motion, record.scene.slider)
     voltage, *voltages = _voltages(record)
     say("following the contact")
     slow = contact_moments(record.scene, record.to_dict(), level=voltage, progress=say)
@@ -162,8 +162,8 @@ def _bursts(slider, orbits: tuple, voltages: list[float]) -> tuple:
 
 
 def _findings(record: Record, found, state, slow) -> tuple[Finding, ...]:
-    told = record.wave["normal_m_per_V"]
-    amplitude = float(abs(found.surface(record.scene.slider.position)[1] / told - 1))
+    told = record.wave.get("section_normal_m_per_V", record.wave["normal_m_per_V"])
+    amplitude = float(abs(found.surface(record.scene.slider.center[0])[1] / told - 1))
     residual = float(state.ledger.relative_residual)
     speed = float(abs(slow.slider_velocity.mean() / state.velocity - 1))
     return (
@@ -232,6 +232,6 @@ def draw(gallery: Gallery, folder: Path, *, progress: Callable[[str], None]) -> 
 
 def _beside(found, driven):
     """Lines between the driven transducer and the slider."""
-    ends = sorted((driven.center, found.scene.slider.position))
+    ends = sorted((driven.center, found.scene.slider.center[0]))
     x = found.field.x
     return (x > ends[0]) & (x < ends[1]) & ~found.near_transducer(x)

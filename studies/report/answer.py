@@ -89,9 +89,17 @@ def _wave(record: Record) -> list[str]:
         return []
     wave, electrical = record.wave, record.electrical
     admittance = electrical["admittance_S"]
+    section = wave.get("section_normal_m_per_V")
+    change = 0.0 if section is None else 100 * (abs(section) / abs(wave["normal_m_per_V"]) - 1)
+    spreading = (
+        []
+        if section is None
+        else [f"diffraction     the plane section would give {change:+.2g} % at the slider's place"]
+    )
     return [
         f"wave            {abs(wave['normal_m_per_V']) * 1e9:.4g} nm per V at the slider's place, "
         f"{wave['phase_velocity_m_per_s']:.6g} m/s, standing-wave ratio {wave['standing_wave_ratio']:.3g}",
+        *spreading,
         f"admittance      {admittance.real * 1e3:.4g} + {admittance.imag * 1e3:.4g}i mS",
         *_source(record),
     ]

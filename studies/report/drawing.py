@@ -38,7 +38,7 @@ class Drawing:
 
     def draw(self, record: Record, folder: Path) -> None:
         """Draw the pictures that a record has, into a directory; raises what the drawing raised."""
-        needed = pickle.dumps((replace(record, surface_wave=None), folder.resolve()))
+        needed = pickle.dumps((replace(record, surface_motion=None), folder.resolve()))
         answer, _ = self._process.communicate(needed)
         if self._process.returncode:
             raise RunError(

@@ -41,7 +41,7 @@ def balances(record: Record) -> tuple[Balance, ...]:
     if scene.wave is not None:
         orbits = bridge.given_orbits(scene.wave)
     else:
-        orbits = bridge.orbits_per_volt(record.surface_wave, scene.slider)
+        orbits = bridge.orbits_per_volt(record.surface_motion, scene.slider)
     share = len(scene.slider.offsets) if isinstance(scene.slider.contacts, int) else 1
     method = scene.slider.method if scene.slider.method in STEADY_METHODS else "auto"
     found = []

@@ -165,7 +165,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[Part], list[str], floa
     ]  # fmt: skip
     left_out, bands = [*driven_left_out(stator, scene.frequency)], 0
     if scene.slider is not None and scene.burst is not None:
-        rings = not any(abs(scene.slider.position - each.center) <= each.finger_pairs * each.period / 2
+        rings = not any(abs(scene.slider.center[0] - each.center) <= each.finger_pairs * each.period / 2
                         for each in scene.transducer)  # fmt: skip
         if rings:
             bands += 1

@@ -249,7 +249,7 @@ def surface(record: Record, ax):
         ends = (transducer.center - half) * 1e3, (transducer.center + half) * 1e3
         ax.axvspan(*ends, color=COLOURS["stick"], alpha=0.25, linewidth=0)
     if record.scene.slider is not None:
-        ax.axvline(record.scene.slider.position * 1e3, color=COLOURS["line"], linestyle=":", label="slider")
+        ax.axvline(record.scene.slider.center[0] * 1e3, color=COLOURS["line"], linestyle=":", label="slider")
     ax.set_ylim(bottom=0)
     return finished(
         ax,

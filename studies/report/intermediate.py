@@ -78,7 +78,7 @@ def _drive(record: Record) -> list[tuple]:
 def _stator(record: Record) -> list[tuple]:
     wave, electrical, stator = record.wave, record.electrical, "stator"
     fine = record.surface_wave
-    admittance, motion = electrical["admittance_S"], _error(fine.relative_error)
+    admittance, motion = electrical["admittance_S"], _error(wave["relative_error"])
     of_charge, residual = electrical["admittance_relative_error"], electrical["power_residual"]
     comb = electrical["comb_voltage_per_volt"]
     # an eigenvalue and its mode converge faster than the driven motion: its error bounds theirs
@@ -141,7 +141,7 @@ def _contact(record: Record) -> list[tuple]:
         (name, "slip limit of the deformation at rest", si(slider.limit_slope * depth, "m"), CLOSED),
         (name, "bounce and ring at rest", f"{si(bounce, 'Hz')}, {si(ring, 'Hz')}", CLOSED),
     ]  # fmt: skip
-    stator = record.surface_wave.relative_error if record.surface_wave is not None else 0.0
+    stator = record.wave.get("relative_error", 0.0)
     for key, what in (("threshold", "slider begins to slip"), ("release", "contact is first lost")):
         amplitude = record.summary.get(f"{key}_amplitude_m")
         voltage = record.summary.get(f"{key}_voltage_V")

@@ -27,7 +27,11 @@ def model_limits(scene: Scene) -> tuple[str, ...]:
             "One friction coefficient; dry, clean, smooth and wear-free contact; no adhesion, no air film.",
             "The slider's load on the wave (damping, scattering) is not fed back.",
         ]
-    if scene.slider is not None and scene.stator is not None:
+    if (
+        scene.slider is not None
+        and scene.stator is not None
+        and (scene.burst is None or scene.slider.travel is False)
+    ):
         limits.append(
             "The amplitude is that at the slider's position, however far the slider travels along the attenuating, "
             "rippled field."

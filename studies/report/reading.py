@@ -14,6 +14,9 @@ COMPLEX = {
     "wave": (
         "normal_m_per_V",
         "tangential_m_per_V",
+        "lateral_m_per_V",
+        "section_normal_m_per_V",
+        "section_tangential_m_per_V",
         "rayleigh_normal_m_per_V",
         "rayleigh_tangential_m_per_V",
     ),

@@ -10,7 +10,20 @@ from typing import Annotated, ClassVar
 from studies.refusal import SceneError, nearest, shown
 from studies.scene.block import Block, OneOf, Within
 from studies.scene.match import Match
-from studies.scene.rule import Choice, Count, Flag, Impedance, Listed, Matrix, Quantity, Rule, Signs, Text
+from studies.scene.rule import (
+    Choice,
+    Count,
+    Flag,
+    Impedance,
+    Listed,
+    Matrix,
+    Place,
+    Quantity,
+    Rule,
+    Signs,
+    Text,
+    as_pair,
+)
 from studies.scene.sources import Sources
 
 __all__ = [
@@ -120,7 +133,7 @@ class Stator(Block):
         float | str, Quantity("m", words=("half-space",)), "Along z; half-space: exactly absorbing below."
     ]
     width: Annotated[
-        float, Quantity("m"), "Along y. Drawn and compared with the apertures; the model is a section."
+        float, Quantity("m"), "Along y. Drawn and compared with the apertures; side faces are left out."
     ]
     bottom: Annotated[
         str,
@@ -137,6 +150,12 @@ class Stator(Block):
         Choice(("none", "vacuum")),
         "none: D_n = 0 on the bare surface; vacuum: the field above is solved for.",
     ] = "none"
+    diffraction: Annotated[
+        bool | None,
+        Flag(),
+        "true: the finite aperture spreads the beam; false: plane section. "
+        "Absent: true under a slider where the beam can be computed.",
+    ] = None
     mechanical_quality: Annotated[
         float | None, Quantity(), "Mechanical quality factor Q in place of the material's own."
     ] = None
@@ -337,9 +356,10 @@ class Slider(Block):
 
     block: ClassVar[str] = "slider"
     position: Annotated[
-        float | None,
-        Quantity("m"),
-        "Of its centre, from the stator's left end; required with a stator, absent with a given wave.",
+        float | tuple[float, float] | None,
+        Place(Quantity("m")),
+        "Of its centre, from the stator's left end, or [x, y], y from the middle of the apertures; "
+        "required with a stator, absent with a given wave.",
     ] = None
     shape: Annotated[
         str,
@@ -349,9 +369,10 @@ class Slider(Block):
     radius: Annotated[float, Quantity("m"), "Radius of each ball or punch."]
     mass: Annotated[float, Quantity("kg"), "Mass of the whole slider."]
     contacts: Annotated[
-        int | tuple[float, ...],
-        Listed(Quantity("m", negative=True), alone=Count(10_000), distinct=True),
-        "Places of the balls from the slider's centre, as a list; or a number of balls that all stand at its centre.",
+        int | tuple[float | tuple[float, float], ...],
+        Listed(Place(Quantity("m", negative=True)), alone=Count(10_000), distinct=True),
+        "Places of the balls from the slider's centre, as a list of x or [x, y]; "
+        "or a number of balls that all stand at its centre.",
     ]
     heights: Annotated[
         tuple[float, ...] | None,
@@ -403,6 +424,12 @@ class Slider(Block):
     method: Annotated[
         str, Choice(("auto", "exact", "stepped", "averaged")), "How the slider's motion is integrated."
     ] = "auto"
+    travel: Annotated[
+        bool | None,
+        Flag(),
+        "Whether the orbits change with the slider's place during a burst. "
+        "Absent: true where it travels more than a tenth of a wavelength.",
+    ] = None
     damping: Annotated[Damping, Within(Damping), "Losses of the slider's motion."] = UNDAMPED
 
     def contradictions(self, unread):
@@ -432,6 +459,19 @@ class Slider(Block):
         return self.mass * self.gravity if self.preload == "weight" else self.preload
 
     @property
-    def offsets(self) -> tuple[float, ...]:
-        """Places of the contacts from the slider's centre in m; a mere number of them sits at the centre."""
-        return (0.0,) * self.contacts if isinstance(self.contacts, int) else self.contacts
+    def offsets(self) -> tuple[tuple[float, float], ...]:
+        """Places (x, y) of the contacts from the slider's centre in m; a mere number of them sits at the centre."""
+        if isinstance(self.contacts, int):
+            return ((0.0, 0.0),) * self.contacts
+        return tuple(map(as_pair, self.contacts))
+
+    @property
+    def center(self) -> tuple[float, float]:
+        """Place (x, y) of the slider's centre on the stator, m."""
+        return as_pair(self.position)
+
+    @property
+    def places(self) -> tuple[tuple[float, float], ...]:
+        """Different places (x, y) of the contacts on the stator, m."""
+        x, y = self.center
+        return tuple((x + along, y + across) for along, across in dict.fromkeys(self.offsets))

@@ -239,12 +239,17 @@ class Scene(Block):
             rule = "is required and missing: where on the [stator] the slider stands, in m"
             yield self.refusal("slider.position", rule)
             return
-        places = [self.slider.position + offset for offset in self.slider.offsets]
+        places = [x for x, _ in self.slider.places]
         for place in sorted({min(places), max(places)}):
             if not 0 <= place <= self.stator.length:
                 rule = f"must keep the contacts on the stator, 0 to {self.stator.length:g} m"
-                got = f"got {self.slider.position:g} m, a contact at {place:g} m"
+                got = f"got {self.slider.center[0]:g} m, a contact at {place:g} m"
                 yield self.refusal("slider.position", f"{rule}, {got}")
+        beside = max((y for _, y in self.slider.places), key=abs)
+        half = self.stator.width / 2
+        if abs(beside) > half:
+            rule = f"must keep the contacts on the stator, y from -{half:g} to {half:g} m"
+            yield self.refusal("slider.position", f"{rule}, got a contact at y = {beside:g} m")
 
 
 def _changed(table: dict, changes: dict) -> dict:

@@ -19,7 +19,7 @@ from studies.scene import Scene
 from studies.scene.block import Blocks, OneOf, Within, keys_of
 from studies.scene.override import toml_value
 from studies.scene.quantity import si_value
-from studies.scene.rule import Count, Impedance, Listed, Quantity
+from studies.scene.rule import Count, Impedance, Listed, Place, Quantity
 
 __all__ = ["Axis", "axis", "latin_axis", "level_key", "point_axis", "rule_at", "unit_of"]
 
@@ -212,6 +212,8 @@ def unit_of(rule) -> str | None:
         return unit_of(rule.alone or rule.each)
     if isinstance(rule, Quantity):
         return rule.unit
+    if isinstance(rule, Place):
+        return rule.along.unit
     return "ohm" if isinstance(rule, Impedance) else "" if isinstance(rule, Count) else None
 
 

@@ -88,7 +88,7 @@ def _ready(question, given, own, source) -> Driven | dict:
             scene=scene, level=level, orbits=bridge.given_orbits(scene.wave),
             amplitudes=(1.0, scene.wave.tangential_ratio), error=0.0, source=None, final=True,
         )  # fmt: skip
-    places = [scene.stator.length / 2] if scene.slider is None else _places(scene.slider)
+    places = [(scene.stator.length / 2, 0.0)] if scene.slider is None else _places(scene.slider)
     at = [source.index(place) for place in places]
     if any(source.errors[k] is None for k in at):
         raise RunError("the stator's surface motion at this place is not known to the tolerance")
@@ -98,9 +98,7 @@ def _ready(question, given, own, source) -> Driven | dict:
         scene = replace(scene, drive=replace(scene.drive, frequency=source.frequency))
     orbits = ()
     if scene.slider is not None:
-        orbits = source.orbits(
-            tuple(scene.slider.position + each for each in dict.fromkeys(scene.slider.offsets))
-        )
+        orbits = source.orbits(scene.slider.places)
     driven = Driven(
         scene=scene, level=level, orbits=orbits, amplitudes=amplitudes, error=error, source=source,
         final=source.step == STEPS - 1,
@@ -111,8 +109,8 @@ def _ready(question, given, own, source) -> Driven | dict:
     return electrical(driven) | {"relative_error": error if level else 0.0, "status": status}
 
 
-def _places(slider) -> tuple[float, ...]:
-    return tuple(dict.fromkeys(slider.position + offset for offset in (0.0, *slider.offsets)))
+def _places(slider) -> tuple[tuple[float, float], ...]:
+    return tuple(dict.fromkeys((slider.center, *slider.places)))
 
 
 def _mapped(question, ready: dict[int, Driven], threads) -> dict[int, dict]:
@@ -194,10 +192,10 @@ def _ringing(driven: Driven):
     if scene.burst is None or driven.source is None:
         return None
     source = driven.source
-    if source.covered[source.index(scene.slider.position)]:
+    if source.covered[source.index(scene.slider.center)]:
         return None
     plain = replace(scene, slider=None, title="", drive=replace(scene.drive, voltage=(1.0,)))
-    return _ring_up(plain, scene.slider.position)
+    return _ring_up(plain, scene.slider.center[0])
 
 
 @lru_cache(8)  # the same for every slider and voltage

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from itertools import islice, product
 
 from studies.refusal import SceneError
+from studies.scene.rule import as_pair
 from studies.sweep.axes import Axis, axis, latin_axis, level_key, point_axis, rule_at
 
 __all__ = ["ALSO", "Design", "Question", "designed"]
@@ -37,8 +38,8 @@ class Question:
         More than the velocity: of ``ALSO``.
     source_keys : tuple of str
         Those keys that the stator's answer depends on.
-    places : tuple of float
-        Of all contacts of all points, m; empty where each point has its own.
+    places : tuple of (float, float)
+        Of all contacts of all points, x and y in m; empty where each point has its own.
     frequencies : tuple of float
         Lowest and highest in Hz, where there are enough of them for a band.
     """
@@ -48,7 +49,7 @@ class Question:
     tolerance: float
     also: tuple[str, ...] = ()
     source_keys: tuple[str, ...] = ()
-    places: tuple[float, ...] = ()
+    places: tuple[tuple[float, float], ...] = ()
     frequencies: tuple[float, ...] = ()
 
     @property
@@ -211,7 +212,7 @@ def _question(table, axes, tolerance, also) -> Question:
     return replace(question, source_keys=own, places=places, frequencies=band)
 
 
-def _places(table, moved, rows) -> tuple[float, ...]:
+def _places(table, moved, rows) -> tuple[tuple[float, float], ...]:
     """Return the places of all contacts; none where they are too many, or where there is no slider."""
     slider = table.get("slider", {})
     if len(rows) > PLACES:
@@ -224,15 +225,15 @@ def _places(table, moved, rows) -> tuple[float, ...]:
     return tuple(found)
 
 
-def contact_places(slider: dict) -> tuple[float, ...]:
-    """Return the places of a slider and its contacts from its table, m; none for a slider that breaks a rule."""
+def contact_places(slider: dict) -> tuple[tuple[float, float], ...]:
+    """Return the places (x, y) of a slider and its contacts from its table, m; none if it breaks a rule."""
     try:
         position = rule_at("slider.position").read("slider.position", slider.get("position"))
         contacts = rule_at("slider.contacts").read("slider.contacts", slider.get("contacts", 1))
     except SceneError:
         return ()
-    offsets = contacts if isinstance(contacts, tuple) else ()
-    return tuple(dict.fromkeys(position + offset for offset in (0.0, *offsets)))
+    (x, y), offsets = as_pair(position), contacts if isinstance(contacts, tuple) else ()
+    return tuple(dict.fromkeys((x + along, y + across) for along, across in map(as_pair, (0.0, *offsets))))
 
 
 def _distinct(axes, keys):

@@ -33,8 +33,8 @@ class Source:
         0 to ``STEPS - 1``.
     frequency : float
         Hz.
-    places : tuple of float
-        m.
+    places : tuple of (float, float)
+        x and y in m.
     tangential, normal : tuple of complex
         m per V.
     errors : tuple of float
@@ -50,7 +50,7 @@ class Source:
     name: str
     step: int
     frequency: float = 0.0
-    places: tuple[float, ...] = ()
+    places: tuple[tuple[float, float], ...] = ()
     tangential: tuple[complex, ...] = ()
     normal: tuple[complex, ...] = ()
     errors: tuple[float | None, ...] = ()
@@ -59,11 +59,11 @@ class Source:
     comb_voltage: complex = 1.0
     reason: str = ""
 
-    def index(self, place: float) -> int:
+    def index(self, place: tuple[float, float]) -> int:
         """Return which of the places this one is."""
         return self._index[place]
 
-    def orbits(self, places: tuple[float, ...]) -> tuple:
+    def orbits(self, places: tuple[tuple[float, float], ...]) -> tuple:
         """Return the contact.Orbit of 1 V at some of the places."""
         if places not in self._orbits:
             from contact import Orbit
@@ -75,7 +75,7 @@ class Source:
         return self._orbits[places]
 
     @cached_property
-    def _index(self) -> dict[float, int]:
+    def _index(self) -> dict[tuple[float, float], int]:
         return {place: k for k, place in enumerate(self.places)}
 
     @cached_property
@@ -94,6 +94,7 @@ class Source:
             table[key] = tuple(complex(*pair) for pair in table[key])
         for key in ("admittance", "comb_voltage"):
             table[key] = complex(*table[key]) if isinstance(table[key], list) else complex(table[key])
-        for key in ("places", "errors", "covered"):
+        table["places"] = tuple(map(tuple, table["places"]))
+        for key in ("errors", "covered"):
             table[key] = tuple(table[key])
         return cls(**table)

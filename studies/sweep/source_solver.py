@@ -11,8 +11,10 @@ import time
 from dataclasses import asdict
 from functools import lru_cache
 
+from studies.chain.surface_motion import SurfaceMotion, default_refusal, surface_motion, wanted_diffraction
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene, resolved
+from studies.scene.blocks import Stator
 from studies.sweep.design import Question, contact_places
 from studies.sweep.source import Source, reason
 from studies.sweep.variation import Variation
@@ -30,7 +32,9 @@ def _variation(text: str) -> Variation:
 
 
 def _tuples(key, value):
-    return tuple(value) if isinstance(value, list) and key != "table" else value
+    """Return a value of a question or a point with its lists, also those in lists, as tuples."""
+    nested = isinstance(value, list) and key != "table"
+    return tuple(_tuples(key, each) for each in value) if nested else value
 
 
 def variation(question: Question) -> Variation:
@@ -98,7 +102,22 @@ def goal(question: Question, step: int) -> float:
 def serves_band(question: Question) -> bool:
     """Return whether the transducers stay what they are while the frequency moves, over enough frequencies."""
     kept = not any(isinstance(each.get("period", "auto"), str) for each in question.table["transducer"])
-    return bool(question.frequencies) and kept and not any(key.endswith(".period") for key in question.keys)
+    moved = any(key.endswith(".period") for key in question.keys)
+    return bool(question.frequencies) and kept and not moved and not _spreads(question)
+
+
+def _spreads(question: Question) -> bool:
+    """Return whether the finite aperture may be computed, which no band does."""
+    given = question.table["stator"].get("diffraction")
+    if wanted_diffraction(given, question.has_slider) is False and "stator.diffraction" not in question.keys:
+        return False
+    if given or any(key.startswith("stator.") for key in question.keys):
+        return True
+    try:
+        block = resolved.stator(Stator.from_table("stator", question.table["stator"]))
+    except SceneError:
+        return False  # said at every point
+    return not default_refusal(block)
 
 
 def _answer(question: Question, name: str, step: int) -> Source:
@@ -117,18 +136,18 @@ def _answer(question: Question, name: str, step: int) -> Source:
 
 def _values(name: str) -> dict:
     values = json.loads(name)
-    return {key: tuple(value) if isinstance(value, list) else value for key, value in values.items()}
+    return {key: _tuples(key, value) for key, value in values.items()}
 
 
-def _places(question, scene, values) -> tuple[float, ...]:
+def _places(question, scene, values) -> tuple[tuple[float, float], ...]:
     if not question.has_slider:
-        return (scene.stator.length / 2,)
+        return ((scene.stator.length / 2, 0.0),)
     places = question.places
     if not places:
         slider = question.table.get("slider", {})
         own = {key.split(".")[1]: value for key, value in values.items() if key.startswith("slider.")}
         places = contact_places(slider | own)
-    places = tuple(place for place in places if 0 <= place <= scene.stator.length)
+    places = tuple(place for place in places if 0 <= place[0] <= scene.stator.length)
     if not places:
         raise SceneError(
             "slider.position", f"must keep the contacts on the stator, 0 to {scene.stator.length:g} m"
@@ -138,32 +157,43 @@ def _places(question, scene, values) -> tuple[float, ...]:
 
 def _solved(question, name, step, scene, places) -> Source:
     try:
-        answers = [(_wave(question, scene, places, step), places)]
+        answers = [(_motion(question, scene, places, step), places)]
     except RunError:
         if len(places) == 1:
             raise
         answers = []
         for place in places:  # one that cannot be had, in a node of the wave, must not cost the others
             try:
-                answers.append((_wave(question, scene, (place,), step), (place,)))
+                answers.append((_motion(question, scene, (place,), step), (place,)))
             except RunError:
                 answers.append((None, (place,)))
-        if all(wave is None for wave, _ in answers):
+        if all(motion is None for motion, _ in answers):
             raise
-    known = next(wave for wave, _ in answers if wave is not None)
+    known = next(motion.wave for motion, _ in answers if motion is not None)
     tangential, normal, errors, covered = [], [], [], []
-    for wave, some in answers:
-        for place in some:
-            motion = (0j, 0j) if wave is None else wave.motion(place)
-            tangential.append(complex(motion[0]))
-            normal.append(complex(motion[1]))
-            errors.append(None if wave is None else float(wave.relative_error))
-            covered.append(bool(known.covered(place)))
+    for motion, some in answers:
+        tangential_of, _, normal_of = [[0j] * len(some)] * 3 if motion is None else motion.at(some)
+        tangential += map(complex, tangential_of)
+        normal += map(complex, normal_of)
+        errors += [None] * len(some) if motion is None else map(float, motion.errors(some))
+        covered += [bool(known.covered(x)) for x, _ in some]
     return Source(
         name=name, step=step, frequency=float(known.frequency), places=places, tangential=tuple(tangential),
         normal=tuple(normal), errors=tuple(errors), covered=tuple(covered), admittance=complex(known.admittance),
         comb_voltage=complex(known.comb_voltage_per_volt),
     )  # fmt: skip
+
+
+def _motion(question: Question, scene: Scene, places, step: int) -> SurfaceMotion:
+    """Return the motion of the finite aperture or of the section, as a run takes it."""
+    import fem
+
+    wave = _wave(question, scene, tuple(dict.fromkeys(x for x, _ in places)), step)
+    try:
+        wanted = wanted_diffraction(scene.stator.diffraction, question.has_slider)
+        return surface_motion(wave, wanted, places, question.tolerance)
+    except fem.BeamError as error:
+        raise SceneError("stator.diffraction", f"must be false or absent: {error}") from None
 
 
 def _wave(question: Question, scene: Scene, places, step: int):

@@ -7,6 +7,7 @@ from html import escape
 from pathlib import Path
 
 from studies.chain import bridge
+from studies.chain.surface_motion import surface_motion
 from studies.refusal import RunError, SceneError
 from studies.report.figures import refuse_without_toolkit
 from studies.report.files import write_columns
@@ -87,7 +88,8 @@ def contact_moments(scene: Scene, record: dict, *, level: float | None, progress
     else:
         progress("solving the stator")
         wave = solved_again(scene, record, progress=progress)
-        orbits, named = bridge.orbits_per_volt(wave, scene.slider), f"{level:.4g} V"
+        motion = surface_motion(wave, scene.stator.diffraction, scene.slider.places, record["tolerance"])
+        orbits, named = bridge.orbits_per_volt(motion, scene.slider), f"{level:.4g} V"
     progress("following the contact")
     slider, orbits = bridge.contact_slider(scene.slider), bridge.scaled(orbits, level)
     try:

@@ -73,7 +73,7 @@ class RunField:
         slider = self.scene.slider
         if slider is None:
             return ()
-        return tuple(slider.position + offset for offset in dict.fromkeys(slider.offsets))
+        return tuple(x for x, _ in slider.places)
 
     @property
     def radius(self) -> float:
@@ -84,7 +84,7 @@ class RunField:
     def focus(self) -> tuple[str, float]:
         """What to look at from near: its name and place in m."""
         if self.scene.slider is not None:
-            return "slider", self.scene.slider.position
+            return "slider", self.scene.slider.center[0]
         return "middle", self.length / 2
 
     @property
@@ -174,7 +174,7 @@ def _driven(scene: Scene, record: dict, progress) -> RunField:
     slider = scene.slider
     places = (scene.stator.length / 2,)
     if slider is not None:
-        places = tuple(slider.position + offset for offset in (0.0, *slider.offsets))
+        places = tuple(dict.fromkeys(x for x, _ in (slider.center, *slider.places)))
 
     def compute(*, per_wavelength: float = LINES, **wanted):
         return fem.wave_field(wave, places=places, per_wavelength=per_wavelength, **wanted)

@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 
 import contact
+import fem
 from studies import Scene, sweep
 from studies.chain import bridge
+from studies.chain.surface_motion import SurfaceMotion
 from studies.report.files import write_run
 
 
@@ -47,15 +49,14 @@ def test_the_table_of_velocities_has_every_value_of_every_point(files, small_run
 
 
 def test_the_points_have_the_amplitudes_of_the_wave_and_the_velocities_of_the_contact(small_run, small):
-    wave, place = small_run.surface_wave, small.slider.position
-    tangential, normal = (abs(complex(value)) for value in wave.motion(place))
+    u_x, _, u_z = fem.surface_beam(small_run.surface_wave).motion(small.slider.position)
+    tangential, normal = abs(complex(u_x)), abs(complex(u_z))
     slider = bridge.contact_slider(small_run.scene.slider)
     for point in small_run.points:
         volt = point["voltage_V"]
         assert point["normal_amplitude_m"] == pytest.approx(normal * volt, rel=1e-12)
         assert point["tangential_amplitude_m"] == pytest.approx(tangential * volt, rel=1e-12)
-        u_x, u_z = (complex(value) * volt for value in wave.motion(place))
-        orbit = contact.Orbit(frequency=2.2e6, tangential=u_x, normal=u_z)
+        orbit = contact.Orbit(frequency=2.2e6, tangential=complex(u_x) * volt, normal=complex(u_z) * volt)
         state = contact.steady(slider, orbit, tolerance=1e-6)
         assert point["velocity_m_per_s"] == pytest.approx(state.velocity, rel=1e-2)
         assert point["regime"] == state.regime
@@ -151,7 +152,7 @@ def test_three_balls_push_three_times_as_hard_as_one_with_a_third_of_everything(
 def test_the_orbit_under_the_ball_is_the_motion_of_the_wave(small_run):
     """Both components with their phases: a quarter of a period between them is the difference between + and -."""
     wave, slider = small_run.surface_wave, small_run.scene.slider
-    (orbit,) = bridge.orbits_per_volt(wave, slider)
+    (orbit,) = bridge.orbits_per_volt(SurfaceMotion(wave=wave), slider)
     u_x, u_z = wave.motion(slider.position)
     assert orbit.tangential == pytest.approx(complex(u_x), rel=1e-12)
     assert orbit.normal == pytest.approx(complex(u_z), rel=1e-12)
@@ -166,7 +167,7 @@ def velocity_at_the_crest(orbit):
 
 def test_the_crest_of_a_rayleigh_wave_moves_against_it(small_run):
     """Retrograde (Rayleigh 1885): the wave runs to +x, its crest moves to -x and takes the slider with it."""
-    (orbit,) = bridge.orbits_per_volt(small_run.surface_wave, small_run.scene.slider)
+    (orbit,) = bridge.orbits_per_volt(small_run.surface_motion, small_run.scene.slider)
     speed = 2 * math.pi * orbit.frequency * abs(orbit.tangential)
     assert velocity_at_the_crest(orbit) < -0.8 * speed
     assert all(point["velocity_m_per_s"] < 0 for point in small_run.points)

@@ -18,7 +18,8 @@ SPECTRUM = {50: 0.855, 60: 0.785, 65: 0.837, 80: 1.060, 100: 1.251, 130: 1.338}
 
 @pytest.fixture(scope="module")
 def motor() -> Record:
-    return run(Scene.load("twente-left").replace(drive={"voltage": ["30 V"]}), tolerance=0.05)
+    section = Scene.load("twente-left").replace(drive={"voltage": ["30 V"]}, stator={"diffraction": False})
+    return run(section, tolerance=0.05)
 
 
 def effect(record: Record, name: str) -> dict:
@@ -32,7 +33,7 @@ def test_aperture_against_the_scalar_angular_spectrum(motor, distance, ratio):
     assert fresnel_ratio(motor, place) == pytest.approx(ratio, abs=0.05)
     wave = motor.surface_wave
     beam = fem.surface_beam(wave).motion(place)
-    assert abs(beam[2] / wave.motion(place)[1]) == pytest.approx(ratio, abs=0.03)
+    assert abs(beam[2] / wave.motion(place)[1]) == pytest.approx(ratio, abs=0.05)
 
 
 def test_aperture_and_side_faces_of_the_seed(motor):
@@ -48,7 +49,8 @@ def test_other_cuts_fall_back_to_the_slit(motor):
     fields = motor.surface_wave.solution.fields
     stator = replace(fields.stator, solid=solid)
     solution = replace(motor.surface_wave.solution, fields=replace(fields, stator=stator))
-    other = replace(motor, surface_wave=replace(motor.surface_wave, solve=lambda: solution))
+    wave = replace(motor.surface_wave, solve=lambda: solution)
+    other = replace(motor, surface_motion=replace(motor.surface_motion, wave=wave))
     found = {each["effect"]: each for each in model_error(other)}
     assert found["finite aperture"]["size"] == pytest.approx(fresnel_ratio(motor, 0.08) - 1)
     assert "Fresnel" in found["finite aperture"]["source"]

@@ -108,13 +108,13 @@ def given(tmp_path_factory):
 
 
 def test_the_exported_field_moves_the_surface_as_the_run_says(found, folder, tmp_path):
-    """Read by meshio, linear interpolation along the surface gives run.json's motion under the slider."""
+    """Read by meshio, linear interpolation along the surface gives run.json's motion of the section there."""
     field_data.save(found, tmp_path / "field.vtu", span=None, instants=0, progress=quiet, note=quiet)
     mesh = meshio.read(tmp_path / "field.vtu")
     wave = json.loads((folder / "run.json").read_text())["wave"]
     top = mesh.points[:, 2] == 0
     x, order = mesh.points[top, 0], np.argsort(mesh.points[top, 0])
-    for axis, name in ((0, "tangential_m_per_V"), (2, "normal_m_per_V")):
+    for axis, name in ((0, "section_tangential_m_per_V"), (2, "section_normal_m_per_V")):
         for part, key in enumerate(("real", "imag")):
             values = mesh.point_data[f"displacement_m_per_V_{key}"][top, axis]
             assert np.interp(14.123e-3, x[order], values[order]) == pytest.approx(

@@ -15,6 +15,7 @@ import fem
 from studies.__main__ import main
 from studies.chain import run
 from studies.chain.stator_warnings import breakdown_voltage
+from studies.chain.surface_motion import SurfaceMotion
 from studies.chain.warnings import warnings_of
 from studies.record import Record
 from studies.scene import Scene, read_table, shipped_scenes
@@ -57,7 +58,7 @@ def record(name, *settings, transfer_length=math.inf, points=(), summary=None) -
         },
         electrical={"comb_voltage_per_volt": 1.0},
         surface={"x_m": np.zeros(1), "u_x_m_per_V": np.array([1.7e-10j])},
-        surface_wave=surface,
+        surface_motion=SurfaceMotion(wave=surface),
         points=points,
         summary=summary or {},
     )

@@ -6,8 +6,21 @@ a TOML file holds and what it returned before.  ``written(value)`` is the invers
 """
 
 from studies.scene.rule.listed import Listed
-from studies.scene.rule.numbers import Count, Impedance, Matrix, Quantity
+from studies.scene.rule.numbers import Count, Impedance, Matrix, Place, Quantity, as_pair
 from studies.scene.rule.protocol import Rule
 from studies.scene.rule.words import Choice, Flag, Signs, Text
 
-__all__ = ["Choice", "Count", "Flag", "Impedance", "Listed", "Matrix", "Quantity", "Rule", "Signs", "Text"]
+__all__ = [
+    "Choice",
+    "Count",
+    "Flag",
+    "Impedance",
+    "Listed",
+    "Matrix",
+    "Place",
+    "Quantity",
+    "Rule",
+    "Signs",
+    "Text",
+    "as_pair",
+]

@@ -1,7 +1,6 @@
 """One value or several."""
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 from studies.refusal import SceneError, shown
 from studies.scene.rule.protocol import Rule
@@ -30,13 +29,13 @@ class Listed(Rule):
         if not value:
             raise SceneError(path, "must name at least one value, got an empty list")
         values = self.read_each(self.each, path, value)
-        if self.distinct and any(first == second for first, second in pairwise(sorted(values))):
+        if self.distinct and len(set(values)) < len(values):
             raise SceneError(path, f"must differ from each other, got {shown(list(values))}")
         return values
 
     def written(self, value):
         """Return a list."""
-        return list(value) if isinstance(value, tuple) else value
+        return [self.each.written(each) for each in value] if isinstance(value, tuple) else value
 
     @property
     def expected(self):

@@ -8,7 +8,7 @@ from studies.scene.quantity import DIMENSIONS, POWERS, si_value
 from studies.scene.rule.protocol import Rule
 from studies.scene.rule.words import Choice
 
-__all__ = ["Count", "Impedance", "Matrix", "Quantity"]
+__all__ = ["Count", "Impedance", "Matrix", "Place", "Quantity", "as_pair"]
 
 # In SI units: beyond it, and below its inverse, no motor has a quantity; products of a few stay finite.
 MAX_SIZE = 1e30
@@ -156,6 +156,55 @@ class Impedance(Rule):
         resistance = Quantity("ohm", zero=True, words=self.words).schema()["anyOf"]
         pair = [Quantity("ohm", zero=True).schema(), Quantity("ohm", negative=True).schema()]
         return {"anyOf": [*resistance, {"type": "array", "prefixItems": pair, "minItems": 2, "maxItems": 2}]}
+
+
+@dataclass(frozen=True)
+class Place(Rule):
+    """A place on the surface: x, which ``along`` reads, or [x, y]; [x, 0] is x."""
+
+    along: Quantity
+
+    def read(self, path, value):
+        """Return x, or the pair (x, y) in m."""
+        if hasattr(value, "tolist"):
+            value = value.tolist()
+        if not isinstance(value, (list, tuple)):
+            return self.along.read(path, value)
+        if len(value) != 2:
+            raise SceneError(path, f"must be {self.expected}, got {shown(list(value))}")
+        lateral = Quantity(self.along.unit, negative=True)
+        x, y = self.along.read(f"{path}.0", value[0]), lateral.read(f"{path}.1", value[1])
+        return (x, y) if y else x
+
+    def written(self, value):
+        """Return the list of a pair."""
+        return list(value) if isinstance(value, tuple) else value
+
+    @property
+    def expected(self):
+        """The length, or the pair."""
+        return f"{self.along.expected}, or [x, y]"
+
+    @property
+    def range(self):
+        """The length's, or the pair."""
+        return f"{self.along.range}, or [x, y]"
+
+    @property
+    def unit_name(self):
+        """Of both numbers."""
+        return self.along.unit
+
+    def schema(self):
+        """Return the length or the pair."""
+        along, lateral = self.along.schema(), Quantity(self.along.unit, negative=True).schema()
+        pair = {"type": "array", "prefixItems": [along, lateral], "minItems": 2, "maxItems": 2}
+        return {"anyOf": [along, pair]}
+
+
+def as_pair(place: float | tuple[float, float]) -> tuple[float, float]:
+    """Return (x, y) of what `Place` reads."""
+    return place if isinstance(place, tuple) else (place, 0.0)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,136 @@
+"""Motion of the surface under the slider, per volt: of the finite aperture where that is known, else of the section.
+
+The section knows x alone.  The beam (`fem.surface_beam`) spreads the section's charges over the aperture, so that the
+amplitude depends on x and y and a motion u_y arises beside the axis.  `surface_motion` decides which of the two stands
+for a scene: every answer that needs an orbit takes it from there.
+"""
+
+from dataclasses import dataclass, field
+
+__all__ = ["SurfaceMotion", "default_refusal", "surface_motion", "wanted_diffraction"]
+
+PER_WAVELENGTH = (
+    24  # places where the beam's standing wave is looked at; a minimum between them is missed by 1 %
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurfaceMotion:
+    """Motion of a driven stator's surface.
+
+    Attributes
+    ----------
+    wave : fem.SurfaceWave
+        Of the section.
+    beam : fem.SurfaceBeam or None
+        Of the finite aperture; None where the section stands for it.
+    reason : str
+        Why it cannot be computed; empty where it is, or is not wanted.
+    """
+
+    wave: object = field(repr=False)
+    beam: object = field(default=None, repr=False)
+    reason: str = ""
+    _known: dict = field(default_factory=dict, init=False, repr=False)
+
+    def at(self, places):
+        """Return u_x, u_y and u_z in m per V at places (x, y) in m, complex, shape (3, places)."""
+        import numpy as np
+
+        return np.array([each for each, _ in self._known_at(places)]).T
+
+    def along(self, x, y: float):
+        """Return u_x, u_y and u_z at many x in m on a line of constant y, complex, shape (3, len(x))."""
+        return self._both(x, y)[0]
+
+    def errors(self, places):
+        """Return the estimated error at places (x, y) over max(|u_x|, |u_z|) at each."""
+        return [error for _, error in self._known_at(places)]
+
+    def relative_error(self, places) -> float:
+        """Return the largest of these errors."""
+        return float(max(self.errors(places)))
+
+    def _known_at(self, places) -> list:
+        """Return motion and error at each place; those that are new are computed together."""
+        new = [place for place in dict.fromkeys(places) if place not in self._known]
+        if new:
+            motions, errors = self._both(*zip(*new, strict=True))
+            self._known.update(zip(new, zip(motions.T, map(float, errors), strict=True), strict=True))
+        return [self._known[place] for place in places]
+
+    def _both(self, x, y):
+        import numpy as np
+
+        if self.beam is not None:
+            return self.beam.motion_and_error(x, y)
+        tangential, normal = self.wave.motion(np.asarray(x, dtype=float))
+        return np.array([tangential, np.zeros_like(normal), normal]), np.full(
+            np.shape(normal), self.wave.relative_error
+        )
+
+    def surface_mode_at(self, place: tuple[float, float]) -> complex:
+        """Return the surface mode's part of u_z at a place (x, y) beside the transducers."""
+        if self.beam is None:
+            return complex(self.wave.rayleigh_motion(place[0])[1])
+        return complex(self.beam.surface_mode.motion(*place)[2])
+
+    def standing_wave_ratio(self, place: tuple[float, float]) -> float:
+        """Return the largest over the smallest |u_z| within a wavelength either side of a place (x, y)."""
+        import numpy as np
+
+        x, y = place
+        if self.beam is None:
+            return self.wave.standing_wave_ratio(x)
+        reach = self.wave.phase_velocity / self.wave.frequency * np.linspace(-1, 1, 2 * PER_WAVELENGTH + 1)
+        along = x + reach[(x + reach >= 0) & (x + reach <= self.wave.length)]
+        size = abs(self.beam.motion(along, y)[2])
+        return float(size.max() / size.min())
+
+
+def surface_motion(wave, diffraction: bool | None, places, tolerance: float) -> SurfaceMotion:
+    """Return what stands for the motion of a solved stator.
+
+    Parameters
+    ----------
+    wave : fem.SurfaceWave
+    diffraction : bool or None
+        True: the finite aperture; False: the plane section; None: the finite aperture where `default_refusal` has
+        nothing against it and it adds less than the tolerance to the section's error.
+    places : sequence of (float, float)
+        x and y in m, where it is needed.
+    tolerance : float
+        Relative, of the answer.
+
+    Raises
+    ------
+    fem.BeamError
+        If diffraction is True and it cannot be computed.
+    """
+    import fem
+
+    if diffraction is False:
+        return SurfaceMotion(wave=wave)
+    refusal = default_refusal(wave.solution.fields.stator) if diffraction is None else ""
+    if refusal:
+        return SurfaceMotion(wave=wave, reason=refusal)
+    found = SurfaceMotion(wave=wave, beam=fem.surface_beam(wave))
+    added = found.relative_error(places) - wave.relative_error
+    if diffraction is None and added > tolerance:
+        reason = f"the beam's own error would be {added:.1e}, {tolerance:.1e} is asked for; true takes it all the same"
+        return SurfaceMotion(wave=wave, reason=f"stator.diffraction is absent and {reason}")
+    return found
+
+
+def default_refusal(stator) -> str:
+    """Return why the section stands for a `fem.Stator` where a scene does not decide, a sentence; or nothing."""
+    import fem
+
+    if fem.beam_refusal(stator) or fem.isotropic_about_normal(stator.solid):
+        return fem.beam_refusal(stator)
+    return "stator.diffraction is absent, and in this cut the beam takes a minute; true computes it"
+
+
+def wanted_diffraction(given: bool | None, has_slider: bool) -> bool | None:
+    """Return what a scene's ``stator.diffraction`` means: absent, it is tried under a slider."""
+    return given if given is not None or has_slider else False

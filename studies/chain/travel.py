@@ -1,0 +1,226 @@
+"""A slider that travels along the wave field during a burst: its orbits change with its place.
+
+    dX/dt = v,    m dv/dt = Q(X, v) - R_t v - q,
+
+Q the mean tangential force of first-order averaging (`contact.mean_traction`) of the orbits at the balls' places + X, q
+the load.  The wave's phase, which moves with X too, is left out: it changes the frequency under the balls by v / c,
+1e-4.  The bounce is taken as settled: it is faster than the field changes by a thousand.
+
+The equation is solved twice, with the slider's travel and with X = 0, and the difference is added to the burst that was
+followed at one place.  So start, bounce and ring-up stay what they were, and a slow slider's answer too.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+__all__ = ["LEAST_TRAVEL", "Travel", "WaveAlong", "travelled"]
+
+LEAST_TRAVEL = 0.1  # wavelengths from which the travel counts
+PER_WAVELENGTH = 12  # places of the table; the standing wave has a period of half a wavelength
+SPEEDS = (
+    129  # of the table, from rest past the surface's own speed: the force has kinks there; 33 leave 2e-3 of v
+)
+STEP = 0.05  # wavelengths of travel in a step of time, at the surface's own speed
+MIN_STEPS = 400
+MARGIN = 1.3  # the table's reach over the travel at one place, at first
+
+
+@dataclass(frozen=True, kw_only=True)
+class WaveAlong:
+    """Orbits under a slider's balls when it has moved along x.
+
+    Attributes
+    ----------
+    wavelength : float
+        m.
+    limits : tuple of float
+        Displacements in m between which all balls stay on the stator.
+    orbits : callable
+        Displacements in m, (k,), to k tuples of `contact.Orbit` per volt.
+    """
+
+    wavelength: float
+    limits: tuple[float, float]
+    orbits: Callable = field(repr=False)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Travel:
+    """Motion along the field.
+
+    Attributes
+    ----------
+    time, velocity, place : ndarray, shape (k,)
+        s; m/s along +x; displacement from the beginning in m.
+    held_velocity : ndarray, shape (k,)
+        Of the same equation at one place, m/s.
+    ended : bool
+        Whether a ball reached the stator's end, where the motion stops being followed.
+    error : float
+        Of the change of velocity at the end, m/s: from half as many places, speeds and steps.
+    """
+
+    time: np.ndarray
+    velocity: np.ndarray
+    place: np.ndarray
+    held_velocity: np.ndarray
+    ended: bool
+    error: float
+
+    @property
+    def change(self) -> float:
+        """What the travel adds to the velocity at the end, m/s."""
+        return float(self.velocity[-1] - self.held_velocity[-1])
+
+
+class _Table:
+    """Accelerations over displacement and velocity, for either direction of motion, and at rest."""
+
+    def __init__(self, slider, wave: WaveAlong, level: float, reach: tuple[float, float], coarser: int):
+        from scipy.interpolate import RectBivariateSpline
+
+        from contact import mean_traction
+
+        step = coarser * wave.wavelength / PER_WAVELENGTH
+        low, high = reach
+        self.places = np.linspace(low, high, max(4, int(np.ceil((high - low) / step)) + 1))
+        rows = [tuple(each.scaled(level) for each in orbits) for orbits in wave.orbits(self.places)]
+        self.top = 1.2 * max(each.omega * abs(each.tangential) for orbits in rows for each in orbits)
+        speeds = np.linspace(0.0, self.top, (SPEEDS - 1) // coarser + 1)
+        # at rest a sticking contact holds between two limits: either side of v = 0 is its own table
+        least = np.where(speeds == 0.0, np.finfo(float).tiny, speeds)
+        forces = np.array([mean_traction(slider, orbits, np.append(least, -least)) for orbits in rows])
+        sides = forces[:, : speeds.size], forces[:, speeds.size :]
+        self._splines = {
+            sign: RectBivariateSpline(self.places, speeds, side / slider.mass)
+            for sign, side in zip((1, -1), sides, strict=True)
+        }
+        self._damping = slider.tangential_damping / slider.mass
+        self._load = slider.load / slider.mass
+
+    def toward(self, place: float) -> float:
+        """Return the direction in which the wave drives a slider from rest without a load; 0 where it is held."""
+        forward, backward = (float(self._splines[sign](place, 0.0)[0, 0]) for sign in (1, -1))
+        return 1.0 if forward > 0 else -1.0 if backward < 0 else 0.0
+
+    def acceleration(self, place: float, speed: float, load_sign: float) -> float:
+        """Return dv/dt, m/s^2."""
+        load = self._load * load_sign
+        if speed == 0.0:
+            forward, backward = (float(self._splines[sign](place, 0.0)[0, 0]) - load for sign in (1, -1))
+            return forward if forward > 0 else min(backward, 0.0)
+        side = 1 if speed > 0 else -1
+        pull = float(self._splines[side](place, min(abs(speed), self.top))[0, 0])
+        return pull - self._damping * speed - load
+
+
+def _followed(table: _Table, duration: float, steps: int, moves: bool, reach) -> np.ndarray:
+    """Return time, velocity and displacement, shape (3, k), by the classical Runge-Kutta method, up to the reach."""
+    sign = table.toward(0.0)
+    h, speed, place = duration / steps, 0.0, 0.0
+    rows = [(0.0, 0.0, 0.0)]
+
+    def rate(x, v):
+        return (v if moves else 0.0), table.acceleration(x, v, sign)
+
+    for number in range(1, steps + 1):
+        x1, a1 = rate(place, speed)
+        if speed == 0.0 and a1 == 0.0:
+            new, further = 0.0, place
+        else:
+            x2, a2 = rate(place + h / 2 * x1, speed + h / 2 * a1)
+            x3, a3 = rate(place + h / 2 * x2, speed + h / 2 * a2)
+            x4, a4 = rate(place + h * x3, speed + h * a3)
+            new = speed + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+            further = place + h / 6 * (x1 + 2 * x2 + 2 * x3 + x4)
+            if new * speed < 0:
+                new = 0.0  # it stops before it turns
+        speed, place = new, further
+        rows.append((number * h, speed, place))
+        if not reach[0] <= place <= reach[1]:
+            break
+    return np.array(rows).T
+
+
+def travelled(slider, wave: WaveAlong, level: float, duration: float, expected: float) -> Travel:
+    """Return the motion of a slider along the field during a burst from rest.
+
+    Parameters
+    ----------
+    slider : contact.Slider
+    wave : WaveAlong
+    level : float
+        V.
+    duration : float
+        s.
+    expected : float
+        Travel in m at one place, with its sign.
+
+    Raises
+    ------
+    contact.ConvergenceError
+        Where averaging does not apply.
+    """
+    span = MARGIN * abs(expected) + 2 * wave.wavelength
+    while True:
+        ahead, behind = (span, 2 * wave.wavelength) if expected >= 0 else (2 * wave.wavelength, span)
+        reach = max(-behind, wave.limits[0]), min(ahead, wave.limits[1])
+        runs = []
+        for coarser in (1, 2):
+            table = _Table(slider, wave, level, reach, coarser)
+            fastest = duration * table.top / (STEP * wave.wavelength)
+            steps = int(np.ceil(max(MIN_STEPS, fastest) / coarser))
+            runs.append([_followed(table, duration, steps, moves, reach) for moves in (True, False)])
+        (moving, held), (coarse, coarse_held) = runs
+        at_limit = not reach[0] < moving[2, -1] < reach[1]
+        end = wave.limits[1] if moving[2, -1] > 0 else wave.limits[0]
+        if not at_limit or abs(moving[2, -1]) >= abs(end):
+            break
+        span *= 2
+    time, velocity, place = moving
+    change = velocity[-1] - held[1, len(time) - 1]
+    same = np.interp(time[-1], coarse[0], coarse[1]) - np.interp(time[-1], coarse_held[0], coarse_held[1])
+    return Travel(
+        time=time,
+        velocity=velocity,
+        place=place,
+        held_velocity=held[1, : len(time)],
+        ended=bool(at_limit),
+        error=float(abs(change - same)),
+    )
+
+
+def with_travel(trajectory, travel: Travel):
+    """Return a `contact.Trajectory` with the change of velocity added, and its slide after the burst moved to fit."""
+    time, velocity = trajectory.time, np.array(trajectory.velocity)
+    end = trajectory.velocity_at_burst_end
+    on = time <= trajectory.duration * (1 + 1e-12)
+    velocity[on] += np.interp(time[on], travel.time, travel.velocity - travel.held_velocity)
+    new_end = end + travel.change
+    after = time[~on] - trajectory.duration
+    if after.size:
+        # the slide passes through the same speeds, earlier or later; a faster one begins with the first slope
+        old = np.append(end, trajectory.velocity[~on])
+        known = np.append(0.0, after)
+        velocity[~on] = _slide(known, old, new_end, after)
+    return replace(trajectory, velocity=velocity, velocity_at_burst_end=float(new_end))
+
+
+def _slide(known, old, start: float, after):
+    """Return a decaying speed that begins elsewhere: the same curve shifted in time, its slope going on beyond it."""
+    size = abs(old)
+    if size[0] == 0.0 or size[-1] >= size[0]:
+        return old[1:] + (start - old[0])
+    half = int(np.argmax(size <= 0.5 * size[0])) or len(size) - 1
+    slope = (size[half] - size[0]) / known[half]
+    below = int(np.argmax(size <= abs(start)))
+    if abs(start) >= size[0] or below == 0:
+        shift = (abs(start) - size[0]) / slope
+    else:
+        shift = np.interp(-abs(start), -size[below - 1 : below + 1], known[below - 1 : below + 1])
+    at = after + shift
+    shifted = np.interp(at, known, old)
+    beyond = np.minimum(at, 0.0) + (np.maximum(at - known[-1], 0.0) if size[-1] > 0.05 * size[0] else 0.0)
+    return shifted + np.sign(start) * slope * beyond

@@ -1,0 +1,162 @@
+"""The beam of a finite aperture under the slider: one orbit through every door, the section where it is asked for."""
+
+import numpy as np
+import pytest
+
+import contact
+import fem
+from studies import Scene, run, sweep
+from studies.chain import bridge
+from studies.chain.driven_contact import driven_contact
+from studies.chain.surface_motion import surface_motion
+from studies.refusal import SceneError
+from studies.scene import resolved
+
+BALLS = [["-0.3 mm", "4 mm"], ["-0.2 mm", "-3 mm"], "0.3 mm"]
+TOLERANCE = 1e-2
+
+
+@pytest.fixture(scope="module")
+def spread(small):
+    """Three balls at their own places, the slider beside the axis."""
+    return run(small.replace(slider={"position": ["9 mm", "1 mm"], "contacts": BALLS}), tolerance=TOLERANCE)
+
+
+@pytest.fixture(scope="module")
+def plane(small):
+    return run(small.replace(stator={"diffraction": False}), tolerance=TOLERANCE)
+
+
+def test_without_diffraction_the_answer_is_that_of_the_section(plane):
+    """Property: bit-equal, whatever y says."""
+    wave, scene = plane.surface_wave, plane.scene
+    u_x, u_z = wave.motion(9e-3)
+    assert plane.wave["normal_m_per_V"] == complex(u_z)
+    assert plane.wave["relative_error"] == wave.relative_error
+    slider, orbit = bridge.contact_slider(scene.slider), contact.Orbit(
+        frequency=2.2e6, normal=complex(u_z), tangential=complex(u_x)
+    )  # fmt: skip
+    velocities = [
+        contact.steady(slider, (orbit.scaled(v),), tolerance=TOLERANCE / 4).velocity for v in scene.levels
+    ]
+    assert plane.velocity.tolist() == velocities
+    assert "section_normal_m_per_V" not in plane.wave
+    assert any("stator.diffraction is false" in each for each in plane.left_out)
+    assert "finite aperture" in {each["effect"] for each in plane.model_error}
+    beside = scene.replace(slider={"position": [9e-3, 5e-3]})
+    assert run(beside, tolerance=TOLERANCE).velocity.tolist() == velocities
+
+
+def test_each_ball_has_the_orbit_of_its_own_place(spread):
+    beam = fem.surface_beam(spread.surface_wave)
+    x, y = np.array([8.7e-3, 8.8e-3, 9.3e-3]), np.array([5e-3, -2e-3, 1e-3])
+    assert np.allclose(spread.scene.slider.places, np.stack([x, y], axis=1), rtol=1e-12)
+    orbits = bridge.orbits_per_volt(spread.surface_motion, spread.scene.slider)
+    u_x, u_y, u_z = beam.motion(x, y)
+    assert np.allclose([each.normal for each in orbits], u_z, rtol=1e-6)
+    assert np.allclose([each.tangential for each in orbits], u_x, rtol=1e-6)
+    assert abs(spread.wave["normal_m_per_V"] / beam.motion(9e-3, 1e-3)[2] - 1) < 1e-6
+    ratios = np.append(
+        abs(u_y / u_x), abs(spread.wave["lateral_m_per_V"] / spread.wave["tangential_m_per_V"])
+    )
+    assert spread.wave["largest_lateral_ratio"] == pytest.approx(ratios.max(), rel=1e-5)
+    assert spread.wave["section_normal_m_per_V"] == pytest.approx(spread.surface_wave.motion(9e-3)[1])
+    assert spread.scene.stator.diffraction is True
+    effects = {each["effect"] for each in spread.model_error}
+    assert "finite aperture" not in effects
+    assert "side faces" in effects
+
+
+def test_the_mirror_image_of_a_slider_runs_as_fast(spread):
+    """Property: y -> -y of position and balls; of the position alone it is another motor."""
+    balls = [(-3e-4, -4e-3), (-2e-4, 3e-3), 3e-4]
+    image = run(
+        spread.scene.replace(slider={"position": (9e-3, -1e-3), "contacts": balls}), tolerance=TOLERANCE
+    )
+    assert np.allclose(image.velocity, spread.velocity, rtol=1e-6)
+    moved = run(spread.scene.replace(slider={"position": (9e-3, -1e-3)}), tolerance=TOLERANCE)
+    assert not np.allclose(moved.velocity, spread.velocity, rtol=1e-3)
+
+
+def test_every_door_has_the_same_orbit(spread, small):
+    """Run, sweep and the studies' driven contact."""
+    given = small.replace(slider={"position": ["9 mm", "1 mm"], "contacts": BALLS})
+    rows = sweep(
+        given.replace(drive={"voltage": "120 V"}),
+        {"slider.position": [["9 mm", "1 mm"], ["9 mm", "-2 mm"]]},
+        tolerance=TOLERANCE,
+    ).to_dataframe()
+    assert rows["velocity_m_per_s"][0] == pytest.approx(spread.velocity[-1], rel=1e-3)
+    assert rows["normal_amplitude_m"][0] == pytest.approx(spread.normal_amplitude[-1], rel=1e-3)
+    assert abs(rows["velocity_m_per_s"][1] / rows["velocity_m_per_s"][0] - 1) > 1e-3
+    driven = driven_contact(given, tolerance=TOLERANCE)
+    orbits = bridge.orbits_per_volt(spread.surface_motion, spread.scene.slider)
+    assert np.allclose([each.normal for each in driven.orbits], [each.normal for each in orbits], rtol=1e-3)
+
+
+def test_a_burst_moves_as_the_beam(small, small_run):
+    """The ring-up is a factor on the beam's orbit: the amplitude of the points is the beam's."""
+    beam = fem.surface_beam(small_run.surface_wave).motion(9e-3)
+    assert small_run.normal_amplitude[-1] == pytest.approx(120 * abs(beam[2]), rel=1e-9)
+    assert small_run.scene.stator.diffraction is True
+
+
+def test_where_the_beam_is_not_known(small):
+    """Absent, the section stands for it and the answer says why; asked for, it is refused."""
+    free = small.replace(stator={"ends": "free"}, drive={"voltage": "120 V"})
+    refusal = fem.beam_refusal(resolved.stator(free.stator))
+    if not refusal:
+        pytest.skip("free ends are known")
+    record = run(free, tolerance=0.05)
+    assert any("plane section" in each and refusal in each for each in record.left_out)
+    assert record.scene.stator.diffraction is None
+    with pytest.raises(SceneError, match=r"stator\.diffraction must be false or absent: the field in three"):
+        run(free.replace(stator={"diffraction": True}), tolerance=0.05)
+
+
+def test_lateral_motion_is_reported(small):
+    record = run(
+        small.replace(
+            slider={"position": ["9 mm", "3.5 mm"]},
+            transducer={"left": {"aperture": "4 mm"}},
+            drive={"voltage": "20 V"},
+        ),
+        tolerance=0.05,
+    )
+    assert record.wave["largest_lateral_ratio"] > 0.1
+    assert any("sideways" in each for each in record.warnings)
+
+
+def test_the_error_is_that_of_a_finer_section_at_the_beam(small):
+    """Honest: the beam of a much finer section differs by less than the stated error."""
+    loose, fine = (run(small.replace(drive={"voltage": "20 V"}), tolerance=each) for each in (5e-2, 1e-4))
+    difference = abs(loose.wave["normal_m_per_V"] - fine.wave["normal_m_per_V"])
+    assert difference <= loose.wave["relative_error"] * abs(fine.wave["normal_m_per_V"])
+
+
+def test_places_are_read_and_written(small):
+    scene = small.replace(
+        slider={"position": ["9 mm", "-1 mm"], "contacts": [["1 mm", "2 mm"], "-1 mm", [0, 0]]}
+    )
+    assert scene.slider.center == (9e-3, -1e-3)
+    assert scene.slider.offsets == ((1e-3, 2e-3), (-1e-3, 0.0), (0.0, 0.0))
+    assert Scene.from_table("", scene.to_table()) == scene
+    for wrong, what in (
+        ({"position": ["9 mm", "13 mm"]}, "y from -0.0125 to 0.0125 m"),
+        ({"position": ["9 mm"]}, "or \\[x, y\\]"),
+        ({"contacts": [["1 mm", "2 mm"], ["1 mm", "2 mm"]]}, "must differ"),
+        ({"position": ["-9 mm", 0]}, "positive"),
+    ):
+        with pytest.raises(SceneError, match=what):
+            small.replace(slider=wrong)
+
+
+def test_an_answer_that_is_known_is_the_same_in_another_company(spread):
+    """Property: what was computed is returned again, place by place, in the order asked for."""
+    places = [(9e-3, 0.0), (4e-3, 0.0), (8e-3, 2e-3)]
+    motion = surface_motion(spread.surface_wave, True, places, TOLERANCE)
+    first = motion.at(places)
+    assert np.all(np.isfinite(first))
+    assert (motion.at(places[::-1]) == first[:, ::-1]).all()
+    assert motion.relative_error(places) == max(motion.errors(places))
+    assert abs(motion.at([(8e-3, -2e-3)])[2, 0] / first[2, 2] - 1) < 1e-6
