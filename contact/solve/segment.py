@@ -15,6 +15,7 @@ from contact.law.elastic import ANNULUS, FAR_SIDE, GROW, SEPARATED, SLIP, back_f
 from contact.law.hysteretic import memory_guard, moment
 from contact.law.normal import load
 from contact.problem import RECIPROCAL
+from contact.solve.riding import short_sine
 
 # what `State.slider` holds
 POSITION, NORMAL_VELOCITY, VELOCITY = 0, 1, 2
@@ -122,7 +123,7 @@ def surface(problem, grid, nodes, segment):
         for j in range(own.shape[2]):
             t = segment.length * grid.tau[segment.map, j]
             if short:
-                s, v = _sine(t)
+                s, v = short_sine(t)
             else:
                 s, v = np.sin(t), 1.0 - np.cos(t)
             c = 1.0 - v
@@ -130,21 +131,6 @@ def surface(problem, grid, nodes, segment):
             own[U_X, i, j] = e * s - d * v
             own[U_Z_RATE, i, j] = b * c - a * s
             own[U_X_RATE, i, j] = e * c - d * s
-
-
-@compiled
-def _sine(t):
-    """Return sin t and 1 - cos t for |t| <= 0.8 by their series, to rounding."""
-    y = t * t
-    s, v = 1.0 - y * (1.0 / 272.0), 1.0 - y * (1.0 / 306.0)
-    s, v = 1.0 - y * (1.0 / 210.0) * s, 1.0 - y * (1.0 / 240.0) * v
-    s, v = 1.0 - y * (1.0 / 156.0) * s, 1.0 - y * (1.0 / 182.0) * v
-    s, v = 1.0 - y * (1.0 / 110.0) * s, 1.0 - y * (1.0 / 132.0) * v
-    s, v = 1.0 - y * (1.0 / 72.0) * s, 1.0 - y * (1.0 / 90.0) * v
-    s, v = 1.0 - y * (1.0 / 42.0) * s, 1.0 - y * (1.0 / 56.0) * v
-    s, v = 1.0 - y * (1.0 / 20.0) * s, 1.0 - y * (1.0 / 30.0) * v
-    s, v = 1.0 - y * (1.0 / 6.0) * s, 1.0 - y * (1.0 / 12.0) * v
-    return t * s, 0.5 * y * v
 
 
 @compiled
