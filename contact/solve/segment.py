@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.jit.compiled import compiled
-from contact.kinematics import at_phase
+from contact.kinematics import Point, at_phase
 from contact.law.elastic import ANNULUS, FAR_SIDE, GROW, SEPARATED, SLIP, back_force, guard, traction
 from contact.law.hysteretic import memory_guard, moment
 from contact.law.normal import load
@@ -177,9 +177,7 @@ def _contact(problem, grid, state, nodes, i, memory):
             z = own[Z, i, j]
             level = own[LEVEL, i, j] if z > 0.0 else 0.0
             if regime == ANNULUS and z > 0.0:
-                level, own[FRONT, i, j] = moment(
-                    memory, i, ANNULUS, sign, z, own[X, i, j], c, grid.sigma, grid.bary
-                )
+                level, own[FRONT, i, j] = moment(memory, i, ANNULUS, sign, z, own[X, i, j], c)
             own[Q, i, j] = friction * level
     else:
         for j in range(n):
@@ -312,10 +310,11 @@ def end_kinematics(problem, state, nodes):
 
 
 @compiled
-def rates_at(nodes, i, j):
-    """Return (z', x') of a contact that sticks, at a node."""
+def point_at(nodes, i, j):
+    """Return approach, deformation and their rates of a contact at a node."""
     own, slider = nodes.contact, nodes.slider
-    return own[U_Z_RATE, i, j] - slider[CLIMB, j], own[U_X_RATE, i, j] - slider[SPEED, j]
+    z_rate, x_rate = own[U_Z_RATE, i, j] - slider[CLIMB, j], own[U_X_RATE, i, j] - slider[SPEED, j]
+    return Point(own[Z, i, j], own[X, i, j], z_rate, x_rate)
 
 
 @compiled
@@ -329,11 +328,8 @@ def guards(problem, state, nodes, i, which, memory):
         return
     c, band = problem.limit_slope, problem.stick_band
     for j in range(out.size):
-        z, x = own[Z, i, j], own[X, i, j]
-        z_rate, x_rate = rates_at(nodes, i, j)
+        point = point_at(nodes, i, j)
         if memory is not None and regime >= ANNULUS:
-            out[j], _ = memory_guard(
-                memory, i, regime, which, sign, z, x, z_rate, x_rate, own[FRONT, i, j], c
-            )
+            out[j], _ = memory_guard(memory, i, regime, which, sign, point, own[FRONT, i, j], c)
         else:
-            out[j] = guard(regime, which, sign, z, x, z_rate, x_rate, c, band)
+            out[j] = guard(regime, which, sign, point, c, band)
