@@ -121,6 +121,11 @@ class Slider:
         length = z if self.shape == "punch" else self.contact_radius(z)
         return 2.0 * self.effective_modulus * length / (math.pi * self.radius)
 
+    def tangential_force(self, deformation, approach: float):
+        """Return Q in N of the elastic law at deformations and an approach in m, at most the friction limit."""
+        friction = self.friction_coefficient * self.normal_stiffness
+        return elastic.tangential_force(deformation, approach, friction, self.limit_slope, self.contact_shape)
+
     def offsets(self, contacts: int) -> np.ndarray:
         """Return the heights of so many contacts as an array, m."""
         if self.heights and len(self.heights) != contacts:

@@ -10,9 +10,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fem.discretize.elements import discretise
 from fem.discretize.forms import scikit_fem_derivatives
 from fem.discretize.grading import Resolution, edge_layers, graded
-from fem.discretize.section import FIELD_COLUMN, Section, discretise
+from fem.discretize.section import FIELD_COLUMN, Section
 from fem.geometry import Stator, Transducer, check_layout, outer_gaps
 from fem.materials import fields
 from fem.materials.medium import Medium, medium, units

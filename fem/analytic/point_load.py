@@ -89,21 +89,9 @@ def point_load(stiffness: np.ndarray) -> PointLoad:
 
 
 def surface_compliance(stiffness: np.ndarray, directions: np.ndarray, *, turns: int = 256) -> np.ndarray:
-    """Return Re C of a half-space z < 0 for directions of the wavevector.
+    """Return Re C of a half-space z < 0 for directions of the wavevector (rad from x), shape (n, 3, 3), 1/Pa.
 
-    Parameters
-    ----------
-    stiffness : ndarray, shape (6, 6)
-        c in Pa.
-    directions : ndarray, shape (n,)
-        psi in rad, from x.
-    turns : int
-        Points of the average over theta.
-
-    Returns
-    -------
-    ndarray, shape (n, 3, 3)
-        1/Pa.
+    ``stiffness``: c in Pa; ``turns``: points of the average over theta.
     """
     full = np.asarray(stiffness)[VOIGT][:, :, VOIGT]
     psi = np.asarray(directions, dtype=float)[:, None]

@@ -54,19 +54,7 @@ def surface_permittivity(solid: Solid, surface: str = "vacuum") -> float:
 
 
 def charge_transform(phase: float | np.ndarray, metallisation: float) -> np.ndarray:
-    """Transform rho(k) over eps of the charge of one strip at 1 V, its neighbours at 0 V.
-
-    Parameters
-    ----------
-    phase : array_like
-        k p, wavenumber times pitch, in rad; 0 or positive.
-    metallisation : float
-
-    Returns
-    -------
-    ndarray
-        Dimensionless.
-    """
+    """Transform rho(k) over eps of the charge of one strip at 1 V, its neighbours at 0 V; phase k p >= 0 in rad."""
     from scipy.special import eval_legendre
 
     order, s = np.divmod(np.asarray(phase, dtype=float) / (2 * np.pi), 1.0)

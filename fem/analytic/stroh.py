@@ -105,18 +105,7 @@ class SurfaceImpedance:
 
 
 def limiting_velocity(body: Medium) -> float:
-    """Return the slowest trace velocity of a bulk wave along x: min of c(theta) / cos(theta), scaled.
-
-    Parameters
-    ----------
-    body : Medium
-        Real tables.
-
-    Returns
-    -------
-    float
-        In sqrt(stress_unit / rho).
-    """
+    """Return min of c(theta) / cos(theta), the slowest trace velocity of a bulk wave, in sqrt(stress_unit / rho)."""
 
     def trace_velocity_squared(theta):
         return np.linalg.eigvalsh(christoffel(body, theta))[:, 0] / np.cos(theta) ** 2

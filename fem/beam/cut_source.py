@@ -23,8 +23,9 @@ from scipy.linalg import lu_factor, lu_solve
 from fem.beam.lateral import LateralRule, lateral_rule
 from fem.beam.line_source import KEPT, LOCAL, Branch
 from fem.convergence import ConvergenceError
+from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
-from fem.discretize.section import Section, discretise
+from fem.discretize.section import Section
 from fem.waveguide.eigenproblem import companion_modes, even_odd_modes
 from fem.waveguide.port_fields import PortFields
 
@@ -126,6 +127,11 @@ class CutSource:
                     k[: len(some), node], u[:, : len(some), node] = some, moved.T
                 yield Branch(side, rule, k, u, ((sign, np.ones(3)),))
 
+    @property
+    def _surface(self) -> list[int]:
+        """Unknowns u_x, u_y, u_z and phi at the surface."""
+        return [self.section.surface_dofs[name] for name in ("ux", "uy", "uz", "phi")]
+
     def _spectrum(self, nodes) -> list[_Poles]:
         """Modes at every node, which follow one another closely from 0 on."""
         size = self.section.size
@@ -142,14 +148,15 @@ class CutSource:
                 estimates = [(2 * new[0] - old, *new[1:]) for new, old in zip(found, previous, strict=True)]
                 previous = [each[0] for each in found]
                 k, shapes, left = (np.stack(each, axis=-1) for each in zip(*found, strict=True))
+                left = left[self._surface]
             else:
-                k, shapes, left = _all_pairs(second, skew, zeroth, self.section.lateral_odd)
+                k, shapes, left = _all_pairs(second, skew, zeroth, self.section.lateral_odd, self._surface)
             out.append(self._poles(k, shapes, left, first @ shapes - 1j * (second @ shapes) * k, surface))
             surface = next(iter(out[-1].wavenumbers[out[-1].surface & out[-1].right]), surface)
         return out
 
     def _poles(self, k, shapes, left, flux, expected: complex) -> _Poles:
-        """Forward modes that are not local, of eigenpairs with their left eigenvectors (n, m) and fluxes."""
+        """Forward modes that are not local, of eigenpairs with their left eigenvectors (4, m) and fluxes."""
         section, unit = self.section, self.section.length_unit
         nearly_real = abs(k.imag) < NEARLY_REAL * abs(k.real)
         carried = -np.imag(np.sum(flux * shapes.conj(), axis=0))
@@ -169,22 +176,22 @@ class CutSource:
         turn = np.ones((4, 1), dtype=complex)
         if section.solid.mirror_y is not None:  # fields that change sign under y -> -y are scaled by i
             turn[section.solid.mirror_y] = 1j
-        at = [section.surface_dofs[name] for name in ("ux", "uy", "uz", "phi")]
-        shapes, left = turn * shapes[at], turn.conj() * left[at]
+        shapes, left = turn * shapes[self._surface], turn.conj() * left
         scale = -section.solid.potential_unit / section.solid.stress_unit
         column, row = scale * shapes[:3] * left[3], scale * shapes[3] * left[:3]
         return _Poles(k[kept] / unit, right[kept], surface[kept], column.T[kept], row.T[kept])
 
 
-def _all_pairs(second, skew, zeroth, odd) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """All wavenumbers of both directions, (2 n,), their shapes and the left ones, (n, 2 n)."""
+def _all_pairs(second, skew, zeroth, odd, at) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """All wavenumbers of both directions, (2 n,), their shapes (n, 2 n) and some rows of the left ones."""
     if odd is not None:
         k, shapes = even_odd_modes(second, skew, zeroth, odd)
         k, shapes = np.append(k, -k), np.hstack([shapes, np.where(odd, -1.0, 1.0)[:, None] * shapes])
     else:
         k, shapes = companion_modes(second, 1j * skew, zeroth)
     shapes = shapes / np.linalg.norm(shapes, axis=0) / np.maximum(1.0, abs(k))
-    load = np.concatenate([np.zeros_like(second), np.linalg.inv(second)])
+    load = np.zeros((len(k), len(at)), dtype=complex)
+    load[len(second) :] = np.linalg.solve(second, np.eye(len(second))[:, at])
     return k, shapes, np.linalg.solve(np.vstack([shapes, shapes * k]), load).T
 
 

@@ -108,6 +108,11 @@ class Circuit:
         return complex(self.currents[self.sources[0]] / self.voltages[self.sources[0]])
 
     @property
+    def driven(self) -> tuple[str, ...]:
+        """Names of the transducers with a source."""
+        return tuple(self.names[at] for at in self.sources)
+
+    @property
     def source_admittances(self) -> np.ndarray:
         """Current over voltage of every source's transducer whose voltage is not 0, in S."""
         on = [at for at in self.sources if self.voltages[at] != 0]

@@ -16,18 +16,10 @@ from fem.condense.superelement import PORTS, Superelement, folded, refuse_resona
 def joined(
     left: Superelement, right: Superelement, *, phi: int | None = None, electrode: int | None = None
 ) -> Superelement:
-    """Superelement of two neighbours.
+    """Superelement of two neighbours; its ``parts`` keep the way back to the line they share.
 
-    Parameters
-    ----------
-    left, right : Superelement
-    phi, electrode : int, optional
-        If the shared line's surface node lies on a finger: the number of phi there, and the finger's electrode.
-
-    Returns
-    -------
-    Superelement
-        Its ``parts`` keep the way back to the shared line.
+    If that line's surface node lies on a finger: ``phi``, the number of the potential there, and the finger's
+    electrode.
     """
     from scipy.linalg import lu_factor, lu_solve
 
@@ -82,20 +74,9 @@ def exchanged(piece: Superelement) -> Superelement:
 
 
 def mirrored(piece: Superelement, odd: np.ndarray, phi_odd: bool) -> Superelement:
-    """The piece seen in a mirror x -> -x that is a symmetry of the solid.
+    """The piece seen in a mirror x -> -x that is a symmetry of the solid; a single column is its own mirror image.
 
-    Parameters
-    ----------
-    piece : Superelement
-    odd : ndarray, shape (n,)
-        Unknowns of a line that change sign.
-    phi_odd : bool
-        Whether the potential changes sign, those of the electrodes included.
-
-    Returns
-    -------
-    Superelement
-        A single column is its own mirror image.
+    ``odd``: unknowns of a line that change sign, shape (n,); ``phi_odd``: whether all potentials do.
     """
     if piece.column is not None:
         return piece
@@ -129,22 +110,11 @@ def open_circuited(piece: Superelement) -> Superelement:
 def lines(
     piece: Superelement, sides: np.ndarray, start: float = 0.0, *, finest: float = 0.0
 ) -> Iterator[tuple[float, Superelement, np.ndarray]]:
-    """Walk the columns of a superelement from left to right.
+    """Walk the columns of a superelement from left to right: yields start, column, sides of each.
 
-    Parameters
-    ----------
-    piece : Superelement
-    sides : ndarray, shape (2 n + 2, ...)
-        Its left line, right line and electrode potentials.
-    start : float
-        Where its left line lies, length units.
-    finest : float
-        Pieces of this width or less are not entered.
-
-    Yields
-    ------
-    start, column superelement, sides
-        The electrodes' potentials are in the column's own order: a finger is always on electrode 0.
+    ``sides``: left line, right line and electrode potentials, shape (2 n + 2, ...); in those that are yielded the
+    potentials are in the column's own order, a finger is always on electrode 0.  ``start``: where the left line lies,
+    length units. Pieces of the width ``finest`` or less are not entered.
     """
     first = 2 * piece.size
     if piece.exchanged:

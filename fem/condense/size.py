@@ -6,8 +6,9 @@ import numpy as np
 
 from fem.condense.superelement import PORTS
 from fem.condense.transducer import transducer_superelements
+from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
-from fem.discretize.section import Section, discretise
+from fem.discretize.section import Section
 from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
 

@@ -22,7 +22,7 @@ from fem.discretize.section import FIELD_COLUMN, Section
 from fem.materials.medium import Medium
 
 PORTS = 2  # potentials of the positive and the negative electrode
-MOST_AMPLIFIED = 1e9  # of a piece's fields over those at its sides, up to which seven digits are left
+MAX_AMPLIFICATION = 1e9  # of a piece's fields over those at its sides, up to which seven digits are left
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -101,22 +101,7 @@ class ElementSets:
 
 
 def condensed(section: Section, frequency: float, *, width: float, electrode: int | None) -> Superelement:
-    """Condense a column of elements to its sides and its electrode.
-
-    Parameters
-    ----------
-    section : Section
-    frequency : float
-        Hz.
-    width : float
-        Length units.
-    electrode : int or None
-        Comb of the finger on top, if any.
-
-    Returns
-    -------
-    Superelement
-    """
+    """Condense a column of elements, its width in length units, to its sides and the finger's electrode, if any."""
     skeleton, faces, inside_from = _skeleton(section, width, frequency)
     sides = 2 * section.size + PORTS
     drop = np.arange(sides, len(skeleton))
@@ -228,17 +213,9 @@ def _schur(matrix, keep, drop):
 def refuse_resonance(back: np.ndarray) -> None:
     """Refuse a piece that resonates between clamped lines: its condensation, though not the stator, is singular.
 
-    Parameters
-    ----------
-    back : ndarray
-        Fields inside for unit fields at the sides; each decade of them costs the answer a digit.
-
-    Raises
-    ------
-    ConvergenceError
-        Where too many digits are lost.
+    ``back``: fields inside for unit fields at the sides; each decade of them costs the answer a digit.
     """
-    if not abs(back).max(initial=0.0) < MOST_AMPLIFIED:
+    if not abs(back).max(initial=0.0) < MAX_AMPLIFICATION:
         raise ConvergenceError(
             "a piece of the transducer, clamped at its sides, resonates at this very frequency: "
             "change the frequency by a part in a million, or give the solid a mechanical_quality"

@@ -132,17 +132,10 @@ def fingers_in_row(
     cell: Callable[[float, float], Superelement],
     bare: Callable[[float, float], Superelement],
 ) -> Superelement:
-    """Join the cells of a row of fingers; equal runs are joined once.
+    """Join the cells of a row of fingers, of signs "+", "-", "0" (left out) or "o" (open); equal runs are joined once.
 
-    Parameters
-    ----------
-    make : Assembly
-    signs : str
-        "+", "-", "0" (left out) or "o" (open) for each finger.
-    gaps : callable
-        Number of a finger -> bare surface left and right of it.
-    cell, bare : callable
-        Both gaps -> superelement of a finger of electrode 0, or of bare surface of the same width.
+    ``gaps``: number of a finger -> bare surface left and right of it; ``cell``, ``bare``: both gaps -> superelement of
+    a finger of electrode 0, or of bare surface of the same width.
     """
     singles: dict[tuple, Superelement] = {}
 

@@ -17,12 +17,9 @@ from fem.materials.medium import Medium
 
 
 def scikit_fem_derivatives():
-    """Scalar forms that a medium's tables multiply, for a scalar scikit-fem basis in (x, z).
+    """Scalar forms (d_x v)(d_x u), (d_x v)(d_z u), (d_z v)(d_z u) and v u for a scikit-fem basis in (x, z).
 
-    Returns
-    -------
-    tuple of skfem.BilinearForm
-        (d_x v)(d_x u), (d_x v)(d_z u), (d_z v)(d_z u) and v u; all real: complex factors come with the tables.
+    All real: complex factors come with the tables that multiply them.
     """
     from skfem import BilinearForm
 
@@ -37,22 +34,10 @@ def scikit_fem_derivatives():
 def element_matrix(
     medium: Medium, width: float, height: complex, order: int, angular: float, *, part: str = "all"
 ) -> np.ndarray:
-    """Matrix of one rectangular element, nodes x-major then z, fields innermost.
+    """Matrix of one rectangular element, nodes x-major then z, fields innermost: shape ((order + 1)^2 fields,) * 2.
 
-    Parameters
-    ----------
-    medium : Medium
-    width, height : float or complex
-        Length units.
-    order : int
-    angular : float
-        omega times the length unit, m/s.
-    part : str
-        "all", or "loss": only the imaginary part of the moduli, as a real matrix.
-
-    Returns
-    -------
-    ndarray, shape ((order + 1)**2 * fields,) * 2
+    Width and height in length units, ``angular`` omega times the length unit in m/s; ``part``: "all", or "loss" for
+    the imaginary part of the moduli alone, as a real matrix.
     """
     parts = _element_parts(medium, order, part)
     ratio, area = height / width, width * height

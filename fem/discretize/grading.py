@@ -49,12 +49,9 @@ def graded(
     smallest_first: bool = False,
     ratio: float = LAYER_RATIO,
 ) -> np.ndarray:
-    """Element sizes along a length: equal ones of at most ``largest``, the last split into geometric layers.
+    """Element sizes that sum to a length: equal ones of at most ``largest``, the last split into geometric layers.
 
-    Returns
-    -------
-    ndarray
-        Sizes that sum to the length; the smallest last, or first on request.
+    The smallest last, or first on request.
     """
     count = max(1, int(np.ceil(length / largest - 1e-9)))
     sizes = [length / count] * (count - 1)

@@ -15,23 +15,7 @@ from numpy.polynomial import legendre
 
 @lru_cache(maxsize=32)
 def gll_nodes(order: int) -> np.ndarray:
-    """Gauss-Lobatto-Legendre points of an element.
-
-    Parameters
-    ----------
-    order : int
-        Polynomial order, 1 or more.
-
-    Returns
-    -------
-    ndarray, shape (order + 1,)
-        Points in [0, 1], ends included, increasing.
-
-    Raises
-    ------
-    ValueError
-        If the order is below 1.
-    """
+    """Gauss-Lobatto-Legendre points of an element in [0, 1], ends included, increasing: shape (order + 1,)."""
     if order < 1:
         raise ValueError(f"order must be an integer of at least 1, got {order}")
     coefficients = np.zeros(order + 1)
@@ -46,20 +30,7 @@ def gll_nodes(order: int) -> np.ndarray:
 
 
 def lagrange(order: int, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values and derivatives of the nodal basis at points of the reference element.
-
-    Parameters
-    ----------
-    order : int
-        Polynomial order.
-    points : ndarray, shape (m,)
-        Places in [0, 1].
-
-    Returns
-    -------
-    values, derivatives : ndarray, shape (m, order + 1)
-        Derivatives with respect to the reference coordinate.
-    """
+    """Values and derivatives of the nodal basis at points (m,) of the element [0, 1], shape (m, order + 1) each."""
     nodes = 2.0 * gll_nodes(order) - 1.0
     at = 2.0 * np.asarray(points, dtype=float) - 1.0
     vandermonde = legendre.legvander(nodes, order)
@@ -115,33 +86,6 @@ def line_nodes(breakpoints: np.ndarray, order: int) -> np.ndarray:
     breakpoints = np.asarray(breakpoints)
     nodes = breakpoints[:-1, None] + np.diff(breakpoints)[:, None] * gll_nodes(order)[None, :-1]
     return np.append(nodes.ravel(), breakpoints[-1])
-
-
-def line_matrices(breakpoints: np.ndarray, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Assembled mass, stiffness and advection of a line of elements.
-
-    Parameters
-    ----------
-    breakpoints : ndarray, shape (elements + 1,)
-        Ends of the elements; complex ones are a coordinate stretched into the complex plane (an absorbing layer).
-    order : int
-        Polynomial order of every element.
-
-    Returns
-    -------
-    mass, stiffness, advection : ndarray, shape (elements * order + 1,) * 2
-        In the breakpoints' unit to the powers 1, -1 and 0.
-    """
-    lengths = np.diff(np.asarray(breakpoints))
-    reference = reference_matrices(order)
-    size = len(lengths) * order + 1
-    mass, stiffness, advection = (np.zeros((size, size), dtype=lengths.dtype) for _ in range(3))
-    for element, length in enumerate(lengths):
-        here = slice(element * order, element * order + order + 1)
-        mass[here, here] += length * reference.mass
-        stiffness[here, here] += reference.stiffness / length
-        advection[here, here] += reference.advection
-    return mass, stiffness, advection
 
 
 def _frozen(array: np.ndarray) -> np.ndarray:

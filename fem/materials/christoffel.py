@@ -18,20 +18,10 @@ GRAZING = np.radians(5)
 
 
 def christoffel(body: Medium, angles: np.ndarray, *, stiffened: bool = True) -> np.ndarray:
-    """Christoffel tensors of the displacements that take part, scaled by the medium's stress unit.
+    """Christoffel tensors of the displacements that take part, over the stress unit, (angles, fields, fields).
 
-    Parameters
-    ----------
-    body : Medium
-        Real tables.
-    angles : ndarray, shape (angles,)
-        Of the direction from the x axis, rad.
-    stiffened : bool
-        Whether the electric field that a wave carries along counts.
-
-    Returns
-    -------
-    ndarray, shape (angles, displacements, displacements)
+    ``body``: real tables; ``angles`` of the direction from the x axis, rad; ``stiffened``: the electric field counts
+    that a wave carries along.
     """
     cosine, sine = np.cos(angles)[:, None, None], np.sin(angles)[:, None, None]
     tensors = cosine**2 * body.xx + cosine * sine * (body.xz + body.xz.T) + sine**2 * body.zz

@@ -131,21 +131,9 @@ def units(solid: Solid) -> tuple[float, float]:
 
 
 def medium(solid: Solid, fields: tuple[str, ...], *, lossy: bool = True) -> Medium:
-    """Scaled coefficients of a solid.
+    """Scaled coefficients of a solid in the stator's frame for some fields; real tables where there is no loss.
 
-    Parameters
-    ----------
-    solid : Solid
-        In the stator's frame.
-    fields : tuple of str
-        Fields to keep.
-    lossy : bool
-        Complex moduli if the solid has loss; real ones otherwise.
-
-    Returns
-    -------
-    Medium
-        Real tables where there is no loss.
+    ``lossy``: complex moduli if the solid has loss.
     """
     stress, potential = units(solid)
     stiffness = solid.stiffness_lossy if lossy else solid.stiffness

@@ -46,18 +46,8 @@ def densities(
 ) -> Densities:
     """Return energy and power of a field that does not vary along y.
 
-    Parameters
-    ----------
-    solid : Solid
-        In the frame of the cut, with its losses.
-    frequency : float
-        Hz.
-    values, along, upward : ndarray, shape (nx, nz, 4)
-        u_x, u_y, u_z in m and phi in V, and their derivatives with respect to x and to z.
-
-    Returns
-    -------
-    Densities
+    ``values``, ``along``, ``upward``: u_x, u_y, u_z in m and phi in V, and their derivatives with respect to x and z,
+    shape (nx, nz, 4); the solid in the frame of the cut, with its losses; frequency in Hz.
     """
     blocks = [slice(first, first + _LINES) for first in range(0, len(values), _LINES)]
     parts = [_densities(solid, frequency, values[b], along[b], upward[b]) for b in blocks]
@@ -95,16 +85,9 @@ def _densities(solid, frequency, values, along, upward) -> dict:
 
 
 def upward_slope(values: np.ndarray, order: int, heights: np.ndarray) -> np.ndarray:
-    """Return d/dz of nodal values by the elements' own polynomials.
+    """Return d/dz of nodal values (nx, elements * order + 1, ...) by the elements' polynomials, heights in m.
 
     At a node shared by two elements, whose slopes differ by the error of the discretisation, it is their mean.
-
-    Parameters
-    ----------
-    values : ndarray, shape (nx, elements * order + 1, ...)
-    order : int
-    heights : ndarray, shape (elements,)
-        m.
     """
     from fem.discretize.spectral import gll_nodes, lagrange
 

@@ -1,4 +1,4 @@
-"""The whole field of a driven stator on a grid, rebuilt on demand; likewise of a free wave.
+"""The whole field of a driven stator on a grid, rebuilt on demand, and that of a free wave.
 
 The lines of the grid are the nodes of the columns under the transducers and evenly spaced ones in the segments, where
 the field is a sum of modes; through the depth the nodes are the section's own, so that nothing is averaged over an
@@ -51,17 +51,7 @@ class WaveField:
     order: int | None = None
 
     def depth_basis(self, z: np.ndarray) -> np.ndarray:
-        """Return what takes nodal values through the depth to heights z (m) by the elements' polynomials.
-
-        Parameters
-        ----------
-        z : ndarray, shape (m,)
-            Within the section.
-
-        Returns
-        -------
-        ndarray, shape (m, nz)
-        """
+        """Return the matrix from nodal values to values at heights z (m) by the elements' polynomials, (m, nz)."""
         ends = self.z[:: self.order]
         element = np.clip(np.searchsorted(ends, z, side="right") - 1, 0, len(ends) - 2)
         local = (z - ends[element]) / (ends[element + 1] - ends[element])

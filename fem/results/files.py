@@ -53,20 +53,28 @@ def write_instant(wave_field: WaveField, phase: float, path: str | Path) -> None
     write_mesh(wave_field.x, wave_field.z, data, path)
 
 
-def write_mesh(x: np.ndarray, z: np.ndarray, data: dict, path: str | Path) -> None:
-    """Write fields on the grid of lines x and heights z (m) as a mesh of quadrilaterals.
+def write_surface(x: np.ndarray, y: np.ndarray, motion: np.ndarray, path: str | Path) -> None:
+    """Write the surface's motion in three dimensions as quadrilaterals with complex point data.
 
     Parameters
     ----------
-    x, z : ndarray, shapes (nx,) and (nz,)
-    data : dict of str to ndarray, shape (nx, nz, ...)
+    x, y : ndarray, shapes (nx,) and (ny,)
+        m.
+    motion : ndarray, shape (3, nx, ny)
+        u_x, u_y and u_z in m per V, as of `SurfaceBeam.motion`.
     path : str or Path
+        A ``.vtu`` file.
     """
+    write_mesh(x, y, _split(DISPLACEMENT, np.moveaxis(motion, 0, -1)), path, axis=1)
+
+
+def write_mesh(x: np.ndarray, z: np.ndarray, data: dict, path: str | Path, axis: int = 2) -> None:
+    """Write fields (nx, nz, ...) on the grid of lines x and heights z (m; axis 1: lateral places) as quadrilaterals."""
     import meshio
 
     nx, nz = len(x), len(z)
     points = np.zeros((nx, nz, 3))
-    points[:, :, 0], points[:, :, 2] = x[:, None], z
+    points[:, :, 0], points[:, :, axis] = x[:, None], z
     corner = (np.arange(nx - 1)[:, None] * nz + np.arange(nz - 1)).ravel()
     quads = np.stack([corner, corner + nz, corner + nz + 1, corner + 1], axis=1)
     flat = {name: values.reshape(nx * nz, *values.shape[2:]) for name, values in data.items()}

@@ -59,7 +59,6 @@ def power_balance(solution: Solution) -> PowerBalance:
     modes, n = fields.modes, fields.section.size
     frequency = modes.frequency
     over_aperture = fields.section.solid.stress_unit * circuit.aperture
-    driven = {circuit.names[at] for at in circuit.sources}
     worst, lost_under, into_loads, through = 0.0, 0.0, 0.0, []
     for index, scatterer in enumerate(fields.network.scatterers):
         sides, arriving = solution.sides(index), solution.incoming(index)
@@ -72,7 +71,7 @@ def power_balance(solution: Solution) -> PowerBalance:
         lost = sum(recovery.loss(places) for recovery, _, places in column_fields(solution, index))
         worst = max(worst, abs(taken - (fluxes[1] - fluxes[0]) - lost) * over_aperture)
         lost_under += lost
-        into_loads -= 0.0 if fields.transducers[index].name in driven else taken
+        into_loads -= 0.0 if fields.transducers[index].name in circuit.driven else taken
         through.append(fluxes)
     left, right = -through[0][0], through[-1][1]
     between = sum(one[1] - other[0] for one, other in pairwise(through))

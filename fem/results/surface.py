@@ -173,10 +173,6 @@ class Surface:
         """u_z in m per V at x (m)."""
         return self.motion(x)[1]
 
-    def tangential_at(self, x: float | np.ndarray) -> np.ndarray:
-        """u_x in m per V at x (m)."""
-        return self.motion(x)[0]
-
     def standing_wave_ratio(self, x: float) -> float:
         """Largest over smallest |u_z| within one wavelength either side of x."""
         reach = self.phase_velocity / self.frequency

@@ -24,7 +24,7 @@ class SurfaceWave(Surface):
     relative_error : float
         Of the surface motion at the places asked for, from two discretisations.
     admittance_error : float
-        Relative, likewise.
+        Relative error of the admittance, from two discretisations.
     unknowns : int
         Of the discretised problem that was condensed.
     resolution : str

@@ -23,6 +23,7 @@ import numpy as np
 
 from fem.circuit import Drive
 from fem.convergence import ConvergenceError
+from fem.discretize.refinement import refine
 from fem.results.surface_wave import SurfaceWave
 
 FLAT = 0.5  # of the way from the drive's frequency to either end of the band: up to here G = 1
@@ -30,7 +31,7 @@ NARROWER = 0.5
 PROBES = 6
 GOLDEN = 0.6180339887498949
 LEAD = 0.125  # of 1 / df, before the switch
-FIRST, MOST = 32, 4096  # frequencies, about
+FIRST_FREQUENCIES, MAX_FREQUENCIES = 32, 4096  # about
 PER_BAND = 4  # instants in one over the band's width
 
 
@@ -137,17 +138,6 @@ class _Line:
         kernel = np.sinc(share) * np.exp(2j * np.pi * share * (0.5 - LEAD))
         return (self.motion * self.taper(1.0)) @ kernel
 
-    def coarser(self) -> "_Line":
-        """Every second frequency."""
-        kept = np.round(self.offsets / self.step).astype(int) % 2 == 0
-        return _Line(
-            offsets=self.offsets[kept],
-            motion=self.motion[:, kept],
-            step=2 * self.step,
-            reach=self.reach,
-            frequency=self.frequency,
-        )
-
 
 def burst_response(
     band: Response,
@@ -158,7 +148,7 @@ def burst_response(
     duration: float,
     tolerance: float,
     phase: float = 0.0,
-    most: int = MOST,
+    max_frequencies: int = MAX_FREQUENCIES,
 ) -> BurstEnvelope:
     """Envelope of the surface's motion at a place for a rectangular burst.
 
@@ -178,7 +168,7 @@ def burst_response(
         Of what is folded back in time, over the steady amplitude.
     phase : float
         Of the voltage's cosine at the beginning, rad.
-    most : int
+    max_frequencies : int
         About how many frequencies to solve before giving up.
 
     Returns
@@ -207,28 +197,37 @@ def burst_response(
         return np.array([known[float(at)] for at in frequencies])
 
     reach = frequency - low, high - frequency
-    divisions = FIRST
-    while True:
+
+    def at_divisions(divisions: int) -> tuple[_Line, float]:
         step = (high - low) / divisions
         numbers = np.arange(-int(reach[0] / step), int(reach[1] / step) + 1)
         rows = motions(frequency + numbers * step)
         line = _Line(
             offsets=numbers * step, motion=rows[:, :2].T, step=step, reach=reach, frequency=frequency
         )
-        size = abs(rows[numbers == 0, 0])[0]
-        time = np.arange(0.0, (1 - LEAD) / (2 * step), 1 / (PER_BAND * (high - low)))
-        fine, coarse = (each.switched(time, phase) for each in (line, line.coarser()))
+        return line, float(rows[:, 2].real.max())
+
+    def folded(fine: tuple[_Line, float], coarse: tuple[_Line, float]) -> tuple[float]:
+        """Part of the steady motion that is folded back in time, by twice the steps and between the steps."""
+        line = fine[0]
+        time = np.arange(0.0, (1 - LEAD) / (2 * line.step), 1 / (PER_BAND * (high - low)))
+        change = abs(line.switched(time, phase) - coarse[0].switched(time, phase)).max()
         exact = motions(frequency + line.probes())[:, :2].T
-        folded = float(max(abs(fine - coarse).max(), abs(line.between(line.probes()) - exact).max()) / size)
-        if folded <= tolerance:
-            break
-        divisions *= 2
-        if divisions > most:
-            raise ConvergenceError(
-                f"the surface still rings {1 / step:.1e} s after the switch, by {folded:.1e} of its amplitude: "
-                "give the solid a mechanical_quality, or ask for less"
-            )
-    return _envelope(line, place, duration, phase, folded, float(rows[:, 2].real.max()), len(known))
+        steady = abs(line.motion[0, line.offsets == 0])[0]
+        return (float(max(change, abs(line.between(line.probes()) - exact).max()) / steady),)
+
+    # half as many steps are among them: the difference itself, and not a part of it, is the error (gain 2)
+    divisions = [FIRST_FREQUENCIES // 2, FIRST_FREQUENCIES]
+    while 2 * divisions[-1] <= max_frequencies:
+        divisions.append(2 * divisions[-1])
+    refined = refine(at_divisions, divisions, differences=folded, gain=2.0, tolerance=tolerance)
+    (line, response), error = refined.answer, refined.errors[0]
+    if error > tolerance:
+        raise ConvergenceError(
+            f"the surface still rings {1 / line.step:.1e} s after the switch, by {error:.1e} of its amplitude: "
+            "give the solid a mechanical_quality, or ask for less"
+        )
+    return _envelope(line, place, duration, phase, error, response, len(known))
 
 
 def _envelope(line: _Line, place, duration, phase, folded, response, frequencies) -> BurstEnvelope:

@@ -16,9 +16,10 @@ from functools import cache
 import numpy as np
 
 from fem.convergence import ConvergenceError
+from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import refine
-from fem.discretize.section import FIELD_COLUMN, Section, discretise
+from fem.discretize.section import FIELD_COLUMN, Section
 from fem.geometry import Stator
 from fem.materials.christoffel import slowest_wavelength, stretch_absorbs
 from fem.results.segment_modes import FreeWave, SegmentModes

@@ -13,7 +13,7 @@ import numpy as np
 from fem.condense.join import lines
 from fem.condense.superelement import PORTS, Superelement
 from fem.condense.transducer import Condensation, fingers_in_row
-from fem.discretize.section import Section
+from fem.discretize.section import LineSpace, Section
 from fem.geometry import Transducer
 from fem.results.solution import driven_solution
 from fem.waveguide.ends import end_reflection
@@ -24,13 +24,14 @@ WALL_WIDTH = (
     0.2  # wavelengths of a free or clamped end that are condensed: too narrow for a resonance in the band
 )
 WALL_DISTANCES = (1.0, 1.5, 3.0)  # in wall widths, where the fields sent back feed the basis
-ARRIVING_AT_WALL = 100.0  # likewise after a wavelength, at a wall: the basis forgives more there
-ARRIVING = 0.1  # modes that keep this times ``kept`` of their amplitude over the shortest segment may arrive
+# Share, in ``kept``, of its amplitude that a mode must keep to count among those that arrive: at a transducer over the
+# shortest segment; at a wall, where an error of the basis counts less, after a wavelength.
+ARRIVING, ARRIVING_AT_WALL = 0.1, 100.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReducedSection:
-    """A section seen through a basis of fields: what guided modes and networks ask of a section.
+class ReducedSection(LineSpace):
+    """A section seen through a basis of fields.
 
     Attributes
     ----------

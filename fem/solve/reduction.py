@@ -7,8 +7,9 @@ import numpy as np
 from fem.circuit import Drive
 from fem.condense.superelement import PORTS
 from fem.condense.transducer import Condensation, FingerShape, half_cells
+from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
-from fem.discretize.section import Section, discretise
+from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes
 from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
@@ -151,12 +152,7 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
 def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> ReducedModel:
     """Project the nodes' superelements on bases of the lines' fields.
 
-    Parameters
-    ----------
-    problem : BandProblem
-    nodes : NodeSolutions
-    truncation : float
-        Singular values below this times the largest are left out.
+    Singular values below ``truncation`` times the largest are left out.
     """
     section = nodes.section
     gap, finger = bases_of(nodes.fields, parity_groups(section, problem.stator.ends == "clamped"), truncation)

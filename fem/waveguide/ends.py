@@ -49,21 +49,10 @@ class Walls:
 
 
 def end_reflection(modes: GuidedModes, ends: str | Walls, side: int, arriving: np.ndarray) -> np.ndarray:
-    """Amplitudes of all modes sent back by an end for each mode that arrives there.
+    """Amplitudes of all modes sent back by an end for each of some modes that arrive there, shape (n, arriving).
 
-    Parameters
-    ----------
-    modes : GuidedModes
-    ends : str or Walls
-        "free": no traction, D_n = 0; "clamped": u = 0, D_n = 0.
-    side : int
-        0 for the left end, 1 for the right one.
-    arriving : ndarray of int
-        Modes that arrive.
-
-    Returns
-    -------
-    ndarray, shape (n, arriving)
+    ``ends``: "free" (no traction, D_n = 0), "clamped" (u = 0, D_n = 0) or walls; ``side``: 0 for the left end, 1 for
+    the right.
     """
     if isinstance(ends, Walls):
         return ends.sent_back(modes, side, arriving)
@@ -127,18 +116,9 @@ class EndPieces:
 def end_pieces(
     section: Section, frequency: float, stator: Stator, resolution: Resolution, *, width: float
 ) -> EndPieces:
-    """Condense the columns beside both ends, graded towards corners where a clamped face meets a free one.
+    """Condense columns beside both ends, graded towards corners where a clamped face meets a free one.
 
-    Parameters
-    ----------
-    section : Section
-    frequency : float
-        Hz.
-    stator : Stator
-        Its ends free or clamped.
-    resolution : Resolution
-    width : float
-        Of an end piece, length units.
+    ``width`` of an end piece in length units; the stator's ends are free or clamped.
     """
     layers = resolution.edge_layers if "clamped" in (stator.ends, stator.bottom) else 0
     widths = graded(width, layers, largest=width / END_COLUMNS, ratio=CORNER_RATIO)

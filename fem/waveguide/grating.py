@@ -27,8 +27,9 @@ from fem.analytic.half_space import automatic_period
 from fem.condense.superelement import Superelement
 from fem.condense.transducer import Condensation, FingerShape, finger_cell, half_cells
 from fem.convergence import ConvergenceError
+from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
-from fem.discretize.section import Section, discretise
+from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes, lagrange_weights
 from fem.geometry import Stator
 from fem.materials import Solid, fields
@@ -42,7 +43,7 @@ NEAR = 0.25  # relative distance of omega^2 within which edges are looked for
 STEPS = 8
 WAVES = 8
 SHIFT = -1.03 + 0.02j  # near the factors of a stop band, of which none equals it
-SETTLED = 1e-11  # relative change of omega^2
+SQUARE_TOLERANCE = 1e-11  # relative change of omega^2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -216,7 +217,7 @@ class Grating:
             shape = shape / np.linalg.norm(shape)
             change = complex((shape @ matrix @ shape) / (shape @ slope @ shape)).real
             square -= change
-            if abs(change) < SETTLED * square:
+            if abs(change) < SQUARE_TOLERANCE * square:
                 return float(np.sqrt(square) / (2 * np.pi))
         raise ConvergenceError(
             f"a stop band's edge near {np.sqrt(square) / (2 * np.pi):g} Hz does not settle"

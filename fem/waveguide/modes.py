@@ -20,7 +20,7 @@ from functools import cached_property
 import numpy as np
 
 from fem.convergence import ConvergenceError
-from fem.discretize.section import Section
+from fem.discretize.section import LineSpace
 from fem.waveguide.eigenproblem import companion_modes, even_odd_modes
 
 POLISHING_STEPS = 6
@@ -41,7 +41,7 @@ class GuidedModes:
 
     Attributes
     ----------
-    section : Section
+    section : LineSpace
     frequency : float
         Hz.
     wavenumbers : ndarray, shape (n,)
@@ -55,7 +55,7 @@ class GuidedModes:
         solid, the unknowns that change sign (u_y) are u_y / i.
     """
 
-    section: Section
+    section: LineSpace
     frequency: float
     wavenumbers: np.ndarray = field(repr=False)
     backwards: np.ndarray = field(repr=False)
@@ -156,13 +156,13 @@ def power(displacement: np.ndarray, flux: np.ndarray, frequency: float) -> np.nd
     return -np.pi * frequency * np.imag(np.sum(flux * np.conj(displacement), axis=0))
 
 
-def guided_modes(section: Section, frequency: float, lateral_wavenumber: float = 0.0) -> GuidedModes:
+def guided_modes(section: LineSpace, frequency: float, lateral_wavenumber: float = 0.0) -> GuidedModes:
     """All modes of a uniform segment with a bare surface.
 
     Parameters
     ----------
-    section : Section
-        With all fields (``lateral=True`` in `fem.discretize.section.discretise`) for a lateral wavenumber.
+    section : LineSpace
+        For a lateral wavenumber a `Section` with all fields (``lateral=True`` in `fem.discretize.elements.discretise`).
     frequency : float
         Hz, positive.
     lateral_wavenumber : float
@@ -173,6 +173,10 @@ def guided_modes(section: Section, frequency: float, lateral_wavenumber: float =
     GuidedModes
     """
     if lateral_wavenumber:
+        if section is not section.full:
+            raise ValueError(
+                "modes at a lateral wavenumber need the full section: solve one frequency, not a band"
+            )
         second, first, adjoint, zeroth = section.lateral_matrices(frequency, lateral_wavenumber)
         skew = first - adjoint
     else:
@@ -210,7 +214,7 @@ def guided_modes(section: Section, frequency: float, lateral_wavenumber: float =
     )
 
 
-def _odd(section: Section, lateral_wavenumber: float) -> np.ndarray | None:
+def _odd(section: LineSpace, lateral_wavenumber: float) -> np.ndarray | None:
     """Unknowns that change sign under x -> -x, where that is a symmetry."""
     return section.lateral_odd if lateral_wavenumber else section.odd
 

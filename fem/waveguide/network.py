@@ -50,18 +50,10 @@ class Scatterer:
         return lu_factor(system, overwrite_a=True, check_finite=False)
 
     def sides(self, incoming: np.ndarray, potentials: np.ndarray) -> np.ndarray:
-        """Both lines' unknowns.
+        """Both lines' unknowns, shape (2 n, m).
 
-        Parameters
-        ----------
-        incoming : ndarray, shape (2 n, m)
-            Field going right at the left line, then field going left at the right line.
-        potentials : ndarray, shape (2, m)
-            Of the electrodes, scaled.
-
-        Returns
-        -------
-        ndarray, shape (2 n, m)
+        ``incoming``: field going right at the left line, then field going left at the right line, (2 n, m);
+        ``potentials`` of the electrodes, scaled, (2, m).
         """
         from scipy.linalg import lu_solve
 

@@ -20,8 +20,9 @@ from fem.condense.join import widths
 from fem.condense.superelement import Superelement
 from fem.condense.transducer import Condensation, transducer_superelements
 from fem.convergence import ConvergenceError
+from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
-from fem.discretize.section import Section, discretise
+from fem.discretize.section import Section
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.materials.christoffel import slowest_wavelength
 from fem.waveguide.ends import Walls
@@ -114,18 +115,9 @@ class PortFields:
 
 
 def electrode_potentials(transducer: Transducer, floating: bool) -> np.ndarray:
-    """Potentials of the two electrodes for unit voltage and, where the section is grounded, for unit mean.
+    """Potentials of the two electrodes for unit voltage and, unless the potential is floating, for unit mean.
 
-    Parameters
-    ----------
-    transducer : Transducer
-    floats : bool
-        Whether nothing fixes the mean potential.
-
-    Returns
-    -------
-    ndarray, shape (2, k)
-        The voltage first where there are two electrodes, then the mean where there are any.
+    Shape (2, k): the voltage first where there are two electrodes, then the mean where there are any.
     """
     there = [float(sign in transducer.signs) for sign in "+-"]
     columns = [(0.5, -0.5)] if all(there) else []
@@ -137,25 +129,9 @@ def electrode_potentials(transducer: Transducer, floating: bool) -> np.ndarray:
 def solve_ports(
     stator: Stator, transducers: tuple[Transducer, ...], *, frequency: float, resolution: Resolution
 ) -> PortFields:
-    """Solve a stator on one discretisation for unit voltage at every port.
+    """Solve a stator on one discretisation for unit voltage at every port, at a frequency in Hz.
 
-    Parameters
-    ----------
-    stator : Stator
-    transducers : tuple of Transducer
-        At least one; any order.
-    frequency : float
-        Hz.
-    resolution : Resolution
-
-    Returns
-    -------
-    PortFields
-
-    Raises
-    ------
-    ConvergenceError
-        If there are too many fingers, or a mode is at its cut-off.
+    A ConvergenceError says that there are too many fingers, or that a mode is at its cut-off.
     """
     transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
     fingers = sum(len(transducer.signs) for transducer in transducers)
@@ -190,22 +166,8 @@ def joined_fields(
 ) -> PortFields:
     """Tie superelements, uniform segments and ends together.
 
-    Parameters
-    ----------
-    stator : Stator
-    transducers : tuple of Transducer
-        From left to right.
-    superelements : list of Superelement
-        One each, the same object for equal ones; from the outer gap's beginning to its end.
-    modes : GuidedModes
-        Of the uniform segments; their section is the superelements'.
-    resolution : Resolution
-    walls : Walls, optional
-        The stator's ends as superelements.
-
-    Returns
-    -------
-    PortFields
+    ``superelements``: one for each transducer from left to right, the same object for equal ones, from the outer gap's
+    beginning to its end; ``walls``: the stator's ends as superelements.
     """
     section = modes.section
     unit = section.length_unit

@@ -74,7 +74,7 @@ def ring_up(scene: Scene, place: float, *, progress: Callable[[str], None]) -> R
             frequency=scene.frequency,
             duration=scene.burst,
             tolerance=TOLERANCE,
-            most=MOST,
+            max_frequencies=MOST,
         )
     except fem.ConvergenceError:
         return RingUp(

@@ -128,7 +128,7 @@ def default_refusal(stator) -> str:
 
     if fem.beam_refusal(stator) or fem.isotropic_about_normal(stator.solid):
         return fem.beam_refusal(stator)
-    return "stator.diffraction is absent, and in this cut the beam takes a minute; true computes it"
+    return "stator.diffraction is absent, and in this cut the beam takes some seconds; true computes it"
 
 
 def wanted_diffraction(given: bool | None, has_slider: bool) -> bool | None:

@@ -51,7 +51,11 @@ def parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--json", action="store_true", help="run.json on stdout; no pictures, files only with --out"
     )
-    run.add_argument("--field", action="store_true", help="keep the whole wave field in field.vtu")
+    run.add_argument(
+        "--field",
+        action="store_true",
+        help="keep the whole wave field in field.vtu, and the surface in surface_map.vtu and .csv",
+    )
     run.add_argument("--no-plot", action="store_true", help="draw nothing")
     run.add_argument(
         "--plot", action="store_true", help="show the pictures in windows when the run has ended"
@@ -173,7 +177,9 @@ def _view(call: argparse.ArgumentParser) -> None:
         help=".vtu (complex field), .pvd (instants of a period) or .csv of the field",
     )
     call.add_argument("--surface", action="store_true", help="--data FILE.csv of the surface alone")
-    call.add_argument("--show", metavar="WHAT", help="field, solid (the whole width) or contact (field)")
+    call.add_argument(
+        "--show", metavar="WHAT", help="field, solid (the whole width), beam (from above) or contact (field)"
+    )
     call.add_argument(
         "--quantity",
         metavar="Q",

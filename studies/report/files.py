@@ -48,6 +48,10 @@ def write_run(record: Record, folder: Path, *, field: bool) -> None:
         import fem
 
         fem.write_vtu(fem.wave_field(record.surface_wave), folder / "field.vtu")
+        if record.surface_motion.beam is not None:
+            from studies.report.surface_map import write_surface_map
+
+            write_surface_map(record.surface_motion.beam, record.scene.stator.width, folder)
 
 
 def write_columns(path: Path, columns: dict) -> None:

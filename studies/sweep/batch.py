@@ -12,6 +12,7 @@ from functools import lru_cache
 
 from studies.chain import bridge
 from studies.chain.points import slider_answer
+from studies.chain.surface_motion import surface_motion
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.sweep.design import Question
@@ -167,6 +168,7 @@ def _one(question, driven: Driven) -> dict:
         tolerance=question.tolerance,
         progress=lambda text: None,
         ringing=_ringing(driven),
+        along=_along(question, driven),
     )
     point, (of_stator, of_contact) = dict(answer.points[0]), answer.parts[0]
     if "relative_error" not in point:
@@ -196,6 +198,31 @@ def _ringing(driven: Driven):
         return None
     plain = replace(scene, slider=None, title="", drive=replace(scene.drive, voltage=(1.0,)))
     return _ring_up(plain, scene.slider.center[0])
+
+
+def _along(question, driven: Driven):
+    """Return the orbits along the field for a burst, as in a run; None where the slider stays at its place."""
+    scene = driven.scene
+    if scene.burst is None or driven.source is None or scene.slider.travel is False:
+        return None
+    plain = replace(scene, slider=None, title="", drive=replace(scene.drive, voltage=(1.0,), burst=None))
+    return bridge.wave_along(_motion(plain, scene.slider.center, question.tolerance), scene.slider)
+
+
+@lru_cache(4)  # the same for every slider and voltage
+def _motion(scene: Scene, place: tuple[float, float], tolerance: float):
+    import fem
+    from studies.scene import resolved
+
+    block = resolved.stator(scene.stator)
+    try:
+        wave = fem.driven_wave(
+            block, resolved.transducers(scene), frequency=scene.frequency, drive=resolved.drive(scene),
+            tolerance=tolerance, places=(place[0],),
+        )  # fmt: skip
+    except fem.ConvergenceError as error:
+        raise RunError(str(error)) from None
+    return surface_motion(wave, scene.stator.diffraction, (place,), tolerance)
 
 
 @lru_cache(8)  # the same for every slider and voltage

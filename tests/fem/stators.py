@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
-from fem.discretize.section import Section, discretise
+from fem.discretize.section import Section
 from fem.geometry import Stator, Transducer
 from fem.materials import Solid, material, rotated
 from fem.materials.christoffel import slowest_wavelength

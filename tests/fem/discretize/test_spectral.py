@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial, legendre
 
-from fem.discretize.spectral import gll_nodes, lagrange, line_matrices, line_nodes, reference_matrices
+from fem.discretize.spectral import gll_nodes, lagrange, reference_matrices
 
 ORDERS = (1, 2, 3, 4, 5, 8, 13, 20)
 
@@ -89,19 +89,3 @@ def test_cached_arrays_cannot_be_written():
         reference_matrices(4).mass[0, 0] = 1.0
     with pytest.raises(ValueError, match="read-only"):
         gll_nodes(4)[0] = 1.0
-
-
-@pytest.mark.parametrize(
-    "breakpoints", [np.array([-0.7, -0.4, 0.1, 0.13]), np.array([-1.5 + 0.8j, -0.6 + 0.3j, 0.0, 0.4])]
-)
-def test_assembled_lines_integrate_along_their_path(breakpoints):
-    """Also in the complex plane: the integral of an entire function depends on its ends alone."""
-    mass, stiffness, advection = line_matrices(breakpoints, 5)
-    nodes = line_nodes(breakpoints, 5)
-    assert len(nodes) == len(mass) == 3 * 5 + 1
-    p, q = Polynomial([0.3, -1.2, 0.8, 0.0, 0.4, -0.1]), Polynomial([1.0, 0.4, -0.7, 0.2, 0.0, 0.3])
-    cases = ((mass, p * q), (stiffness, p.deriv() * q.deriv()), (advection, p.deriv() * q))
-    for matrix, integrand in cases:
-        whole = integrand.integ()
-        expected = whole(breakpoints[-1]) - whole(breakpoints[0])
-        assert p(nodes) @ matrix @ q(nodes) == pytest.approx(expected, rel=1e-12)

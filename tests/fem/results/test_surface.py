@@ -51,7 +51,6 @@ def test_places(wave):
     grid = x[:12].reshape(3, 4)
     assert np.array_equal(wave.motion(grid).reshape(2, 12), motion[:, :12])
     assert wave.normal_at(x[5]) == pytest.approx(motion[1, 5], rel=1e-12)
-    assert wave.tangential_at(x[5]) == pytest.approx(motion[0, 5], rel=1e-12)
     assert wave.covered(wave.pieces[1].start + 1e-6)
     assert not wave.covered(wave.pieces[2].start + 1e-6)
     with pytest.raises(ValueError, match="x must lie on the stator, 0 to"):

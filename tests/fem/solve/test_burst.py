@@ -27,8 +27,14 @@ class Line:
         return [SimpleNamespace(motion=lambda place, u=u: u, relative_error=self.error) for u in motions]
 
 
-def responded(response, *, duration=40e-6, tolerance=1e-4, most=4096, **rest):
-    asked = {"drive": "a", "frequency": F0, "duration": duration, "tolerance": tolerance, "most": most}
+def responded(response, *, duration=40e-6, tolerance=1e-4, max_frequencies=4096, **rest):
+    asked = {
+        "drive": "a",
+        "frequency": F0,
+        "duration": duration,
+        "tolerance": tolerance,
+        "max_frequencies": max_frequencies,
+    }
     return burst_response(Line(response, **rest), 0.01, **asked)
 
 
@@ -135,7 +141,7 @@ def test_a_late_echo_asks_for_more_frequencies():
 
 def test_what_never_settles_is_refused():
     with pytest.raises(ConvergenceError, match="still rings"):
-        responded(lambda f: 1 / (1 + 2e4j * (f / F0 - 1) * np.pi * 10), tolerance=1e-3, most=200)
+        responded(lambda f: 1 / (1 + 2e4j * (f / F0 - 1) * np.pi * 10), tolerance=1e-3, max_frequencies=200)
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,8 @@ import pytest
 import fem
 from fem.analytic.half_space import rayleigh
 from fem.convergence import ConvergenceError
+from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
-from fem.discretize.section import discretise
 from fem.geometry import Stator
 from fem.materials import rotated
 from fem.materials.christoffel import slowest_wavelength

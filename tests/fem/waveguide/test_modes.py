@@ -5,8 +5,8 @@ import pytest
 
 from fem.analytic.half_space import rayleigh
 from fem.convergence import ConvergenceError
+from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
-from fem.discretize.section import discretise
 from fem.geometry import Stator
 from fem.materials import isotropic
 from fem.waveguide.modes import guided_modes, power

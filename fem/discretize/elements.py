@@ -1,0 +1,134 @@
+"""Elements and unknowns through the depth of a stator.
+
+Elements are graded geometrically towards the surface, where the charge of a finger edge is singular (r^-1/2), by a
+fixed ratio per layer, and towards the bottom where a clamped face meets a free one.  An absorbing bottom is described
+in absorber.py.
+"""
+
+import numpy as np
+
+from fem.analytic.half_space import rayleigh
+from fem.convergence import ConvergenceError
+from fem.discretize.absorber import absorber
+from fem.discretize.grading import CORNER_RATIO, Resolution, bottom_corners, edge_layers, graded
+from fem.discretize.section import FIELD_COLUMN, Section
+from fem.geometry import Stator
+from fem.materials import fields as coupled_fields
+from fem.materials.medium import medium, units, vacuum_medium
+
+HALF_SPACE_DEPTH, MAX_DEPTH = 2.0, 8.0  # wavelengths of ordinary solid above the absorbing layer
+# Wavelengths; the near field of a wider finger needs no layers of its own through the depth.
+FINGER_SCALE = 0.125
+MAX_UNKNOWNS, TYPICAL_ORDER = 2000, 7  # of a line; a driven stator with as many takes
+MINUTES_AT_MAX = 10
+# Length units; the field of a transducer without net charge decays as the square of the distance.
+VACUUM_HEIGHT = 64.0
+
+
+def discretise(
+    stator: Stator,
+    resolution: Resolution,
+    *,
+    wavelength: float,
+    surface_scale: float,
+    lateral: bool = False,
+) -> Section:
+    """Elements and unknowns through the depth of a stator.
+
+    Parameters
+    ----------
+    stator : Stator
+    resolution : Resolution
+    wavelength : float
+        Of the slowest bulk wave at the drive frequency, in m: it sets the largest element.
+    surface_scale : float
+        Length in m over which the surface's electrodes vary (half a finger): the graded element's height; infinite
+        where there is no electrode.
+    lateral : bool
+        The fields will have a lateral wavenumber: all displacements, and phi of a piezoelectric solid, take part.
+
+    Returns
+    -------
+    Section
+    """
+    names = lateral_fields(stator.solid) if lateral else coupled_fields(stator.solid)
+    body = medium(stator.solid, names)
+    unit = wavelength
+    largest = resolution.element_size
+    unknowns = stator.thickness / unit / largest * TYPICAL_ORDER * len(names)
+    if unknowns > MAX_UNKNOWNS and not stator.absorbs_below:
+        minutes = MINUTES_AT_MAX * (unknowns / MAX_UNKNOWNS) ** 3
+        raise ConvergenceError(
+            f"a section of {stator.thickness / unit:.3g} wavelengths of thickness, {stator.thickness:g} m, has "
+            f"about {unknowns:.3g} unknowns on a line, takes {minutes:.2g} minutes "
+            'or more and is not begun: take a thinner one, or bottom = "absorbing" where the bottom does not matter'
+        )
+    layers = resolution.edge_layers if np.isfinite(surface_scale) else 0
+    depth = stator.thickness / unit if np.isfinite(stator.thickness) else HALF_SPACE_DEPTH
+    if stator.absorbs_below:
+        # Any thickness is the same half-space; too near the surface the layer errs by 1e-4.
+        depth = min(max(depth, HALF_SPACE_DEPTH), MAX_DEPTH)
+    scale = surface_scale / unit
+    top = min(max(scale, FINGER_SCALE), depth / 2, largest) if layers else min(depth, largest)
+    layers = edge_layers(resolution, top, min(scale, top)) if layers else 0
+    corner_layers = resolution.edge_layers if bottom_corners(stator) and layers else 0
+    pieces = []
+    if depth > top * (1 + 1e-9):
+        sizes = graded(depth - top, corner_layers, largest=largest, smallest_first=True, ratio=CORNER_RATIO)
+        pieces.append(sizes)
+    pieces.append(graded(top, layers, largest=largest))
+    heights = np.concatenate(pieces)
+    complex_heights = heights.astype(complex) if stator.absorbs_below else heights
+    below = absorber(stator.solid, body, resolution.lossy_elements) if stator.absorbs_below else []
+    heights = np.concatenate([[each.real for each, _, _ in below], heights])
+    complex_heights = np.concatenate([[each * stretch for each, stretch, _ in below], complex_heights])
+    solid_elements = len(heights)
+    media = [each for _, _, each in below] + [body] * (solid_elements - len(below))
+    if stator.above == "vacuum" and "phi" in names:
+        gap = vacuum_medium(*units(stator.solid))
+        sizes = list(graded(top, layers, largest=largest, smallest_first=True))
+        while sum(sizes) < VACUUM_HEIGHT:
+            sizes.append(min(sum(sizes), 0.5) if sum(sizes) < 2 else sum(sizes))
+        heights = np.concatenate([heights, sizes])
+        complex_heights = np.concatenate([complex_heights, sizes])
+        media += [gap] * len(sizes)
+    breakpoints = np.concatenate([[0.0], np.cumsum(heights)])
+    breakpoints -= breakpoints[solid_elements]
+    return Section(
+        heights=complex_heights,
+        breakpoints=breakpoints,
+        media=tuple(media),
+        order=resolution.order,
+        length_unit=unit,
+        dofs=_numbered(names, solid_elements, len(media), resolution.order, stator),
+        surface=solid_elements * resolution.order,
+        bottom=len(below) * resolution.order,
+        surface_speed=_surface_speed(stator.solid),
+    )
+
+
+def lateral_fields(solid) -> tuple[str, ...]:
+    """Fields that take part where something depends on y."""
+    return ("ux", "uy", "uz", "phi") if solid.is_piezoelectric else ("ux", "uy", "uz")
+
+
+def _surface_speed(solid) -> float | None:
+    try:
+        return rayleigh(solid, "open").velocity
+    except ConvergenceError:
+        return None
+
+
+def _numbered(names, solid_elements, elements, order, stator) -> np.ndarray:
+    exists = np.zeros((elements * order + 1, 4), dtype=bool)
+    for name in names:
+        exists[: solid_elements * order + 1, FIELD_COLUMN[name]] = True
+    if elements > solid_elements:
+        exists[solid_elements * order :, FIELD_COLUMN["phi"]] = True
+    if stator.bottom == "clamped" or stator.absorbs_below:
+        exists[0, :3] = False
+    if stator.bottom == "grounded" or stator.absorbs_below:
+        exists[0, FIELD_COLUMN["phi"]] = False
+    dofs = np.full(exists.shape, -1)
+    dofs[exists] = np.arange(exists.sum())
+    return dofs

@@ -1,0 +1,243 @@
+"""P-matrix of a transducer from its field: waves that arrive and leave, voltage and current.
+
+The transducer stands alone between uniform segments that continue without end.  For waves of amplitude a that arrive at
+the outer edges of its outer gaps and a voltage V, the waves b that leave and the current I into it are
+
+    b = S a + p V,    I = -2 p^T a + Y V,
+
+the P-matrix of Tobolka (IEEE Ultrasonics Symp. 1979, 676) in the form of Morgan (*Surface Acoustic Wave Filters*, 2nd
+ed., 2007, appendix D): amplitudes are such that a wave carries |a|^2 / 2, peak values.  Every propagating mode may be
+kept, or those of the surface wave alone; bulk waves are then left out, as by coupled modes (COM).  Modes
+that decay are left out in both cases, the field beside the fingers included.
+
+Modes are scaled by the reciprocity of the field, i omega (l^T F_r - r^T F_l) = 2 per aperture (r, l: shapes of the mode
+to the right and to the left, F their fluxes), so that S is symmetric with losses too.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from fem.convergence import ConvergenceError
+from fem.discretize.refinement import LEVELS, first_level, level_gain, refine
+from fem.geometry import Stator, Transducer
+from fem.threads import one_blas_thread
+from fem.waveguide.modes import PROPAGATING, power
+from fem.waveguide.port_fields import PortFields, solve_ports
+
+
+@dataclass(frozen=True, kw_only=True)
+class PMatrix:
+    """P-matrix of a transducer at one frequency.
+
+    Attributes
+    ----------
+    frequency : float
+        Hz.
+    wavenumbers : ndarray, shape (modes,)
+        Of the waves to the right on the bare surface, rad/m.
+    scattering : ndarray, shape (2 modes, 2 modes)
+        S: waves at the left edge first, then those at the right edge; electrodes short-circuited.
+    excitation, detection : ndarray, shape (2 modes,)
+        p in W^1/2 per V and, computed by itself, -2 p^T.
+    admittance : complex
+        Y in S; 0 without electrodes of both signs.
+    length : float
+        Between the edges, m.
+    relative_error : float
+        Of S and of p over its largest entry, from two discretisations.
+    """
+
+    frequency: float
+    wavenumbers: np.ndarray = field(repr=False)
+    scattering: np.ndarray = field(repr=False)
+    excitation: np.ndarray = field(repr=False)
+    detection: np.ndarray = field(repr=False)
+    admittance: complex
+    length: float
+    relative_error: float
+
+    def loaded(self, impedance: complex) -> np.ndarray:
+        """Return the scattering matrix with an impedance (ohm) across the electrodes; infinite: open."""
+        load = 0.0 if np.isinf(impedance) else 1 / impedance
+        return self.scattering - np.outer(self.excitation, self.detection) / (self.admittance + load)
+
+
+@one_blas_thread
+def p_matrix(
+    stator: Stator,
+    transducer: Transducer,
+    *,
+    frequency: float,
+    tolerance: float,
+    every_mode: bool = False,
+) -> PMatrix:
+    """P-matrix of a transducer on a stator's section.
+
+    Parameters
+    ----------
+    stator : Stator
+        Its length and ends are not read.
+    transducer : Transducer
+        Its place is not read.
+    frequency : float
+        Hz.
+    tolerance : float
+        Of S and, relative, of p and Y.
+    every_mode : bool
+        All propagating modes instead of those of the surface wave.
+
+    Returns
+    -------
+    PMatrix
+
+    Raises
+    ------
+    ConvergenceError
+        If the finest discretisation does not reach the tolerance.
+
+    Examples
+    --------
+    >>> from fem import Stator, Transducer, material, p_matrix, rotated
+    >>> stator = Stator(solid=rotated(material("PZT-8"), "Z"), length=1.0, thickness=6e-4, ends="absorbing")
+    >>> row = Transducer(name="t", center=0.5, finger_pairs=2, period=1e-3, metallisation=0.5, aperture=9e-3)
+    >>> found = p_matrix(stator, row, frequency=2.2e6, tolerance=0.3)
+    >>> bool(abs(found.detection + 2 * found.excitation).max() < 1e-9 * abs(found.excitation).max())
+    True
+    """
+    length = (len(transducer.signs) + 4) * transducer.pitch
+    alone = replace(stator, length=length, ends="absorbing")
+    row = replace(transducer, center=length / 2, termination="open")
+
+    def at_level(resolution) -> PMatrix:
+        fields = solve_ports(alone, (row,), frequency=frequency, resolution=resolution)
+        return _of_fields(fields, every_mode)
+
+    refined = refine(
+        at_level,
+        LEVELS,
+        start=first_level(tolerance),
+        differences=_difference,
+        gain=level_gain(stator),
+        tolerance=tolerance,
+    )
+    found = replace(refined.answer, relative_error=refined.errors[0])
+    if found.relative_error > tolerance:
+        raise ConvergenceError(
+            f"the P-matrix is known to {found.relative_error:.1e} only, {tolerance:.1e} was asked for: ask for less",
+            reached=found,
+        )
+    return found
+
+
+def cascade_admittance(parts: Sequence[PMatrix], distances: Sequence[float]) -> np.ndarray:
+    """Admittance matrix of transducers in a row, coupled by the modes of their P-matrices alone.
+
+    Parameters
+    ----------
+    parts : sequence of PMatrix
+        From left to right, of the same modes; nothing comes back from the outer sides.
+    distances : sequence of float
+        m of bare surface between the edges of neighbours.
+
+    Returns
+    -------
+    ndarray, shape (n, n)
+        S.
+    """
+    modes = len(parts[0].wavenumbers)
+    size = 2 * modes * len(parts)
+    scattering, travel = (np.zeros((size, size), dtype=complex) for _ in range(2))
+    for at, part in enumerate(parts):
+        own = slice(2 * modes * at, 2 * modes * (at + 1))
+        scattering[own, own] = part.scattering
+    for at, distance in enumerate(distances):
+        phase = np.diag(np.exp(-1j * parts[at].wavenumbers * distance))
+        right, left = 2 * modes * at + modes, 2 * modes * (at + 1)  # facing edges
+        travel[left : left + modes, right : right + modes] = phase
+        travel[right : right + modes, left : left + modes] = phase
+    excitation, detection = (
+        np.zeros((size, len(parts)), dtype=complex),
+        np.zeros((len(parts), size), dtype=complex),
+    )
+    for at, part in enumerate(parts):
+        own = slice(2 * modes * at, 2 * modes * (at + 1))
+        excitation[own, at], detection[at, own] = part.excitation, part.detection
+    arriving = np.linalg.solve(np.eye(size) - travel @ scattering, travel @ excitation)
+    return np.diag([part.admittance for part in parts]) + detection @ arriving
+
+
+def _of_fields(fields: PortFields, every_mode: bool) -> PMatrix:
+    """Return the P-matrix of a lone transducer's fields."""
+    modes, (scatterer,), (row,) = fields.modes, fields.network.scatterers, fields.transducers
+    n, medium, omega = fields.section.size, fields.section.solid, 2 * np.pi * fields.frequency
+    k = modes.wavenumbers
+    chosen = modes.rayleigh
+    if every_mode:
+        chosen = np.flatnonzero(abs(k.imag) < PROPAGATING * abs(k.real))
+    right, left = _scales(modes, chosen, medium.stress_unit * row.aperture)
+    m = len(chosen)
+    incoming = np.zeros((2 * n, 2 * m), dtype=complex)
+    incoming[:n, :m] = modes.right[:, chosen] * right
+    incoming[n:, m:] = modes.left[:, chosen] * left
+    potentials, unit = scatterer.potentials, 1 / medium.potential_unit
+    nothing = np.zeros((2 * n, potentials.shape[1]), dtype=complex)
+    driven = scatterer.sides(nothing, potentials * unit)
+    passing = scatterer.sides(incoming, np.zeros((2, 2 * m)))
+    own = scatterer.charge(driven, potentials * unit)
+    caught = scatterer.charge(passing, np.zeros((2, 2 * m)))
+
+    def leaving(sides: np.ndarray, arrived: np.ndarray | float) -> np.ndarray:
+        out = sides - arrived
+        return np.concatenate(
+            [
+                modes.left_amplitudes(out[:n])[chosen] / left[:, None],
+                modes.right_amplitudes(out[n:])[chosen] / right[:, None],
+            ]
+        )
+
+    scattering, excitation = leaving(passing, incoming), leaving(driven, 0.0)
+    to_current = -1j * omega * row.aperture * medium.stress_unit / medium.potential_unit
+    mean = potentials.sum(axis=0) != 0  # the common potential, which leaves no net charge
+    if mean.any():
+        scattering = scattering - excitation[:, mean] @ (caught[mean] / own[mean][:, mean])
+        weights = own[mean] / own[mean][:, mean]
+        excitation, free = excitation - excitation[:, mean] @ weights, own
+        own = own - free[:, mean] @ weights
+        caught = caught - free[:, mean] @ (caught[mean] / free[mean][:, mean])
+    volts = np.flatnonzero(~mean)
+    port = int(volts[0]) if len(volts) else None
+    return PMatrix(
+        frequency=fields.frequency,
+        wavenumbers=k[chosen] / fields.section.length_unit,
+        scattering=scattering,
+        excitation=np.zeros(2 * m) if port is None else excitation[:, port],
+        detection=np.zeros(2 * m) if port is None else to_current * caught[port],
+        admittance=0j if port is None else complex(to_current * own[port, port]),
+        length=scatterer.superelement.width * fields.section.length_unit,
+        relative_error=np.nan,
+    )
+
+
+def _scales(modes, chosen: np.ndarray, per_area: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the factors of the shapes to the right and to the left that make amplitudes of sqrt(2 W)."""
+    omega = 2 * np.pi * modes.frequency
+    shape, backward, flux, backward_flux = (
+        each[:, chosen] for each in (modes.right, modes.left, modes.right_flux, modes.left_flux)
+    )
+    carried = power(shape, flux, modes.frequency) * per_area
+    right = np.sqrt(0.5 / carried) * np.exp(-1j * np.angle((modes.section.surface_rows @ shape)[1]))
+    product = 2 / (1j * omega * per_area * np.sum(backward * flux - shape * backward_flux, axis=0))
+    return right, product / right
+
+
+def _difference(fine: PMatrix, coarse: PMatrix) -> tuple[float]:
+    if len(fine.wavenumbers) != len(coarse.wavenumbers):
+        return (1.0,)
+    apart = [abs(fine.scattering - coarse.scattering).max()]
+    for each in ("excitation", "admittance"):
+        size = np.max(abs(getattr(fine, each)))
+        if size > 0:
+            apart.append(np.max(abs(getattr(fine, each) - getattr(coarse, each))) / size)
+    return (float(max(apart)),)

@@ -1,0 +1,163 @@
+"""How fast the slider runs at every place of the stator.
+
+Method: the slider of a scene (``twente`` when none is named) is put at many places between the driven transducer and
+the next one or the stator's end: the surface motion under each of its balls, of the finite aperture where it is known,
+and the steady velocity there, at up to three of the scene's voltages.  Dashed: a slider that starts at the scene's
+place and moves through the field for a while; it is heavy, and follows the mean of the fringes.  Expected: Fresnel's
+fringes of the aperture, and the standing wave of half a wavelength where waves come back.  Run time: about 10 s.
+"""
+
+from collections.abc import Callable
+
+from studies.chain import bridge
+from studies.chain.driven_contact import driven_contact
+from studies.scene import Scene
+from studies.study import Finding, Panel, StudyRecord, of_record, study
+
+__all__ = ["figure", "run"]
+
+TAKES_SCENE = True
+QUICK = {"count": 40, "duration": 2e-3}
+LINES = 3
+PER_WAVELENGTH = 8  # places; the standing wave has a period of half a wavelength
+CLEAR = 0.5  # wavelengths from the fingers
+
+
+@study
+def run(
+    scene: str | Scene = "twente",
+    *,
+    count: int | None = None,
+    duration: float = 0.3,
+    progress: Callable[[str], None] | None = None,
+) -> StudyRecord:
+    """Return amplitude and steady velocity against the slider's place, and the motion of a slider that travels.
+
+    Parameters
+    ----------
+    scene : str or Scene
+        A path, a shipped name or a scene with a slider and a driven stator.
+    count : int, optional
+        Places; eight per wavelength when absent.
+    duration : float
+        s, of the motion along the field.
+    progress : callable, optional
+        Told what is being done.
+    """
+    import numpy as np
+
+    import contact
+    from studies.chain.travel import travelled
+
+    driven = driven_contact(scene, progress=progress)
+    if driven.record is None:
+        driven.scene.refuse("wave", "must be absent: along a given wave every place is alike")
+    chosen, slider, motion = driven.scene, driven.slider, driven.record.surface_motion
+    along, center = bridge.wave_along(motion, chosen.slider), chosen.slider.center[0]
+    low, high = _span(chosen, along.wavelength)
+    number = count or int(np.ceil((high - low) / along.wavelength * PER_WAVELENGTH))
+    shifts = np.append(np.linspace(low, high, number), center) - center
+    progress("stroke: the field along the stator")
+    orbits = along.orbits(shifts)
+    moving = driven.above(1.05)
+    picked = sorted({moving[round(k * (len(moving) - 1) / LINES)] for k in range(1, LINES + 1)})
+    velocities, paths = {}, {}
+    for level in picked:
+        name = driven.named(level)
+        progress(f"stroke: {name}")
+        which = [(0, k) for k in range(len(orbits))]
+        found = contact.steady_sweep(
+            [slider],
+            orbits,
+            which=which,
+            factors=[level] * len(which),
+            wave_errors=[0.0] * len(which),
+            threads=None,
+        )
+        velocities[name] = found.velocity
+        path = travelled(slider, along, level, duration, duration * float(found.velocity[-1]))
+        paths[name] = (center + path.place, path.velocity)
+    amplitude = np.array([np.mean([abs(each.normal) for each in row]) for row in orbits])
+    places = [(x, y) for x, y in chosen.slider.places]
+    in_section = [
+        np.mean([abs(motion.wave.motion(x + shift)[1]) for x, _ in places]) for shift in shifts[:-1]
+    ]
+    at = center + shifts[:-1]
+    panels = (
+        Panel(name="velocity", title=f"{chosen.title}: velocity along the stator", data={
+            "position_m": at, "velocity_m_per_s": {key: each[:-1] for key, each in velocities.items()},
+            "path_m": {key: x for key, (x, _) in paths.items()},
+            "path_velocity_m_per_s": {key: v for key, (_, v) in paths.items()},
+        }),
+        Panel(name="amplitude", title=f"{chosen.title}: amplitude along the stator", data={
+            "position_m": at, "amplitude_m_per_V": amplitude[:-1], "section_m_per_V": np.array(in_section),
+            "finite_aperture": motion.beam is not None,
+        }),
+    )  # fmt: skip
+    return panels, _findings(
+        driven, velocities[driven.named(picked[-1])], paths[driven.named(picked[-1])], picked[-1]
+    )
+
+
+def _span(scene: Scene, wavelength: float) -> tuple[float, float]:
+    """Return the places of the slider's centre between which no ball comes near fingers or leaves the stator, m."""
+    from studies.scene import resolved
+
+    center = scene.slider.center[0]
+    balls = [x - center for x, _ in scene.slider.places]
+    clear = CLEAR * wavelength
+    rows = [each.extent for each in resolved.transducers(scene)]
+    left = max((right + clear for _, right in rows if right <= center), default=0.0)
+    right = min((left - clear for left, _ in rows if left >= center), default=scene.stator.length)
+    return left - min(balls), right - max(balls)
+
+
+def _findings(driven, steady, path, level: float) -> tuple[Finding, ...]:
+    import numpy as np
+
+    import contact
+
+    expected = contact.steady(driven.slider, driven.at(level), tolerance=1e-4).velocity
+    error = abs(float(steady[-1]) / expected - 1)
+    known = steady[np.isfinite(steady)]
+    fastest = float(abs(path[1]).max())
+    return (
+        Finding(
+            statement="At the scene's place the slider runs as the run says.",
+            quantity="steady velocity there over that of the run, less 1",
+            expected="below 0.002",
+            found=error,
+            confirmed=error < 2e-3,
+        ),
+        Finding(
+            statement="A slider that travels is nowhere faster than the fastest place lets it be.",
+            quantity="its largest speed over the largest steady speed",
+            expected="up to 1",
+            found=fastest / float(abs(known).max()),
+            confirmed=fastest <= 1.001 * float(abs(known).max()),
+        ),
+    )
+
+
+@of_record
+def figure(record: Panel, ax):
+    """Draw velocity or amplitude against the place on the stator."""
+    from studies.report.figures import COLOURS, finished
+
+    data = record.data
+    x = data["position_m"] * 1e3
+    if "amplitude_m_per_V" in data:
+        label = "finite aperture" if data["finite_aperture"] else "under the balls"
+        ax.plot(
+            x, data["section_m_per_V"] * 1e9, "--", color=COLOURS["stick"], linewidth=1, label="plane section"
+        )
+        ax.plot(x, data["amplitude_m_per_V"] * 1e9, color=COLOURS["slip"], linewidth=1, label=label)
+        ax.set_ylim(bottom=0)
+        return finished(ax, "place of the slider (mm)", "|u_z|, mean of the balls (nm per V)", record.title)
+    palette = [COLOURS["slip"], COLOURS["intermittent"], COLOURS["second"]]
+    for (name, velocity), colour in zip(data["velocity_m_per_s"].items(), palette, strict=False):
+        ax.plot(x, velocity * 1e3, color=colour, linewidth=1, label=f"{name}, steady")
+        path = data["path_m"][name] * 1e3, data["path_velocity_m_per_s"][name] * 1e3
+        ax.plot(*path, "--", color=COLOURS["line"], linewidth=1.2)
+    ax.plot([], [], "--", color=COLOURS["line"], linewidth=1.2, label="starting at the scene's place")
+    return finished(ax, "place of the slider (mm)", "slider velocity (mm/s)", record.title)

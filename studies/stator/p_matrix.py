@@ -1,0 +1,149 @@
+"""What coupled modes leave out: P-matrices of the transducers, their cascade, and the whole stator beside it.
+
+Method: P-matrix of each transducer alone from its field (`fem.p_matrix`, nothing fitted) for the surface wave only, at
+frequencies of the passband; their cascade along the stator against the admittances of the whole stator, which has bulk
+waves, decaying fields and ends too (terminations are left out on both sides: short-circuit admittances).  Expected:
+reciprocity to rounding; the surface wave's part of the conductance at most all of it where the solid is lossless; the
+cascade within 30 % of the stator in the transfer admittance's maximum.  Run time: about 40 s.
+"""
+
+import time
+from collections.abc import Callable
+from itertools import pairwise
+
+from studies.chain import passband
+from studies.refusal import RunError
+from studies.scene import Scene, resolved
+from studies.study import Finding, Panel, StudyRecord, of_record
+
+__all__ = ["figure", "run"]
+
+TAKES_SCENE = True
+QUICK = {"count": 3, "tolerance": 0.2}
+COUNT = 25
+
+
+def run(
+    scene: str | Scene = "twente",
+    *,
+    count: int = COUNT,
+    tolerance: float = 3e-2,
+    progress: Callable[[str], None] | None = None,
+) -> StudyRecord:
+    """Return P-matrices, their cascade and the whole stator.
+
+    Parameters
+    ----------
+    scene : str or Scene
+        A path, a shipped name or a scene with transducers of equal aperture.
+    count : int
+        Frequencies.
+    tolerance : float
+        Of the P-matrices and of the admittances.
+    progress : callable, optional
+        Told what is being done.
+    """
+    import numpy as np
+
+    import fem
+
+    begun = time.perf_counter()
+    say = progress or (lambda text: None)
+    chosen = passband.driven_scene(scene)
+    block = resolved.stator(chosen.stator)
+    row = tuple(sorted(resolved.transducers(chosen), key=lambda each: each.center))
+    if len({each.aperture for each in row}) > 1:
+        chosen.refuse("transducer", "must have equal apertures for this study: their waves are one beam")
+    ports = [k for k, each in enumerate(row) if {"+", "-"} <= set(each.signs)]
+    at, known, rows = passband.frequencies(chosen, count), {}, []
+    for f in at:
+        say(f"P-matrices at {f / 1e6:.5g} MHz")
+        parts = []
+        for each in row:
+            key = (f, each.signs, each.pitch, each.metallisation)
+            try:
+                if key not in known:
+                    known[key] = fem.p_matrix(block, each, frequency=float(f), tolerance=tolerance)
+            except fem.ConvergenceError as error:
+                raise RunError(f"at {f / 1e6:.6g} MHz {error}") from None
+            parts.append(known[key])
+        edges = [
+            (each.center - part.length / 2, each.center + part.length / 2)
+            for each, part in zip(row, parts, strict=True)
+        ]
+        distances = [right[0] - left[1] for left, right in pairwise(edges)]
+        rows.append((parts, fem.cascade_admittance(parts, distances)[np.ix_(ports, ports)]))
+    say("the whole stator")
+    whole = [fem.port_admittance(block, row, frequency=float(f), tolerance=tolerance).matrix for f in at]
+    cascade, whole = np.array([y for _, y in rows]), np.array(whole)
+    first = [parts[ports[0]] for parts, _ in rows]
+    data = {
+        "frequency_Hz": at,
+        "reflection_shorted": np.array([abs(part.scattering[0, 0]) for part in first]),
+        "reflection_open": np.array([abs(part.loaded(np.inf)[0, 0]) for part in first]),
+        "excitation_squared_S": np.array([np.sum(abs(part.excitation) ** 2) for part in first]),
+        "admittance_S": np.array([part.admittance for part in first]),
+    }
+    last = len(ports) - 1
+    compared = {"frequency_Hz": at, "cascade_S": cascade[:, last, 0], "stator_S": whole[:, last, 0]}
+    apart = float(abs(compared["cascade_S"] - compared["stator_S"]).max() / abs(compared["stator_S"]).max())
+    uneven = max(float(abs(p.detection + 2 * p.excitation).max() / abs(p.excitation).max()) for p in first)
+    share = float(np.max(data["excitation_squared_S"] / data["admittance_S"].real))
+    name = "transfer admittance" if last else "admittance"
+    panels = (
+        Panel(name="p_matrix", title=f"{chosen.title}: transducer {row[ports[0]].name!r} alone", data=data),
+        Panel(name="cascade", title=f"{chosen.title}: {name}", data=compared),
+    )
+    findings = (
+        Finding(
+            statement="A transducer receives as it sends: P31 = -2 P13.",
+            quantity="largest difference, relative",
+            expected="below 1e-9",
+            found=uneven,
+            confirmed=uneven < 1e-9,
+        ),
+        Finding(
+            statement="The surface wave takes no more than the source gives.",
+            quantity="largest share of the conductance that goes into the surface wave",
+            expected="at most 1",
+            found=share,
+            confirmed=share < 1 + tolerance,
+        ),
+        Finding(
+            statement="A cascade of P-matrices is the stator, but for bulk waves, decaying fields and ends.",
+            quantity=f"largest difference of the {name}, over its largest size",
+            expected="below 0.3 between absorbing ends",
+            found=apart,
+            confirmed=apart < 0.3 or chosen.stator.ends != "absorbing",
+            remark="the ends reflect, and the cascade has none" if chosen.stator.ends != "absorbing" else "",
+        ),
+    )
+    return StudyRecord(name="p_matrix", panels=panels, findings=findings, seconds=time.perf_counter() - begun)
+
+
+@of_record
+def figure(record: Panel, ax):
+    """Draw the transducer's reflections and conductance, or cascade and stator."""
+    from studies.report.figures import COLOURS, legend_below
+
+    data = record.data
+    at = data["frequency_Hz"] / 1e6
+    if "cascade_S" in data:
+        ax.plot(at, abs(data["stator_S"]) * 1e3, "o", color=COLOURS["slip"], markersize=3, label="stator")
+        ax.plot(at, abs(data["cascade_S"]) * 1e3, "-", color=COLOURS["line"], label="cascade of P-matrices")
+        ax.set_ylabel("size of the admittance (mS)")
+    else:
+        ax.plot(
+            at, data["admittance_S"].real * 1e3, "o", color=COLOURS["slip"], markersize=3, label="Re P33 (mS)"
+        )
+        ax.plot(at, data["excitation_squared_S"] * 1e3, "-", color=COLOURS["slip"],
+                label="|P13|\u00b2 + |P23|\u00b2 (mS): the surface wave's part")  # fmt: skip
+        for key, line in (("shorted", "--"), ("open", ":")):
+            values = data[f"reflection_{key}"]
+            ax.plot(at, values, line, color=COLOURS["stick"], label=f"|P11|, electrodes {key}")
+        ax.set_ylabel("conductance (mS), reflection (1)")
+    ax.set_xlabel("frequency (MHz)")
+    ax.set_title(record.title, fontsize="medium")
+    ax.grid(alpha=0.3)
+    legend_below(ax, columns=2)
+    return ax

@@ -1,0 +1,144 @@
+"""P-matrices: reciprocity, power, loads, the cascade against the stator, a weak comb and a grating in closed form."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem import Stator, Transducer, cascade_admittance, cell_parameters, material, p_matrix, rotated
+from fem.discretize.refinement import LEVELS
+from fem.solve.p_matrix import _of_fields
+from fem.waveguide.port_fields import solve_ports
+
+ROW = Transducer(name="t", center=0.05, finger_pairs=3, period=1e-3, metallisation=0.5, aperture=20e-3)
+
+
+def lone(stator, row, frequency, level=0, every_mode=False):
+    """P-matrix on one discretisation."""
+    length = (len(row.signs) + 4) * row.pitch
+    alone, own = replace(stator, length=length, ends="absorbing"), replace(row, center=length / 2)
+    fields = solve_ports(alone, (own,), frequency=frequency, resolution=LEVELS[level])
+    return _of_fields(fields, every_mode)
+
+
+def plate(name, cut, *, quality=np.inf, loss=0.0, bottom="free", thickness=0.6e-3):
+    solid = replace(rotated(material(name), cut), mechanical_quality=quality, dielectric_loss=loss)
+    return Stator(solid=solid, length=0.1, thickness=thickness, bottom=bottom, ends="absorbing")
+
+
+CASES = [
+    (plate("PZT-8", "Z"), 2.2e6),
+    (plate("PZT-8", "Z", bottom="grounded", quality=80.0, loss=0.02), 2.2e6),
+    (plate("LiNbO3 (Kovacs)", "YZ", bottom="grounded"), 3.6e6),
+    (plate("LiNbO3 (Kovacs)", "128YX", quality=50.0), 3.6e6),
+]
+
+
+@pytest.mark.parametrize(("stator", "frequency"), CASES)
+def test_it_is_reciprocal_with_all_modes(stator, frequency):
+    """S is symmetric and the current of arriving waves is -2 p^T a; the fingers have no mirror symmetry."""
+    found = lone(stator, replace(ROW, pattern="+-0++-"), frequency, every_mode=True)
+    assert len(found.wavenumbers) >= 2
+    assert abs(found.scattering - found.scattering.T).max() < 1e-11
+    assert abs(found.detection + 2 * found.excitation).max() < 1e-11 * abs(found.excitation).max()
+
+
+@pytest.mark.parametrize(
+    ("stator", "frequency"), [case for case in CASES if np.isinf(case[0].solid.mechanical_quality)]
+)
+@pytest.mark.parametrize("load", [0.0, 30.0 - 200.0j, np.inf])
+def test_lossless_power_is_conserved(stator, frequency, load):
+    """Any waves and voltage: |b|^2 = |a|^2 + Re V I*; a loaded transducer gives its load's power."""
+    found = lone(stator, ROW, frequency, every_mode=True)
+    rng = np.random.default_rng(3)
+    size = len(found.excitation)
+    a, volt = rng.normal(size=size) + 1j * rng.normal(size=size), 40.0 - 25.0j
+    b = found.scattering @ a + found.excitation * volt
+    current = found.detection @ a + found.admittance * volt
+    assert np.sum(abs(b) ** 2) == pytest.approx(
+        np.sum(abs(a) ** 2) + (volt * current.conjugate()).real, rel=1e-10
+    )
+    out = found.loaded(load) @ a if load else found.scattering @ a
+    lost = 0.0
+    if load and np.isfinite(load):
+        volt = -(found.detection @ a) / (found.admittance + 1 / load)
+        lost = abs(volt) ** 2 * (1 / load).real
+    assert np.sum(abs(out) ** 2) + lost == pytest.approx(np.sum(abs(a) ** 2), rel=1e-10)
+    if not load:
+        assert np.sum(abs(found.excitation) ** 2) == pytest.approx(found.admittance.real, rel=1e-10)
+
+
+def test_a_cascade_of_all_modes_is_the_stator():
+    """Two unlike transducers five plate thicknesses apart: what is left out has decayed."""
+    stator, frequency = CASES[1]
+    left = replace(ROW, name="a", center=3e-3)
+    right = replace(ROW, name="b", center=11e-3, finger_pairs=2, period=0.9e-3)
+    whole = solve_ports(
+        replace(stator, length=14e-3), (left, right), frequency=frequency, resolution=LEVELS[1]
+    )
+    parts = [lone(stator, row, frequency, 1, True) for row in (left, right)]
+    distance = right.center - left.center - (parts[0].length + parts[1].length) / 2
+    found = cascade_admittance(parts, [distance])
+    assert abs(found - whole.admittances).max() < 1e-3 * abs(whole.admittances).max()
+    assert found[1, 0] == pytest.approx(whole.admittances[1, 0], rel=2e-2)
+
+
+def test_a_weak_comb_is_sinc_squared_and_its_hilbert_partner():
+    """A twentieth of the coupling of PZT: no reflections, and G0 sinc^2 X over the main lobe to 1 % of G0."""
+    solid = rotated(material("PZT-8"), "Z")
+    weak = tuple(tuple(0.05 * each for each in line) for line in solid.coupling)
+    solid = replace(solid, coupling=weak, mechanical_quality=np.inf, dielectric_loss=0.0)
+    stator, pairs = Stator(solid=solid, length=0.1, thickness=np.inf, ends="absorbing"), 60
+    row = replace(ROW, finger_pairs=pairs)
+    middle = 2.1526e6
+    found = [lone(stator, row, middle * (1 + x / pairs)) for x in np.linspace(-0.9, 0.9, 7)]
+    detuning = pairs * (np.array([each.wavenumbers[0].real for each in found]) * row.period - 2 * np.pi) / 2
+    sinc = np.sinc(detuning / np.pi) ** 2
+    part = np.array([np.sum(abs(each.excitation) ** 2) for each in found])
+    largest = part[3] / sinc[3]
+    assert part / largest == pytest.approx(sinc, abs=1e-2)
+    partner = (np.sin(2 * detuning) - 2 * detuning) / (2 * detuning**2)
+    rest = np.array([each.admittance.imag for each in found]) / largest - partner
+    static = np.polyval(np.polyfit(detuning, rest, 1), detuning)  # the capacitance's part is a straight line
+    assert rest == pytest.approx(static, abs=1e-2)
+    assert max(abs(each.scattering[0, 0]) for each in found) < 1e-2
+
+
+@pytest.mark.slow
+def test_a_grating_is_that_of_coupled_modes():
+    """Open strips on 128YX: |S11| = tanh(N r) in mid-band, zeros at pi^2 D^2 = r^2 + (pi/N)^2; r from Bloch waves."""
+    from scipy.optimize import minimize_scalar
+
+    stator = plate("LiNbO3 (Kovacs)", "128YX", thickness=np.inf)
+    cell = cell_parameters(stator.solid, period=0.4e-3, metallisation=0.5, tolerance=1e-2)
+    strip, middle = cell.open.reflectivity, (cell.open.lower + cell.open.upper) / 2
+
+    def reflection(strips, frequency, level=0):
+        row = replace(ROW, period=0.4e-3, finger_pairs=strips // 2, pattern="o" * strips)
+        return abs(lone(stator, row, frequency, level).scattering[0, 0])
+
+    for strips in (20, 60):
+        assert reflection(strips, middle, 1) == pytest.approx(np.tanh(strips * strip), rel=1e-2)
+    strips = 200
+    near = np.hypot(strip / np.pi, 1 / strips)
+    zeros = [
+        minimize_scalar(
+            lambda x, side=side: reflection(strips, middle * (1 + side * x)) ** 2,
+            bounds=(0.88 * near, 1.12 * near),
+            method="bounded",
+            options={"xatol": 2e-6},
+        ).x
+        for side in (-1, 1)
+    ]
+    apart = sum(zeros) / 2
+    stop_band = 2 * np.sqrt(apart**2 - 1 / strips**2)
+    assert stop_band == pytest.approx(2 * strip / np.pi, rel=1e-2)
+
+
+def test_the_error_is_that_of_a_finer_solution():
+    stator, frequency = CASES[3]
+    found = p_matrix(stator, ROW, frequency=frequency, tolerance=2e-2)
+    fine = p_matrix(stator, ROW, frequency=frequency, tolerance=1e-4)
+    assert 0 < found.relative_error <= 2e-2
+    assert abs(found.scattering - fine.scattering).max() < 2 * found.relative_error
+    assert found.length == pytest.approx(3e-3, rel=1e-9)
