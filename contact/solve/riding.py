@@ -6,6 +6,7 @@ phi = beta (1 - cos theta)/2, which makes the root at the end of the arc smooth:
 """
 
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,12 +20,19 @@ from contact.slider import Slider
 NODES = 48  # of the answer for one slider
 
 
+class Rule(NamedTuple):
+    """A quadrature: places in [0, 1] and weights, arrays (n,)."""
+
+    place: np.ndarray
+    weight: np.ndarray
+
+
 @cache
-def quadrature(nodes: int) -> np.ndarray:
-    """Return (2, n): places in [0, 1] and weights of Gauss-Legendre in theta."""
+def quadrature(nodes: int) -> Rule:
+    """Return Gauss and Legendre's rule in theta."""
     point, weight = np.polynomial.legendre.leggauss(nodes)
     theta = 0.5 * np.pi * (point + 1.0)
-    return np.array([0.5 * (1.0 - np.cos(theta)), 0.25 * np.pi * weight * np.sin(theta)])
+    return Rule(0.5 * (1.0 - np.cos(theta)), 0.25 * np.pi * weight * np.sin(theta))
 
 
 @compiled
@@ -51,10 +59,10 @@ def circle(phi):
 def _mean_loads(z, a, half, rule, shape):
     """Return the sums of p and dp/dz of z + a cos phi over the half of a cycle that is in contact."""
     force = rate = 0.0
-    for j in range(rule.shape[1]):
-        co, _ = circle(half * rule[0, j])
-        force += rule[1, j] * load(z + a * co, shape)
-        rate += rule[1, j] * slope(z + a * co, shape)
+    for j in range(rule.weight.size):
+        co, _ = circle(half * rule.place[j])
+        force += rule.weight[j] * load(z + a * co, shape)
+        rate += rule.weight[j] * slope(z + a * co, shape)
     return force, rate
 
 
@@ -107,7 +115,7 @@ def riding(problem, rule):
     return h
 
 
-@native("t f2 f1")
+@native("t t f1")
 def _riding(problem, rule, answer):
     answer[0] = riding(problem, rule)
     return 0
