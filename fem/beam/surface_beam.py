@@ -283,7 +283,8 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
         seconds, for an eigenvalue problem at every lateral wavenumber, and transducers receive as in the section.
     mirror_width : float, optional
         Distance in m of two side faces that reflect like mirrors (u_y = 0, no shear traction); without, the stator is
-        infinitely wide.  The true, free faces lie between neither: the difference bounds how much the width matters.
+        infinitely wide.  Free faces are neither: the difference shows how much the width could matter.  In cuts without
+        the symmetry y -> -y the images repeat the field, unmirrored.
 
     Returns
     -------
