@@ -1,7 +1,8 @@
 """Whether the motors that are published run as their papers say.
 
 Method: Kurosawa, Takahashi and Higuchi's ball on 128YX lithium niobate (1998), the contact alone at the amplitude that
-they give, and the whole chain from 180 V; the seed's motor; what Tjeung and others (2011) tell, and Raj and Behera's silicon slider (2025).  A published value is a
+they give, and the whole chain from 180 V; the seed's motor; what Tjeung and others (2011) tell; Raj and
+Behera's silicon slider (2025).  A published value is a
 number, or the range in which a paper places it; what no paper states is not listed.  What a paper needs and does not
 state, or states as "about", is swept, every combination, and makes the band beside the measurement; the value inside
 the band is ours, and an agreement only says that nothing contradicts.  Expected: the speed at the published amplitude
