@@ -36,11 +36,9 @@ def quadrature(nodes: int) -> Rule:
 
 
 @compiled
-def circle(phi):
-    """Return cos phi and sin phi to rounding, without a branch: several at once in the processor's lanes."""
-    turns = np.floor(phi * (2.0 / np.pi) + 0.5)
-    r = (phi - turns * 1.5707963267341256) - turns * 6.077100506506192e-11
-    y = r * r
+def short_sine(t):
+    """Return sin t and 1 - cos t for |t| <= 0.8 by their series, to rounding."""
+    y = t * t
     s, v = 1.0 - y * (1.0 / 272.0), 1.0 - y * (1.0 / 306.0)
     s, v = 1.0 - y * (1.0 / 210.0) * s, 1.0 - y * (1.0 / 240.0) * v
     s, v = 1.0 - y * (1.0 / 156.0) * s, 1.0 - y * (1.0 / 182.0) * v
@@ -48,7 +46,16 @@ def circle(phi):
     s, v = 1.0 - y * (1.0 / 72.0) * s, 1.0 - y * (1.0 / 90.0) * v
     s, v = 1.0 - y * (1.0 / 42.0) * s, 1.0 - y * (1.0 / 56.0) * v
     s, v = 1.0 - y * (1.0 / 20.0) * s, 1.0 - y * (1.0 / 30.0) * v
-    s, v = r * (1.0 - y * (1.0 / 6.0) * s), 1.0 - 0.5 * y * (1.0 - y * (1.0 / 12.0) * v)
+    s, v = 1.0 - y * (1.0 / 6.0) * s, 1.0 - y * (1.0 / 12.0) * v
+    return t * s, 0.5 * y * v
+
+
+@compiled
+def circle(phi):
+    """Return cos phi and sin phi to rounding, without a branch: several at once in the processor's lanes."""
+    turns = np.floor(phi * (2.0 / np.pi) + 0.5)
+    s, v = short_sine((phi - turns * 1.5707963267341256) - turns * 6.077100506506192e-11)
+    v = 1.0 - v
     # quarter turns: (c, s), (-s, c), (-c, -s), (s, -c)
     quarter = turns - 4.0 * np.floor(0.25 * turns)
     c, s = (s, v) if quarter == 1.0 or quarter == 3.0 else (v, s)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from studies.refusal import SceneError, nearest, shown
 from studies.scene.override import toml_value
-from studies.scene.rule import Quantity
+from studies.scene.rule import Place, Quantity
 from studies.sweep.axes import rule_at
 
 __all__ = [
@@ -101,6 +101,7 @@ def _number(option: str, key: str, text: str) -> float:
     if "." not in key and key not in OWN:
         raise SceneError(f"{option} {key}", f"is no key of a scene{nearest(key, OWN)}")
     rule = OWN.get(key) or rule_at(key)
+    rule = rule.along if isinstance(rule, Place) else rule
     value = rule.read(key, toml_value(text)) if isinstance(rule, Quantity) or key in LEVELS else None
     value = value[0] if isinstance(value, tuple) else value
     if isinstance(value, bool) or not isinstance(value, float):

@@ -240,6 +240,12 @@ def test_what_is_no_free_number_is_refused(text, words):
         read_parameter(text)
 
 
+def test_a_place_may_be_free():
+    assert read_parameter("slider.position=60 mm:80 mm") == Parameter(
+        key="slider.position", low=0.06, high=0.08
+    )
+
+
 @pytest.mark.parametrize(
     ("free", "words"),
     [
