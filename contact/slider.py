@@ -136,11 +136,14 @@ class Slider:
 
     def approach_under(self, force: float, contacts: int) -> float:
         """Return the approach in m of a contact of height 0 at which the contacts carry a normal force in N."""
-        heights, shape, target = self.offsets(contacts), self.contact_shape, force / self.normal_stiffness
+        shape, target = self.contact_shape, force / self.normal_stiffness
+        if not self.heights:
+            return float(normal.approach(target / contacts, shape))
+        heights = self.offsets(contacts)
         # Newton's method from above on a convex sum: the lowest contact alone, or all as low as it, would carry more
         h = float(min(normal.approach(target / contacts, shape) - min(heights),
                       normal.approach(target, shape) - max(heights)))  # fmt: skip
-        for _ in range(100 if self.heights else 0):
+        for _ in range(100):
             excess = float(np.sum(normal.load(h + heights, shape))) - target
             slope = float(np.sum(normal.slope(h + heights, shape)))
             if not excess > 1e-16 * target or slope == 0.0:

@@ -63,6 +63,11 @@ def view(
         if scene.stator is None and not wanted.show:
             note(f"{NO_STATOR}; this is its contact")
         return
+    if show == "beam":
+        from studies.view import beam_view
+
+        beam_view.show(folder, wanted, written, progress=progress)
+        return
     quantity(wanted.quantity)
     if not wanted.files:
         from studies.view.solid import refuse_without_display
