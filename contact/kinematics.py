@@ -32,6 +32,15 @@ class Paths(NamedTuple):
     tangential_sin: np.ndarray
 
 
+class Point(NamedTuple):
+    """One contact at an instant: approach z, deformation x, and their rates z' and x' while it sticks."""
+
+    approach: float
+    deformation: float
+    approach_rate: float
+    deformation_rate: float
+
+
 @formula
 def normal_amplitude(paths, i):
     """Return |u_z| of a contact."""

@@ -121,6 +121,11 @@ class Slider:
         length = z if self.shape == "punch" else self.contact_radius(z)
         return 2.0 * self.effective_modulus * length / (math.pi * self.radius)
 
+    def tangential_force(self, deformation, approach: float):
+        """Return Q in N of the elastic law at deformations and an approach in m, at most the friction limit."""
+        friction = self.friction_coefficient * self.normal_stiffness
+        return elastic.tangential_force(deformation, approach, friction, self.limit_slope, self.contact_shape)
+
     def offsets(self, contacts: int) -> np.ndarray:
         """Return the heights of so many contacts as an array, m."""
         if self.heights and len(self.heights) != contacts:
@@ -131,11 +136,14 @@ class Slider:
 
     def approach_under(self, force: float, contacts: int) -> float:
         """Return the approach in m of a contact of height 0 at which the contacts carry a normal force in N."""
-        heights, shape, target = self.offsets(contacts), self.contact_shape, force / self.normal_stiffness
+        shape, target = self.contact_shape, force / self.normal_stiffness
+        if not self.heights:
+            return float(normal.approach(target / contacts, shape))
+        heights = self.offsets(contacts)
         # Newton's method from above on a convex sum: the lowest contact alone, or all as low as it, would carry more
         h = float(min(normal.approach(target / contacts, shape) - min(heights),
                       normal.approach(target, shape) - max(heights)))  # fmt: skip
-        for _ in range(100 if self.heights else 0):
+        for _ in range(100):
             excess = float(np.sum(normal.load(h + heights, shape))) - target
             slope = float(np.sum(normal.slope(h + heights, shape)))
             if not excess > 1e-16 * target or slope == 0.0:

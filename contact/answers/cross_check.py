@@ -21,9 +21,9 @@ from contact.problem import HYSTERETIC
 
 # steps per cycle, the last for the answer and all for its error, and nodes of the exact way
 STEPS, NODES = (64, 90, 128), (9, 14)
-# cycles by steps, least number of cycles and stretches by events; how far beside, of the reference;
+# cycles by steps, least number of cycles and segments by events; how far beside, of the reference;
 # by how much the height may still move
-STEPPED_CYCLES, LEAST_CYCLES, EXACT_STRETCHES = 20_000, 64, 60_000
+STEPPED_CYCLES, LEAST_CYCLES, EXACT_SEGMENTS = 20_000, 64, 60_000
 BESIDE, STILL = 1e-2, 1e-4
 
 
@@ -70,9 +70,9 @@ def second_opinion(state: SteadyState) -> SecondOpinion:
     begin[0], begin[2] = -state.height / problem.length, side * state.velocity / unit
     reference = reference_speed(state.velocity, driven) / unit
     stepped = not why_not_stepped(slider, problem, STEPS[0])
-    ways = [_stepped(problem, n) for n in STEPS] if stepped else [_exact(problem, n) for n in NODES]
+    resolutions = STEPS if stepped else NODES
     cycles = STEPPED_CYCLES if stepped else _affordable(problem)
-    runs = [_quarters(way(begin, cycles)) for way in ways]
+    runs = [_quarters(_rows(problem, stepped, n, begin, cycles)) for n in resolutions]
     drift = abs(runs[-1][3] - runs[-1][2]) / (1.0 + abs(runs[-1][3]))
     if drift > STILL:
         raise ConvergenceError("not settled", f"the slider's height still drifts after {cycles} cycles")
@@ -86,7 +86,7 @@ def second_opinion(state: SteadyState) -> SecondOpinion:
         error, found = 2.0 * reach / (2.0 * math.pi * (cycles // 4)), [b]
     else:
         begin[2] += BESIDE * reference
-        a2, b2 = _quarters(ways[-1](begin, cycles))[:2]
+        a2, b2 = _quarters(_rows(problem, stepped, resolutions[-1], begin, cycles))[:2]
         apart = a2 - a
         rho = min(max((b2 - b) / apart, 0.0), 1.0 - 1e-9) if abs(apart) > 1e-3 * BESIDE * reference else 0.0
         found = [early + (late - early) / (1.0 - rho) for early, late in runs]
@@ -112,34 +112,23 @@ def _quarters(rows):
 
 def _affordable(problem):
     each = max(24.0, problem.segments)
-    cycles = int(EXACT_STRETCHES / each / (6.0 if problem.law == HYSTERETIC else 1.0))
+    cycles = int(EXACT_SEGMENTS / each / (6.0 if problem.law == HYSTERETIC else 1.0))
     if cycles < LEAST_CYCLES:
         raise ConvergenceError(
             "out of reach",
-            f"a cycle takes {each:.3g} stretches of the motion: too many to follow {LEAST_CYCLES} of them",
+            f"a cycle takes {each:.3g} segments of the motion: too many to follow {LEAST_CYCLES} of them",
         )
     return cycles
 
 
-def _stepped(problem, per_cycle):
-    """Return the run in fixed steps: from a state to the rows (v, z_s, mean v) of every cycle."""
-    from contact.solve.time_stepping import steps
-
-    def run(begin, cycles):
-        return steps(problem, begin.copy(), cycles, per_cycle)
-
-    return run
-
-
-def _exact(problem, nodes):
-    """Return the run from event to event: from a state to the rows (v, z_s, mean v) of every cycle."""
+def _rows(problem, stepped, resolution, begin, cycles):
+    """Return the rows (v, z_s, mean v) of every cycle from a state, in fixed steps or from event to event."""
     from contact.solve.collocation import collocation
     from contact.solve.motion import Motion
+    from contact.solve.time_stepping import steps
 
-    def run(begin, cycles):
-        motion = Motion(problem, grid=collocation(nodes), truncation=10.0 ** (1 - nodes))
-        motion.place(*begin[:3], begin[3:])
-        rows = motion.turn(cycles, stride=1)
-        return rows
-
-    return run
+    if stepped:
+        return steps(problem, begin.copy(), cycles, resolution)
+    motion = Motion(problem, grid=collocation(resolution), truncation=10.0 ** (1 - resolution))
+    motion.place(*begin[:3], begin[3:])
+    return motion.turn(cycles, stride=1)

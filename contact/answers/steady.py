@@ -12,6 +12,7 @@ leave a whole interval of mean tractions. If load lies in it the slider stays, a
 
 import time
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,6 +29,7 @@ from contact.slider import Slider
 from contact.solve.averaged_sweep import MAX_RATIO_HELD, MAX_THRESHOLD_ERROR, THRESHOLD_ERROR
 from contact.solve.equilibrium import Balance, balanced, cycle_at
 from contact.solve.event_driven import CHATTER, STRETCHES
+from contact.solve.motion import Motion
 
 METHODS = ("auto", "exact", "averaged")
 # largest ratio of contact resonance to wave for which a periodic motion is searched, and cycles to settle before
@@ -135,6 +137,15 @@ def _closed(slider, orbits):
     }  # fmt: skip
 
 
+class _Cycles(NamedTuple):
+    """A motion after some cycles, its energies before them, the work of the search, how many they are."""
+
+    motion: Motion
+    before: np.ndarray
+    work: np.ndarray
+    number: int
+
+
 @dataclass(frozen=True, kw_only=True)
 class _Search:
     """A steady state, searched on the side on which the crests drive towards +x: mirrored waves, mirrored answers."""
@@ -150,8 +161,9 @@ class _Search:
         """Return a difference of velocities over the reference speed."""
         return relative_to_reference(difference, velocity, self.orbits)
 
-    def answer(self, note, *, velocity, error, height, motion, work, before, sticks, spans=1, **statistics):
+    def answer(self, note, *, velocity, error, height, cycles, sticks, **statistics):
         """Return the answer of a motion over some cycles; `velocity` on this side, `height` in m."""
+        motion, before, work, number = cycles
         counted = motion.events()
         for name, number in zip(
             ("stretches", "halvings", "sweeps", "cycles"), work[STRETCHES:CHATTER], strict=True
@@ -164,7 +176,7 @@ class _Search:
             "velocity": float(self.side * velocity) if velocity else 0.0, "regime": "stick" if sticks else moving,
             "relative_error": float(error), "height": float(height), "status": status, "message": message,
             "method": "exact", "statistics": counted | statistics,
-            "ledger": ledger(self.slider, motion, before, spans=spans),
+            "ledger": ledger(self.slider, motion, before, spans=number),
         }  # fmt: skip
 
 
@@ -305,8 +317,9 @@ def _repeating(search):
         velocity, error = 0.0, 0.0
     answer = search.answer(
         "periodic motion of the full equations", velocity=velocity, error=error, sticks=sticks,
-        height=-fine.state[0] * balance.problem.length, motion=fine.motion, before=fine.before,
-        work=balance.work + fine.work + coarse.work, averaged_velocity=float(search.side * balance.speed * unit),
+        height=-fine.state[0] * balance.problem.length,
+        cycles=_Cycles(fine.motion, fine.before, balance.work + fine.work + coarse.work, 1),
+        averaged_velocity=float(search.side * balance.speed * unit),
         growth_per_cycle=fine.growth,
     )  # fmt: skip
     return answer, fine
@@ -334,18 +347,20 @@ def _settled(search, run):
         note += "; two runs from almost the same start were compared"
     return search.answer(
         note, velocity=run.speed * unit, error=search.relative(run.error * unit, run.speed * unit), sticks=run.sticks,
-        height=run.height * run.motion.problem.length, motion=run.motion, before=run.before, spans=run.cycles,
-        work=search.balance.work + run.motion.tally, period_cycles=run.period, averaged_cycles=run.cycles,
+        height=run.height * run.motion.problem.length,
+        cycles=_Cycles(run.motion, run.before, search.balance.work + run.motion.tally, run.cycles),
+        period_cycles=run.period, averaged_cycles=run.cycles,
     )  # fmt: skip
 
 
 def _averaged(search, mean):
     """Return the averaged answer; the energies are those of a cycle at constant height and velocity."""
-    motion, work = search.balance.motion, search.balance.work
+    motion = search.balance.motion
     known = {} if mean.held else {"averaged_velocity": search.side * mean.first_order}
     answer = search.answer(
         "held by friction" if mean.held else "cycle means", velocity=mean.velocity, error=mean.relative_error,
-        height=mean.height, motion=motion, work=work, before=motion.energy(), sticks=mean.held, **known,
+        height=mean.height, sticks=mean.held,
+        cycles=_Cycles(motion, motion.energy(), search.balance.work, 1), **known,
     )  # fmt: skip
     if mean.held and answer["status"] != "ok":
         answer["message"] += ", for so near the threshold the slider may move"

@@ -179,14 +179,15 @@ def _stopped(slider, problem, motion, travelled, side, cycles):
         at = phase + span * np.arange(1, 33) / 32
         samples = still.move(phase, float(at[-1]) * (1.0 + 1e-14), at)
         phase = float(at[-1])
-        apart, sticks = samples[:, :, 4] == SEPARATED, samples[:, :, 4] == STICK
+        _, deformation, _, _, regime, _ = np.moveaxis(samples, -1, 0)
+        apart, sticks = regime == SEPARATED, regime == STICK
         # a contact that does not touch at rest holds nothing
         slipping = np.any(~sticks & ~(apart & (share == 0.0)), axis=1)
         if np.any(slipping):
             last, quiet, largest = float(at[np.flatnonzero(slipping)[-1]]), 0, 0.0
         else:
             quiet += 1
-            x = samples[:, :, 1] @ share
+            x = deformation @ share
             largest = max(largest, float(np.max(np.abs(x - spring))))
         if phase > 1e9:
             raise ConvergenceError(

@@ -254,9 +254,9 @@ def _rows(sliders, waves, which, factors, wave_errors, threads):
         parameters, heights, paths, omegas, np.asarray(wave_errors, float), ratios, which, factors
     )
     _spread(given, out, todo, threads)
+    side = np.array(sides)[which[:, 1]]
     for column in (columns.VELOCITY, columns.FIRST_ORDER):
-        moving = np.flatnonzero(np.nan_to_num(out[:, column]) != 0.0)  # no negative zero
-        out[moving, column] *= np.array(sides)[which[moving, 1]]
+        out[:, column] = side * out[:, column] + 0.0  # no negative zero
     return out
 
 

@@ -141,44 +141,31 @@ def burst(
     shape = envelope.at(np.arange(cycles + 1) / frequency) if envelope is not None else np.empty(0, complex)
     asked = Burst(slider, driven, problem, cycles, stride, tolerance, shape)
     motion, rows, error, statistics, method = run(method, asked)
-    speed_at_end = float(motion.state[2])
-    length = problem.length
-    time = [np.zeros(1), np.arange(1, len(rows) + 1) * stride / frequency, np.full(1, cycles / frequency)]
-    velocity = [np.zeros(1), rows[:, 0], motion.state[2:3].copy()]
-    position = [np.array([-slider.rest_approach(len(listed)) / length]), rows[:, 1], motion.state[:1].copy()]
-    if cycles % stride == 0:
-        for series in (time, velocity, position):
-            series.pop()
-    book = after_book = None
+    speed_at_end, start = float(motion.state[2]), -slider.rest_approach(len(listed)) / problem.length
+    ends = stride * np.arange(1, len(rows) + 1)
+    parts = [(np.zeros(1), np.zeros(1), np.array([start])), (ends / frequency, rows[:, 0], rows[:, 1])]
+    if cycles % stride:
+        parts.append((np.full(1, cycles / frequency), motion.state[2:3].copy(), motion.state[:1].copy()))
+    book, after_book, rang = None, None, 0.0
     if motion.begun is not None:
         book = ledger(slider, motion, motion.begun)
         statistics["smallest_gap"] = motion.smallest_gap()
-    rang = 0.0
     if ring_down is not None:
-        share_rung = max(2, round(samples * (1.0 - share) / 2.0))
+        count = max(2, round(samples * (1.0 - share) / 2.0))
         times, rows = ringing_down(
-            slider, problem, motion, ring_down, frequency=frequency, longest=after, rows=share_rung
+            slider, problem, motion, ring_down, frequency=frequency, longest=after, rows=count
         )
         if times.size:
             rang, book = float(times[-1]), None
-            time.append(cycles / frequency + times)
-            velocity.append(rows[:, 0])
-            position.append(rows[:, 1])
+            parts.append((cycles / frequency + times, rows[:, 0], rows[:, 1]))
     if after > rang:
-        count = max(2, round(samples * (1.0 - share)))
-        at = np.arange(1, count + 1) * ((after - rang) / count)
-        still = silence(motion)
-        begun_after = still.energy()
-        recorded = still.move(0.0, problem.omega * (after - rang) * (1.0 + 1e-12), at * problem.omega)
-        time.append(cycles / frequency + rang + at)
-        velocity.append(recorded[:, 0, 5])
-        # the surface stands still at zero: the first contact's approach is minus the slider's position
-        position.append(problem.paths.height[0] - recorded[:, 0, 0])
-        for name, number in still.events().items():
-            statistics[f"after_{name}"] = number
+        part, still, begun_after = _slide(motion, after - rang, max(2, round(samples * (1.0 - share))))
+        parts.append((cycles / frequency + rang + part[0], *part[1:]))
+        statistics |= {f"after_{name}": number for name, number in still.events().items()}
         statistics["after_smallest_gap"] = still.smallest_gap()
         after_book = ledger(slider, still, begun_after)
         book = None if book is None else together(book, after_book)
+    time, velocity, position = (np.concatenate(series) for series in zip(*parts, strict=True))
     end = side * speed_at_end * problem.speed
     relative = relative_to_reference(error * problem.speed, end, listed)
     status, message = "ok", f"{cycles} cycles from rest"
@@ -186,9 +173,18 @@ def burst(
         status = "above tolerance"
         message += f"; estimated error {relative:.2g} exceeds {tolerance:.2g}; ask for method exact"
     return Trajectory(
-        slider=slider, orbits=listed, time=np.concatenate(time),
-        velocity=side * np.concatenate(velocity) * problem.speed, position=np.concatenate(position) * length,
+        slider=slider, orbits=listed, time=time, velocity=side * velocity * problem.speed,
+        position=position * problem.length,
         duration=cycles / frequency, cycles=cycles, rang=rang, velocity_at_burst_end=end,
         relative_error=float(relative), status=status, message=message, method=method, ledger=book,
         after_ledger=after_book, statistics=statistics, seconds=clock.perf_counter() - begun,
     )  # fmt: skip
+
+
+def _slide(motion, span, count):
+    """Return ((times in s, v, z_s), motion, energies at its start) on a surface at rest."""
+    still, omega = silence(motion), motion.problem.omega
+    before, at = still.energy(), np.arange(1, count + 1) * (span / count)
+    z, *_, velocity = still.move(0.0, omega * span * (1.0 + 1e-12), at * omega)[:, 0].T
+    # the surface stands still at zero: the first contact's approach is its height less the slider's position
+    return (at, velocity, motion.problem.paths.height[0] - z), still, before

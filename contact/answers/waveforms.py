@@ -116,15 +116,16 @@ def contact_history(
     count = max(1, round(cycles * points_per_cycle))
     at = offset + turn * cycles * np.arange(1, count + 1) / count
     samples = motion.move(offset, offset + turn * cycles * (1.0 + 1e-13), at)
+    z, x, P, Q, regime, v = np.moveaxis(samples, -1, 0)
     force = slider.mass * problem.omega**2 * problem.length
     every = np.arange(motion.problem.contacts)
     v_t = at_phase(motion.problem.paths, every, np.cos(at)[:, None], np.sin(at)[:, None])[3]
     return History(
         slider=slider, orbits=listed, time=(at - offset + turn * skip) / problem.omega,
-        approach=samples[:, :, 0] * problem.length, deformation=side * samples[:, :, 1] * problem.length,
-        normal_force=samples[:, :, 2] * force, tangential_force=side * samples[:, :, 3] * force,
-        regime=REGIMES[samples[:, :, 4].astype(int)], surface_velocity=side * v_t * problem.speed,
-        slider_velocity=side * samples[:, 0, 5] * problem.speed, statistics=motion.events(),
+        approach=z * problem.length, deformation=side * x * problem.length, normal_force=P * force,
+        tangential_force=side * Q * force, regime=REGIMES[regime.astype(int)],
+        surface_velocity=side * v_t * problem.speed, slider_velocity=side * v[:, 0] * problem.speed,
+        statistics=motion.events(),
     )  # fmt: skip
 
 

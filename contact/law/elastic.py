@@ -76,8 +76,9 @@ def tangential_force(x, z, friction, c, shape):
 
 
 @formula
-def guard(regime, which, sign, z, x, z_rate, x_rate, c, band):
+def guard(regime, which, sign, point, c, band):
     """Return guard number `which` (0, 1, 2) of a regime; 1.0 where the regime has no such guard."""
+    z, x, z_rate, x_rate = point
     if which == 0:
         return FAR_SIDE - z if regime == SEPARATED else FAR_SIDE + z
     if regime == STICK:
@@ -90,8 +91,9 @@ def guard(regime, which, sign, z, x, z_rate, x_rate, c, band):
 
 
 @formula
-def follow(regime, which, sign, z, x, z_rate, x_rate, c, band):
+def follow(regime, which, sign, point, c, band):
     """Return (regime, sign, x, kind of event) on the far side of guard `which`."""
+    z, _, z_rate, x_rate = point
     speed = slip_speed(sign, z_rate, x_rate, c)
     if which == 0:
         if regime != SEPARATED:
@@ -115,8 +117,9 @@ def follow(regime, which, sign, z, x, z_rate, x_rate, c, band):
 
 
 @formula
-def opening(z, x, z_rate, x_rate, c, band):
+def opening(point, c, band):
     """Return (regime, sign, x) of a contact that is found with approach z and deformation x."""
+    z, x, z_rate, x_rate = point
     if z < 0.0 or (z == 0.0 and z_rate <= 0.0):
         return SEPARATED, 1.0, 0.0
     sign = 1.0

@@ -46,29 +46,34 @@ PIECES = 2048
 
 
 class Memory(NamedTuple):
-    """Chains of n contacts: number (n,), kind (n, K), corner (n, K, 4), curve (n, K, 5, nodes) of pieces, M (n,)."""
+    """Chains of n contacts: number (n,), kind (n, K), corner (n, K, 4), curve (n, K, 5, nodes) of pieces, M (n,).
+
+    `grid` has the nodes in sigma of the curves, their barycentric weights and the matrix of derivatives.
+    """
 
     count: np.ndarray
     kind: np.ndarray
     corner: np.ndarray
     curve: np.ndarray
     level: np.ndarray
+    grid: tuple
 
 
-def blank(contacts: int, nodes: int) -> Memory:
+def blank(contacts: int, grid) -> Memory:
     """Return the memory of contacts that are apart."""
     return Memory(
         np.zeros(contacts, np.int64),
         np.zeros((contacts, PIECES), np.int64),
         np.zeros((contacts, PIECES, 4)),
-        np.zeros((contacts, PIECES, 5, nodes)),
+        np.zeros((contacts, PIECES, 5, grid.sigma.size)),
         np.zeros(contacts),
+        grid,
     )
 
 
 def copy(memory: Memory) -> Memory:
     """Return an independent copy; only what is in use is copied."""
-    twin = blank(memory.count.size, memory.curve.shape[-1])
+    twin = blank(memory.count.size, memory.grid)
     twin.count[:], twin.level[:] = memory.count, memory.level
     used = int(np.max(memory.count))
     for name in ("kind", "corner", "curve"):
@@ -77,8 +82,9 @@ def copy(memory: Memory) -> Memory:
 
 
 @compiled
-def front(memory, i, s, z, x, c, sigma, bary):
+def front(memory, i, s, z, x, c):
     """Return (eta_f, M there): where the line of sign s through the edge meets the chain's last piece."""
+    sigma, bary = memory.grid.sigma, memory.grid.bary
     k = memory.count[i] - 1
     if k < 0 or z <= 0.0:
         return 0.0, 0.0
@@ -118,7 +124,7 @@ def front(memory, i, s, z, x, c, sigma, bary):
 
 
 @compiled
-def moment(memory, i, regime, s, z, x, c, sigma, bary):
+def moment(memory, i, regime, s, z, x, c):
     """Return (M, eta_f) of a contact with approach z and deformation x: Q = mu K M."""
     if regime == SEPARATED or z <= 0.0:
         return 0.0, 0.0
@@ -127,7 +133,7 @@ def moment(memory, i, regime, s, z, x, c, sigma, bary):
         return s * power, 0.0
     if regime == GROW:
         return memory.level[i], z
-    eta, below = front(memory, i, s, z, x, c, sigma, bary)
+    eta, below = front(memory, i, s, z, x, c)
     return below + s * (power - load(eta, SPHERE)), eta
 
 
@@ -138,8 +144,9 @@ def annulus_slip(z, eta):
 
 
 @compiled
-def write_curve(memory, i, z, x, level, c, rates):
+def write_curve(memory, i, z, x, level, c):
     """Append the curve that the edge has written: z, x and M at the nodes of a stretch; False if there is no room."""
+    rates = memory.grid.rates
     k = memory.count[i]
     if k >= memory.kind.shape[1]:
         return False
@@ -162,7 +169,7 @@ def write_curve(memory, i, z, x, level, c, rates):
 
 
 @compiled
-def freeze(memory, i, regime, s, z, x, c, sigma, bary):
+def freeze(memory, i, regime, s, z, x, c):
     """Append the open line of annular or gross slip to the chain; False if there is no room."""
     if regime != ANNULUS and regime != SLIP:
         return True
@@ -171,7 +178,7 @@ def freeze(memory, i, regime, s, z, x, c, sigma, bary):
         return False
     eta, below = 0.0, 0.0
     if regime == ANNULUS:
-        eta, below = front(memory, i, s, z, x, c, sigma, bary)
+        eta, below = front(memory, i, s, z, x, c)
     y = x - s * c * (z - eta)
     corner = memory.corner[i, k]
     corner[ETA], corner[U], corner[W], corner[MOMENT] = eta, y - c * eta, y + c * eta, below
@@ -190,8 +197,9 @@ def _annulus(memory, i, s):
 
 
 @compiled
-def recall(memory, i, regime, which, s, z, x, z_rate, x_rate, c, sigma, bary):
+def recall(memory, i, regime, which, s, point, c):
     """Return (regime, sign, x, kind of event) on the far side of guard `which`, the chain changed to match."""
+    z, x, z_rate, x_rate = point
     if which == 0:
         memory.count[i] = 0
         memory.level[i] = 0.0
@@ -207,7 +215,7 @@ def recall(memory, i, regime, which, s, z, x, z_rate, x_rate, c, sigma, bary):
         kind = SLIP_TO_STICK if regime == SLIP else REVERSAL
         if regime == SLIP:
             x = s * c * z
-        freeze(memory, i, regime, s, z, x, c, sigma, bary)
+        freeze(memory, i, regime, s, z, x, c)
         if z_rate > 0.0:
             return GROW, s, x, kind
         return _annulus(memory, i, -s), -s, x, kind
@@ -221,12 +229,13 @@ def recall(memory, i, regime, which, s, z, x, z_rate, x_rate, c, sigma, bary):
 
 
 @compiled
-def memory_guard(memory, i, regime, which, s, z, x, z_rate, x_rate, eta, c):
+def memory_guard(memory, i, regime, which, s, point, eta, c):
     """Return (value, rate without accelerations) of a guard of an annular or growing contact; 1 where there is none.
 
     Annulus: z > 0, slip goes on, the front has not reached the start of its piece, the edge has not met the front.
     Grow: z > 0, no forward slip, no backward slip.
     """
+    z, x, z_rate, x_rate = point
     if which == 0:
         return FAR_SIDE + z, z_rate
     if regime == GROW:
@@ -247,8 +256,15 @@ def memory_guard(memory, i, regime, which, s, z, x, z_rate, x_rate, eta, c):
 
 
 @compiled
-def jump(memory, i, regime, s, old_z, old_x, z, x, c, sigma, bary, rates):
+def jump(memory, i, regime, s, old, new, c):
     """Take a contact along a straight line in (z, x); return (regime, sign, x): exact, however long the line."""
+    old_z, old_x, z, x, sigma = (
+        old.approach,
+        old.deformation,
+        new.approach,
+        new.deformation,
+        memory.grid.sigma,
+    )
     if z <= 0.0:
         memory.count[i] = 0
         memory.level[i] = 0.0
@@ -256,9 +272,9 @@ def jump(memory, i, regime, s, old_z, old_x, z, x, c, sigma, bary, rates):
     if regime == SEPARATED:  # pressed on first, as if it had always been so
         memory.count[i] = 0
         line = 0.25 * (sigma + 1.0) ** 2 * z
-        write_curve(memory, i, line, 0.0 * line, 0.0 * line, c, rates)
+        write_curve(memory, i, line, 0.0 * line, 0.0 * line, c)
         regime, old_z, old_x = GROW, z, 0.0
-    freeze(memory, i, regime, s, old_z, old_x, c, sigma, bary)
+    freeze(memory, i, regime, s, old_z, old_x, c)
     if abs(x) >= c * z * (1.0 - 1e-13):
         memory.count[i] = 0
         s = 1.0 if x > 0.0 else -1.0
@@ -269,11 +285,11 @@ def jump(memory, i, regime, s, old_z, old_x, z, x, c, sigma, bary, rates):
             root = np.sqrt(old_z) + 0.5 * (sigma + 1.0) * (np.sqrt(z) - np.sqrt(old_z))
             line = root**2  # so that M is a polynomial
             level = memory.level[i] + dx / (c * dz) * (line * root - load(old_z, SPHERE))
-            write_curve(memory, i, line, old_x + dx / dz * (line - old_z), level, c, rates)
+            write_curve(memory, i, line, old_x + dx / dz * (line - old_z), level, c)
         return GROW, s, x
     s = 1.0 if dx > 0.0 else -1.0
     if dz < 0.0:
-        s = 1.0 if x > anchor(memory, i, z, c, sigma, bary) else -1.0
+        s = 1.0 if x > anchor(memory, i, z, c) else -1.0
     own = U if s > 0.0 else W
     while memory.count[i] > 0 and s * (memory.corner[i, memory.count[i] - 1, own] - x) + c * z <= 0.0:
         memory.count[i] -= 1
@@ -282,8 +298,9 @@ def jump(memory, i, regime, s, old_z, old_x, z, x, c, sigma, bary, rates):
 
 
 @compiled
-def anchor(memory, i, eta, c, sigma, bary):
+def anchor(memory, i, eta, c):
     """Return y(eta) of the chain."""
+    sigma, bary = memory.grid.sigma, memory.grid.bary
     k = memory.count[i] - 1
     while k > 0 and memory.corner[i, k, ETA] > eta:
         k -= 1

@@ -17,8 +17,8 @@ import numpy as np
 from contact.jit.compiled import compiled, formula, native
 from contact.kinematics import normal_amplitude, tangential_amplitude
 from contact.problem import changed
-from contact.solve.cycle_mean import STUCK, cycle, respond
-from contact.solve.riding import mean_push, quadrature, riding
+from contact.solve.cycle_mean import MADE, NORMAL, SLIPS, STUCK, TANGENTIAL, Cycle, cycle, cycle_room, respond
+from contact.solve.riding import Rule, mean_push, quadrature, riding
 from contact.solve.roots import narrowed, trial
 
 # why a computation ended: reached; a contact sticks through whole cycles; not reached; no velocity balances the load;
@@ -39,49 +39,47 @@ class Work(NamedTuple):
 
     Attributes
     ----------
-    rule, fine : (2, n) arrays
-        Quadrature (`cycle_mean.quadrature`) of the search and of the answer.
-    at_rest, plain : (8, 1), (2,) arrays
-        Fast motion and means of first order.
-    fast, sums : (8, K), (2 + 4 K,) arrays
-        Fast motion, means and harmonics of second order.
-    counts : (4,) int array
-        See `cycle_mean`.
+    rule, fine : Rule
+        Quadrature of the search and of the answer.
+    first, second : Cycle
+        Of first order, without fast motion, and of second order.
     """
 
-    rule: np.ndarray
-    fine: np.ndarray
-    at_rest: np.ndarray
-    plain: np.ndarray
-    fast: np.ndarray
-    sums: np.ndarray
-    counts: np.ndarray
+    rule: Rule
+    fine: Rule
+    first: Cycle
+    second: Cycle
 
 
 def room(harmonics: int, nodes: int = NODES, fine_nodes: int = FINE_NODES) -> Work:
     """Return work arrays for so many harmonics of the fast motion."""
-    return Work(
-        quadrature(nodes), quadrature(fine_nodes), np.zeros((8, 1)), np.zeros(2), np.zeros((8, harmonics)),
-        np.zeros(2 + 4 * harmonics), np.zeros(4, np.int64),
-    )  # fmt: skip
+    first, second = cycle_room(1, forces=False), cycle_room(harmonics, forces=True)
+    return Work(quadrature(nodes), quadrature(fine_nodes), first, second)
+
+
+@compiled
+def rest(fast):
+    """Take the slider's fast motion away."""
+    for k in range(fast.normal_cos.size):
+        fast.normal_cos[k] = fast.normal_sin[k] = fast.tangential_cos[k] = fast.tangential_sin[k] = 0.0
 
 
 @compiled
 def settled(problem, rule, h, v, work, most):
     """Set fast motion, means and height of the cycle that repeats at mean velocity v; return (h, residual change).
 
-    The first guess is what `work.fast` and `h` hold; each round gains a factor of about (f_n/f)^2.
+    `work` is a `Cycle`; the first guess is its fast motion and `h`, and each round gains a factor of about (f_n/f)^2.
     """
-    change, fast, sums = np.inf, work.fast, work.sums
+    change, fast = np.inf, work.fast
     for _ in range(most):
-        cycle(problem, h, v, fast, rule, sums, work.counts)
+        cycle(problem, h, v, rule, work)
         _, slope = mean_push(problem, h, rule)
-        step = (problem.preload - sums[0]) / slope if slope > 0.0 else 0.0
-        a, b, c, d = fast[0, 0], fast[1, 0], fast[2, 0], fast[3, 0]
-        respond(problem, sums, fast)
+        step = (problem.preload - work.means[NORMAL]) / slope if slope > 0.0 else 0.0
+        a, b, c, d = fast.normal_cos[0], fast.normal_sin[0], fast.tangential_cos[0], fast.tangential_sin[0]
+        respond(problem, work)
         h += step
-        change = max(abs(step), abs(fast[0, 0] - a), abs(fast[1, 0] - b))
-        change = max(change, abs(fast[2, 0] - c), abs(fast[3, 0] - d))
+        change = max(abs(step), abs(fast.normal_cos[0] - a), abs(fast.normal_sin[0] - b))
+        change = max(change, abs(fast.tangential_cos[0] - c), abs(fast.tangential_sin[0] - d))
         if change < 1e-13:
             break
     return h, change
@@ -90,8 +88,8 @@ def settled(problem, rule, h, v, work, most):
 @compiled
 def excess(problem, rule, h, v, work):
     """Return the mean tangential force that is left to accelerate a slider at a velocity, of first order."""
-    cycle(problem, h, v, work.at_rest, rule, work.plain, work.counts)
-    return work.plain[1] - problem.tangential_damping * v - problem.load
+    cycle(problem, h, v, rule, work.first)
+    return work.first.means[TANGENTIAL] - problem.tangential_damping * v - problem.load
 
 
 @formula
@@ -124,15 +122,15 @@ def balance_row(problem, harmonics, work, out):
 
     The load is taken with the sign with which it opposes the unloaded motion.
     """
-    work.at_rest[:], work.fast[:] = 0.0, 0.0
-    rule, fine, counts = work.rule, work.fine, work.counts
+    rest(work.second.fast)
+    rule, fine, counts = work.rule, work.fine, work.first.counts
     h = riding(problem, rule)
     friction = problem.friction * problem.preload
     for k in range(out.size):
         out[k] = 0.0
     out[H] = h
     least = excess(problem, fine, h, 0.0, work) + problem.load
-    out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = counts[0], counts[1]
+    out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = counts[MADE], counts[SLIPS]
     sticks = counts[STUCK] > 0
     largest = least
     if least - max(problem.load, 0.0) <= 1e-13 * friction:
@@ -172,13 +170,13 @@ def balance_row(problem, harmonics, work, out):
     if slope < 0.0:
         v -= f / slope
     out[V], out[FIRST] = v, v
-    out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = counts[0], counts[1]
+    out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = counts[MADE], counts[SLIPS]
     if harmonics == 0 or not slope < 0.0:
         return DONE
     v_old, f_old, change = v, 0.0, np.inf
     for count in range(40):
-        h, change = settled(problem, fine, h, v, work, 1)
-        f = work.sums[1] - problem.tangential_damping * v - problem.load
+        h, change = settled(problem, fine, h, v, work.second, 1)
+        f = work.second.means[TANGENTIAL] - problem.tangential_damping * v - problem.load
         if count > 1 and abs(v - v_old) > 1e-9 * top:
             new = (f - f_old) / (v - v_old)
             if 0.5 * slope > new > 2.0 * slope:
@@ -189,10 +187,10 @@ def balance_row(problem, harmonics, work, out):
         if change < 1e-12:
             break
     out[V], out[H], out[RESIDUAL] = v, h, change
-    out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = counts[0], counts[1]
+    counts, force, last = work.second.counts, work.second.force, harmonics - 1
+    out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = counts[MADE], counts[SLIPS]
     # the coefficients fall as n^-4.5 and the tail enters the mean with its own small share of the force
-    last = work.sums.size - 1
-    out[TAIL] = np.hypot(work.sums[last - 1], work.sums[last]) / (harmonics + 1.0) ** 2
+    out[TAIL] = np.hypot(force.tangential_cos[last], force.tangential_sin[last]) / (harmonics + 1.0) ** 2
     if sticks and abs(v) < 1e-6 * top:
         return STICKS
     return DONE if change < 1e-7 else UNSETTLED

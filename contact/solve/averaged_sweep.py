@@ -9,6 +9,7 @@ rounding. Where the slider is held or hardly moves, averaging may have misjudged
 amplitude; the velocity at an amplitude larger by that is added.
 """
 
+import threading
 from typing import NamedTuple
 
 import numpy as np
@@ -34,6 +35,7 @@ from contact.solve.averaged import (
     TAIL,
     H,
     V,
+    Work,
     balance_row,
     excess,
     room,
@@ -93,6 +95,18 @@ class Given(NamedTuple):
     factors: np.ndarray
 
 
+class Room(NamedTuple):
+    """Work arrays of a sweep: those of an equilibrium, two of its answers, paths of a problem and of one changed."""
+
+    work: Work
+    answers: np.ndarray
+    paths: Paths
+    spare: Paths
+
+
+_ROOMS = threading.local()  # by harmonics and contacts: a kernel finds the same arrays again
+
+
 def states(given: Given, out, todo, harmonics: int, first: int, stride: int) -> None:
     """Fill the rows of `out`, by the names of the columns in this module, of every `stride`-th of `todo`.
 
@@ -109,14 +123,17 @@ def states(given: Given, out, todo, harmonics: int, first: int, stride: int) -> 
     first, stride : int
         Which of `todo`.
     """
-    contacts = given.paths.height.shape[1]
-    pair = Paths(*np.zeros((5, contacts))), Paths(*np.zeros((5, contacts)))
-    _states(given, out, todo, harmonics, first, stride, room(harmonics), np.zeros((2, COLUMNS)), *pair)
+    key = harmonics, given.paths.height.shape[1]
+    rooms = vars(_ROOMS)
+    if key not in rooms:
+        paths, spare = (Paths(*np.zeros((5, key[1]))) for _ in range(2))
+        rooms[key] = Room(room(harmonics), np.zeros((2, COLUMNS)), paths, spare)
+    _states(given, out, todo, harmonics, first, stride, rooms[key])
 
 
-@native("t f2 i1 i i i t f2 t t")
-def _states(given, out, todo, harmonics, first, stride, work, answers, paths, spare):
-    """Do the work of `states`; what follows `stride` is room. Return 0."""
+@native("t f2 i1 i i i t")
+def _states(given, out, todo, harmonics, first, stride, room):
+    """Do the work of `states`; return 0."""
     for t in range(first, todo.size, stride):
         k = todo[t]
         slider, wave = given.sliders[given.which[k, 0]], given.which[k, 1]
@@ -127,9 +144,9 @@ def _states(given, out, todo, harmonics, first, stride, work, answers, paths, sp
             of_run(given.paths, wave),
             given.factors[k],
             omega,
-            paths,
+            room.paths,
         )
-        _state(problem, spare, given.ratios[k], given.wave_errors[wave], harmonics, work, answers, out[k])
+        _state(problem, given.ratios[k], given.wave_errors[wave], harmonics, room, out[k])
         row, speed = out[k], problem.length * omega
         row[VELOCITY] *= speed
         row[FIRST_ORDER] *= speed
@@ -139,9 +156,9 @@ def _states(given, out, todo, harmonics, first, stride, work, answers, paths, sp
 
 
 @compiled
-def _state(problem, spare, ratio, wave_error, harmonics, work, answers, row):
+def _state(problem, ratio, wave_error, harmonics, room, row):
     """Fill the scaled answer of one problem."""
-    state, tried = answers[0], answers[1]
+    state, tried, work, spare = room.answers[0], room.answers[1], room.work, room.spare
     row[STATUS] = balance_row(problem, harmonics, work, state)
     if row[STATUS] != DONE:
         return

@@ -12,8 +12,8 @@ import numpy as np
 
 from contact.jit.compiled import compiled, native
 from contact.kinematics import tangential_amplitude
-from contact.solve.averaged import DONE, STICKS, UNSETTLED, room, settled
-from contact.solve.cycle_mean import STUCK, cycle, respond
+from contact.solve.averaged import DONE, STICKS, UNSETTLED, rest, room, settled
+from contact.solve.cycle_mean import NORMAL, STUCK, TANGENTIAL, cycle, respond
 from contact.solve.riding import mean_push, riding
 
 _NODES = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
@@ -48,10 +48,10 @@ def _climb(problem, h, w, gain, rule):
 def ripple(fast):
     """Return (z_s, z_s', v) of the fast motion at phase 0."""
     height = climb = speed = 0.0
-    for k in range(fast.shape[1]):
-        height += fast[0, k]
-        climb += (k + 1) * fast[1, k]
-        speed += (k + 1) * fast[3, k]
+    for k in range(fast.normal_cos.size):
+        height += fast.normal_cos[k]
+        climb += (k + 1) * fast.normal_sin[k]
+        speed += (k + 1) * fast.tangential_sin[k]
     return height, climb, speed
 
 
@@ -89,7 +89,7 @@ def bounce(problem, state, span, work):
 
     state (h, h', V) is changed in place.
     """
-    rule, fast, sums, counts = work.rule, work.fast, work.sums, work.counts
+    rule = work.rule
     stop, per_period, at, rows = span.stop, span.per_period, span.at, span.rows
     h_end = riding(problem, rule)
     _, slope = mean_push(problem, max(h_end, state[0]), rule)
@@ -116,17 +116,17 @@ def bounce(problem, state, span, work):
         v_middle = v + 0.5 * d * (pull - problem.tangential_damping * v - problem.load)
         for _ in range(2 if steps == 0 else 1):
             if span.corrected:
-                cycle(problem, middle, v_middle, fast, rule, sums, counts)
-                respond(problem, sums, fast)
-                cycle(problem, middle, v_middle, fast, rule, sums, counts)
+                cycle(problem, middle, v_middle, rule, work.second)
+                respond(problem, work.second)
+                cycle(problem, middle, v_middle, rule, work.second)
                 force, _ = mean_push(problem, middle, rule)
-                gain = sums[0] - force
-                pull = sums[1]
+                gain = work.second.means[NORMAL] - force
+                pull, stuck = work.second.means[TANGENTIAL], work.second.counts[STUCK]
             else:
-                cycle(problem, middle, v_middle, work.at_rest, rule, work.plain, counts)
-                pull = work.plain[1]
+                cycle(problem, middle, v_middle, rule, work.first)
+                pull, stuck = work.first.means[TANGENTIAL], work.first.counts[STUCK]
             v_middle = v + 0.5 * d * (pull - problem.tangential_damping * v_middle - problem.load)
-        if counts[STUCK] > 0:
+        if stuck > 0:
             return phase, taken, STICKS
         v = (v * (1.0 - 0.5 * d * problem.tangential_damping) + d * (pull - problem.load)) / (
             1.0 + 0.5 * d * problem.tangential_damping
@@ -158,9 +158,9 @@ def bounce(problem, state, span, work):
 def _rate(problem, h, v, work, most):
     """Return (V', h) with height and fast motion settled at V."""
     if most > 0:
-        h, _ = settled(problem, work.rule, h, v, work, most)
-    cycle(problem, h, v, work.fast, work.rule, work.sums, work.counts)
-    return work.sums[1] - problem.tangential_damping * v - problem.load, h
+        h, _ = settled(problem, work.rule, h, v, work.second, most)
+    cycle(problem, h, v, work.rule, work.second)
+    return work.second.means[TANGENTIAL] - problem.tangential_damping * v - problem.load, h
 
 
 @compiled
@@ -192,7 +192,7 @@ def accelerate(problem, state, phase, taken, span, work, k):
         for i in range(7):
             error += d * _ERROR[i] * k[i]
         error = abs(error) / tolerance
-        if work.counts[STUCK] > 0:
+        if work.second.counts[STUCK] > 0:
             return STICKS
         if error > 1.0 and rejected < 60:
             d *= max(0.2, 0.9 * error**-0.2)
@@ -222,26 +222,24 @@ def accelerate(problem, state, phase, taken, span, work, k):
 @native("t f1 t t f1")
 def _response(problem, state, span, work, k):
     """Fill the answer of `response`; return the reason for ending."""
-    fast, rule, sums, counts = work.fast, work.rule, work.sums, work.counts
-    speed = state[2]
+    rule, second, speed = work.rule, work.second, state[2]
     h, w, v = -state[0], -state[1], speed
     for _ in range(3):
-        cycle(problem, h, v, fast, rule, sums, counts)
-        if counts[STUCK] > 0:
+        cycle(problem, h, v, rule, second)
+        if second.counts[STUCK] > 0:
             return STICKS
-        respond(problem, sums, fast)
-        height, climb, wiggle = ripple(fast)
+        respond(problem, second)
+        height, climb, wiggle = ripple(second.fast)
         h, w, v = height - state[0], climb - state[1], speed - wiggle
     state[0], state[1], state[2] = h, w, v
     phase, taken, why = bounce(problem, state, span, work)
     if why == DONE and phase < span.stop:
         why = accelerate(problem, state, phase, taken, span, work, k)
     if not span.corrected:
-        for m in range(fast.shape[1]):
-            fast[0, m] = fast[1, m] = fast[2, m] = fast[3, m] = 0.0
-        cycle(problem, state[0], state[2], fast, rule, sums, counts)
-        respond(problem, sums, fast)
-    height, climb, wiggle = ripple(fast)
+        rest(second.fast)
+        cycle(problem, state[0], state[2], rule, second)
+        respond(problem, second)
+    height, climb, wiggle = ripple(second.fast)
     state[0], state[1], state[2] = height - state[0], climb - state[1], state[2] + wiggle
     for m in range(span.at.size):
         span.rows[m, 0] += wiggle

@@ -15,7 +15,7 @@ import numpy as np
 
 from contact.kinematics import tangential_amplitude
 from contact.problem import Problem
-from contact.solve.cycle_mean import cycle
+from contact.solve.cycle_mean import NORMAL, TANGENTIAL, cycle, cycle_room
 from contact.solve.riding import quadrature
 from contact.solve.roots import bracketed
 
@@ -27,21 +27,12 @@ class CycleMeans:
     """Cycle means of the elastic law at constant height and velocity."""
 
     def __init__(self, problem: Problem):
-        self.problem, self.rule = problem, quadrature(12)
-        self.rest, self.counts, self.sums = np.zeros((8, 1)), np.zeros(4, np.int64), np.zeros(2)
+        self.problem, self.rule, self.work = problem, quadrature(12), cycle_room(1, forces=False)
 
     def forces(self, height: float, speed: float) -> tuple[float, float]:
         """Return (<sum P>, <sum Q>)."""
-        cycle(
-            self.problem,
-            height,
-            speed,
-            self.rest,
-            self.rule,
-            self.sums,
-            self.counts,
-        )
-        return float(self.sums[0]), float(self.sums[1])
+        cycle(self.problem, height, speed, self.rule, self.work)
+        return float(self.work.means[NORMAL]), float(self.work.means[TANGENTIAL])
 
 
 def speed_lost(problem: Problem, heights: tuple[float, float], ratio: float, near: float) -> float:

@@ -14,42 +14,109 @@ The forces are integrated from event to event in theta, phi = phi_1 + (phi_2 - p
 square roots at contact, release and the end of stick smooth: Gauss-Legendre quadrature is spectral.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from contact.jit.compiled import compiled, native, summed
+from contact.kinematics import slip_speed
 from contact.law.elastic import friction_load
 from contact.law.normal import load
 from contact.solve.riding import circle
 
 TURN = 2.0 * np.pi
+# places in the means: sum of P and of Q
+NORMAL, TANGENTIAL = 0, 1
 # places in the counts: contacts made, slips begun, reversals, contacts that stick on with their memory
 MADE, SLIPS, REVERSALS, STUCK = 0, 1, 2, 3
+# slip towards a side: never, in a window of the cycle, always
+NEVER, WINDOW, ALWAYS = 0, 1, 2
+
+
+class Harmonics(NamedTuple):
+    """Amplitudes of a normal and a tangential quantity in the first K harmonics of the wave; arrays (K,)."""
+
+    normal_cos: np.ndarray
+    normal_sin: np.ndarray
+    tangential_cos: np.ndarray
+    tangential_sin: np.ndarray
+
+
+class Cycle(NamedTuple):
+    """What a cycle is taken on, and what it gives.
+
+    Attributes
+    ----------
+    fast : Harmonics
+        The slider's own fast motion: z_s, and its travel.
+    path : Harmonics
+        Room for that of a contact relative to the slider.
+    force : Harmonics
+        Of P (1 + chi z') and of Q; empty where only the means are wanted.
+    means : (2,) array
+        Of sum P and sum Q.
+    counts : (4,) int array
+        See the names of this module.
+    """
+
+    fast: Harmonics
+    path: Harmonics
+    force: Harmonics
+    means: np.ndarray
+    counts: np.ndarray
+
+
+class Path(NamedTuple):
+    """Motion of one contact: mean approach, mean velocity of the slider, and harmonics of z and y."""
+
+    h: float
+    v: float
+    wave: Harmonics
+
+
+class Anchor(NamedTuple):
+    """Where stick began: deformation x and travel y there."""
+
+    x: float
+    y: float
+
+
+def cycle_room(harmonics: int, *, forces: bool) -> Cycle:
+    """Return the arrays of a cycle of so many harmonics, the slider without fast motion."""
+    fast, path, force = (Harmonics(*np.zeros((4, n))) for n in (harmonics, harmonics, harmonics * forces))
+    return Cycle(fast, path, force, np.zeros(2), np.zeros(4, np.int64))
 
 
 @compiled
-def place(h, v, path, phi):
-    """Return z, z', y, y', cos phi, sin phi; the last rows of `path` are cos z, sin z, cos y, sin y by harmonic."""
+def _place(path, phi):
+    """Return z, z', y, y'."""
+    a, b, d, e = (
+        path.wave.normal_cos,
+        path.wave.normal_sin,
+        path.wave.tangential_cos,
+        path.wave.tangential_sin,
+    )
     co, si = np.cos(phi), np.sin(phi)
     c, s = co, si
-    z, z_rate, y, y_rate = h, 0.0, -v * phi, -v
-    for k in range(path.shape[1]):
-        z += path[4, k] * c + path[5, k] * s
-        y += path[6, k] * c + path[7, k] * s
-        z_rate += (k + 1) * (path[5, k] * c - path[4, k] * s)
-        y_rate += (k + 1) * (path[7, k] * c - path[6, k] * s)
+    z, z_rate, y, y_rate = path.h, 0.0, -path.v * phi, -path.v
+    for k in range(a.size):
+        z += a[k] * c + b[k] * s
+        y += d[k] * c + e[k] * s
+        z_rate += (k + 1) * (b[k] * c - a[k] * s)
+        y_rate += (k + 1) * (e[k] * c - d[k] * s)
         c, s = c * co - s * si, s * co + c * si
-    return z, z_rate, y, y_rate, co, si
+    return z, z_rate, y, y_rate
 
 
 @compiled
-def _crossing(h, v, path, alpha, beta, x1, y1, low, high):
+def _crossing(path, alpha, beta, anchor, low, high):
     """Return the root of alpha z + beta x between `low` and `high`, where its signs differ (safeguarded Newton)."""
-    z, _, y, _, _, _ = place(h, v, path, low)
-    f_low = alpha * z + beta * (x1 + y - y1)
+    z, _, y, _ = _place(path, low)
+    f_low = alpha * z + beta * (anchor.x + y - anchor.y)
     phi = 0.5 * (low + high)
     for _ in range(60):
-        z, zr, y, yr, _, _ = place(h, v, path, phi)
-        f, rate = alpha * z + beta * (x1 + y - y1), alpha * zr + beta * yr
+        z, zr, y, yr = _place(path, phi)
+        f, rate = alpha * z + beta * (anchor.x + y - anchor.y), alpha * zr + beta * yr
         if (f > 0.0) == (f_low > 0.0):
             low = phi
         else:
@@ -66,27 +133,28 @@ def _crossing(h, v, path, alpha, beta, x1, y1, low, high):
 
 
 @compiled
-def _window(v, path, c, s, h):
-    """Return (start, end, kind) of slip towards s: kind 0 never, 1 a window, 2 always."""
-    across, along = s * path[7, 0] - c * path[5, 0], c * path[4, 0] - s * path[6, 0]
+def _window(path, c, s):
+    """Return (start, end, kind) of slip towards s."""
+    wave = path.wave
+    across = s * wave.tangential_sin[0] - c * wave.normal_sin[0]
+    along = c * wave.normal_cos[0] - s * wave.tangential_cos[0]
     size = np.hypot(across, along)
-    if s * v >= size:
-        return 0.0, 0.0, 0.0
-    if s * v <= -size:
-        return 0.0, 0.0, 2.0
-    centre, half = np.arctan2(along, across), np.arccos(s * v / size)
-    return _edge(v, path, c, s, h, centre, -half, size), _edge(v, path, c, s, h, centre, half, size), 1.0
+    if s * path.v >= size:
+        return 0.0, 0.0, NEVER
+    if s * path.v <= -size:
+        return 0.0, 0.0, ALWAYS
+    centre, half = np.arctan2(along, across), np.arccos(s * path.v / size)
+    return _edge(path, c, s, centre, -half, size), _edge(path, c, s, centre, half, size), WINDOW
 
 
 @compiled
-def _edge(v, path, c, s, h, centre, half, size):
+def _edge(path, c, s, centre, half, size):
     """Return the phase at which slip towards s begins or ends: of the first harmonic, then of all."""
-    phi = centre + half
-    slope = -size * np.sin(half)
-    if path.shape[1] > 1 and abs(slope) > 1e-3 * size:
+    phi, rate = centre + half, -size * np.sin(half)
+    if path.wave.normal_cos.size > 1 and abs(rate) > 1e-3 * size:
         for _ in range(12):
-            _, zr, _, yr, _, _ = place(h, v, path, phi)
-            step = -(s * yr - c * zr) / slope
+            _, zr, _, yr = _place(path, phi)
+            step = -slip_speed(s, zr, yr, c) / rate
             phi += step
             if abs(step) < 1e-12:
                 break
@@ -94,124 +162,112 @@ def _edge(v, path, c, s, h, centre, half, size):
 
 
 @compiled
-def _next_slip(h, v, path, c, s, window, x1, y1, start, stop):
+def _next_slip(path, c, s, window, anchor, start, stop):
     """Return the first phase in (start, stop) at which stick ends by slip towards s; stop if none."""
-    if window[2] == 0.0:
+    low, high, kind = window
+    if kind == NEVER:
         return stop
-    low, high = window[0], window[1]
-    if window[2] == 2.0:
+    if kind == ALWAYS:
         low, high = start, stop
     else:
         shift = TURN * np.ceil((start + 1e-9 - high) / TURN)
         low, high = low + shift, high + shift
     while low < stop:
         a, b = max(low, start), min(high, stop)
-        z, _, y, _, _, _ = place(h, v, path, b)
+        z, _, y, _ = _place(path, b)
         # below rounding: a spring that comes back to its limit after a whole cycle of stick has not slipped
-        if b > a and c * z - s * (x1 + y - y1) < -1e-14:
-            return _crossing(h, v, path, c, -s, x1, y1, a, b)
+        if b > a and c * z - s * (anchor.x + y - anchor.y) < -1e-14:
+            return _crossing(path, c, -s, anchor, a, b)
         low, high = low + TURN, high + TURN
     return stop
 
 
 @compiled
-def _gather(problem, h, v, path, start, stop, slip, x1, y1, parted, rule, sums):
-    """Add the integrals of the forces from one event to the next; `slip` is the sign of slip, 0 in stick.
+def _gather(problem, path, rule, work, start, stop, slip, offset):
+    """Add the integrals of the forces from one event to the next; `slip` is its sign, 0 in stick: x = offset + y.
 
     A contact that almost parts at its trough has its singular points just off the real axis there: cut at it.
     """
-    if not parted:
-        trough = np.arctan2(path[5, 0], path[4, 0]) + np.pi
+    a, b = path.wave.normal_cos[0], path.wave.normal_sin[0]
+    if path.h >= np.hypot(a, b):
+        trough = np.arctan2(b, a) + np.pi
         trough += TURN * np.ceil((start - trough) / TURN)
         while trough < stop:
-            _piece(problem, h, v, path, start, trough, slip, x1, y1, rule, sums)
+            _piece(problem, path, rule, work, start, trough - start, slip, offset)
             start, trough = trough, trough + TURN
-    _piece(problem, h, v, path, start, stop, slip, x1, y1, rule, sums)
+    _piece(problem, path, rule, work, start, stop - start, slip, offset)
 
 
 @compiled
-def _piece(problem, h, v, path, start, stop, slip, x1, y1, rule, sums):
+def _piece(problem, path, rule, work, start, width, slip, offset):
     """Add the integrals of the forces over one smooth piece."""
-    kappa, chi, mu, c = problem.stiffness, problem.contact_damping, problem.friction, problem.limit_slope
-    harmonics = path.shape[1]
-    width = stop - start
-    if harmonics == 1 and sums.size == 2:
-        push, pull = _plain(
-            kappa,
-            mu,
-            c,
-            h,
-            v,
-            path[4, 0],
-            path[5, 0],
-            path[6, 0],
-            path[7, 0],
-            start,
-            width,
-            slip,
-            x1 - y1,
-            rule,
-            problem.shape,
-        )
-        sums[0] += push
-        sums[1] += pull
+    kappa, mu, c = problem.stiffness, problem.friction, problem.limit_slope
+    force = work.force
+    if path.wave.normal_cos.size == 1 and force.normal_cos.size == 0:
+        push, pull = _plain(problem, path, rule, start, width, slip, offset)
+        work.means[NORMAL] += push
+        work.means[TANGENTIAL] += pull
         return
-    for j in range(rule.shape[1]):
-        z, z_rate, y, _, co, si = place(h, v, path, start + width * rule[0, j])
+    for j in range(rule.weight.size):
+        phi = start + width * rule.place[j]
+        z, z_rate, y, _ = _place(path, phi)
         if z <= 0.0:
             continue
-        weight = kappa * width * rule[1, j]
+        weight = kappa * width * rule.weight[j]
         elastic = weight * load(z, problem.shape)
         if slip != 0.0:
             pull = slip * mu * elastic
         else:
-            x = x1 + y - y1
+            x = offset + y
             pull = mu * weight * friction_load(z, z - abs(x) / c, problem.shape)
             if x < 0.0:
                 pull = -pull
-        push = elastic * (1.0 + chi * z_rate)
         # P z' is a total derivative, so that the damper's mean over a cycle is zero
-        sums[0] += elastic
-        sums[1] += pull
-        if sums.size > 2:
-            cos, sin = co, si
-            for k in range(harmonics):
-                m = 2 + 4 * k
-                sums[m] += push * cos
-                sums[m + 1] += push * sin
-                sums[m + 2] += pull * cos
-                sums[m + 3] += pull * sin
-                cos, sin = cos * co - sin * si, sin * co + cos * si
+        work.means[NORMAL] += elastic
+        work.means[TANGENTIAL] += pull
+        push = elastic * (1.0 + problem.contact_damping * z_rate)
+        co, si = np.cos(phi), np.sin(phi)
+        cos, sin = co, si
+        for k in range(force.normal_cos.size):
+            force.normal_cos[k] += push * cos
+            force.normal_sin[k] += push * sin
+            force.tangential_cos[k] += pull * cos
+            force.tangential_sin[k] += pull * sin
+            cos, sin = cos * co - sin * si, sin * co + cos * si
 
 
 @summed
-def _plain(kappa, mu, c, h, v, a, b, d, e, start, width, slip, offset, rule, shape):
+def _plain(problem, path, rule, start, width, slip, offset):
     """Return the integrals of normal force and traction over a smooth piece of a path of one harmonic."""
+    mu, shape, near = problem.friction, problem.shape, 1.0 / problem.limit_slope
+    h, v, wave = path.h, path.v, path.wave
+    a, b, d, e = wave.normal_cos[0], wave.normal_sin[0], wave.tangential_cos[0], wave.tangential_sin[0]
     push, pull = 0.0, 0.0
-    for j in range(rule.shape[1]):
-        phi = start + width * rule[0, j]
+    for j in range(rule.weight.size):
+        phi = start + width * rule.place[j]
         co, si = circle(phi)
         z = h + a * co + b * si
         power = load(z, shape)
-        weight = width * rule[1, j]
+        weight = width * rule.weight[j]
         push += weight * power
         x = offset + d * co + e * si - v * phi
-        stuck = friction_load(z, z - abs(x) / c, shape)
+        stuck = friction_load(z, z - abs(x) * near, shape)
         stuck = -stuck if x < 0.0 else stuck
         pull += weight * (stuck if slip == 0.0 else slip * power)
-    return kappa * push, mu * kappa * pull
+    return problem.stiffness * push, mu * problem.stiffness * pull
 
 
 @compiled
-def _stick(problem, h, v, path, start, stop, x1, y1, parted, rule, sums):
-    """Add the integrals of a stretch of stick, cut where x passes zero; return the number of passages."""
-    size = np.hypot(path[7, 0], path[6, 0])
+def _stick(problem, path, rule, work, start, stop, anchor):
+    """Add the integrals of a stretch of stick, cut where x passes zero."""
+    d, e = path.wave.tangential_cos[0], path.wave.tangential_sin[0]
+    size, offset = np.hypot(d, e), anchor.x - anchor.y
     # y of the first harmonic turns at centre - half, centre + half, and so on in every cycle
-    centre, half = np.arctan2(-path[6, 0], path[7, 0]), 0.0
-    if abs(v) < size:
-        half = np.arccos(v / size)
+    centre, half = np.arctan2(-d, e), 0.0
+    if abs(path.v) < size:
+        half = np.arccos(path.v / size)
         centre += TURN * np.floor((start - centre + half) / TURN)
-    begin, left, passages, before, side = start, start, 0, x1, 0
+    begin, left, before, side = start, start, anchor.x, 0
     while left < stop:
         right = stop
         while half > 0.0 and side < 16:
@@ -220,145 +276,143 @@ def _stick(problem, h, v, path, start, stop, x1, y1, parted, rule, sums):
             if turning > left:
                 right = min(turning, stop)
                 break
-        after = x1 + place(h, v, path, right)[2] - y1
+        after = offset + _place(path, right)[2]
         if before * after < 0.0:
-            root = _crossing(h, v, path, 0.0, 1.0, x1, y1, left, right)
-            _gather(problem, h, v, path, begin, root, 0.0, x1, y1, parted, rule, sums)
+            root = _crossing(path, 0.0, 1.0, anchor, left, right)
+            _gather(problem, path, rule, work, begin, root, 0.0, offset)
             begin = root
-            passages += 1
+            work.counts[REVERSALS] += 1
         before, left = after, right
-    _gather(problem, h, v, path, begin, stop, 0.0, x1, y1, parted, rule, sums)
-    return passages
+    _gather(problem, path, rule, work, begin, stop, 0.0, offset)
 
 
 @compiled
-def _contact(problem, h, v, path, rule, sums, counts):
-    """Add the integrals of one contact over one cycle of the motion that repeats."""
-    c = problem.limit_slope
-    reach = np.hypot(path[4, 0], path[5, 0])
-    if h <= -reach:
-        return
-    forward, backward = _window(v, path, c, 1.0, h), _window(v, path, c, -1.0, h)
-    parted = h < reach
-    slip, x = 0.0, 0.0
-    if parted:
-        crest, half = np.arctan2(path[5, 0], path[4, 0]), np.arccos(-h / reach)
-        start, stop = crest - half, crest + half
-        for _ in range(8 if path.shape[1] > 1 else 0):
-            z, rate, _, _, _, _ = place(h, v, path, start)
-            z_end, rate_end, _, _, _, _ = place(h, v, path, stop)
-            if rate <= 0.0 or rate_end >= 0.0:
-                break
-            start, stop = start - z / rate, stop - z_end / rate_end
-        counts[MADE] += 1
-        _, zr, _, yr, _, _ = place(h, v, path, start)
-        sign = 1.0 if yr >= 0.0 else -1.0
-        slip = sign if sign * yr - c * zr > 0.0 else 0.0
-    else:
+def _start(path, c, windows, counts):
+    """Return (phase, end, slip, x) with which a contact's cycle begins: where it closes, or where slip ends."""
+    crest = np.arctan2(path.wave.normal_sin[0], path.wave.normal_cos[0])
+    reach = np.hypot(path.wave.normal_cos[0], path.wave.normal_sin[0])
+    if path.h >= reach:
         # a cycle with v > 0 stretches every contact backwards, so it must slip that way, up to the window's end
-        back = 1.0 if v < 0.0 else -1.0
-        window = forward if v < 0.0 else backward
-        if window[2] == 2.0:
-            slip, start = back, 0.0
-        else:
-            start = window[1]
-            x = back * c * place(h, v, path, start)[0]
-        stop = start + TURN
-    slips, reversals, phi = 0, 0, start
-    if slip != 0.0:
-        slips += 1
+        back = 1.0 if path.v < 0.0 else -1.0
+        _, start, kind = windows[0] if path.v < 0.0 else windows[1]
+        if kind == ALWAYS:
+            return 0.0, TURN, back, 0.0
+        return start, start + TURN, 0.0, back * c * _place(path, start)[0]
+    half = np.arccos(-path.h / reach)
+    start, stop = crest - half, crest + half
+    for _ in range(8 if path.wave.normal_cos.size > 1 else 0):
+        z, rate, _, _ = _place(path, start)
+        z_end, rate_end, _, _ = _place(path, stop)
+        if rate <= 0.0 or rate_end >= 0.0:
+            break
+        start, stop = start - z / rate, stop - z_end / rate_end
+    counts[MADE] += 1
+    _, zr, _, yr = _place(path, start)
+    sign = 1.0 if yr >= 0.0 else -1.0
+    return start, stop, (sign if slip_speed(sign, zr, yr, c) > 0.0 else 0.0), 0.0
+
+
+@compiled
+def _contact(problem, path, rule, work):
+    """Add the integrals of one contact over one cycle of the motion that repeats."""
+    c, counts = problem.limit_slope, work.counts
+    reach = np.hypot(path.wave.normal_cos[0], path.wave.normal_sin[0])
+    if path.h <= -reach:
+        return
+    windows = _window(path, c, 1.0), _window(path, c, -1.0)
+    phi, stop, slip, x = _start(path, c, windows, counts)
+    slips = 1 if slip != 0.0 else 0
     for _ in range(40):
         if slip != 0.0:
-            window = forward if slip > 0.0 else backward
-            end = stop
-            if window[2] == 1.0:
-                end = window[1] + TURN * np.ceil((phi + 1e-12 - window[1]) / TURN)
-                if end > stop - 1e-12:
-                    end = stop
-            _gather(problem, h, v, path, phi, end, slip, 0.0, 0.0, parted, rule, sums)
-            x, slip, phi = slip * c * max(place(h, v, path, end)[0], 0.0), 0.0, end
+            _, end, kind = windows[0] if slip > 0.0 else windows[1]
+            if kind == WINDOW:
+                end += TURN * np.ceil((phi + 1e-12 - end) / TURN)
+            if kind != WINDOW or end > stop - 1e-12:
+                end = stop
+            _gather(problem, path, rule, work, phi, end, slip, 0.0)
+            x, slip, phi = slip * c * max(_place(path, end)[0], 0.0), 0.0, end
         else:
-            y1 = place(h, v, path, phi)[2]
-            up = _next_slip(h, v, path, c, 1.0, forward, x, y1, phi, stop)
-            down = _next_slip(h, v, path, c, -1.0, backward, x, y1, phi, stop)
+            anchor = Anchor(x, _place(path, phi)[2])
+            up = _next_slip(path, c, 1.0, windows[0], anchor, phi, stop)
+            down = _next_slip(path, c, -1.0, windows[1], anchor, phi, stop)
             end = min(up, down)
-            reversals += _stick(problem, h, v, path, phi, end, x, y1, parted, rule, sums)
-            x, phi = x + place(h, v, path, end)[2] - y1, end
+            _stick(problem, path, rule, work, phi, end, anchor)
+            x, phi = x + _place(path, end)[2] - anchor.y, end
             if end < stop:
                 slip = 1.0 if up < down else -1.0
                 slips += 1
         if phi >= stop:
             break
     counts[SLIPS] += slips
-    counts[REVERSALS] += reversals
     # slip one way only, by less than a fraction of the spring's range: it takes many cycles to forget
-    if not parted and (slips == 0 or (slips == 1 and TURN * abs(v) < 0.4 * c * h)):
+    if path.h >= reach and (slips == 0 or (slips == 1 and TURN * abs(path.v) < 0.4 * c * path.h)):
         counts[STUCK] += 1
 
 
 @native(
-    "t f f f2 f2 f1 i1",
+    "t f f t t",
     {
-        "problem.paths.height": "n",
-        "problem.paths.normal_cos": "n",
-        "fast": "8 k",
-        "rule": "2 q",
-        "sums": "2 | 2+4k",
-        "counts": "4",
+        "problem.paths.height": "n", "problem.paths.normal_cos": "n", "rule.place": "q", "rule.weight": "q",
+        "work.fast.normal_cos": "k", "work.path.normal_cos": "k", "work.force.normal_cos": "0 | k", "work.means": "2",
+        "work.counts": "4",
     },
-)
-def cycle(problem, h, v, fast, rule, sums, counts):
-    """Fill the means (sum of P, sum of Q) and the harmonics of (P (1 + chi z'), Q) over one cycle that repeats.
+)  # fmt: skip
+def cycle(problem, h, v, rule, work):
+    """Fill the means, the harmonics of the forces and the counts of one cycle that repeats.
 
     Parameters
     ----------
     problem : Problem
     h, v : float
         Mean approach and mean velocity.
-    fast : (8, K) array
-        The slider's own fast motion by harmonic, in the first rows: cos and sin of z_s, cos and sin of its travel; the
-        others are work.
-    rule : (2, n) array
+    rule : Rule
         See `riding.quadrature`.
-    sums : (2,) or (2 + 4 K,) array
-        Overwritten: means, then for each harmonic the amplitudes cos and sin of normal force and of traction.
-    counts : (4,) int array
-        Overwritten: see the names of this module.
+    work : Cycle
+        The slider's fast motion is given; the rest is overwritten.
 
     Returns
     -------
     int
         0.
     """
-    for k in range(sums.size):
-        sums[k] = 0.0
-    for k in range(4):
-        counts[k] = 0
-    paths = problem.paths
+    fast, path, force, paths = work.fast, work.path, work.force, problem.paths
+    work.means[:] = 0.0
+    work.counts[:] = 0
+    for k in range(force.normal_cos.size):
+        force.normal_cos[k] = force.normal_sin[k] = force.tangential_cos[k] = force.tangential_sin[k] = 0.0
     for i in range(paths.height.size):
-        for m in range(4):
-            for k in range(fast.shape[1]):
-                fast[4 + m, k] = -fast[m, k]
-        fast[4, 0] += paths.normal_cos[i]
-        fast[5, 0] += paths.normal_sin[i]
-        fast[6, 0] += paths.tangential_cos[i]
-        fast[7, 0] += paths.tangential_sin[i]
-        _contact(problem, h + paths.height[i], v, fast, rule, sums, counts)
-    for k in range(sums.size):
-        sums[k] /= TURN if k < 2 else np.pi
+        for k in range(fast.normal_cos.size):
+            path.normal_cos[k], path.normal_sin[k] = -fast.normal_cos[k], -fast.normal_sin[k]
+            path.tangential_cos[k], path.tangential_sin[k] = -fast.tangential_cos[k], -fast.tangential_sin[k]
+        path.normal_cos[0] += paths.normal_cos[i]
+        path.normal_sin[0] += paths.normal_sin[i]
+        path.tangential_cos[0] += paths.tangential_cos[i]
+        path.tangential_sin[0] += paths.tangential_sin[i]
+        _contact(problem, Path(h + paths.height[i], v, path), rule, work)
+    work.means[NORMAL] /= TURN
+    work.means[TANGENTIAL] /= TURN
+    for k in range(force.normal_cos.size):
+        force.normal_cos[k] /= np.pi
+        force.normal_sin[k] /= np.pi
+        force.tangential_cos[k] /= np.pi
+        force.tangential_sin[k] /= np.pi
     return 0
 
 
 @compiled
-def respond(problem, sums, fast):
+def respond(problem, work):
     """Set the fast motion that the harmonics of the forces drive, dampers included."""
-    d_n, d_t = problem.normal_damping, problem.tangential_damping
-    for k in range(fast.shape[1]):
-        n, m = k + 1.0, 2 + 4 * k
-        # (a - i b)/(-n^2 + i n d) for forces a cos + b sin
-        size = n * n * (n * n + d_n * d_n)
-        a, b = sums[m], sums[m + 1]
-        fast[0, k], fast[1, k] = -n * (n * a + d_n * b) / size, -n * (n * b - d_n * a) / size
-        size = n * n * (n * n + d_t * d_t)
-        a, b = sums[m + 2], sums[m + 3]
-        fast[2, k], fast[3, k] = -n * (n * a + d_t * b) / size, -n * (n * b - d_t * a) / size
+    d_n, d_t, fast, force = problem.normal_damping, problem.tangential_damping, work.fast, work.force
+    for k in range(fast.normal_cos.size):
+        n = k + 1.0
+        fast.normal_cos[k], fast.normal_sin[k] = _answer(n, d_n, force.normal_cos[k], force.normal_sin[k])
+        fast.tangential_cos[k], fast.tangential_sin[k] = _answer(
+            n, d_t, force.tangential_cos[k], force.tangential_sin[k]
+        )
+
+
+@compiled
+def _answer(n, d, a, b):
+    """Return the amplitudes (a - i b)/(-n^2 + i n d) of the answer to a force a cos + b sin."""
+    size = n * n * (n * n + d * d)
+    return -n * (n * a + d * b) / size, -n * (n * b - d * a) / size

@@ -15,7 +15,7 @@ from contact.kinematics import slip_speed
 from contact.law.elastic import ANNULUS, CREEP, SEPARATED, SLIP, back_force
 from contact.law.hysteretic import annulus_slip, front, place_on
 from contact.problem import ELASTIC
-from contact.solve.segment import BACK, CLIMB, FRONT, SPEED, TRAVEL, U_X_RATE, U_Z_RATE, P, Q, X, Z, rates_at
+from contact.solve.segment import BACK, CLIMB, FRONT, SPEED, TRAVEL, U_X_RATE, U_Z_RATE, P, Q, point_at
 
 # places in the sums: integrals over phase of sum Q, of the sum of normal forces without damper, slider displacement
 TRACTION, SUPPORT, DISPLACEMENT = 0, 1, 2
@@ -42,8 +42,7 @@ def account(problem, grid, state, nodes, segment):
             regime, sign = state.regime[i], state.sign[i]
             if regime == SEPARATED:
                 continue
-            z, x, tangential = own[Z, i, k], own[X, i, k], own[Q, i, k]
-            z_rate, x_rate = rates_at(nodes, i, k)
+            (z, x, z_rate, x_rate), tangential = point_at(nodes, i, k), own[Q, i, k]
             spring = own[P, i, k] + own[BACK, i, k]
             damper = problem.contact_damping * own[P, i, k] * z_rate
             sums[TRACTION] += weight * tangential
@@ -71,7 +70,7 @@ def mark(sums):
     sums[SINCE] = 1e-300
 
 
-def chain_energy(memory, i, regime, s, z, x, c, grid):
+def chain_energy(memory, i, regime, s, z, x, c):
     """Return the tangential springs' energy over mu K: (3/8c) int (x - y)^2/sqrt(eta) d eta, (x - y)^2 the deflection.
 
     On a line y is linear in eta; on a curve sqrt(eta) dy = (2c/3) dM, so that by parts the integral is
@@ -83,7 +82,7 @@ def chain_energy(memory, i, regime, s, z, x, c, grid):
     if regime == SLIP:
         pieces = [(int(s), 0.0, 0.0, 0.0, -1)]
     elif regime == ANNULUS:
-        eta, _ = front(memory, i, s, z, x, c, grid.sigma, grid.bary)
+        eta, _ = front(memory, i, s, z, x, c)
         y = x - s * c * (z - eta)
         pieces.append((int(s), eta, y - c * eta, y + c * eta, -1))
     node, weight = np.polynomial.legendre.leggauss(24)
@@ -101,15 +100,15 @@ def chain_energy(memory, i, regime, s, z, x, c, grid):
             continue
         curve = memory.curve[i, k]
         end = (
-            place_on(curve, stop, c, grid.sigma, grid.bary)
+            place_on(curve, stop, c, memory.grid.sigma, memory.grid.bary)
             if 2.0 * c * stop < curve[1, -1] - curve[0, -1]
             else 1.0
         )
         middle, half = 0.5 * (end - 1.0), 0.5 * (end + 1.0)
-        profile, slope = 0.5 * (curve[0] + curve[1]), grid.rates @ curve[2]
+        profile, slope = 0.5 * (curve[0] + curve[1]), memory.grid.rates @ curve[2]
 
         def at(values, place):
-            return interpolate(place, grid.sigma, grid.bary, values)
+            return interpolate(place, memory.grid.sigma, memory.grid.bary, values)
 
         inside = sum(
             g * (x - at(profile, middle + half * p)) * at(slope, middle + half * p)

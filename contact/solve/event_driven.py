@@ -275,7 +275,7 @@ def _sample(grid, state, nodes, task, segment, taken):
 
 
 @compiled
-def _move_to_end(problem, grid, state, nodes, memory):
+def _move_to_end(problem, state, nodes, memory):
     """Set the state to that at the end of a segment, which also has the first accelerations of the next."""
     end, slider, own = nodes.guard.size - 1, nodes.slider, nodes.contact
     state.slider[POSITION], state.slider[NORMAL_VELOCITY] = slider[HEIGHT, end], slider[CLIMB, end]
@@ -284,7 +284,7 @@ def _move_to_end(problem, grid, state, nodes, memory):
         state.deformation[i] = own[X, i, end]
         if memory is not None:
             if state.regime[i] == GROW:
-                write_curve(memory, i, own[Z, i], own[X, i], own[LEVEL, i], problem.limit_slope, grid.rates)
+                write_curve(memory, i, own[Z, i], own[X, i], own[LEVEL, i], problem.limit_slope)
     _begin_with(nodes, slider[NORMAL_ACCELERATION, end], slider[TANGENTIAL_ACCELERATION, end])
 
 
@@ -384,7 +384,7 @@ def advance(problem, grid, state, work, task, memory, cycle):
             taken = _sample(grid, state, nodes, task, segment, taken)
             phase = task.stop if segment.last else phase + segment.length
             keep(work.pattern, new, segment, phase, state, nodes)
-            _move_to_end(problem, grid, state, nodes, memory)
+            _move_to_end(problem, state, nodes, memory)
             idle, entered, warm = 0, False, True
         else:
             idle += 1
@@ -392,7 +392,7 @@ def advance(problem, grid, state, work, task, memory, cycle):
             if idle > 20 * contacts + 20:
                 return TOO_MANY
         if segment.contact >= 0:
-            made = transit(problem, grid, state, nodes, segment, phase, memory)
+            made = transit(problem, state, nodes, segment, phase, memory)
             mark(state.sums)
             entered = entered or made
     return DONE

@@ -3,7 +3,7 @@ r"""Events at the end of a segment: which guard vanishes first, how fast, and wh
 import numpy as np
 
 from contact.jit.compiled import compiled
-from contact.kinematics import at_phase, slip_speed
+from contact.kinematics import Point, at_phase, slip_speed
 from contact.law.elastic import (
     ANNULUS,
     CONTACT,
@@ -22,14 +22,9 @@ from contact.solve.roots import first_root
 from contact.solve.segment import (
     FRONT,
     NORMAL_ACCELERATION,
-    NORMAL_VELOCITY,
-    POSITION,
     TANGENTIAL_ACCELERATION,
-    VELOCITY,
-    X,
-    Z,
     guards,
-    rates_at,
+    point_at,
 )  # fmt: skip
 
 # the last guard of each regime
@@ -38,13 +33,13 @@ _LAST = (0, 2, 1, 2, 3, 2)
 
 def open_regimes(problem, phase, state):
     """Set regime and sign of every contact, and its deformation within the slip limit, from the state at a phase."""
-    slider = state.slider
+    height, climb, speed = state.slider
     for i in range(state.regime.size):
         u_z, u_z_rate, _, u_x_rate = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
-        z = u_z + problem.paths.height[i] - slider[POSITION]
-        z_rate, x_rate = u_z_rate - slider[NORMAL_VELOCITY], u_x_rate - slider[VELOCITY]
+        z = u_z + problem.paths.height[i] - height
+        point = Point(z, state.deformation[i], u_z_rate - climb, u_x_rate - speed)
         state.regime[i], state.sign[i], state.deformation[i] = opening(
-            z, state.deformation[i], z_rate, x_rate, problem.limit_slope, problem.stick_band
+            point, problem.limit_slope, problem.stick_band
         )
 
 
@@ -71,31 +66,28 @@ def earliest(problem, grid, state, nodes, memory):
 def end_guard(problem, state, nodes, i, which, phase, memory):
     """Return a guard at the end of the segment, which is at this phase, and its rate there."""
     n, regime, sign = nodes.guard.size - 1, state.regime[i], state.sign[i]
-    c, band = problem.limit_slope, problem.stick_band
-    z, x = nodes.contact[Z, i, n], nodes.contact[X, i, n]
-    z_rate, x_rate = rates_at(nodes, i, n)
+    c, band, point = problem.limit_slope, problem.stick_band, point_at(nodes, i, n)
     u_z, _, u_x, _ = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
     z_second = -u_z - nodes.slider[NORMAL_ACCELERATION, n]
     x_second = -u_x - nodes.slider[TANGENTIAL_ACCELERATION, n]
     if memory is not None and regime >= ANNULUS:
-        value, rate = memory_guard(
-            memory, i, regime, which, sign, z, x, z_rate, x_rate, nodes.contact[FRONT, i, n], c
-        )
+        value, rate = memory_guard(memory, i, regime, which, sign, point, nodes.contact[FRONT, i, n], c)
         if which == 1:
             rate = slip_speed(sign, z_second, x_second, c) if regime == ANNULUS else c * z_second - x_second
         elif which == 2 and regime == GROW:
             rate = c * z_second + x_second
         return value, rate
-    value = guard(regime, which, sign, z, x, z_rate, x_rate, c, band)
+    value = guard(regime, which, sign, point, c, band)
     if (regime == SLIP or regime == CREEP) and which == 1:
         rate = slip_speed(sign, z_second, x_second, c)
         return value, rate if regime == SLIP else -rate
     # the guards on position are linear in (z, x): their rate is the guard of the rates
-    return value, guard(regime, which, sign, z_rate, x_rate, 0.0, 0.0, c, band) - FAR_SIDE
+    rates = Point(point.approach_rate, point.deformation_rate, 0.0, 0.0)
+    return value, guard(regime, which, sign, rates, c, band) - FAR_SIDE
 
 
 @compiled
-def transit(problem, grid, state, nodes, segment, phase, memory):
+def transit(problem, state, nodes, segment, phase, memory):
     """Take the contact whose guard ends the segment, and all whose guards vanish then, to their next regimes.
 
     Returns whether a contact was made.
@@ -111,7 +103,7 @@ def transit(problem, grid, state, nodes, segment, phase, memory):
                 value, rate = end_guard(problem, state, nodes, i, k, phase, memory)
                 met = abs(value) < 4e-16 and rate < 0.0
             if met:
-                kind = _enter_next(problem, grid, state, nodes, i, k, memory)
+                kind = _enter_next(problem, state, nodes, i, k, memory)
                 state.tally[kind] += 1
                 made = made or kind == CONTACT
                 break
@@ -119,17 +111,17 @@ def transit(problem, grid, state, nodes, segment, phase, memory):
 
 
 @compiled
-def _enter_next(problem, grid, state, nodes, i, which, memory):
+def _enter_next(problem, state, nodes, i, which, memory):
     """Take a contact to the far side of a guard; return the kind of event."""
-    regime, sign, x, n = state.regime[i], state.sign[i], state.deformation[i], nodes.guard.size - 1
-    z, c = nodes.contact[Z, i, n], problem.limit_slope
-    z_rate, x_rate = rates_at(nodes, i, n)
+    regime, sign, n = state.regime[i], state.sign[i], nodes.guard.size - 1
+    end = point_at(nodes, i, n)
+    point = Point(end.approach, state.deformation[i], end.approach_rate, end.deformation_rate)
     if memory is not None:
         state.regime[i], state.sign[i], state.deformation[i], kind = recall(
-            memory, i, regime, which, sign, z, x, z_rate, x_rate, c, grid.sigma, grid.bary
+            memory, i, regime, which, sign, point, problem.limit_slope
         )
     else:
         state.regime[i], state.sign[i], state.deformation[i], kind = follow(
-            regime, which, sign, z, x, z_rate, x_rate, c, problem.stick_band
+            regime, which, sign, point, problem.limit_slope, problem.stick_band
         )
     return kind

@@ -10,6 +10,7 @@ import threading
 import numpy as np
 
 from contact.convergence import ConvergenceError
+from contact.kinematics import Point
 from contact.law import elastic, hysteretic, normal
 from contact.problem import HYSTERETIC, Problem
 from contact.solve import energy, event_driven, events, segment
@@ -58,7 +59,7 @@ class Motion:
         remembers = problem.law == HYSTERETIC and problem.limit_slope > 0.0
         # energies at the start of what the sums cover, where someone noted them
         self.begun = None
-        self.memory = hysteretic.blank(contacts, grid.sigma.size) if remembers else None
+        self.memory = hysteretic.blank(contacts, grid) if remembers else None
 
     def _carry(self, state, sign, regime, tally, sums):
         """Set the arrays that the kernels change."""
@@ -147,37 +148,23 @@ class Motion:
                     mu
                     * kappa
                     * energy.chain_energy(
-                        self.memory, i, self.regime[i], self.sign[i], z[i], state.deformation[i], c, self.grid
+                        self.memory, i, self.regime[i], self.sign[i], z[i], state.deformation[i], c
                     )
                 )
         return np.array([stored, problem.preload * height, 0.5 * (climb**2 + speed**2)])
 
     def _displace(self, height, climb, speed, deformations):
-        grid, c, state = self.grid, self.problem.limit_slope, self.carried
+        c, state = self.problem.limit_slope, self.carried
         surface = self.problem.paths.height + self.problem.paths.normal_cos
         target = np.broadcast_to(np.asarray(deformations, float), self.regime.shape)
         for i in range(self.regime.size):
             # a memory is known at the end of a run, where the surface is as at phase 0
-            x, old, new = (
-                state.deformation[i],
-                surface[i] - state.slider[segment.POSITION],
-                surface[i] - height,
-            )
-            if old == new and target[i] == x and self.regime[i] != elastic.SEPARATED:
+            old = Point(surface[i] - state.slider[segment.POSITION], state.deformation[i], 0.0, 0.0)
+            new = Point(surface[i] - height, target[i], 0.0, 0.0)
+            if old == new and self.regime[i] != elastic.SEPARATED:
                 continue
             self.regime[i], self.sign[i], state.deformation[i] = hysteretic.jump(
-                self.memory,
-                i,
-                self.regime[i],
-                self.sign[i],
-                old,
-                x,
-                new,
-                target[i],
-                c,
-                grid.sigma,
-                grid.bary,
-                grid.rates,
+                self.memory, i, self.regime[i], self.sign[i], old, new, c
             )
         state.slider[:] = height, climb, speed
 

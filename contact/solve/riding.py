@@ -6,6 +6,7 @@ phi = beta (1 - cos theta)/2, which makes the root at the end of the arc smooth:
 """
 
 from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,20 +20,25 @@ from contact.slider import Slider
 NODES = 48  # of the answer for one slider
 
 
+class Rule(NamedTuple):
+    """A quadrature: places in [0, 1] and weights, arrays (n,)."""
+
+    place: np.ndarray
+    weight: np.ndarray
+
+
 @cache
-def quadrature(nodes: int) -> np.ndarray:
-    """Return (2, n): places in [0, 1] and weights of Gauss-Legendre in theta."""
+def quadrature(nodes: int) -> Rule:
+    """Return Gauss and Legendre's rule in theta."""
     point, weight = np.polynomial.legendre.leggauss(nodes)
     theta = 0.5 * np.pi * (point + 1.0)
-    return np.array([0.5 * (1.0 - np.cos(theta)), 0.25 * np.pi * weight * np.sin(theta)])
+    return Rule(0.5 * (1.0 - np.cos(theta)), 0.25 * np.pi * weight * np.sin(theta))
 
 
 @compiled
-def circle(phi):
-    """Return cos phi and sin phi to rounding, without a branch: several at once in the processor's lanes."""
-    turns = np.floor(phi * (2.0 / np.pi) + 0.5)
-    r = (phi - turns * 1.5707963267341256) - turns * 6.077100506506192e-11
-    y = r * r
+def short_sine(t):
+    """Return sin t and 1 - cos t for |t| <= 0.8 by their series, to rounding."""
+    y = t * t
     s, v = 1.0 - y * (1.0 / 272.0), 1.0 - y * (1.0 / 306.0)
     s, v = 1.0 - y * (1.0 / 210.0) * s, 1.0 - y * (1.0 / 240.0) * v
     s, v = 1.0 - y * (1.0 / 156.0) * s, 1.0 - y * (1.0 / 182.0) * v
@@ -40,7 +46,16 @@ def circle(phi):
     s, v = 1.0 - y * (1.0 / 72.0) * s, 1.0 - y * (1.0 / 90.0) * v
     s, v = 1.0 - y * (1.0 / 42.0) * s, 1.0 - y * (1.0 / 56.0) * v
     s, v = 1.0 - y * (1.0 / 20.0) * s, 1.0 - y * (1.0 / 30.0) * v
-    s, v = r * (1.0 - y * (1.0 / 6.0) * s), 1.0 - 0.5 * y * (1.0 - y * (1.0 / 12.0) * v)
+    s, v = 1.0 - y * (1.0 / 6.0) * s, 1.0 - y * (1.0 / 12.0) * v
+    return t * s, 0.5 * y * v
+
+
+@compiled
+def circle(phi):
+    """Return cos phi and sin phi to rounding, without a branch: several at once in the processor's lanes."""
+    turns = np.floor(phi * (2.0 / np.pi) + 0.5)
+    s, v = short_sine((phi - turns * 1.5707963267341256) - turns * 6.077100506506192e-11)
+    v = 1.0 - v
     # quarter turns: (c, s), (-s, c), (-c, -s), (s, -c)
     quarter = turns - 4.0 * np.floor(0.25 * turns)
     c, s = (s, v) if quarter == 1.0 or quarter == 3.0 else (v, s)
@@ -51,10 +66,10 @@ def circle(phi):
 def _mean_loads(z, a, half, rule, shape):
     """Return the sums of p and dp/dz of z + a cos phi over the half of a cycle that is in contact."""
     force = rate = 0.0
-    for j in range(rule.shape[1]):
-        co, _ = circle(half * rule[0, j])
-        force += rule[1, j] * load(z + a * co, shape)
-        rate += rule[1, j] * slope(z + a * co, shape)
+    for j in range(rule.weight.size):
+        co, _ = circle(half * rule.place[j])
+        force += rule.weight[j] * load(z + a * co, shape)
+        rate += rule.weight[j] * slope(z + a * co, shape)
     return force, rate
 
 
@@ -107,7 +122,7 @@ def riding(problem, rule):
     return h
 
 
-@native("t f2 f1")
+@native("t t f1")
 def _riding(problem, rule, answer):
     answer[0] = riding(problem, rule)
     return 0

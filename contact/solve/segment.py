@@ -10,11 +10,12 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.jit.compiled import compiled
-from contact.kinematics import at_phase
+from contact.kinematics import Point, at_phase
 from contact.law.elastic import ANNULUS, FAR_SIDE, GROW, SEPARATED, SLIP, back_force, guard, traction
 from contact.law.hysteretic import memory_guard, moment
 from contact.law.normal import load
 from contact.problem import RECIPROCAL
+from contact.solve.riding import short_sine
 
 # what `State.slider` holds
 POSITION, NORMAL_VELOCITY, VELOCITY = 0, 1, 2
@@ -122,7 +123,7 @@ def surface(problem, grid, nodes, segment):
         for j in range(own.shape[2]):
             t = segment.length * grid.tau[segment.map, j]
             if short:
-                s, v = _sine(t)
+                s, v = short_sine(t)
             else:
                 s, v = np.sin(t), 1.0 - np.cos(t)
             c = 1.0 - v
@@ -130,21 +131,6 @@ def surface(problem, grid, nodes, segment):
             own[U_X, i, j] = e * s - d * v
             own[U_Z_RATE, i, j] = b * c - a * s
             own[U_X_RATE, i, j] = e * c - d * s
-
-
-@compiled
-def _sine(t):
-    """Return sin t and 1 - cos t for |t| <= 0.8 by their series, to rounding."""
-    y = t * t
-    s, v = 1.0 - y * (1.0 / 272.0), 1.0 - y * (1.0 / 306.0)
-    s, v = 1.0 - y * (1.0 / 210.0) * s, 1.0 - y * (1.0 / 240.0) * v
-    s, v = 1.0 - y * (1.0 / 156.0) * s, 1.0 - y * (1.0 / 182.0) * v
-    s, v = 1.0 - y * (1.0 / 110.0) * s, 1.0 - y * (1.0 / 132.0) * v
-    s, v = 1.0 - y * (1.0 / 72.0) * s, 1.0 - y * (1.0 / 90.0) * v
-    s, v = 1.0 - y * (1.0 / 42.0) * s, 1.0 - y * (1.0 / 56.0) * v
-    s, v = 1.0 - y * (1.0 / 20.0) * s, 1.0 - y * (1.0 / 30.0) * v
-    s, v = 1.0 - y * (1.0 / 6.0) * s, 1.0 - y * (1.0 / 12.0) * v
-    return t * s, 0.5 * y * v
 
 
 @compiled
@@ -191,9 +177,7 @@ def _contact(problem, grid, state, nodes, i, memory):
             z = own[Z, i, j]
             level = own[LEVEL, i, j] if z > 0.0 else 0.0
             if regime == ANNULUS and z > 0.0:
-                level, own[FRONT, i, j] = moment(
-                    memory, i, ANNULUS, sign, z, own[X, i, j], c, grid.sigma, grid.bary
-                )
+                level, own[FRONT, i, j] = moment(memory, i, ANNULUS, sign, z, own[X, i, j], c)
             own[Q, i, j] = friction * level
     else:
         for j in range(n):
@@ -326,10 +310,11 @@ def end_kinematics(problem, state, nodes):
 
 
 @compiled
-def rates_at(nodes, i, j):
-    """Return (z', x') of a contact that sticks, at a node."""
+def point_at(nodes, i, j):
+    """Return approach, deformation and their rates of a contact at a node."""
     own, slider = nodes.contact, nodes.slider
-    return own[U_Z_RATE, i, j] - slider[CLIMB, j], own[U_X_RATE, i, j] - slider[SPEED, j]
+    z_rate, x_rate = own[U_Z_RATE, i, j] - slider[CLIMB, j], own[U_X_RATE, i, j] - slider[SPEED, j]
+    return Point(own[Z, i, j], own[X, i, j], z_rate, x_rate)
 
 
 @compiled
@@ -343,11 +328,8 @@ def guards(problem, state, nodes, i, which, memory):
         return
     c, band = problem.limit_slope, problem.stick_band
     for j in range(out.size):
-        z, x = own[Z, i, j], own[X, i, j]
-        z_rate, x_rate = rates_at(nodes, i, j)
+        point = point_at(nodes, i, j)
         if memory is not None and regime >= ANNULUS:
-            out[j], _ = memory_guard(
-                memory, i, regime, which, sign, z, x, z_rate, x_rate, own[FRONT, i, j], c
-            )
+            out[j], _ = memory_guard(memory, i, regime, which, sign, point, own[FRONT, i, j], c)
         else:
-            out[j] = guard(regime, which, sign, z, x, z_rate, x_rate, c, band)
+            out[j] = guard(regime, which, sign, point, c, band)

@@ -10,7 +10,7 @@ from studies.chain.tally import burst_tally, steady_tally
 from studies.refusal import SceneError
 from studies.scene import Scene
 
-__all__ = ["SliderAnswer", "slider_answer"]
+__all__ = ["SliderAnswer", "contact_load", "slider_answer"]
 
 SAMPLES = 2000  # instants of a trajectory: it is drawn and kept, not integrated
 STEADY_METHODS, BURST_METHODS = ("auto", "exact", "averaged"), ("auto", "exact", "stepped")
@@ -76,6 +76,7 @@ def slider_answer(
 
     slider = _refusing(lambda: bridge.contact_slider(scene.slider))
     points, parts, trajectories = [], [], []
+    summary, threshold = _summary(scene, slider, orbits, amplitudes[0])
     waiting = "" if kernels.ready() else f", compiling {kernels.how_often()}"
     for number, level in enumerate(scene.levels, start=1):
         progress(f"contact: point {number} of {len(scene.levels)}{waiting if number == 1 else ''}")
@@ -85,13 +86,14 @@ def slider_answer(
         here = bridge.scaled(orbits, level)
         travelling = None if along is None or scene.slider.travel is False else (along, level)
         found, part, trajectory = _point(scene, slider, here, stator_error, tolerance, ringing, travelling)
+        found |= contact_load(slider, here, threshold / level if level > 0.0 else math.inf)
         points.append(point | found)
         parts.append(part)
         trajectories += [] if trajectory is None else [(level, trajectory)]
     return SliderAnswer(
         points=tuple(points),
         parts=tuple(parts),
-        summary=_summary(scene, slider, orbits, amplitudes[0]),
+        summary=summary,
         trajectories=tuple(trajectories),
     )
 
@@ -215,20 +217,36 @@ def _along(scene: Scene, slider, trajectory, along, level: float):
     return replace(with_travel(trajectory, found), relative_error=error), {"travel_m": float(found.place[-1])}
 
 
-def _summary(scene: Scene, slider, orbits: tuple, amplitude: float) -> dict:
-    """Return threshold and release; what never comes is absent."""
+def contact_load(slider, orbits: tuple, threshold: float) -> dict:
+    """Return the pressure under a contact on the highest crest, and how far the amplitude is below the threshold.
+
+    Parameters
+    ----------
+    slider : contact.Slider
+    orbits : tuple of contact.Orbit
+    threshold : float
+        Factor on the orbits at which the slider starts to move; infinite where it never does.
+    """
+    from contact import riding_height
+
+    found = {"stick_margin": threshold - 1.0} if math.isfinite(threshold) else {}
+    if slider.preload > 0.0:
+        crests = slider.offsets(len(orbits)) + [abs(orbit.normal) for orbit in orbits]
+        found["contact_pressure_Pa"] = float(slider.pressure(riding_height(slider, orbits) + max(crests)))
+    return found
+
+
+def _summary(scene: Scene, slider, orbits: tuple, amplitude: float) -> tuple[dict, float]:
+    """Return threshold and release, what never comes absent; and the factor on the orbits at the threshold."""
     import contact
 
-    found = {}
-    for name, factor in (
-        ("threshold", contact.threshold_factor(slider, orbits)),
-        ("release", contact.release_factor(slider, orbits)),
-    ):
+    found, factors = {}, (contact.threshold_factor(slider, orbits), contact.release_factor(slider, orbits))
+    for name, factor in zip(("threshold", "release"), factors, strict=True):
         if math.isfinite(factor):
             found[f"{name}_amplitude_m"] = factor * amplitude
             if scene.wave is None:
                 found[f"{name}_voltage_V"] = factor
-    return found
+    return found, factors[0]
 
 
 def _method(scene: Scene, what: str, available: tuple[str, ...]) -> str:

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from studies.chain import bridge
+from studies.chain.points import contact_load
 from studies.chain.stator_warnings import OF_THE_STATOR, catalogue_strength
 from studies.record import Record
 from studies.scene import Scene
@@ -63,7 +64,6 @@ def _sideways(record: Record) -> Iterator[str]:
 
 def _pressure(record: Record) -> Iterator[str]:
     """Yield warnings where the Hertz pressure passes what ball or stator bear, at rest or on the highest crest."""
-    from contact import riding_height
     from fem import strength
 
     scene = record.scene
@@ -75,8 +75,7 @@ def _pressure(record: Record) -> Iterator[str]:
         orbits = bridge.scaled(bridge.orbits_per_volt(record.surface_motion, scene.slider), level)
     else:
         orbits = bridge.scaled(bridge.given_orbits(scene.wave), level)
-    crests = [abs(orbit.normal) for orbit in orbits] + slider.offsets(len(orbits))
-    highest = slider.pressure(riding_height(slider, orbits) + max(crests))
+    highest = contact_load(slider, orbits, math.inf)["contact_pressure_Pa"]
     at_rest = slider.pressure(max(slider.rest_approaches(len(orbits))))
     kind = "Mean pressure under a punch," if slider.shape == "punch" else "Hertz pressure"
     what = "punches" if slider.shape == "punch" else "balls"

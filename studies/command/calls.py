@@ -17,7 +17,7 @@ from studies.results import Origin, ResultDirectory, result_directory
 from studies.scene import Scene, SceneFile, scene_path, shipped_scenes
 from studies.scene.override import toml_value, voltages
 
-__all__ = ["check", "datasheet", "fit", "run", "scenes", "schema", "study", "sweep", "view", "wave"]
+__all__ = ["check", "datasheet", "design", "fit", "run", "scenes", "schema", "study", "sweep", "view", "wave"]
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -320,6 +320,38 @@ def fit(arguments: argparse.Namespace) -> int:
     else:
         print(f"{fit_answer(found)}\n{'results':<16}{out}")
     _tell(result)
+    return 0
+
+
+def design(arguments: argparse.Namespace) -> int:
+    """Search for the best motor within ranges; print it and leave its scene beside all evaluations."""
+    from studies.inverse import design as search
+    from studies.inverse.design_report import design_answer, draw_design, write_design
+    from studies.progress import Progress
+
+    wanted = tolerance(arguments.tolerance or "3e-2")
+    table = changed_scene(arguments).to_table()
+    variables = [search.read_variable(text) for text in arguments.over]
+    out = Path(arguments.out or Path("results") / f"{scene_path(arguments.scene).stem}-design")
+    with Progress() as progress:
+        found = search.design(
+            table,
+            arguments.maximise,
+            variables,
+            [search.read_constraint(text) for text in arguments.subject],
+            evaluations=arguments.evaluations,
+            seed=arguments.seed,
+            tolerance=wanted,
+            out=out,
+            workers=arguments.workers,
+            progress=progress,
+        )
+        write_design(found, out)
+        draw_design(found, out / "design.png")
+    if arguments.json:
+        print_json(found.to_dict())
+    else:
+        print(f"{design_answer(found, variables)}\n{'results':<16}{out}")
     return 0
 
 

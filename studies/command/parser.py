@@ -133,6 +133,9 @@ def parser() -> argparse.ArgumentParser:
     study.add_argument("--out", metavar="DIR", help="where the results go (results/NAME-study[-SCENE])")
 
     _fit(_call(calls, "fit", "numbers of a scene from measured curves, and what the data cannot tell"))
+    _design(
+        _call(calls, "design", "the best motor within ranges: a search that can be interrupted and goes on")
+    )
     _view(_call(calls, "view", "the wave field of a run, in a window, as a picture, a movie, a page or data"))
     return top
 
@@ -166,6 +169,45 @@ def _fit(call: argparse.ArgumentParser) -> None:
     call.add_argument("--no-plot", action="store_true", help="draw nothing")
 
 
+def _design(call: argparse.ArgumentParser) -> None:
+    call.add_argument("scene", metavar="SCENE", help="a path or a shipped name")
+    call.add_argument(
+        "--maximise",
+        metavar="GOAL",
+        action="append",
+        default=[],
+        help="velocity, thrust, efficiency or step_resolution; twice for the front of two goals",
+    )
+    call.add_argument(
+        "--over",
+        metavar="KEY=LOW:HIGH",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="a number of the scene to be chosen",
+    )
+    call.add_argument(
+        "--subject",
+        metavar="'NAME <= VALUE'",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="a bound on a key of the scene or on velocity, thrust, contact_pressure, stick_margin, normal_amplitude, "
+        "power_W",
+    )
+    call.add_argument("--evaluations", metavar="N", type=int, help="of each search (60 for each number)")
+    call.add_argument("--seed", metavar="N", type=int, default=0, help="of the random numbers (0)")
+    _changes(call)
+    call.add_argument("--tolerance", metavar="T", help="of the velocity at each evaluation (3e-2)")
+    call.add_argument(
+        "--workers", metavar="N", type=int, default=1, help="processes on this machine (1: this one)"
+    )
+    call.add_argument(
+        "--out", metavar="DIR", help="where evaluations and results are kept (results/NAME-design)"
+    )
+    call.add_argument("--json", action="store_true", help="design.json on stdout")
+
+
 def _view(call: argparse.ArgumentParser) -> None:
     call.add_argument("run", metavar="RUN_DIR", help="a directory that `sawmotor run` left")
     call.add_argument("--screenshot", metavar="FILE", help="draw off screen into a PNG file")
@@ -177,7 +219,9 @@ def _view(call: argparse.ArgumentParser) -> None:
         help=".vtu (complex field), .pvd (instants of a period) or .csv of the field",
     )
     call.add_argument("--surface", action="store_true", help="--data FILE.csv of the surface alone")
-    call.add_argument("--show", metavar="WHAT", help="field, solid (the whole width) or contact (field)")
+    call.add_argument(
+        "--show", metavar="WHAT", help="field, solid (the whole width), beam (from above) or contact (field)"
+    )
     call.add_argument(
         "--quantity",
         metavar="Q",
@@ -213,7 +257,8 @@ def _sweep(call: argparse.ArgumentParser) -> None:
         "--also",
         metavar="LIST",
         default="",
-        help="beside the velocity: limits (threshold, release), thrust (blocked), efficiency",
+        help="beside the velocity: limits (threshold, release), thrust (blocked), efficiency, pressure, "
+        "step (of one cycle)",
     )
     call.add_argument(
         "--tolerance", metavar="T", help="bound of the relative error of the last quantity (1e-3)"

@@ -19,7 +19,7 @@ from studies.inverse.least_squares import CLEARLY, Problem
 from studies.inverse.next_measurement import ranked
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT, Parameter
 from studies.inverse.prediction import Predictor
-from studies.inverse.profile import BetterMinimumError, allowed_excess, profile
+from studies.inverse.profile import BetterMinimumError, End, allowed_excess, profile
 from studies.inverse.result import Fit
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
@@ -86,19 +86,20 @@ def fit(
             "--free", f"asks for {len(parameters)} numbers from {problem.points} measured values"
         )
     say("fit: least squares")
-    best, least = problem.best()
+    minima = problem.minima()
     for _ in range(4):
         try:
-            return _explored(problem, best, least, degrees, estimated, say)
+            return _explored(problem, minima, degrees, estimated, say)
         except BetterMinimumError as found:
-            best, least = problem.minimum(found.x)
+            minima = [problem.minimum(found.x), *minima]
     raise RunError(
         "the fit has several minima, none of which is clearly the lowest: narrow the ranges of --free"
     )
 
 
-def _explored(problem, best, least, degrees, estimated, say) -> Fit:
-    """Return the fit about its minimum: directions, profiles, next measurements."""
+def _explored(problem, minima, degrees, estimated, say) -> Fit:
+    """Return the fit about its least minimum: directions, profiles, next measurements."""
+    (best, least), *others = minima
     variance = least / degrees if estimated else 1.0
     scale = math.sqrt(variance) or 1e-300
     slopes = problem.jacobian(best) / scale
@@ -108,13 +109,17 @@ def _explored(problem, best, least, degrees, estimated, say) -> Fit:
     information = slopes.T @ slopes + np.diag(problem.half_width**-2.0)
     covariance = np.linalg.inv(information)
     allowed = allowed_excess(variance, degrees if estimated else None)
+    rivals = [(x, squares) for x, squares in others if squares - least < allowed]
     ends = {}
     for j, parameter in enumerate(problem.parameters):
         say(f"fit: interval of {parameter.key}")
         step = FIRST_STEP * math.sqrt(covariance[j, j])
-        ends[parameter.key] = (None, None) if parameter.key in lost else tuple(
-            profile(problem, best, least, j, sign, step, allowed) for sign in (-1.0, 1.0)
-        )  # fmt: skip
+        if parameter.key in lost:
+            ends[parameter.key] = (None, None)
+            continue
+        ends[parameter.key] = tuple(
+            _outermost(problem, [(best, least), *rivals], j, sign, step, allowed) for sign in (-1.0, 1.0)
+        )
     directions += _open_directions(problem, best, ends, lost)
     say("fit: next measurements")
     sizes, count = np.sqrt(np.diag(covariance)), len(problem.parameters)
@@ -122,8 +127,16 @@ def _explored(problem, best, least, degrees, estimated, say) -> Fit:
         problem=problem, best=best, chi2=least if not estimated else float(degrees), degrees_of_freedom=degrees,
         deviation=scale * problem.measurements[0].deviations[0] if estimated else None, ends=ends,
         directions=tuple(directions), correlation=(covariance / np.outer(sizes, sizes))[:count, :count],
-        covariance=covariance, candidates=tuple(ranked(problem, best, information, _spread(problem, scale))),
+        rivals=tuple(problem.numbers(x) for x, _ in rivals), covariance=covariance,
+        candidates=tuple(ranked(problem, best, information, _spread(problem, scale))),
     )  # fmt: skip
+
+
+def _outermost(problem, minima, j: int, sign: float, step: float, allowed: float) -> End:
+    """Return the end of an interval: the outermost of those about each minimum that the data do not rule out."""
+    least = minima[0][1]
+    found = [profile(problem, each, least, j, sign=sign, step=step, allowed=allowed) for each in minima]
+    return min(found, key=lambda end: (end.closed, -sign * end.x[j]))
 
 
 def _nearest(problem: Problem, best, least, directions) -> np.ndarray:

@@ -24,6 +24,9 @@ def fit_answer(fit: Fit) -> str:
     lines = [fit.problem.predictor.table.get("title", "") or "no title", "", *table(rows), ""]
     lines += [_labelled("goodness of fit", _goodness(fit))]
     lines += [_labelled("undetermined", each.sentence) for each in fit.directions]
+    for rival in fit.rivals:
+        at = ", ".join(f"{key} = {value:.4g}" for key, value in rival.items())
+        lines.append(_labelled("also possible", f"{at}: another minimum that these data do not rule out"))
     for key, ends in fit.ends.items():
         for way, end in zip(("below", "above"), ends, strict=True):
             if end is not None and not end.closed:

@@ -20,7 +20,8 @@ __all__ = ["CLEARLY", "Problem"]
 
 STEP = 1e-4  # of the logarithm, or of the range: differences err by its square, predictions by 1e-9
 STATOR_STEP = 1e-3  # a stator's answer is known to the predictor's tolerance only
-SAMPLES, STARTS = 64, 3
+SAMPLES, MAX_LOOKED_AT = 64, 8  # starts; of which the best are looked at
+BETWEEN = 9  # points on the line between two minima
 MAX_EVALUATIONS = 60
 CLEARLY = 1e-3  # lower, relative: what is no other minimum but the same one along a direction of no effect
 
@@ -131,24 +132,40 @@ class Problem:
         )  # fmt: skip
         return at(found.x), 2.0 * float(found.cost)
 
-    def best(self) -> tuple[np.ndarray, float]:
-        """Return (x, sum of squares) of the least minimum found from several starts.
+    def minima(self) -> list[tuple[np.ndarray, float]]:
+        """Return (x, sum of squares) of the distinct minima found from several starts, the least first.
 
         Raises
         ------
         RunError
-            If the model has no prediction at the minimum.
+            If the model has no prediction at the least one.
         """
         starts = self._starts()
         squares = np.sum(self.residuals(starts) ** 2, axis=1)
-        chosen = [starts[0], *(starts[k] for k in np.argsort(squares)[:STARTS] if k > 0)]
-        x, least = self.minimum(chosen[0])
-        for other in map(self.minimum, chosen[1:]):
-            if other[1] < least - CLEARLY * max(1.0, least):
-                x, least = other
-        if any(np.isnan(values).any() for values in self.predictions([x])[0]):
+        found = [self.minimum(starts[0])]
+        for k in [k for k in np.argsort(squares)[:MAX_LOOKED_AT] if k > 0]:
+            if not all(self._parted(starts[k], other, squares[k]) for other, _ in found):
+                continue  # in the valley of a minimum that is known
+            x, least = self.minimum(starts[k])
+            same = [
+                n for n, (other, size) in enumerate(found) if not self._parted(x, other, max(least, size))
+            ]
+            better = [n for n in same if least < found[n][1] - CLEARLY * max(1.0, least)]
+            found = [each for n, each in enumerate(found) if n not in better]
+            if not same or better:
+                found.append((x, least))
+        found.sort(key=lambda each: each[1])
+        if any(np.isnan(values).any() for values in self.predictions([found[0][0]])[0]):
             raise RunError("the motor has no steady motion at some measured point of the best fit")
-        return x, least
+        return found
+
+    def _parted(self, one, other, highest: float) -> bool:
+        """Whether the sum of squares rises between two minima, so that they are not the same valley."""
+        if np.max(np.abs(one - other) / self.half_width) < 1e-3:
+            return False
+        shares = np.linspace(0.0, 1.0, BETWEEN + 2)[1:-1]
+        squares = np.sum(self.residuals([one + share * (other - one) for share in shares]) ** 2, axis=1)
+        return bool(np.max(squares) > highest + 0.1)
 
     def _starts(self) -> list[np.ndarray]:
         own = [p.start(self.predictor.value(p.key)) for p in self.parameters]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from studies.refusal import SceneError, nearest, shown
 from studies.scene.override import toml_value
-from studies.scene.rule import Quantity
+from studies.scene.rule import Place, Quantity
 from studies.sweep.axes import rule_at
 
 __all__ = [
@@ -62,8 +62,8 @@ class Parameter:
         return 0.5 * (self.inner(self.low) + self.inner(self.high))
 
 
-def read_parameter(text: str, option: str = "--free") -> Parameter:
-    """Read ``KEY=LOW:HIGH``.
+def read_parameter(text: str, option: str = "--free", *, levels: bool = False) -> Parameter:
+    """Read ``KEY=LOW:HIGH``; with ``levels`` voltage and amplitude too.
 
     Raises
     ------
@@ -79,7 +79,7 @@ def read_parameter(text: str, option: str = "--free") -> Parameter:
     ends = span.split(":")
     if not sign or not key or len(ends) != 2:
         raise SceneError(option, f"must be KEY=LOW:HIGH, got {shown(text)}")
-    if key in LEVELS:
+    if key in LEVELS and not levels:
         raise SceneError(f"{option} {key}", "is given by the measurement, point by point, and cannot be free")
     low, high = (_number(option, key, end.strip()) for end in ends)
     if not low < high:
@@ -101,7 +101,9 @@ def _number(option: str, key: str, text: str) -> float:
     if "." not in key and key not in OWN:
         raise SceneError(f"{option} {key}", f"is no key of a scene{nearest(key, OWN)}")
     rule = OWN.get(key) or rule_at(key)
-    value = rule.read(key, toml_value(text)) if isinstance(rule, Quantity) else None
+    rule = rule.along if isinstance(rule, Place) else rule
+    value = rule.read(key, toml_value(text)) if isinstance(rule, Quantity) or key in LEVELS else None
+    value = value[0] if isinstance(value, tuple) else value
     if isinstance(value, bool) or not isinstance(value, float):
         raise SceneError(
             f"{option} {key}", f"must be a number of a scene, such as a length, got {shown(text)}"

@@ -61,15 +61,17 @@ def allowed_excess(variance: float, degrees: int | None) -> float:
 
 
 def profile(
-    problem: Problem, best: np.ndarray, least: float, j: int, sign: float, step: float, allowed: float
+    problem: Problem, minimum: tuple, least: float, j: int, *, sign: float, step: float, allowed: float
 ) -> End:
     """Return the end of the interval of component j, downwards or upwards.
 
     Parameters
     ----------
     problem : Problem
-    best, least : ndarray, float
-        The minimum.
+    minimum : (ndarray, float)
+        Where the profile begins, and the sum of squares there.
+    least : float
+        Sum of squares from which the excess counts.
     j : int
     sign : float
         -1 or 1.
@@ -82,9 +84,11 @@ def profile(
     ------
     BetterMinimumError
     """
+    best, begun = minimum
     wall = problem.high[j] if sign > 0 else problem.low[j]
     room, target = abs(wall - best[j]), np.sqrt(allowed)
-    inner, inner_x, outer = (0.0, -target), best, None  # (distance, sqrt(excess) - target)
+    first = np.sqrt(max(begun - least, 0.0)) - target
+    inner, inner_x, outer = (0.0, first), best, None  # (distance, sqrt(excess) - target)
     distance = min(max(step, 1e-6 * room), room)
     here = best
     for _ in range(MAX_REFITS):
@@ -103,8 +107,9 @@ def profile(
         else:
             outer = (distance, gap)
         if outer is None:
-            slope = (gap + target) / distance
-            distance = min(distance * float(np.clip(target / slope if slope > 0 else 3.0, 1.2, 3.0)), room)
+            slope = (gap - first) / distance
+            further = -first / slope / distance if slope > 0 else 3.0
+            distance = min(distance * float(np.clip(further, 1.2, 3.0)), room)
         else:
             span = outer[0] - inner[0]
             share = float(np.clip(-inner[1] / (outer[1] - inner[1]), 0.1, 0.9))

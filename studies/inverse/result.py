@@ -36,6 +36,8 @@ class Fit:
         Of the intervals by key; None where the number lies in an undetermined direction.
     directions : tuple of Direction
         Undetermined.
+    rivals : tuple of dict
+        Numbers at other minima that the data do not rule out; the intervals hold them.
     correlation : ndarray
         Of the free numbers, the ranges as a weak prior.
     covariance : ndarray
@@ -51,6 +53,7 @@ class Fit:
     deviation: float | None
     ends: dict[str, tuple[End | None, End | None]]
     directions: tuple[Direction, ...]
+    rivals: tuple[dict[str, float], ...]
     correlation: np.ndarray
     covariance: np.ndarray
     candidates: tuple[Candidate, ...]
@@ -97,6 +100,8 @@ class Fit:
                 for each in self.candidates
             ],
         }  # fmt: skip
+        if self.rivals:
+            whole["other_minima"] = list(self.rivals)
         if self.probability is not None:
             whole["probability"] = self.probability
         if self.deviation is not None:

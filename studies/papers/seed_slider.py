@@ -14,20 +14,15 @@ def figure_2(seed: Seed):
     """Fig. 2: tangential force against deformation."""
     import numpy as np
 
-    from contact.law import normal
-    from contact.law.elastic import tangential_force
-
     x, curves, ends = {}, {}, []
     for share in (0.5, 1.0, 2.0):
         force = share * seed.slider.preload
-        K, c = seed.slider.normal_stiffness, seed.slider.limit_slope
-        z = normal.approach(force / K, normal.SPHERE)
-        limit = c * z
+        z = seed.slider.approach_under(force, 1)
+        limit = seed.slider.limit_slope * z
         deformation = np.linspace(0, limit, 101)
         name = f"P = {force * 1e3:.3g} mN"
         x[name] = deformation * 1e9
-        friction = seed.slider.friction_coefficient * K
-        curves[name] = tangential_force(deformation, z, friction, c, normal.SPHERE) * 1e3
+        curves[name] = seed.slider.tangential_force(deformation, z) * 1e3
         ends.append(curves[name][-1] / (seed.slider.friction_coefficient * force * 1e3))
         ends.append(limit / share ** (2 / 3))
     data = {"x": x, "left": curves, "x_axis": "tangential deformation x (nm)", "left_axis": "Q (mN)"}

@@ -9,8 +9,6 @@ from studies.scene.toml import document
 
 __all__ = ["write_run", "write_table"]
 
-MAP_PER_WAVELENGTH, MAP_LINES = 4, 81  # places of surface_map along x and across the width
-
 
 def write_run(record: Record, folder: Path, *, field: bool) -> None:
     """Write a run's files into a directory.
@@ -51,24 +49,9 @@ def write_run(record: Record, folder: Path, *, field: bool) -> None:
 
         fem.write_vtu(fem.wave_field(record.surface_wave), folder / "field.vtu")
         if record.surface_motion.beam is not None:
-            _write_surface_map(record, folder)
+            from studies.report.surface_map import write_surface_map
 
-
-def _write_surface_map(record: Record, folder: Path) -> None:
-    """Write the beam over the whole surface, as a mesh and as a table with a line for every place."""
-    import numpy as np
-
-    import fem
-
-    wave, width = record.surface_wave, record.scene.stator.width
-    step = wave.phase_velocity / wave.frequency / MAP_PER_WAVELENGTH
-    x = np.linspace(0.0, wave.length, int(np.ceil(wave.length / step)) + 1)
-    y = np.linspace(-width / 2, width / 2, MAP_LINES)
-    motion = record.surface_motion.beam.motion(x[:, None], y)
-    fem.write_surface(x, y, motion, folder / "surface_map.vtu")
-    columns = {"x_m": np.repeat(x, y.size), "y_m": np.tile(y, x.size)}
-    columns |= {f"u_{name}_m_per_V": each.ravel() for name, each in zip("xyz", motion, strict=True)}
-    write_columns(folder / "surface_map.csv", columns)
+            write_surface_map(record.surface_motion.beam, record.scene.stator.width, folder)
 
 
 def write_columns(path: Path, columns: dict) -> None:

@@ -1,13 +1,19 @@
 """Line numbers of the keys of a TOML document (tomllib keeps none).
 
-The document must be valid TOML: it is scanned after ``tomllib`` has read it.
+The document must be valid TOML: it is read after ``tomllib`` has read it.
 """
 
+import re
 from collections import Counter
+from collections.abc import Iterator
 
 __all__ = ["key_lines", "line_of"]
 
-QUOTES = ('"""', "'''", '"', "'")
+TOKEN = re.compile(
+    r'''"""(?:\\.|[^\\])*?"{3,5}|\'{3}.*?\'{3,5}|"(?:\\.|[^"\\])*"|'[^']*'|\#[^\n]*|\n|[\[\]{},=]|[^\s"'\#\[\]{},=]+''',
+    re.DOTALL,
+)
+Token = tuple[str, int]  # with its line
 
 
 def key_lines(text: str) -> dict[str, int]:
@@ -18,7 +24,34 @@ def key_lines(text: str) -> dict[str, int]:
     >>> key_lines('title = "a"\n[drive]\nvoltage = [1,\n 2]\n')["drive.voltage.1"]
     4
     """
-    return _Scanner(text).lines
+    lines: dict[str, int] = {}
+    entries: Counter[str] = Counter()  # of every list of blocks, so far
+    block = ""
+
+    def resolved(path: str, keys: list[str]) -> str:
+        """Return the path of keys inside a block, with the latest entry of every list of blocks on the way."""
+        for key in keys:
+            path = f"{path}.{key}" if path else key
+            path += f".{entries[path] - 1}" if path in entries else ""
+        return path
+
+    for statement in _statements(text):
+        words, line = [word for word, _ in statement], statement[0][1]
+        if words[0] == "[":
+            many = words[1] == "["
+            *outer, last = _dotted(words[2:-2] if many else words[1:-1])
+            path = ".".join(filter(None, (resolved("", outer), last)))
+            if many:
+                entries[path] += 1
+                lines.setdefault(path, line)
+            block = resolved("", [*outer, last])
+            lines.setdefault(block, line)
+        else:
+            equals = words.index("=")
+            path = resolved(block, _dotted(words[:equals]))
+            lines.setdefault(path, line)
+            _entries(path, statement[equals + 1 :], lines)
+    return lines
 
 
 def line_of(path: str, lines: dict[str, int]) -> int | None:
@@ -30,114 +63,45 @@ def line_of(path: str, lines: dict[str, int]) -> int | None:
     return None
 
 
-class _Scanner:
-    """One pass over a document; ``at`` is the index of the next character."""
+def _statements(text: str) -> Iterator[list[Token]]:
+    """Yield the tokens of each header and of each key with its value."""
+    line, depth, statement = 1, 0, []
+    for match in TOKEN.finditer(f"{text}\n"):
+        word = match[0]
+        if word == "\n" and depth == 0 and statement:
+            yield statement
+            statement = []
+        elif word != "\n" and word[0] != "#":
+            statement.append((word, line))
+            depth += (word in ("[", "{")) - (word in ("]", "}"))
+        line += word.count("\n")
 
-    def __init__(self, text: str):
-        self.text, self.at, self.lines = text, 0, {}
-        self.entries: Counter[str] = Counter()  # of every list of blocks, so far
-        self.block = ""
-        while self._skip_blank():
-            if self.text[self.at] == "[":
-                self._header()
-            else:
-                line = self._line()
-                path = self._resolved(self.block, self._dotted("="))
-                self.lines.setdefault(path, line)
-                self.at += 1
-                self._value(path)
 
-    def _line(self) -> int:
-        return self.text.count("\n", 0, self.at) + 1
+def _dotted(words: list[str]) -> list[str]:
+    """Return the keys of a dotted key."""
+    keys = [""]
+    for word in words:
+        if word[0] in "\"'":
+            keys[-1] += word[1:-1]
+        else:
+            first, *others = word.split(".")
+            keys[-1] += first
+            keys += others
+    return keys
 
-    def _skip_blank(self) -> bool:
-        """Skip spaces, line ends and comments; return whether anything follows."""
-        while self.at < len(self.text):
-            if self.text[self.at] == "#":
-                end = self.text.find("\n", self.at)
-                self.at = len(self.text) if end < 0 else end
-            elif self.text[self.at].isspace():
-                self.at += 1
-            else:
-                return True
-        return False
 
-    def _header(self) -> None:
-        line, many = self._line(), self.text.startswith("[[", self.at)
-        self.at += 2 if many else 1
-        *outer, last = self._dotted("]")
-        path = self._resolved("", outer)
-        path = f"{path}.{last}" if path else last
-        if many:
-            self.entries[path] += 1
-            self.lines.setdefault(path, line)
-        self.block = self._resolved("", [*outer, last])
-        self.lines.setdefault(self.block, line)
-        self.at += 2 if many else 1
-
-    def _resolved(self, block: str, keys: list[str]) -> str:
-        """Return the path of keys inside a block, with the latest entry of every list of blocks on the way."""
-        path = block
-        for key in keys:
-            path = f"{path}.{key}" if path else key
-            if path in self.entries:
-                path = f"{path}.{self.entries[path] - 1}"
-        return path
-
-    def _dotted(self, end: str) -> list[str]:
-        """Read a dotted key up to a character that ends it."""
-        keys, key = [], ""
-        while self.text[self.at] != end:
-            sign = self.text[self.at]
-            if sign in "\"'":
-                begin = self.at
-                self._string()
-                key += self.text[begin + 1 : self.at - 1]
-                continue
-            if sign == ".":
-                keys.append(key)
-                key = ""
-            elif not sign.isspace():
-                key += sign
-            self.at += 1
-        return [*keys, key]
-
-    def _value(self, path: str) -> None:
-        """Skip a value, noting the line of each entry of a list."""
-        counters: list[int | None] = []  # one per open bracket; None for an inline table
-        entry_expected = False
-        while self.at < len(self.text):
-            sign = self.text[self.at]
-            if sign == "\n" and not counters:
-                return
-            if sign == "#":
-                end = self.text.find("\n", self.at)
-                self.at = len(self.text) if end < 0 else end
-                continue
-            if entry_expected and not sign.isspace() and sign != "]":
-                if None not in counters:
-                    self.lines[".".join([path, *map(str, counters)])] = self._line()
-                entry_expected = False
-            if sign in "\"'":
-                self._string()
-                continue
-            if sign in "[{":
-                counters.append(0 if sign == "[" else None)
-                entry_expected = sign == "["
-            elif sign in "]}":
-                counters.pop()
-                entry_expected = False
-            elif sign == "," and counters and counters[-1] is not None:
-                counters[-1] += 1
-                entry_expected = True
-            self.at += 1
-
-    def _string(self) -> None:
-        """Skip a string of any of the four kinds."""
-        quote = next(each for each in QUOTES if self.text.startswith(each, self.at))
-        self.at += len(quote)
-        while not self.text.startswith(quote, self.at):
-            self.at += 2 if self.text[self.at] == "\\" and quote[0] == '"' else 1
-        self.at += len(quote)
-        while len(quote) == 3 and self.text.startswith(quote[0], self.at):
-            self.at += 1  # up to two quotes may stand before the closing three
+def _entries(path: str, value: list[Token], lines: dict[str, int]) -> None:
+    """Note the line of each entry of a list, and of the lists in it."""
+    counters: list[int | None] = []  # one per open bracket; None for an inline table
+    expected = False
+    for word, line in value:
+        if expected and word != "]" and None not in counters:
+            lines[".".join([path, *map(str, counters)])] = line
+        expected = word == "["
+        if word in ("[", "{"):
+            counters.append(0 if word == "[" else None)
+        elif word in ("]", "}"):
+            counters.pop()
+        elif word == "," and counters and counters[-1] is not None:
+            counters[-1] += 1
+            expected = True

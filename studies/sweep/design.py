@@ -16,7 +16,7 @@ from studies.sweep.axes import Axis, axis, latin_axis, level_key, point_axis, ru
 
 __all__ = ["ALSO", "Design", "Question", "designed"]
 
-ALSO = ("limits", "thrust", "efficiency")
+ALSO = ("limits", "thrust", "efficiency", "pressure", "step")
 MOST = 100_000_000
 PLACES = 4096  # of contacts up to which one answer of the stator serves all
 FEWEST = 6  # frequencies from which a band is cheaper than one solution each
@@ -84,6 +84,8 @@ class Question:
             names += ["velocity_m_per_s", *(["velocity_at_burst_end_m_per_s"] if burst else []), "regime"]
             names += ["threshold_factor", "release_factor"] if "limits" in self.also else []
             names += ["thrust_N"] if "thrust" in self.also else []
+            names += ["contact_pressure_Pa", "stick_margin"] if "pressure" in self.also else []
+            names += ["step_m"] if "step" in self.also else []
             names += ["contact_efficiency"] if "efficiency" in self.also else []
             names += ["motor_efficiency"] if "efficiency" in self.also and self.kind == "driven" else []
         return (*names, "relative_error", "status")

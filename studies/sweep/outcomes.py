@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 from studies.chain import bridge
+from studies.chain.points import contact_load
 from studies.scene import Scene
 from studies.sweep.source import Source
 
@@ -47,7 +48,11 @@ def also_asked(question, driven: Driven, answer: dict) -> dict:
     if "limits" in question.also:
         for name, factor in (("threshold", contact.threshold_factor), ("release", contact.release_factor)):
             answer[f"{name}_factor"] = factor(slider, orbits)
-    if question.also == ("limits",):
+    if "pressure" in question.also:
+        answer |= contact_load(slider, orbits, contact.threshold_factor(slider, orbits))
+    if "step" in question.also:
+        answer |= _step(slider, orbits)
+    if not {"thrust", "efficiency"} & set(question.also):
         return answer
     share = driven.scene.slider.mass / slider.mass
     thrust = answer.pop("thrust_N", None)
@@ -60,6 +65,16 @@ def also_asked(question, driven: Driven, answer: dict) -> dict:
     if "efficiency" in question.also:
         answer |= _efficiency(driven, slider, orbits, thrust, question.tolerance)
     return answer
+
+
+def _step(slider, orbits) -> dict:
+    """Return the size of the step that one cycle makes from rest."""
+    import contact
+
+    try:
+        return {"step_m": abs(contact.step(slider, orbits, cycles=1).displacement)}
+    except contact.ConvergenceError:
+        return {}
 
 
 def _efficiency(driven, slider, orbits, thrust, tolerance) -> dict:

@@ -81,11 +81,13 @@ class Store:
             self._lock.close()
 
     def done(self, count: int):
-        """Return which of the points have a row that stands, an array of bool."""
+        """Return which of the first `count` points have a row that stands, an array of bool."""
         import numpy as np
 
         found = np.zeros(count, bool)
-        rows = self.connection.execute("select point from points where status not like ?", (f"{LOST}%",))
+        rows = self.connection.execute(
+            "select point from points where status not like ? and point < ?", (f"{LOST}%", count)
+        )
         while some := rows.fetchmany(100_000):
             found[np.array(some)[:, 0]] = True
         return found

@@ -54,7 +54,7 @@ def view(
     from studies.view.section import limits
 
     _check_files(wanted)
-    _, scene = left_run(folder)
+    scene = left_run(folder).scene
     show = wanted.show or ("field" if scene.stator is not None else "contact")
     if show == "contact":
         from studies.view import contact_view
@@ -62,6 +62,11 @@ def view(
         contact_view.show(folder, wanted, written, progress=progress)
         if scene.stator is None and not wanted.show:
             note(f"{NO_STATOR}; this is its contact")
+        return
+    if show == "beam":
+        from studies.view import beam_view
+
+        beam_view.show(folder, wanted, written, progress=progress)
         return
     quantity(wanted.quantity)
     if not wanted.files:

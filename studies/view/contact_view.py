@@ -8,10 +8,10 @@ from pathlib import Path
 
 from studies.chain import bridge
 from studies.chain.surface_motion import surface_motion
+from studies.record import Record
 from studies.refusal import RunError, SceneError
 from studies.report.figures import refuse_without_toolkit
 from studies.report.files import write_columns
-from studies.scene import Scene
 from studies.view import movie
 from studies.view.contact_pictures import SlowMotion, moments, strip
 from studies.view.run_field import left_run, solved_again
@@ -25,7 +25,7 @@ DPI = 110
 
 def show(folder, wanted, written: Callable, *, progress: Callable[[str], None]) -> None:
     """Draw the contact of a run into the files that are wanted, or in a window."""
-    record, scene = left_run(folder)
+    record = left_run(folder)
     if wanted.data is not None and not wanted.data.lower().endswith(".csv"):
         raise SceneError("--data", f"must end in .csv for a contact, got {wanted.data!r}")
     if wanted.surface:
@@ -34,7 +34,7 @@ def show(folder, wanted, written: Callable, *, progress: Callable[[str], None]) 
         from studies.view.solid import refuse_without_display
 
         refuse_without_display()
-    found, title = contact_moments(scene, record, level=wanted.level, progress=progress)
+    found, title = contact_moments(record, level=wanted.level, progress=progress)
     progress("drawing the contact")
     for file, write in (
         (wanted.screenshot, lambda: strip(found, title=title).savefig(wanted.screenshot, dpi=DPI)),
@@ -50,34 +50,14 @@ def show(folder, wanted, written: Callable, *, progress: Callable[[str], None]) 
         _window(found, title)
 
 
-def contact_moments(scene: Scene, record: dict, *, level: float | None, progress: Callable[[str], None]):
-    """Return the first contact over two cycles of the steady state, and its title.
+def contact_moments(record: Record, *, level: float | None, progress: Callable[[str], None]):
+    """Return the first contact over two cycles of the steady state of a record, and its title.
 
-    Parameters
-    ----------
-    scene : Scene
-        As resolved.
-    record : dict
-        What run.json holds.
-    level : float or None
-        V, or the amplitude of a given wave in m; the largest of the scene if None.
-    progress : callable
-        Told what is being done.
-
-    Returns
-    -------
-    moments : studies.view.contact_pictures.Moments
-    title : str
-
-    Raises
-    ------
-    SceneError
-        If the scene has no slider or nothing moves.
-    RunError
-        If the contact has no steady state.
+    The level is a voltage in V, or the amplitude of a given wave in m; the largest of the scene if None.
     """
     import contact
 
+    scene = record.scene
     if scene.slider is None:
         raise SceneError("", "there is no contact to show: the scene of this run has no slider")
     level = max(scene.levels) if level is None else level
@@ -87,13 +67,13 @@ def contact_moments(scene: Scene, record: dict, *, level: float | None, progress
         orbits, named = bridge.given_orbits(scene.wave), f"{level * 1e9:.4g} nm"
     else:
         progress("solving the stator")
-        wave = solved_again(scene, record, progress=progress)
-        motion = surface_motion(wave, scene.stator.diffraction, scene.slider.places, record["tolerance"])
+        wave = solved_again(record, progress=progress)
+        motion = surface_motion(wave, scene.stator.diffraction, scene.slider.places, record.tolerance)
         orbits, named = bridge.orbits_per_volt(motion, scene.slider), f"{level:.4g} V"
     progress("following the contact")
     slider, orbits = bridge.contact_slider(scene.slider), bridge.scaled(orbits, level)
     try:
-        speed = contact.steady(slider, orbits, tolerance=record["tolerance"]).velocity * 1e3
+        speed = contact.steady(slider, orbits, tolerance=record.tolerance).velocity * 1e3
         history = contact.contact_history(
             slider, orbits, stage="steady", skip=0, cycles=CYCLES, points_per_cycle=INSTANTS
         )

@@ -134,7 +134,7 @@ def _power_flow(found):
     field = found.whole(energies=True)
     passing = field.densities.power_flow[..., 0] @ depth_weights(field.z, field.order) * found.aperture
     return power_along(
-        field.x, passing, covered=found.spans, given=found.record["electrical"]["power_W_per_V2"],
+        field.x, passing, covered=found.spans, given=found.record.electrical["power_W_per_V2"],
         title=found.scene.title,
     )  # fmt: skip
 

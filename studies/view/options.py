@@ -9,7 +9,7 @@ from studies.scene.override import toml_value
 
 __all__ = ["Wanted"]
 
-SHOWN = ("field", "solid", "contact")
+SHOWN = ("field", "solid", "beam", "contact")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,7 +23,7 @@ class Wanted:
     surface : bool
         Whether the data are a table of the surface alone.
     show : str or None
-        "field", "solid" or "contact"; None: the field, or without a stator the contact.
+        "field", "solid", "beam" or "contact"; None: the field, or without a stator the contact.
     quantity : str
         What colours the field.
     phase : float

@@ -56,30 +56,31 @@ class Quantity:
     title: str
     units: tuple[str, str]
     scales: tuple[float, float]
-    signed: bool
-    turns: int
     parts: Callable
-
-
-def _harmonic(name: str, title: str, units, scales, pick: Callable) -> Quantity:
-    return Quantity(
-        name=name,
-        title=title,
-        units=units,
-        scales=scales,
-        signed=True,
-        turns=1,
-        parts=lambda f: (0.0, pick(f)),
-    )
+    signed: bool = True
+    turns: int = 1
 
 
 QUANTITIES = {
     each.name: each
     for each in (
-        _harmonic("u_z", "u_z", ("nm per V", "over u_z"), (NM, 1.0), lambda f: f.displacement[..., 2]),
-        _harmonic("u_x", "u_x", ("nm per V", "over u_z"), (NM, 1.0), lambda f: f.displacement[..., 0]),
-        _harmonic("u_y", "u_y", ("nm per V", "over u_z"), (NM, 1.0), lambda f: f.displacement[..., 1]),
-        _harmonic("potential", "potential", ("V per V", "V per nm"), (1.0, 1 / NM), lambda f: f.potential),
+        *(
+            Quantity(
+                name=f"u_{axis}",
+                title=f"u_{axis}",
+                units=("nm per V", "over u_z"),
+                scales=(NM, 1.0),
+                parts=lambda f, k=k: (0.0, f.displacement[..., k]),
+            )
+            for axis, k in (("z", 2), ("x", 0), ("y", 1))
+        ),
+        Quantity(
+            name="potential",
+            title="potential",
+            units=("V per V", "V per nm"),
+            scales=(1.0, 1 / NM),
+            parts=lambda f: (0.0, f.potential),
+        ),
         Quantity(
             name="strain_energy",
             title="strain energy",
@@ -94,7 +95,6 @@ QUANTITIES = {
             title="power flow along x",
             units=("W/m^2 per V^2", "W/m^2 per nm^2"),
             scales=(1.0, NM**-2),
-            signed=True,
             turns=2,
             parts=lambda f: (f.densities.power_flow[..., 0], f.densities.power_flow_pulse[..., 0]),
         ),

@@ -1,6 +1,5 @@
 """The wave field of a run that was left, computed anew from its scene at the run's own resolution."""
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -8,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from studies.record import Record
 from studies.refusal import RunError, SceneError, shown
 from studies.scene import Scene, resolved
 
@@ -29,10 +29,8 @@ class RunField:
         and ``energies`` as in `fem.wave_field`.
     length : float
         Of what is shown at most, m.
-    scene : Scene
-        As resolved.
-    record : dict
-        What run.json holds.
+    record : Record
+        Of the run.
     wavelength : float
         Of the surface wave, m.
     fingers : dict
@@ -43,11 +41,15 @@ class RunField:
 
     compute: Callable = field(repr=False)
     length: float
-    scene: Scene = field(repr=False)
-    record: dict = field(repr=False)
+    record: Record = field(repr=False)
     wavelength: float
     fingers: dict = field(repr=False)
     spans: tuple[tuple[float, float], ...]
+
+    @property
+    def scene(self) -> Scene:
+        """The run's, as resolved."""
+        return self.record.scene
 
     @cached_property
     def field(self):
@@ -120,21 +122,12 @@ class RunField:
         return np.any(inside, axis=0) if inside else np.zeros(len(x), dtype=bool)
 
 
-def left_run(folder: str | Path) -> tuple[dict, Scene]:
-    """Return what run.json holds and the scene of a run.
-
-    Raises
-    ------
-    SceneError
-        If the directory holds no run.
-    """
-    folder = Path(folder)
+def left_run(folder: str | Path) -> Record:
+    """Return the record of a run; refuse a directory that holds none."""
     try:
-        record = json.loads((folder / "run.json").read_text(encoding="utf-8"))
-        float(record["tolerance"])
-    except (OSError, ValueError, KeyError, TypeError):
+        return Record.load(folder)
+    except (RunError, TypeError):
         raise SceneError("", f"{shown(str(folder))} is no directory that sawmotor run left") from None
-    return record, Scene.load(folder / "scene.toml")
 
 
 def run_field(folder: str | Path, *, progress: Callable[[str], None]) -> RunField:
@@ -152,24 +145,22 @@ def run_field(folder: str | Path, *, progress: Callable[[str], None]) -> RunFiel
     SceneError
         If the directory holds no run, or the run has no stator.
     """
-    record, scene = left_run(folder)
-    if scene.stator is None:
+    record = left_run(folder)
+    if record.scene.stator is None:
         raise SceneError("", f"{shown(str(folder))}: {NO_STATOR}")
-    return of_record(scene, record, progress=progress)
+    return of_record(record, progress=progress)
 
 
-def of_record(scene: Scene, record: dict, *, progress: Callable[[str], None]) -> RunField:
-    """Return the field of a run that is at hand: its resolved scene, with a stator, and what run.json holds."""
+def of_record(record: Record, *, progress: Callable[[str], None]) -> RunField:
+    """Return the field of a run with a stator that is at hand."""
     progress("computing the field")
-    if scene.transducer:
-        return _driven(scene, record, progress)
-    return _free(scene, record)
+    return _driven(record, progress) if record.scene.transducer else _free(record)
 
 
-def _driven(scene: Scene, record: dict, progress) -> RunField:
+def _driven(record: Record, progress) -> RunField:
     import fem
 
-    wave = solved_again(scene, record, progress=progress)
+    scene, wave = record.scene, solved_again(record, progress=progress)
     rows = resolved.transducers(scene)
     slider = scene.slider
     places = (scene.stator.length / 2,)
@@ -182,25 +173,24 @@ def _driven(scene: Scene, record: dict, progress) -> RunField:
     return RunField(
         compute=compute,
         length=scene.stator.length,
-        scene=scene,
         record=record,
-        wavelength=record["wave"]["phase_velocity_m_per_s"] / scene.frequency,
+        wavelength=record.wave["phase_velocity_m_per_s"] / scene.frequency,
         fingers={sign: [tuple(edges) for row in rows for edges in row.strips(sign)] for sign in "+-o"},
         spans=tuple(tuple(row.extent) for row in rows),
     )
 
 
-def solved_again(scene: Scene, record: dict, *, progress):
+def solved_again(record: Record, *, progress):
     """Return the surface wave of a run, solved at the resolution that run.json tells; without one, run again."""
     from fem import LEVELS, one_blas_thread, solve_driven, surface_wave
 
-    named = record["wave"].get("resolution")
+    scene, named = record.scene, record.wave.get("resolution")
     level = [each for each in LEVELS if named == f"order {each.order}, {each.edge_layers} edge layers"]
     if not level:
         from studies.chain import run
 
         bare = replace(scene, slider=None)
-        return run(bare, tolerance=record["tolerance"], progress=progress).surface_wave
+        return run(bare, tolerance=record.tolerance, progress=progress).surface_wave
     found = one_blas_thread(solve_driven)(
         resolved.stator(scene.stator),
         resolved.transducers(scene),
@@ -210,25 +200,24 @@ def solved_again(scene: Scene, record: dict, *, progress):
     )
     return surface_wave(
         found,
-        relative_error=record["error"]["relative"],
-        admittance_error=record["electrical"]["admittance_relative_error"],
+        relative_error=record.error["relative"],
+        admittance_error=record.electrical["admittance_relative_error"],
         seconds=0.0,
     )
 
 
-def _free(scene: Scene, record: dict) -> RunField:
+def _free(record: Record) -> RunField:
     import fem
 
-    stator = resolved.stator(scene.stator)
+    scene, stator = record.scene, resolved.stator(record.scene.stator)
     try:
-        wave = fem.free_wave(stator, frequency=scene.frequency, tolerance=record["tolerance"])
+        wave = fem.free_wave(stator, frequency=scene.frequency, tolerance=record.tolerance)
     except fem.ConvergenceError as error:
         raise RunError(str(error)) from None
     wavelength = wave.velocity / wave.frequency
     return RunField(
         compute=partial(fem.free_field, wave),
         length=min(scene.stator.length, FREE_WAVELENGTHS * wavelength),
-        scene=scene,
         record=record,
         wavelength=wavelength,
         fingers={},

@@ -3,7 +3,10 @@
 import hashlib
 import os
 import tempfile
+import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -174,6 +177,44 @@ def test_without_what_llvmlite_says_of_the_processor_nothing_is_kept(places, tmp
     places.setattr(compiled, "_digest", gone)
     assert answer()[0] == RIGHT
     assert not files(tmp_path)
+
+
+def test_threads_do_not_try_again_what_cannot_be_kept(places):
+    # each attempt lets go of what the others' ordinary compiler is at work on
+    tried = []
+
+    def slowly(*arguments):
+        tried.append(time.sleep(0.2))
+        gone()
+
+    places.setattr(compiler, "_lowered", slowly)
+    kernel = compiled.Native(count, ("f1", "f"))
+    with ThreadPoolExecutor(2) as pool:
+        answers = list(pool.map(lambda k: kernel(np.array([1.0, k]), 2.5), (2.0, 3.0)))
+    assert answers == [2, 1]
+    assert len(tried) == 1
+
+
+class Weights(NamedTuple):
+    values: np.ndarray
+
+
+def total(weights):
+    """Return the sum of twice the weights."""
+    twice = 0
+    for k in range(weights.values.size):
+        twice += 2 * weights.values[k]
+    return twice
+
+
+def test_arrays_of_another_type_have_their_own_machine_code(places, tmp_path):
+    # a field of a named tuple is declared by nobody: the bits of integers are no numbers
+    places.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    kernel = compiled.Native(total, ("t",))
+    assert kernel(Weights(np.array([1.5, 2.0]))) == 7
+    assert kernel(Weights(np.array([3, 4]))) == 14
+    assert not compiled.ORDINARY
+    assert len(files(tmp_path)) == 2
 
 
 def read_off(sigma, bary, values, at):

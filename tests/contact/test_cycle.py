@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from contact.kinematics import normal_amplitude, tangential_amplitude
-from contact.solve.cycle_mean import MADE, SLIPS, STUCK, cycle, respond
+from contact.solve.cycle_mean import MADE, SLIPS, STUCK, cycle, cycle_room, respond
 from contact.solve.equilibrium import balanced, traction
 from contact.solve.event_driven import TALLY
 from contact.solve.riding import mean_push, quadrature, riding_height
@@ -12,9 +12,9 @@ from tests.contact.motors import orbit, slider
 
 
 def means(problem, h, v, nodes=20):
-    sums, counts = np.zeros(2), np.zeros(4, np.int64)
-    cycle(problem, h, v, np.zeros((8, 1)), quadrature(nodes), sums, counts)
-    return sums, counts
+    work = cycle_room(1, forces=False)
+    cycle(problem, h, v, quadrature(nodes), work)
+    return work.means, work.counts
 
 
 # Oracle: the same cycle by collocation between events that are searched on interpolants
@@ -70,17 +70,21 @@ def test_the_slope_of_the_mean_push_is_its_derivative():
 
 def test_the_fast_motion_obeys_its_equation():
     # Property: z'' + d z' = F harmonic by harmonic, and the same for the travel
-    sums, fast = np.zeros(2 + 4 * 3), np.zeros((8, 3))
-    sums[2:] = np.arange(1.0, 13.0)
+    work = cycle_room(3, forces=True)
+    for number, amplitudes in enumerate(work.force):
+        amplitudes[:] = np.arange(1.0, 13.0)[number::4]
     problem = balanced(slider(), (orbit(3e-9),)).problem._replace(normal_damping=0.3, tangential_damping=0.07)
-    respond(problem, sums, fast)
+    respond(problem, work)
     phase = np.linspace(0.0, 2.0 * np.pi, 7)
-    for row, damping, first in ((0, 0.3, 2), (2, 0.07, 4)):
+    for side, damping in (("normal", 0.3), ("tangential", 0.07)):
         second = force = 0.0
+        (cos, sin), (f_cos, f_sin) = (
+            (getattr(part, f"{side}_cos"), getattr(part, f"{side}_sin")) for part in (work.fast, work.force)
+        )
         for k in range(3):
             n = k + 1
-            a, b = fast[row, k], fast[row + 1, k]
+            a, b = cos[k], sin[k]
             second += -n * n * (a * np.cos(n * phase) + b * np.sin(n * phase))
             second += damping * n * (b * np.cos(n * phase) - a * np.sin(n * phase))
-            force += sums[first + 4 * k] * np.cos(n * phase) + sums[first + 1 + 4 * k] * np.sin(n * phase)
+            force += f_cos[k] * np.cos(n * phase) + f_sin[k] * np.sin(n * phase)
         assert second == pytest.approx(force, rel=1e-12)

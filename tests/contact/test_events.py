@@ -149,21 +149,6 @@ def test_import_is_light():
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
-def test_plain_and_compiled_path_agree():
-    code = (
-        "from tests.contact.test_events import speed_after; from tests.contact.test_trajectory import after_cycles;"
-        "print(repr(float(speed_after(10e-9, 2, 9, 1e-7))))"
-    )
-    plain = subprocess.run(
-        [sys.executable, "-c", code],
-        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert float(plain.stdout) == pytest.approx(speed_after(10e-9, 2, 9, 1e-7), rel=1e-12)
-
-
 def test_kernels_are_cached_under_a_digest_of_all_their_sources(monkeypatch):
     # numba alone would go on running the old code of a function that lives in another file
     from contact.jit import compiled

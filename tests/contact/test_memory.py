@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from contact import burst, contact_history, steady
 from contact.answers.ledger import ledger
 from contact.convergence import ConvergenceError
+from contact.kinematics import Point
 from contact.law import elastic, hysteretic
 from contact.problem import scaled
 from contact.solve import event_driven
@@ -19,7 +20,6 @@ from tests.oracles.contact_springs import velocity_from_rest
 
 C = 0.107
 TABLE = collocation(12)
-TABLES = (TABLE.sigma, TABLE.bary)
 corners = st.lists(st.tuples(st.floats(0.3, 2.0), st.floats(-1.0, 1.0)), min_size=2, max_size=10)
 
 
@@ -27,20 +27,20 @@ class Contact:
     """One contact led along straight lines in (z, x), pressed on to z = 1 first; lengths and mu K are 1."""
 
     def __init__(self):
-        self.memory = hysteretic.blank(1, 12)
+        self.memory = hysteretic.blank(1, TABLE)
         self.regime, self.sign, self.z, self.x = elastic.SEPARATED, 1.0, -1.0, 0.0
         self.go(1.0, 0.0)
 
     def go(self, z, x):
         """Return Q after a line to (z, x)."""
         self.regime, self.sign, self.x = hysteretic.jump(
-            self.memory, 0, self.regime, self.sign, self.z, self.x, z, x, C, *TABLES, TABLE.rates
+            self.memory, 0, self.regime, self.sign, Point(self.z, self.x, 0.0, 0.0), Point(z, x, 0.0, 0.0), C
         )
         self.z = z
-        return hysteretic.moment(self.memory, 0, self.regime, self.sign, z, self.x, C, *TABLES)[0]
+        return hysteretic.moment(self.memory, 0, self.regime, self.sign, z, self.x, C)[0]
 
     def energy(self):
-        return chain_energy(self.memory, 0, self.regime, self.sign, self.z, self.x, C, TABLE)
+        return chain_energy(self.memory, 0, self.regime, self.sign, self.z, self.x, C)
 
 
 class Springs:

@@ -179,3 +179,23 @@ def test_the_files_of_the_field_hold_the_beam(spread, tmp_path):
             found = table[f"u_{name}_m_per_V_re"][row] + 1j * table[f"u_{name}_m_per_V_im"][row]
             assert abs(found - expected[k]) < 1e-3 * abs(expected).max()
             assert real[k] == pytest.approx(found.real, rel=1e-9, abs=1e-18)
+
+
+def test_the_beam_is_drawn_from_above(spread, tmp_path):
+    """The picture's numbers are the beam's, its points the balls; both files are written."""
+    from matplotlib.figure import Figure
+
+    from studies.__main__ import main
+    from studies.report.surface_map import draw_surface_map, surface_map
+
+    beam = spread.surface_motion.beam
+    ax = draw_surface_map(beam, spread.scene, Figure().add_subplot())
+    _, _, motion = surface_map(beam, spread.scene.stator.width)
+    assert np.allclose(np.ravel(ax.collections[0].get_array()), abs(motion[2]).T.ravel() * 1e9, rtol=1e-12)
+    points = [tuple(np.ravel(line.get_xydata()) / 1e3) for line in ax.lines[:3]]
+    assert np.allclose(sorted(points), sorted(spread.scene.slider.places))
+    spread.save(tmp_path / "run")
+    files = tmp_path / "beam.png", tmp_path / "beam.html"
+    wanted = ["--screenshot", str(files[0]), "--html", str(files[1])]
+    assert main(["view", str(tmp_path / "run"), "--show", "beam", *wanted]) == 0
+    assert all(each.stat().st_size > 10_000 for each in files)

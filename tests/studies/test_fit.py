@@ -45,8 +45,7 @@ def explored(model, parameters, monkeypatch, **own):
     data = Measurement(name="m", quantity="velocity", level_key="voltage_V", levels=LEVELS,
                        values=tuple(model.formula(np.array(LEVELS), **model.own)), **own)  # fmt: skip
     problem = Problem(predictor=model, parameters=parameters, measurements=(data,), signs=(1.0,))
-    best, least = problem.best()
-    return _explored(problem, best, least, problem.points - len(parameters), False, lambda text: None)
+    return _explored(problem, problem.minima(), problem.points - len(parameters), False, lambda text: None)
 
 
 def test_intervals_of_a_straight_line_are_those_of_the_textbook(monkeypatch):
@@ -99,6 +98,15 @@ def test_an_end_that_another_number_s_range_makes_is_open(monkeypatch):
     assert found.ends["a"][0].because == "b is at the end of its range"
     assert found.intervals["a"][1] == pytest.approx(high, rel=1e-3)
     assert low < 0.99 * 2.04 / 2.05
+
+
+def test_an_interval_holds_every_minimum_that_the_data_do_not_rule_out(monkeypatch):
+    """Y = a^2 x with a of either sign: both minima are as good; a small term tells them apart by less than 3.84."""
+    model = Model(lambda x, a: a**2 * x + 1e-3 * a * x, a=1.0)
+    found = explored(model, (Parameter(key="a", low=-4.0, high=4.0),), monkeypatch, deviations=(0.01,) * 7)
+    low, high = found.intervals["a"]
+    assert low < -1.0 < 1.0 < high
+    assert [rival["a"] for rival in found.rivals] == [pytest.approx(-1.0, abs=2e-3)]
 
 
 def test_no_finite_interval_where_nothing_is_told():
@@ -230,6 +238,12 @@ def test_a_file_that_is_no_measurement_is_refused(tmp_path, text, settings, word
 def test_what_is_no_free_number_is_refused(text, words):
     with pytest.raises(SceneError, match=words):
         read_parameter(text)
+
+
+def test_a_place_may_be_free():
+    assert read_parameter("slider.position=60 mm:80 mm") == Parameter(
+        key="slider.position", low=0.06, high=0.08
+    )
 
 
 @pytest.mark.parametrize(

@@ -629,14 +629,12 @@ def test_a_stuck_slider_is_drawn_at_rest(given):
     from studies.view.contact_view import contact_moments
     from studies.view.run_field import left_run
 
-    record, scene = left_run(given)
-    drawn, title = contact_moments(scene, record, level=0.3e-9, progress=quiet)
+    record = left_run(given)
+    drawn, title = contact_moments(record, level=0.3e-9, progress=quiet)
     assert title.endswith(": 0.3 nm, slider held at rest")
     assert abs(drawn.slider_velocity.mean()) < 1e-6 * abs(drawn.slider_velocity).max()
-    _, moving = contact_moments(scene, record, level=10e-9, progress=quiet)
-    speed = next(
-        point["velocity_m_per_s"] for point in record["points"] if point["normal_amplitude_m"] == 10e-9
-    )
+    _, moving = contact_moments(record, level=10e-9, progress=quiet)
+    speed = next(point["velocity_m_per_s"] for point in record.points if point["normal_amplitude_m"] == 10e-9)
     assert moving.endswith(f": 10 nm, slider at {speed * 1e3:.4g} mm/s")
 
 

@@ -36,7 +36,9 @@ def test_infinite_aperture_is_the_section(bottom):
     """Charges, line source and modes at k_y = 0 on both sides, next to the fingers and far away."""
     beam = beam_of(cut("PZT-8", "Z", quality=60.0), bottom=bottom, aperture=1.0, layers=0)
     edges = beam.charges[0].x[[0, -1]]
-    x = np.array([edges[0] - 3e-3, edges[0] - 1e-3, edges[1] + 1e-3, edges[1] + 8e-3])
+    first, second = (beam.charges[0].x[beam.charges[0].finger == number] for number in (2, 3))
+    between = 0.5 * (first[-1] + second[0])
+    x = np.array([edges[0] - 3e-3, edges[0] - 1e-3, between, edges[1] + 1e-3, edges[1] + 8e-3])
     section = beam.wave.motion(x)
     tangential, _, normal = beam.motion(x)
     np.testing.assert_allclose(normal, section[1], atol=1e-8 * abs(section).max())

@@ -1,0 +1,203 @@
+"""The best motor within ranges: a global search, then a local one, every evaluation kept and the search resumable.
+
+Differential evolution (`scipy.optimize.differential_evolution`) over logarithms of positive numbers, then COBYQA from
+its best point.  A point that breaks a constraint counts as worse than any that keeps them, by how much it breaks them
+(Deb, Comput. Methods Appl. Mech. Eng. 186 (2000) 311).  With two goals the search is repeated for weights between them
+(weighted Chebyshev distance from the best of each), and the front is what no evaluation beats in both.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from studies.inverse.evaluations import Evaluations
+from studies.inverse.goals import GOALS, Constraint, counted, read_constraint, read_variable
+from studies.inverse.parameters import Parameter
+from studies.inverse.search import UNKNOWN, Search
+from studies.refusal import RunError, SceneError
+from studies.scene import Scene
+from studies.scene.override import replaced
+
+__all__ = ["GOALS", "Constraint", "Design", "design", "read_constraint", "read_variable"]
+
+WEIGHTS = (0.25, 0.5, 0.75)  # of the second goal, between the searches for each alone
+CHANGE = 0.05  # of each variable, for the robustness
+
+
+@dataclass(frozen=True, kw_only=True)
+class Design:
+    """What a search found.
+
+    Attributes
+    ----------
+    goals : tuple of str
+    optimum : dict
+        Row of the best point (of two goals: of the middle of the front): keys and outcomes.
+    front : list of dict
+        Rows that no other beats in both goals; the optimum alone with one goal.
+    robustness : dict
+        By key: smallest share of the goal that is left and whether all constraints hold, 5 % either way.
+    rows : list of dict
+        Evaluations of the search, in their order.
+    evaluations : int
+        With those of the robustness.
+    table : dict
+        TOML document of the scene at the optimum.
+    """
+
+    goals: tuple[str, ...]
+    optimum: dict
+    front: list[dict]
+    robustness: dict
+    rows: list[dict] = field(repr=False)
+    evaluations: int
+    table: dict = field(repr=False)
+
+    def to_dict(self) -> dict:
+        """Return what design.json holds."""
+        return {
+            "goals": list(self.goals), "optimum": self.optimum, "front": self.front, "robustness": self.robustness,
+            "evaluations": self.evaluations,
+        }  # fmt: skip
+
+
+def design(
+    scene: Scene | dict,
+    goals: list[str],
+    variables: list[Parameter],
+    constraints: list[Constraint] = (),
+    *,
+    evaluations: int | None = None,
+    seed: int = 0,
+    tolerance: float = 3e-2,
+    out: Path | None = None,
+    workers: int = 1,
+    progress: Callable[[str], None] | None = None,
+) -> Design:
+    """Search for the best motor.
+
+    Parameters
+    ----------
+    scene : Scene or dict
+        With a slider; of several voltages or amplitudes the largest counts.
+    goals : list of str
+        One or two of ``GOALS``.
+    variables : list of Parameter
+        As ``read_variable`` returns them.
+    constraints : list of Constraint
+    evaluations : int, optional
+        Budget of each search; 60 for each variable when absent.
+    seed : int
+        Of the random numbers.
+    tolerance : float
+        Of the velocity, at every evaluation.
+    out : path, optional
+        Directory of the store; in memory without one.
+    workers : int
+        Processes.
+    progress : callable, optional
+        Told what is being done.
+
+    Raises
+    ------
+    SceneError
+        For a goal, variable or constraint that does not exist, or a store of another search.
+    RunError
+        If no evaluation keeps the constraints.
+    """
+    table = scene.to_table() if isinstance(scene, Scene) else scene
+    if not 1 <= len(goals) <= 2 or len(set(goals)) < len(goals):
+        raise SceneError(
+            "--maximise", f"must be one goal or two different ones, got {', '.join(goals) or 'none'}"
+        )
+    for goal in goals:
+        if goal not in GOALS:
+            raise SceneError("--maximise", f"must be of {', '.join(GOALS)}, got {goal!r}")
+    if not variables:
+        raise SceneError("--over", "is required: KEY=LOW:HIGH")
+    budget = 60 * len(variables) if evaluations is None else evaluations
+    if budget < 4 * len(variables) + 8:
+        raise SceneError("--evaluations", f"must be at least {4 * len(variables) + 8}, got {budget}")
+    also = tuple(
+        sorted({word for goal in goals if (word := GOALS[goal][1])} | {c.also for c in constraints if c.also})
+    )
+    search = {"goals": goals, "subject": [each.text for each in constraints], "evaluations": budget, "seed": seed,
+              "ranges": [[each.key, each.low, each.high] for each in variables]}  # fmt: skip
+    say = progress or (lambda text: None)
+    with Evaluations(
+        table,
+        tuple(variables),
+        also=also,
+        search=search,
+        tolerance=tolerance,
+        out=out,
+        workers=workers,
+        progress=say,
+    ) as ask:
+        searcher = Search(ask, tuple(variables), tuple(constraints), tuple(goals), seed)
+        scale = [
+            searcher.run([1.0 if k == j else 0.0 for k in range(len(goals))], budget)
+            for j in range(len(goals))
+        ]
+        if len(goals) == 2:
+            searcher.best_of_each = scale
+            for weight in WEIGHTS:
+                searcher.run([1.0 - weight, weight], budget)
+        feasible = searcher.feasible(ask.rows)
+        if not feasible:
+            raise RunError(
+                f"none of {len(ask.rows)} evaluations keeps all constraints: {_closest(searcher, ask.rows)}"
+            )
+        front = _front(feasible, searcher)
+        optimum = front[len(front) // 2]
+        rows = list(ask.rows)
+        robustness = _robustness(searcher, optimum)
+        best = table
+        for variable in variables:
+            best = replaced(best, variable.key, optimum[variable.key])
+        return Design(goals=tuple(goals), optimum=optimum, front=front, robustness=robustness, rows=rows,
+                      evaluations=len(ask.rows), table=best)  # fmt: skip
+
+
+def _front(feasible: list[dict], searcher: Search) -> list[dict]:
+    """Return the points that no other beats: of one goal the best."""
+    values = np.array([[searcher.goal(row, goal) for goal in searcher.goals] for row in feasible])
+    if values.shape[1] == 1:
+        return [feasible[int(np.argmax(values[:, 0]))]]
+    order, highest, found = np.lexsort((-values[:, 1], -values[:, 0])), -np.inf, []
+    for k in order:
+        if values[k, 1] > highest:
+            highest = values[k, 1]
+            found.append(feasible[k])
+    return found
+
+
+def _robustness(searcher: Search, optimum: dict) -> dict:
+    """Return what is left of the first goal when each variable is 5 % off; changed counts are one off."""
+    base, found = searcher.goal(optimum, searcher.goals[0]), {}
+    own = [optimum[each.key] for each in searcher.variables]
+    for k, each in enumerate(searcher.variables):
+        changed = []
+        for sign in (-1.0, 1.0):
+            value = own[k] + int(sign) if counted(each) else own[k] * (1.0 + sign * CHANGE)
+            changed.append(tuple(value if j == k else other for j, other in enumerate(own)))
+        rows = [row for row in searcher.ask([point for point in changed if point[k] > 0])]
+        left = [
+            searcher.goal(row, searcher.goals[0]) / base if searcher.broken(row) < UNKNOWN else 0.0
+            for row in rows
+        ]
+        kept = all(searcher.broken(row) == 0.0 for row in rows)
+        found[each.key] = {"least_share_of_goal": min(left, default=0.0), "keeps_constraints": kept}
+    return found
+
+
+def _closest(searcher: Search, rows: list[dict]) -> str:
+    row = min(rows, key=searcher.broken)
+    if searcher.broken(row) >= UNKNOWN:
+        return row["status"]
+    return (
+        ", ".join(each.text for each in searcher.constraints if each.excess(row) > 0.0)
+        + " is broken by the closest"
+    )

@@ -1,0 +1,73 @@
+"""What a design search leaves: its answer as text, design.json, the scene at the optimum, a picture."""
+
+import json
+from pathlib import Path
+
+from studies.inverse.design import GOALS, Design
+from studies.inverse.parameters import Parameter
+from studies.report.answer import table
+from studies.report.figures import COLOURS, saved
+from studies.scene.toml import document
+
+__all__ = ["design_answer", "draw_design", "write_design"]
+
+
+def write_design(found: Design, folder: Path) -> None:
+    """Write design.json, optimum.toml and design.png into a directory."""
+    folder.mkdir(parents=True, exist_ok=True)
+    text = json.dumps(found.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
+    (folder / "design.json").write_text(text + "\n", encoding="utf-8")
+    remark = f"largest {' and '.join(found.goals)} of {found.evaluations} evaluations"
+    (folder / "optimum.toml").write_text(document(found.table, remarks=(remark,)), encoding="utf-8")
+
+
+def draw_design(found: Design, path: Path) -> None:
+    """Draw the goal against the evaluations, or the front of two goals, into a PNG file."""
+    columns = [
+        next(name for name in GOALS[goal][0] if found.optimum.get(name) is not None) for goal in found.goals
+    ]
+    rows = [row for row in found.rows if all(row.get(name) is not None for name in columns)]
+
+    def one(ax):
+        ax.plot([row["point"] for row in rows], [abs(row[columns[0]]) for row in rows], ".", color=COLOURS["stick"],
+                label="evaluations")  # fmt: skip
+        ax.plot([found.optimum["point"]], [abs(found.optimum[columns[0]])], "o", color=COLOURS["intermittent"],
+                label="best that keeps the constraints")  # fmt: skip
+        ax.set_xlabel("evaluation")
+        ax.set_ylabel(columns[0])
+        ax.grid(alpha=0.3)
+        ax.legend(frameon=False, fontsize="small")
+
+    def two(ax):
+        ax.plot(*([abs(row[name]) for row in rows] for name in columns), ".", color=COLOURS["stick"],
+                label="evaluations")  # fmt: skip
+        ax.plot(*([abs(row[name]) for row in found.front] for name in columns), "o-", color=COLOURS["slip"],
+                markersize=4, label="front: no evaluation beats these in both")  # fmt: skip
+        ax.set_xlabel(columns[0])
+        ax.set_ylabel(columns[1])
+        ax.grid(alpha=0.3)
+        ax.legend(frameon=False, fontsize="small")
+
+    saved(path, one if len(columns) == 1 else two)
+
+
+def design_answer(found: Design, variables: list[Parameter]) -> str:
+    """Return what a search prints."""
+    rows = [["variable", "best", "5 % off leaves", "constraints"]]
+    for each in variables:
+        robust = found.robustness[each.key]
+        kept = "kept" if robust["keeps_constraints"] else "broken"
+        rows.append(
+            [each.key, f"{found.optimum[each.key]:.5g}", f"{100 * robust['least_share_of_goal']:.4g} %", kept]
+        )
+    outcomes = [
+        f"{name} {value:.5g}" for name, value in found.optimum.items()
+        if isinstance(value, float) and "." not in name and name != "relative_error"
+    ]  # fmt: skip
+    lines = [*table(rows), "", "at the best     " + "\n                ".join(outcomes)]
+    if len(found.front) > 1:
+        lines.append(
+            f"front           {len(found.front)} motors that none beats in {' and '.join(found.goals)}"
+        )
+    lines.append(f"evaluations     {found.evaluations}")
+    return "\n".join(lines)

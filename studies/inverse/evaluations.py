@@ -1,0 +1,117 @@
+"""Evaluations of a search: points of a sweep that are asked for one generation after the other, kept in its store.
+
+A search asks for its points in an order that depends on nothing but its options and the answers before.  So a search
+that was interrupted, however it ended, asks for the same points again, finds them in the store and goes on.
+"""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+from studies.inverse.parameters import Parameter
+from studies.refusal import RunError
+from studies.scene.override import replaced
+from studies.sweep.axes import level_key
+from studies.sweep.design import PLACE_KEYS, designed
+from studies.sweep.driver import Driver
+from studies.sweep.store import Store
+from studies.sweep.workers import workers as chosen_workers
+
+__all__ = ["Evaluations"]
+
+
+class _Asked:
+    """A design that grows: the points asked for so far, as the sweep's driver and store see it."""
+
+    axes = ()
+
+    def __init__(self, question, identity):
+        self.question, self.identity, self.points = question, identity, []
+
+    def __len__(self):
+        return len(self.points)
+
+    def values(self, numbers):
+        """Return the values of some points."""
+        return [self.points[int(k)] for k in numbers]
+
+
+class Evaluations:
+    """Answers of one scene at values of some keys; a context manager, which holds the store.
+
+    Parameters
+    ----------
+    table : dict
+        TOML document of the scene; of several voltages or amplitudes the largest counts.
+    parameters : tuple of Parameter
+        Keys and ranges.
+    also : tuple of str
+        What is asked beside the velocity, as in a sweep.
+    search : dict
+        Everything else that decides which points are asked for: goals, constraints, budget, seed.
+    tolerance : float
+    out : Path or None
+    workers : int
+    progress : callable
+        Called with a text.
+    """
+
+    def __init__(
+        self, table, parameters: tuple[Parameter, ...], *, also, search, tolerance, out, workers, progress
+    ):
+        level, keys = level_key(table), [each.key for each in parameters]
+        if level is not None and level not in keys:
+            block, name = level.split(".")
+            levels = table.get(block, {}).get(name)
+            table = replaced(table, level, max(levels) if isinstance(levels, (list, tuple)) else levels)
+        ends = {each.key: [each.low, each.high] for each in parameters}
+        plan = designed(table, ends, tolerance=tolerance, also=also)
+        question = plan.question
+        moved = tuple(key for key in PLACE_KEYS if key in keys)
+        if moved and question.kind == "driven":  # each point has its own places
+            own = (*question.source_keys, *(key for key in moved if key not in question.source_keys))
+            question = replace(question, source_keys=own, places=())
+        self.fixed = tuple(
+            column[0] for axis in plan.axes if axis.keys[0] not in keys for column in axis.columns
+        )
+        self.question, self.progress, self.rows = question, progress, []
+        identity = plan.identity | {"search": json.dumps(search, sort_keys=True)}
+        self.asked, self.known = _Asked(question, identity), {}
+        self.store = Store(None if out is None else Path(out), self.asked)
+        self.staff = chosen_workers(workers, None)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.staff.stop()
+        self.store.close()
+
+    def __call__(self, values: list[tuple[float, ...]]) -> list[dict]:
+        """Return the outcomes at some values of the keys, with the keys; what is known is not computed again."""
+        first = len(self.asked)
+        for own in values:
+            if own not in self.known:
+                self.known[own] = len(self.asked)
+                self.asked.points.append((*own, *self.fixed))
+        if len(self.asked) > first:
+            Driver(self.asked, self.store, self.staff, self._tell).run()
+            self._read(first)
+        return [self.rows[self.known[own]] for own in values]
+
+    def _read(self, first: int) -> None:
+        cursor = self.store.connection.execute(
+            "select * from points where point >= ? order by point", (first,)
+        )
+        names = [entry[0] for entry in cursor.description]
+        for row in cursor.fetchmany(len(self.asked) - first):
+            found = dict(zip(names, row, strict=True))
+            asked = self.asked.points[found["point"]]
+            if tuple(found[key] for key in self.question.keys) != asked:
+                raise RunError(
+                    f"point {found['point']} of the store is another one than this search asks for: name another --out"
+                )
+            self.rows.append(found)
+
+    def _tell(self, points: int, kept: int, failed: int, cost: float) -> None:
+        self.progress(f"{kept} evaluations, {failed} without an answer")

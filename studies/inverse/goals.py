@@ -1,0 +1,107 @@
+"""Goals and constraints of a design search, and the numbers that it may choose, as the command names them."""
+
+import math
+import re
+from dataclasses import dataclass
+
+from studies.inverse.parameters import Parameter, read_parameter
+from studies.refusal import SceneError, nearest, shown
+from studies.scene.quantity import si_value
+from studies.scene.rule import Count
+from studies.sweep.axes import rule_at
+
+__all__ = ["GOALS", "Constraint", "counted", "read_constraint", "read_variable"]
+
+# goal: column of a point (or two, the first that it has), what the sweep is asked for, whether less is better
+GOALS = {
+    "velocity": (("velocity_m_per_s",), "", False),
+    "thrust": (("thrust_N",), "thrust", False),
+    "efficiency": (("motor_efficiency", "contact_efficiency"), "efficiency", False),
+    "step_resolution": (("step_m",), "step", True),
+}
+# what a constraint may name beside keys of the scene: column, unit, what the sweep is asked for
+BOUNDED = {
+    "velocity": ("velocity_m_per_s", "m/s", ""),
+    "thrust": ("thrust_N", "N", "thrust"),
+    "contact_pressure": ("contact_pressure_Pa", "Pa", "pressure"),
+    "stick_margin": ("stick_margin", "", "pressure"),
+    "normal_amplitude": ("normal_amplitude_m", "m", ""),
+    "power_W": ("power_W", "", ""),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Constraint:
+    """A bound on an outcome or on a key of the scene, in SI units."""
+
+    text: str
+    column: str
+    also: str
+    upper: bool
+    bound: float
+
+    def excess(self, row: dict) -> float:
+        """Return by how much a point is beyond the bound, relative to it; negative within, 1 without an answer."""
+        value = row.get(self.column)
+        if value is None:
+            return 1.0
+        value = abs(value) if self.column == "velocity_m_per_s" else value
+        return (value - self.bound) * (1.0 if self.upper else -1.0) / (abs(self.bound) or 1.0)
+
+
+def read_variable(text: str) -> Parameter:
+    """Read ``KEY=LOW:HIGH`` of a number or a count of the scene."""
+    key, _, span = (part.strip() for part in text.partition("="))
+    if "." in key and isinstance(rule_at(key), Count):
+        ends = span.split(":")
+        if (
+            len(ends) != 2
+            or not all(end.strip().isdigit() for end in ends)
+            or not int(ends[0]) < int(ends[1])
+        ):
+            raise SceneError(f"--over {key}", f"must be LOW:HIGH of whole numbers, got {shown(span)}")
+        return Parameter(key=key, low=int(ends[0]), high=int(ends[1]))
+    return read_parameter(text, "--over", levels=True)
+
+
+def read_constraint(text: str) -> Constraint:
+    """Read ``NAME <= VALUE`` or ``NAME >= VALUE``, the name an outcome or a key of the scene.
+
+    Examples
+    --------
+    >>> read_constraint("contact_pressure <= 400 MPa").bound
+    400000000.0
+    """
+    match = re.fullmatch(r"\s*([\w.]+)\s*(<=|>=)\s*(.+?)\s*", text)
+    if match is None:
+        raise SceneError("--subject", f"must be NAME <= VALUE or NAME >= VALUE, got {shown(text)}")
+    name, sign, value = match.groups()
+    if name in BOUNDED:
+        column, unit, also = BOUNDED[name]
+        try:
+            bound = float(value)
+        except ValueError:
+            bound = si_value(f"--subject {name}", value, unit)
+    elif "." in name:
+        column, also, bound = name, "", rule_at(name).read(name, _number(value))
+        if isinstance(bound, tuple):
+            bound = bound[0]
+    else:
+        raise SceneError(f"--subject {name}", f"is no outcome and no key of a scene{nearest(name, BOUNDED)}")
+    if isinstance(bound, bool) or not isinstance(bound, (int, float)) or not math.isfinite(bound):
+        raise SceneError(f"--subject {name}", f"must be compared with a number, got {shown(value)}")
+    return Constraint(
+        text=" ".join(text.split()), column=column, also=also, upper=sign == "<=", bound=float(bound)
+    )
+
+
+def _number(text: str):
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def counted(variable: Parameter) -> bool:
+    """Return whether a variable takes whole numbers alone."""
+    return isinstance(variable.low, int)

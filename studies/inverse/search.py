@@ -1,0 +1,112 @@
+"""One search over the unit box of the variables: differential evolution, then COBYQA from its best point."""
+
+import numpy as np
+from scipy.optimize import differential_evolution, minimize
+from scipy.stats import qmc
+
+from studies.inverse.evaluations import Evaluations
+from studies.inverse.goals import GOALS, counted
+
+__all__ = ["UNKNOWN", "Search"]
+
+GLOBAL_SHARE, CROWD = 0.7, 8  # of the evaluations; members per variable of a generation
+INFEASIBLE, UNKNOWN = 1.0, 1e6  # worst value of a feasible point is 0
+
+
+class Search:
+    """The searches of one design: from the unit box to the value to be minimised."""
+
+    def __init__(self, ask: Evaluations, variables, constraints, goals, seed: int):
+        self.ask, self.variables, self.constraints, self.goals, self.seed = (
+            ask,
+            variables,
+            constraints,
+            goals,
+            seed,
+        )
+        self.best_of_each: list[float] | None = None
+
+    def run(self, weights: list[float], budget: int) -> float:
+        """Search with weights of the goals; return the largest value of the first that has weight."""
+        count = len(self.variables)
+        size = max(5, min(CROWD * count, int(GLOBAL_SHARE * budget) // 4))
+        turns = max(1, int(GLOBAL_SHARE * budget) // size - 1)
+        found = differential_evolution(
+            lambda xs: np.array([self.value(row, weights) for row in self.rows(xs.T)]), [(0.0, 1.0)] * count,
+            popsize=max(1, size // count), maxiter=turns, init=self._first(size), rng=np.random.default_rng(self.seed),
+            vectorized=True, updating="deferred", polish=False, tol=0.0,
+        )  # fmt: skip
+        free = [k for k, each in enumerate(self.variables) if not counted(each)]
+        if free:
+            self._local(found.x, free, weights, budget - size * (turns + 1))
+        best = min(self.ask.rows, key=lambda row: self.value(row, weights))
+        return self.goal(best, self.goals[int(np.argmax(weights))])
+
+    def rows(self, points) -> list[dict]:
+        """Return the evaluations at points of the unit box."""
+        return self.ask([tuple(self._outer(k, x) for k, x in enumerate(point)) for point in points])
+
+    def goal(self, row: dict, goal: str) -> float:
+        """Return what is to be large; 0 without an answer."""
+        columns, _, less = GOALS[goal]
+        value = next((abs(row[name]) for name in columns if row.get(name) is not None), 0.0)
+        return value if not less else (1.0 / value if value > 0.0 else 0.0)
+
+    def broken(self, row: dict) -> float:
+        """Return by how much a point breaks the constraints; a point without an answer breaks all."""
+        if row["status"] != "ok" and not row["status"].startswith("above tolerance"):
+            return UNKNOWN
+        return sum(max(0.0, each.excess(row)) for each in self.constraints)
+
+    def value(self, row: dict, weights) -> float:
+        """Return what is minimised."""
+        broken = self.broken(row)
+        if broken > 0.0:
+            return INFEASIBLE + broken
+        goals = [self.goal(row, goal) for goal in self.goals]
+        if self.best_of_each is None:
+            return -goals[int(np.argmax(weights))]
+        shares = [1.0 - value / (best or 1.0) for value, best in zip(goals, self.best_of_each, strict=True)]
+        return max(weight * share for weight, share in zip(weights, shares, strict=True)) - 1.0
+
+    def feasible(self, rows) -> list[dict]:
+        """Return the points that keep the constraints."""
+        return [row for row in rows if self.broken(row) == 0.0]
+
+    def _local(self, start, free, weights, budget: int) -> None:
+        """Go on from the best point by COBYQA, the constraints as such; counts stay."""
+
+        def at(part):
+            point = np.array(start, float)
+            point[free] = np.clip(part, 0.0, 1.0)
+            return self.rows([point])[0]
+
+        def size(part):
+            row = at(part)
+            if self.broken(row) >= UNKNOWN:
+                return INFEASIBLE
+            goals = [self.goal(row, goal) for goal in self.goals]
+            if self.best_of_each is not None:
+                return self.value(row | {"status": "ok"}, weights) if self.broken(row) == 0.0 else 0.0
+            return -goals[int(np.argmax(weights))] / scale
+
+        scale = max((self.goal(row, self.goals[int(np.argmax(weights))]) for row in self.feasible(self.ask.rows)),
+                    default=1.0) or 1.0  # fmt: skip
+        limits = [
+            {"type": "ineq", "fun": lambda part, each=each: -each.excess(at(part))}
+            for each in self.constraints
+        ]
+        minimize(
+            size, np.array(start, float)[free], method="COBYQA", bounds=[(0.0, 1.0)] * len(free), constraints=limits,
+            options={"maxfev": max(budget, len(free) + 3), "initial_tr_radius": 0.05, "final_tr_radius": 1e-4},
+        )  # fmt: skip
+
+    def _outer(self, k: int, x: float) -> float:
+        each, share = self.variables[k], float(np.clip(x, 0.0, 1.0))
+        if counted(each):
+            return min(each.low + int(share * (each.high - each.low + 1)), each.high)
+        low, high = each.inner(each.low), each.inner(each.high)
+        return each.outer(low + share * (high - low))
+
+    def _first(self, size: int):
+        return qmc.LatinHypercube(len(self.variables), rng=np.random.default_rng(self.seed)).random(size)

@@ -1,0 +1,67 @@
+"""The beam of a run from above: the size of u_z over the surface, with apertures, balls and side faces."""
+
+import base64
+import html
+import io
+from collections.abc import Callable
+from pathlib import Path
+
+from studies.refusal import RunError, SceneError
+from studies.report.surface_map import draw_surface_map
+from studies.view.run_field import left_run, solved_again
+
+__all__ = ["show"]
+
+SIZE, DPI = (1600, 430), 110
+
+
+def show(folder, wanted, written: Callable, *, progress: Callable[[str], None]) -> None:
+    """Draw the beam of a run into the files that are wanted, or in a window."""
+    import fem
+
+    record, scene = left_run(folder)
+    if not scene.transducer:
+        raise SceneError("--show", "beam needs a driven stator: this run has none")
+    for option in ("movie", "data"):
+        if getattr(wanted, option) is not None:
+            raise SceneError(
+                f"--{option}", "shows the field or the contact; sawmotor run --field writes surface_map.csv"
+            )
+    progress("solving the stator")
+    wave = solved_again(scene, record, progress=progress)
+    try:
+        beam = fem.surface_beam(wave)
+    except fem.BeamError as error:
+        raise RunError(f"no beam to show: {error}") from None
+    progress("drawing the beam")
+    if not wanted.files:
+        from matplotlib import pyplot
+
+        draw_surface_map(beam, scene, pyplot.subplots(figsize=_inches(wanted), layout="constrained")[1])
+        pyplot.show()
+        return
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=_inches(wanted), dpi=DPI, layout="constrained")
+    draw_surface_map(beam, scene, figure.add_subplot())
+    if wanted.screenshot is not None:
+        written(wanted.screenshot, lambda: figure.savefig(wanted.screenshot))
+    if wanted.html is not None:
+        written(
+            wanted.html, lambda: Path(wanted.html).write_text(_page(figure, scene.title), encoding="utf-8")
+        )
+
+
+def _inches(wanted) -> tuple[float, float]:
+    return tuple(each / DPI for each in wanted.size or SIZE)
+
+
+def _page(figure, title: str) -> str:
+    """Return a page that holds the picture."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png")
+    picture = base64.b64encode(buffer.getvalue()).decode("ascii")
+    return (
+        f'<!DOCTYPE html><html lang="en"><meta charset="utf-8"><title>{html.escape(title)}: beam</title>'
+        f'<img alt="size of u_z over the surface" src="data:image/png;base64,{picture}" width="100%"></html>\n'
+    )

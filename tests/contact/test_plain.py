@@ -1,0 +1,88 @@
+"""The kernels as plain Python and compiled: the same answers to rounding."""
+
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from contact import mean_motion
+from contact.answers.methods import rest, rest_problem
+from contact.solve.averaged_transient import Span, response
+from contact.solve.time_stepping import steps
+from tests.contact.motors import orbit, slider
+
+PUNCH = {"shape": "punch", "radius": 1e-6}
+PAIR = (orbit(8e-9), orbit(6e-9).scaled(np.exp(0.7j)))
+
+
+def events(cycles, A=8e-9, contacts=1, **given):
+    """Return state, counts and sums after some cycles from rest, every event followed."""
+    orbits = PAIR if contacts == 2 else (orbit(A),)
+    problem = rest_problem(slider(**given), orbits)
+    motion = rest(slider(**given), orbits, problem, nodes=9, truncation=1e-7)
+    motion.turn(cycles)
+    return [*motion.state, *motion.tally, *motion.energy()]
+
+
+def stepped(**given):
+    """Return state and rows after some cycles of fixed steps."""
+    problem = rest_problem(slider(**given), PAIR)
+    motion = rest(slider(**given), PAIR, problem, nodes=9, truncation=1e-7)
+    rows = steps(problem, motion.state, 20, 32)
+    return [*motion.state, *np.ravel(rows)]
+
+
+def averaged(**given):
+    """Return the averaged equilibrium of second order."""
+    found = mean_motion(slider(**given), PAIR)
+    return [found.velocity, found.first_order, found.height, found.error]
+
+
+def transient():
+    """Return the averaged equations' state and rows after 300 cycles."""
+    problem = rest_problem(slider(), (orbit(5e-9),))
+    at, rows = 2.0 * np.pi * np.array([100.0, 200.0]), np.zeros((2, 2))
+    state = np.array([-slider().rest_approach(1) / problem.length, 0.0, 0.0])
+    span = Span(2.0 * np.pi * 300, 1e-4, 8, 1, at, rows, np.zeros(2, np.int64))
+    response(problem, state, span, 8, 8)
+    return [*state, *np.ravel(rows)]
+
+
+CASES = {
+    "events": lambda: events(3),
+    "events, two contacts": lambda: events(3, contacts=2),
+    "events, stick band": lambda: events(2, stick_band=1e-3),
+    "events, reciprocal force": lambda: events(2, reciprocal=True),
+    "events, hysteretic": lambda: events(2, law="hysteretic"),
+    "events, punch": lambda: events(2, **PUNCH),
+    "stepped": stepped,
+    "stepped, punch": lambda: stepped(**PUNCH),
+    "averaged": averaged,
+    "averaged, punch": lambda: averaged(**PUNCH),
+    "averaged transient": transient,
+}
+
+
+@pytest.fixture(scope="module")
+def plain():
+    """Return the answers of another process, whose kernels are plain Python."""
+    code = "import json; from tests.contact.test_plain import CASES, listed; print(json.dumps(listed()))"
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=os.environ | {"NUMBA_DISABLE_JIT": "1"}, capture_output=True, text=True,
+        check=True,
+    )  # fmt: skip
+    return json.loads(done.stdout)
+
+
+def listed():
+    """Return the answers of all cases as lists of numbers."""
+    return {name: [float(x) for x in case()] for name, case in CASES.items()}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_plain_and_compiled_kernels_agree(plain, name):
+    # Property: one source, two ways to run it
+    assert [float(x) for x in CASES[name]()] == pytest.approx(plain[name], rel=1e-13, abs=1e-15)

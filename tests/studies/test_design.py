@@ -1,0 +1,130 @@
+"""Design search: a brute-force grid, constraints, a search killed and resumed, the front, refusals."""
+
+import json
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from studies import Scene
+from studies.__main__ import main
+from studies.inverse.design import design, read_constraint, read_variable
+from studies.refusal import RunError, SceneError
+from studies.sweep import sweep
+
+RANGES = ("slider.preload=0.4 mN:10 mN", "wave.normal_amplitude=2 nm:30 nm")
+VARIABLES = [read_variable(text) for text in RANGES]
+LIMIT = "contact_pressure <= 140 MPa"
+
+
+def test_the_optimum_is_that_of_a_brute_force_grid():
+    """Largest thrust times nothing else under a pressure limit: the optimum lies on the constraint."""
+    side = 50
+    grid = sweep(
+        "twente-contact",
+        {"slider.preload": f"0.4 mN:10 mN:{side}:log", "wave.normal_amplitude": f"2 nm:30 nm:{side}:log"},
+        tolerance=3e-2, also=("pressure",),
+    ).columns()  # fmt: skip
+    velocity, pressure = (
+        np.array(grid["velocity_m_per_s"], float),
+        np.array(grid["contact_pressure_Pa"], float),
+    )
+    best = int(np.argmax(np.where(pressure <= 140e6, velocity, -1.0)))
+    found = design(
+        Scene.load("twente-contact"), ["velocity"], VARIABLES, [read_constraint(LIMIT)], evaluations=120
+    )
+    assert len(found.rows) <= side**2 / 20
+    assert found.optimum["contact_pressure_Pa"] <= 140e6
+    for variable in VARIABLES:
+        spacing = np.log(variable.high / variable.low) / (side - 1)
+        assert abs(np.log(found.optimum[variable.key] / grid[variable.key][best])) < 1.01 * spacing, (
+            variable.key
+        )
+    assert found.optimum["velocity_m_per_s"] > 0.999 * velocity[best]
+
+
+def test_the_front_holds_both_ends_and_nothing_that_is_beaten():
+    goals = ["velocity", "thrust"]
+    found = design(Scene.load("twente-contact"), goals, VARIABLES, [read_constraint(LIMIT)], evaluations=40)
+    columns = np.array([[row["velocity_m_per_s"], row["thrust_N"]] for row in found.front])
+    allowed = [row for row in found.rows if row["contact_pressure_Pa"] <= 140e6]
+    assert columns[:, 0].max() == max(row["velocity_m_per_s"] for row in allowed)
+    assert columns[:, 1].max() == max(row["thrust_N"] for row in allowed)
+    for row in allowed:
+        beats = (row["velocity_m_per_s"] > columns[:, 0]) & (row["thrust_N"] > columns[:, 1])
+        assert not beats.any()
+    assert np.all(np.diff(columns[:, 0]) < 0)
+    assert np.all(np.diff(columns[:, 1]) > 0)
+
+
+def test_a_search_that_was_killed_goes_on_and_ends_as_if_it_had_not(tmp_path, capsys):
+    words = ["design", "twente-contact", "--maximise", "velocity", "--over", *RANGES, "--subject", LIMIT,
+             "--evaluations", "60", "--json"]  # fmt: skip
+    assert main([*words, "--out", str(tmp_path / "whole")]) == 0
+    whole = json.loads(capsys.readouterr().out)
+    part = tmp_path / "part"
+    running = subprocess.Popen(
+        [sys.executable, "-m", "studies", *words, "--out", str(part)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(path for path in sys.path if path)},
+    )  # fmt: skip
+    while running.poll() is None and _points(part) < 20:
+        time.sleep(0.01)
+    running.send_signal(signal.SIGKILL)
+    running.communicate()
+    before = _points(part)
+    assert before >= 16
+    assert main([*words, "--out", str(part)]) == 0
+    assert json.loads(capsys.readouterr().out) == whole
+    assert _points(part) == whole["evaluations"]
+    optimum = Scene.load(part / "optimum.toml")
+    assert optimum.slider.preload == whole["optimum"]["slider.preload"]
+    assert main([*words, "--seed", "1", "--out", str(part)]) == 2
+    assert "holds another sweep" in capsys.readouterr().err
+
+
+def _points(folder) -> int:
+    try:
+        with sqlite3.connect(f"file:{folder / 'points.sqlite'}?mode=ro", uri=True) as connection:
+            return connection.execute("select count(*) from points").fetchone()[0]
+    except sqlite3.Error:
+        return 0
+
+
+def test_constraints_that_nothing_keeps_are_named():
+    with pytest.raises(RunError, match="contact_pressure <= 1 MPa is broken"):
+        design(Scene.load("twente-contact"), ["velocity"], VARIABLES, [read_constraint("contact_pressure <= 1 MPa")],
+               evaluations=16)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("contact_pressure < 4 MPa", "NAME <= VALUE"),
+        ("pressure <= 4 MPa", "did you mean contact_pressure"),
+        ("contact_pressure <= 4 mm", "a stiffness"),
+        ("drive.voltag <= 4 V", "is no key of a scene"),
+    ],
+)
+def test_what_is_no_constraint_is_refused(text, words):
+    with pytest.raises(SceneError, match=words):
+        read_constraint(text)
+
+
+def test_goals_and_counts_that_do_not_exist_are_refused():
+    scene = Scene.load("twente-contact")
+    with pytest.raises(SceneError, match="--maximise must be of velocity"):
+        design(scene, ["speed"], VARIABLES)
+    with pytest.raises(SceneError, match="whole numbers"):
+        read_variable("transducer.0.finger_pairs=2.5:10")
+    assert read_variable("transducer.0.finger_pairs=5:12").low == 5
+    assert (
+        read_variable(
+            "drive.voltage=5 V:100 V",
+        ).high
+        == 100.0
+    )
