@@ -103,7 +103,7 @@ def plan(scene: Scene, *, tolerance: float) -> Plan:
         from contact import kernels
 
         seconds += 0.0 if kernels.ready() else COMPILE
-        seconds += BEAM if scene.transducer and scene.stator.diffraction else 0.0
+        seconds += BEAM if scene.transducer and scene.stator.diffraction is not False else 0.0
         parts.append(_contact(scene))
     return Plan(
         scene=scene, tolerance=tolerance, parts=tuple(parts), left_out=(*left_out, *slider_left_out(scene)),
