@@ -11,6 +11,7 @@ A segment of the stator that is uniform in x obeys (semi-analytical finite eleme
 with K1t = K1^T where nothing depends on y; with a lateral wavenumber K1t(k_y) = K1(-k_y)^T.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Protocol
@@ -208,20 +209,25 @@ class Section(LineSpace):
         """K2, K1 and K0 - omega^2 M of a uniform segment at a frequency in Hz, each (size, size), scaled."""
         reference = reference_matrices(self.order)
         factor = (2 * np.pi * frequency * self.length_unit) ** 2
-        dtype = np.result_type(self.heights, *(part.xx for part in self.media))
-        second, first, zeroth = (np.zeros((self.size, self.size), dtype=dtype) for _ in range(3))
+
+        def of_element(height: complex, part: Medium):
+            mass = height * reference.mass
+            yield np.kron(mass, part.xx)
+            yield np.kron(reference.advection.T, part.xz)
+            stiffness = np.kron(reference.stiffness / height, part.zz)
+            yield stiffness - factor * np.kron(mass, np.diag(part.inertia))
+
+        return self._assembled(of_element, np.result_type(self.heights, *(part.xx for part in self.media)))
+
+    def _assembled(self, of_element: Callable, dtype) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Sums over the elements of three matrices that each has, shape (size, size)."""
+        sums = tuple(np.zeros((self.size, self.size), dtype=dtype) for _ in range(3))
         for element, (height, part) in enumerate(zip(self.heights, self.media, strict=True)):
             dofs, exists = self.element_dofs(element)
-            keep = dofs[exists]
-            chosen = np.flatnonzero(exists.ravel())
-            at, inside = np.ix_(keep, keep), np.ix_(chosen, chosen)
-            mass = height * reference.mass
-            second[at] += np.kron(mass, part.xx)[inside]
-            first[at] += np.kron(reference.advection.T, part.xz)[inside]
-            zeroth[at] += (
-                np.kron(reference.stiffness / height, part.zz) - factor * np.kron(mass, np.diag(part.inertia))
-            )[inside]
-        return second, first, zeroth
+            keep, chosen = dofs[exists], np.flatnonzero(exists.ravel())
+            for total, own in zip(sums, of_element(height, part), strict=True):
+                total[np.ix_(keep, keep)] += own[np.ix_(chosen, chosen)]
+        return sums
 
     def lateral_matrices(self, frequency: float, wavenumber: float) -> tuple[np.ndarray, ...]:
         """Matrices of a uniform segment for fields that vary as exp(-i k_y y), k_y in radians per length unit.
@@ -232,21 +238,15 @@ class Section(LineSpace):
         second, first, zeroth = self.matrices(frequency)
         adjoint = first.T
         reference = reference_matrices(self.order)
-        along, back, across = (np.zeros((self.size, self.size), dtype=complex) for _ in range(3))
-        for element, (height, part) in enumerate(zip(self.heights, self.media, strict=True)):
-            tables = part.lateral(wavenumber)
-            dofs, exists = self.element_dofs(element)
-            keep = dofs[exists]
-            chosen = np.flatnonzero(exists.ravel())
-            at, inside = np.ix_(keep, keep), np.ix_(chosen, chosen)
-            mass = height * reference.mass
-            along[at] += np.kron(mass, tables.xy)[inside]
-            back[at] += np.kron(mass, tables.yx)[inside]
-            across[at] += (
-                np.kron(reference.advection, tables.zy)
-                + np.kron(reference.advection.T, tables.yz)
-                + np.kron(mass, tables.yy)
-            )[inside]
+
+        def of_element(height: complex, part: Medium):
+            tables, mass = part.lateral(wavenumber), height * reference.mass
+            yield np.kron(mass, tables.xy)
+            yield np.kron(mass, tables.yx)
+            through = np.kron(reference.advection, tables.zy) + np.kron(reference.advection.T, tables.yz)
+            yield through + np.kron(mass, tables.yy)
+
+        along, back, across = self._assembled(of_element, complex)
         return second, *(_real_if_real(each) for each in (first + along, adjoint + back, zeroth + across))
 
 

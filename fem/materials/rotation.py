@@ -92,17 +92,7 @@ def rotated(solid: Solid, orientation: Orientation) -> Solid:
 
 
 def bond_matrix(a: np.ndarray) -> np.ndarray:
-    """Return M with T' = M T for Voigt stress: M_IJ = a_ik a_jl + a_il a_jk over the pair J = (k, l).
-
-    Parameters
-    ----------
-    a : ndarray, shape (3, 3)
-        Rotation matrix.
-
-    Returns
-    -------
-    ndarray, shape (6, 6)
-    """
+    """Return M with T' = M T for Voigt stress: M_IJ = a_ik a_jl + a_il a_jk over the pair J = (k, l), (6, 6)."""
     bond = np.empty((6, 6))
     for row, (i, j) in enumerate(_PAIRS):
         for column, (k, m) in enumerate(_PAIRS):

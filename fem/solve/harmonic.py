@@ -103,13 +103,7 @@ def driven_wave(
 def check_driven(
     stator: Stator, transducers: tuple[Transducer, ...], frequency: float, tolerance: float
 ) -> None:
-    """Refuse a layout, a solid, a frequency (Hz) or a tolerance that no driven stator can have.
-
-    Raises
-    ------
-    ValueError
-        Names the parameter, its value and what it must be.
-    """
+    """Refuse a layout, a solid, a frequency (Hz) or a tolerance that no driven stator can have, by a ValueError."""
     check_layout(stator, transducers)
     if "phi" not in fields(stator.solid):
         why = "uncouples phi in this orientation" if stator.solid.is_piezoelectric else "is not piezoelectric"

@@ -160,13 +160,9 @@ class Grating:
         return SHIFT + 1 / values, vectors[:n]
 
     def surface_factor(self, frequency: float, *, open_fingers: bool) -> complex:
-        """Lambda of the surface wave that runs or decays to the right, near the first stop band.
+        """Lambda = exp(-i k p) of the surface wave that runs or decays to the right, near the first stop band.
 
-        Returns
-        -------
-        complex
-            exp(-i k p); of the pair lambda, 1 / lambda the smaller one, or if both have size 1 that with Re k p > 0
-            below pi.
+        Of the pair lambda, 1 / lambda the smaller one, or if both have size 1 that with Re k p > 0 below pi.
         """
         values, shapes = self.factors(frequency, open_fingers=open_fingers)
         near = np.flatnonzero((abs(np.log(abs(values) + 1e-300)) < 1.0) & (values.real < 0))
@@ -177,13 +173,7 @@ class Grating:
         return complex(best if best.imag < 0 else np.conj(best))
 
     def stop_band(self, *, open_fingers: bool) -> StopBand:
-        """Edges of the first stop band.
-
-        Raises
-        ------
-        ConvergenceError
-            If no two surface waves with lambda = -1 are found.
-        """
+        """Edges of the first stop band; a ConvergenceError if no two surface waves with lambda = -1 are found."""
         from scipy.linalg import eig
 
         start = (2 * np.pi * self.middle) ** 2

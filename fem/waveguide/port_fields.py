@@ -87,21 +87,12 @@ class PortFields:
         return columns * self.resolution.order * self.section.size
 
     def amplification(self, swing: float) -> tuple[float, float]:
-        """Resonant amplification of small errors, here and near here.
+        """Resonant amplification of small errors at this frequency, and the largest near it.
 
         Between reflecting ends the amplitudes are (1 - M)^-1 times what the transducers send (M: ``coupling`` of the
         propagating modes), and so is the effect of a small error of a phase: it grows as 1 / |1 - mu|, mu the
-        eigenvalue of M nearest to 1.  With the frequency the mu turn; their sizes hardly change.
-
-        Parameters
-        ----------
-        swing : float
-            Angle, rad, by which an eigenvalue may turn in the range of frequencies that is meant.
-
-        Returns
-        -------
-        here, worst : float
-            At this frequency, and the largest within the range.
+        eigenvalue of M nearest to 1. With the frequency the mu turn, by the angle ``swing`` (rad) at most in the range
+        that is meant; their sizes hardly change.
         """
         k = self.modes.wavenumbers
         travels = np.flatnonzero(abs(k.imag) < PROPAGATING * abs(k.real))  # evanescent ones do not turn
@@ -234,21 +225,9 @@ def connected(
 
 
 def charge_admittances(charges: np.ndarray, widths: np.ndarray, frequency: float) -> np.ndarray:
-    """Admittance matrix of reactions int grad psi . D, minus the charges per metre of aperture.
+    """Admittance matrix in S of reactions int grad psi . D, minus the charges per metre of aperture, C/m per V.
 
-    Parameters
-    ----------
-    charges : ndarray, shape (n, n)
-        C/m per V.
-    widths : ndarray, broadcast to (n, n)
-        m, of the beam that two transducers share: the narrower aperture.
-    frequency : float
-        Hz.
-
-    Returns
-    -------
-    ndarray, shape (n, n)
-        S.
+    ``widths``: of the beam that two transducers share, the narrower aperture, m; broadcast to (n, n).
     """
     return -2j * np.pi * frequency * widths * charges
 

@@ -1,13 +1,14 @@
 """What is published of SAW motors, and what is not and has to be swept: the numbers behind `published_motors`.
 
 M. Kurosawa, M. Takahashi, T. Higuchi, IEEE Trans. UFFC 45 (1998) 1229; P. J. Feenstra, P. C. Breedveld, *Analysis of a
-Surface Acoustic Wave Motor*; D. Tjeung, M. Hughes, L. Yeo, J. Friend (2011).
+Surface Acoustic Wave Motor*; D. Tjeung, M. Hughes, L. Yeo, J. Friend (2011); Raj and Behera, Sensors and Actuators A
+(2025), doi 10.1016/j.sna.2025.117012.
 """
 
 from dataclasses import dataclass
 from itertools import product
 
-__all__ = ["KUROSAWA", "LEFT_ASIDE", "SEED", "TJEUNG", "Unknown", "corners"]
+__all__ = ["KUROSAWA", "LEFT_ASIDE", "RAJ", "SEED", "TJEUNG", "Unknown", "corners"]
 
 GRAVITY = 9.81
 STEEL_DENSITY = 7850.0
@@ -74,6 +75,21 @@ SEED = {
 TJEUNG = {
     "published": {"preload_N": 41.1e-6, "radius_m": 0.5e-3, "torque_Nm": 5.37e-9, "turns_per_s": 1900 / 60},
     "friction": KUROSAWA["friction"],
+}
+
+RAJ = {
+    "published": {
+        "frequency_Hz": 13.5e6,
+        "amplitude_m": 12e-9,
+        "preload_N": 5e-3,
+        "friction": 0.45,
+        "velocity_at_least_m_per_s": 0.3,
+    },
+    # the silicon slider's surface and mass are not stated here: one ball of a wide range of sizes stands for it
+    "radius": Unknown(name="radius", taken=1e-3, swept=(0.3e-3, 3e-3), unit="mm", scale=1e3),
+    "mass": Unknown(name="mass", taken=10e-6, swept=(5e-6, 20e-6), unit="mg", scale=1e6),
+    "modulus": Unknown(name="E*", taken=89e9, swept=(80e9, 100e9), unit="GPa", scale=1e-9),
+    "amplitude": Unknown(name="amplitude", taken=12e-9, swept=(11e-9, 13e-9), unit="nm", scale=1e9),
 }
 
 LEFT_ASIDE = (

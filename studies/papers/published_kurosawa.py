@@ -27,8 +27,8 @@ def ball(case: dict):
 
     published = KUROSAWA["published"]
     slider = contact.Slider(
-        radius=published["radius_m"],
-        mass=published["mass_kg"],
+        radius=case.get("radius", published["radius_m"]),
+        mass=case.get("mass", published["mass_kg"]),
         preload=case["preload"],
         load=0.0,
         friction_coefficient=case["friction"],

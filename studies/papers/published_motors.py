@@ -1,7 +1,8 @@
 """Whether the motors that are published run as their papers say.
 
 Method: Kurosawa, Takahashi and Higuchi's ball on 128YX lithium niobate (1998), the contact alone at the amplitude that
-they give, and the whole chain from 180 V; the seed's motor; what Tjeung and others (2011) tell.  A published value is a
+they give, and the whole chain from 180 V; the seed's motor; what Tjeung and others (2011) tell; Raj and
+Behera's silicon slider (2025).  A published value is a
 number, or the range in which a paper places it; what no paper states is not listed.  What a paper needs and does not
 state, or states as "about", is swept, every combination, and makes the band beside the measurement; the value inside
 the band is ours, and an agreement only says that nothing contradicts.  Expected: the speed at the published amplitude
@@ -14,7 +15,7 @@ import math
 import time
 from collections.abc import Callable
 
-from studies.papers.published import KUROSAWA, LEFT_ASIDE, SEED, TJEUNG, corners
+from studies.papers.published import KUROSAWA, LEFT_ASIDE, RAJ, SEED, TJEUNG, corners
 from studies.papers.published_kurosawa import (
     contact_radius,
     needed_amplitude,
@@ -27,7 +28,7 @@ from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run", "tables"]
 
-MOTORS = ("Kurosawa 1998", "Feenstra and Breedveld", "Tjeung 2011")
+MOTORS = ("Kurosawa 1998", "Feenstra and Breedveld", "Tjeung 2011", "Raj and Behera 2025")
 QUICK = {"motors": MOTORS[1:]}
 TOLERANCE = 1e-3
 WIDE = 5.0  # highest over lowest of a band from which on an agreement says little
@@ -50,6 +51,7 @@ def run(*, motors: tuple[str, ...] = MOTORS, progress: Callable[[str], None] | N
         MOTORS[0]: lambda: [*_kurosawa(say), *_from_voltage(say)],
         MOTORS[1]: lambda: [_seed()],
         MOTORS[2]: _tjeung,
+        MOTORS[3]: _raj,
     }
     rows = [row for motor in motors for row in parts[motor]()]
     columns = {key: [row[key] for row in rows] for key in rows[0]}
@@ -227,6 +229,24 @@ def _tjeung() -> list[dict]:
     return [row]
 
 
+def _raj() -> list[dict]:
+    """Return the speed of a ball on the published wave: at least the published one, at most the surface's."""
+    published, motor = RAJ["published"], MOTORS[3]
+    swept = {name: RAJ[name] for name in ("radius", "mass", "amplitude")}
+    known = {name: each.taken for name, each in swept.items()} | {
+        "modulus": RAJ["modulus"].taken,
+        "frequency": published["frequency_Hz"],
+        "preload": published["preload_N"],
+        "friction": published["friction"],
+        "law": "elastic",
+        "air": 0.0,
+        "ratio": ratio("LiNbO3 (Kovacs)"),
+    }
+    surface = 2 * math.pi * published["frequency_Hz"] * known["ratio"] * published["amplitude_m"]
+    stated = published["velocity_at_least_m_per_s"], surface
+    return [_row(motor, "speed, at least", stated, speed, known, swept, "m/s", 1.0)]
+
+
 def _row(motor, quantity, published, what, known, swept, unit, scale) -> dict:
     """Return a quantity as taken, over all corners of what is unknown, and the unknown that moves it most.
 
@@ -247,7 +267,8 @@ def _row(motor, quantity, published, what, known, swept, unit, scale) -> dict:
         verdict = "within the band" if below == above else "band and published range overlap"
         verdict += f"; as taken {_apart(taken / below)}" if below == above else ""
         if high > WIDE * low:
-            verdict += f"; a band {high / low:.0f}x wide says little"
+            wide = f"{high / low:.0f}x wide" if low > 0 else "from 0"
+            verdict += f"; a band {wide} says little"
     else:
         nearer = low / above if above < low else high / below
         verdict = f"outside the band, whose nearer end is {_apart(nearer)}"

@@ -21,6 +21,7 @@ __all__ = ["MEMORY_WITHIN", "TIME_WITHIN", "Plan", "explanation", "plan"]
 TIME_WITHIN, MEMORY_WITHIN = 3.0, 2.0  # factors within which the predictions have been seen to hold
 SPEED = 2.5e10  # real operations per second of the stator's algebra: one core of an x86_64 machine of 2026
 START, COMPILE = 0.3, 15.0  # s: imports and the contact's points; its kernels when they are not there yet
+BEAM = 1.5  # s: the spreading of the beam under the slider
 JOIN, MODES = 51, 100  # real operations over n^3 of joining two pieces, and of n guided modes
 BAND = 10  # solutions that a band of frequencies is worth
 PROCESS, KEPT = 90e6, 1.35  # bytes of Python with its libraries; memory over that of the blocks alone
@@ -102,6 +103,7 @@ def plan(scene: Scene, *, tolerance: float) -> Plan:
         from contact import kernels
 
         seconds += 0.0 if kernels.ready() else COMPILE
+        seconds += BEAM if scene.transducer and scene.stator.diffraction is not False else 0.0
         parts.append(_contact(scene))
     return Plan(
         scene=scene, tolerance=tolerance, parts=tuple(parts), left_out=(*left_out, *slider_left_out(scene)),

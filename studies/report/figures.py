@@ -64,7 +64,8 @@ def refuse_without_toolkit(what: str, instead: str) -> None:
 
     if pyplot.get_backend().lower() == "agg":
         raise RunError(
-            f"{what} needs a toolkit that matplotlib can use, and a display: pip install PySide6; {instead}"
+            f"{what} needs a toolkit that matplotlib can use: pip install PySide6 on a machine with a display; "
+            f"{instead}"
         )
 
 

@@ -126,3 +126,12 @@ def test_the_amplitude_per_volt_is_near_the_strip_charges():
     # no reflections, no bulk waves in the estimate: nearer than 15 % would be luck
     expected = float(abs(estimate.normal(10e6)))
     assert model.per_volt(pairs=10, material="LiNbO3 (Kovacs)") == pytest.approx(expected, rel=0.3, abs=0)
+
+
+def test_the_silicon_slider_is_slower_than_the_surface_and_meets_what_is_published():
+    (found,) = study._raj()
+    assert found["published_high"] == pytest.approx(
+        2 * math.pi * 13.5e6 * 12e-9 * model.ratio("LiNbO3 (Kovacs)")
+    )
+    assert 0 < found["low"] < found["predicted"] < found["high"] < found["published_high"]
+    assert not found["verdict"].startswith("outside")
