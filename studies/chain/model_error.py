@@ -91,8 +91,7 @@ def _aperture(record: Record) -> Iterator[NeglectedEffect]:
             raise fem.BeamError("no field in three dimensions without seconds of work")
         beam = motion.beam or fem.surface_beam(wave)
         with_aperture = beam.motion(x, y)
-        width = record.scene.stator.width
-        images = [beam.motion(x, [side * width - each for each in y]) for side in (1, -1)]
+        mirrored = fem.surface_beam(wave, mirror_width=record.scene.stator.width).motion(x, y)
     except fem.BeamError:
         ratios = [fresnel_ratio(record, place) for place in x]
         source = "Fresnel's integral on the axis of the driven aperture"
@@ -102,8 +101,8 @@ def _aperture(record: Record) -> Iterator[NeglectedEffect]:
         yield NeglectedEffect(
             effect="side faces",
             quantity="u_z",
-            size=float((sum(abs(image[2]) for image in images) / abs(with_aperture[2])).max()),
-            source="mirror images of the beam in both side faces",
+            size=max((float(each) - 1 for each in abs(mirrored[2]) / abs(with_aperture[2])), key=abs),
+            source="the beam between side faces that reflect it as mirrors, against none",
         )
     if motion.beam is not None:
         return

@@ -39,8 +39,9 @@ def test_aperture_against_the_scalar_angular_spectrum(motor, distance, ratio):
 def test_aperture_and_side_faces_of_the_seed(motor):
     assert effect(motor, "finite aperture")["size"] == pytest.approx(SPECTRUM[65] - 1, abs=0.03)
     beam, width = fem.surface_beam(motor.surface_wave), motor.scene.stator.width
-    faces = abs(beam.motion(0.08, width)[2] + beam.motion(0.08, -width)[2]) / abs(beam.motion(0.08)[2])
-    assert effect(motor, "side faces")["size"] == pytest.approx(faces, rel=1e-9)
+    images = sum(beam.motion(0.08, k * width)[2] for k in range(-4, 5))  # of an aperture between two mirrors
+    expected = abs(images / beam.motion(0.08)[2]) - 1
+    assert effect(motor, "side faces")["size"] == pytest.approx(expected, rel=0.02)
 
 
 def test_other_cuts_fall_back_to_the_slit(motor):
