@@ -158,7 +158,8 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
                 raise RunError(str(error)) from None
             wave = error.reached  # it is recorded with its error, which says whether it is good enough
         try:
-            return surface_motion(wave, wanted, places, tolerance)
+            width = scene.stator.mirror_width
+            return surface_motion(wave, wanted, places, tolerance, mirror_width=width)
         except fem.BeamError as error:
             scene.refuse("stator.diffraction", f"must be false or absent: {error}")
 

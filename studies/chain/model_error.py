@@ -91,7 +91,9 @@ def _aperture(record: Record) -> Iterator[NeglectedEffect]:
             raise fem.BeamError("no field in three dimensions without seconds of work")
         beam = motion.beam or fem.surface_beam(wave)
         with_aperture = beam.motion(x, y)
-        mirrored = fem.surface_beam(wave, mirror_width=record.scene.stator.width).motion(x, y)
+        block = record.scene.stator
+        other_width = None if block.mirror_width else block.width
+        other = fem.surface_beam(wave, mirror_width=other_width).motion(x, y)
     except fem.BeamError:
         ratios = [fresnel_ratio(record, place) for place in x]
         source = "Fresnel's integral on the axis of the driven aperture"
@@ -101,8 +103,8 @@ def _aperture(record: Record) -> Iterator[NeglectedEffect]:
         yield NeglectedEffect(
             effect="side faces",
             quantity="u_z",
-            size=max((float(each) - 1 for each in abs(mirrored[2]) / abs(with_aperture[2])), key=abs),
-            source="the beam between side faces that reflect it as mirrors, against none",
+            size=max((float(each) - 1 for each in abs(other[2]) / abs(with_aperture[2])), key=abs),
+            source="the beam between side faces that reflect it as mirrors against none, or the other way round",
         )
     if motion.beam is not None:
         return

@@ -88,7 +88,9 @@ class SurfaceMotion:
         return float(size.max() / size.min())
 
 
-def surface_motion(wave, diffraction: bool | None, places, tolerance: float) -> SurfaceMotion:
+def surface_motion(
+    wave, diffraction: bool | None, places, tolerance: float, *, mirror_width: float | None = None
+) -> SurfaceMotion:
     """Return what stands for the motion of a solved stator.
 
     Parameters
@@ -101,6 +103,8 @@ def surface_motion(wave, diffraction: bool | None, places, tolerance: float) -> 
         x and y in m, where it is needed.
     tolerance : float
         Relative, of the answer.
+    mirror_width : float, optional
+        Distance of reflecting side faces in m.
 
     Raises
     ------
@@ -114,7 +118,7 @@ def surface_motion(wave, diffraction: bool | None, places, tolerance: float) -> 
     refusal = default_refusal(wave.solution.fields.stator) if diffraction is None else ""
     if refusal:
         return SurfaceMotion(wave=wave, reason=refusal)
-    found = SurfaceMotion(wave=wave, beam=fem.surface_beam(wave))
+    found = SurfaceMotion(wave=wave, beam=fem.surface_beam(wave, mirror_width=mirror_width))
     added = found.relative_error(places) - wave.relative_error
     if diffraction is None and added > tolerance:
         reason = f"the beam's own error would be {added:.1e}, {tolerance:.1e} is asked for; true takes it all the same"

@@ -133,7 +133,9 @@ class Stator(Block):
         float | str, Quantity("m", words=("half-space",)), "Along z; half-space: exactly absorbing below."
     ]
     width: Annotated[
-        float, Quantity("m"), "Along y. Drawn and compared with the apertures; side faces are left out."
+        float,
+        Quantity("m"),
+        "Along y. Drawn, compared with the apertures, and the distance of the side faces.",
     ]
     bottom: Annotated[
         str,
@@ -156,6 +158,11 @@ class Stator(Block):
         "true: the finite aperture spreads the beam; false: plane section. "
         "Absent: true under a slider where the beam can be computed.",
     ] = None
+    sides: Annotated[
+        str,
+        Choice(("absorbing", "mirror")),
+        "Side faces y = +-width/2 under diffraction. absorbing: none; mirror: they reflect everything.",
+    ] = "absorbing"
     mechanical_quality: Annotated[
         float | None, Quantity(), "Mechanical quality factor Q in place of the material's own."
     ] = None
@@ -163,8 +170,15 @@ class Stator(Block):
         float | None, Quantity(zero=True), "Loss tangent in place of the material's own; 0: lossless."
     ] = None
 
+    @property
+    def mirror_width(self) -> float | None:
+        """Distance of the side faces in m where they reflect."""
+        return self.width if self.sides == "mirror" else None
+
     def contradictions(self, unread):
-        """Refuse a dielectric loss where there is no field."""
+        """Refuse a dielectric loss where there is no field, and side faces in a plane section."""
+        if self.sides == "mirror" and self.diffraction is False:
+            yield self.refusal("sides", "must be absorbing where stator.diffraction is false, got 'mirror'")
         if isinstance(self.material, IsotropicSolid) and self.dielectric_loss is not None:
             rule = "must be absent with an isotropic solid: no electric field is solved for"
             yield self.refusal("dielectric_loss", rule)

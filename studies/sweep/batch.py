@@ -222,7 +222,8 @@ def _motion(scene: Scene, place: tuple[float, float], tolerance: float):
         )  # fmt: skip
     except fem.ConvergenceError as error:
         raise RunError(str(error)) from None
-    return surface_motion(wave, scene.stator.diffraction, (place,), tolerance)
+    width = scene.stator.mirror_width
+    return surface_motion(wave, scene.stator.diffraction, (place,), tolerance, mirror_width=width)
 
 
 @lru_cache(8)  # the same for every slider and voltage

@@ -191,7 +191,8 @@ def _motion(question: Question, scene: Scene, places, step: int) -> SurfaceMotio
     wave = _wave(question, scene, tuple(dict.fromkeys(x for x, _ in places)), step)
     try:
         wanted = wanted_diffraction(scene.stator.diffraction, question.has_slider)
-        return surface_motion(wave, wanted, places, question.tolerance)
+        width = scene.stator.mirror_width
+        return surface_motion(wave, wanted, places, question.tolerance, mirror_width=width)
     except fem.BeamError as error:
         raise SceneError("stator.diffraction", f"must be false or absent: {error}") from None
 

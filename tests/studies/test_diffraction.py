@@ -199,3 +199,23 @@ def test_the_beam_is_drawn_from_above(spread, tmp_path):
     wanted = ["--screenshot", str(files[0]), "--html", str(files[1])]
     assert main(["view", str(tmp_path / "run"), "--show", "beam", *wanted]) == 0
     assert all(each.stat().st_size > 10_000 for each in files)
+
+
+def test_side_faces_that_reflect_make_the_beam_of_its_images():
+    """Nine images of the aperture in both faces; the model error then says what faces that absorb would change."""
+    given = Scene.load("twente-left").replace(drive={"voltage": ["30 V"]})
+    wide, mirrored = (
+        run(given.replace(stator={"sides": each}), tolerance=1e-2) for each in ("absorbing", "mirror")
+    )
+    beam, width = wide.surface_motion.beam, given.stator.width
+    images = sum(beam.motion(0.08, k * width)[2] for k in range(-4, 5))
+    assert abs(mirrored.surface_motion.at([(0.08, 0.0)])[2, 0]) == pytest.approx(abs(images), rel=1e-3)
+    sizes = [
+        next(each["size"] for each in record.model_error if each["effect"] == "side faces")
+        for record in (wide, mirrored)
+    ]
+    assert (1 + sizes[0]) * (1 + sizes[1]) == pytest.approx(1.0, rel=1e-9)
+    with pytest.raises(
+        SceneError, match=r"stator\.sides must be absorbing where stator\.diffraction is false"
+    ):
+        given.replace(stator={"sides": "mirror", "diffraction": False})
