@@ -48,8 +48,8 @@ def velocity_derivative(
     ...                 stick_band=0.0, contact_damping=0.0, normal_damping=0.5, tangential_damping=1e-4)
     >>> orbit = Orbit(frequency=2.2e6, normal=1e-8, tangential=-7e-9j)
     >>> slope = velocity_derivative(lambda s: (replace(slider, friction_coefficient=0.08 * (1 + s)), orbit))
-    >>> bool(slope > 0)
-    True
+    >>> round(slope, 4)  # more friction, a little less velocity
+    -0.0071
     """
     from contact.solve.equilibrium import balanced
 

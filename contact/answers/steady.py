@@ -165,10 +165,10 @@ class _Search:
         """Return the answer of a motion over some cycles; `velocity` on this side, `height` in m."""
         motion, before, work, number = cycles
         counted = motion.events()
-        for name, number in zip(
+        for name, count in zip(
             ("stretches", "halvings", "sweeps", "cycles"), work[STRETCHES:CHATTER], strict=True
         ):
-            counted[name] = int(number)
+            counted[name] = int(count)
         counted["smallest_gap"], counted["chatter"] = motion.smallest_gap(), bool(counted["chatter"])
         status, message = _judged(error, self.tolerance, note)
         moving = "intermittent" if counted["release"] else "slip"

@@ -225,8 +225,8 @@ def _tractions(problem, speeds, work, out):
     """Fill the mean tangential forces of cycles at given velocities; return 0."""
     h = riding(problem, work.fine)
     for k in range(speeds.size):
-        cycle(problem, h, speeds[k], work.at_rest, work.fine, work.plain, work.counts)
-        out[k] = work.plain[1]
+        cycle(problem, h, speeds[k], work.fine, work.first)
+        out[k] = work.first.means[TANGENTIAL]
     return 0
 
 

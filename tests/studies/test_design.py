@@ -22,6 +22,7 @@ VARIABLES = [read_variable(text) for text in RANGES]
 LIMIT = "contact_pressure <= 140 MPa"
 
 
+@pytest.mark.slow
 def test_the_optimum_is_that_of_a_brute_force_grid():
     """Largest thrust times nothing else under a pressure limit: the optimum lies on the constraint."""
     side = 50

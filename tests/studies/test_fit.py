@@ -159,6 +159,7 @@ def test_predictions_are_those_of_a_run(curve):
     assert np.max(np.abs(found - motion.velocity[::100])) < 5e-3 * np.max(motion.velocity)
 
 
+@pytest.mark.slow
 def test_a_stator_s_amplitude_and_speeds_without_a_sign(tmp_path, capsys):
     """Voltages on the seed's stator: the factor on its amplitude comes back; a motor towards -x measured as speed."""
     true = Predictor(Scene.load("twente-left"), tolerance=1e-2)

@@ -59,6 +59,7 @@ def test_even_meshes_converge_slowly(triangles):
     assert fine < 0.1
 
 
+@pytest.mark.slow
 def test_the_direct_contender_agrees():
     found = errors("high order, edge layers", small_problem(thickness=THIN), order=5, edge_layers=1)
     assert max(found) < 2e-2
@@ -101,6 +102,7 @@ def test_nothing_imports_the_peer_unasked():
     assert done.stdout.split() == ["False"]
 
 
+@pytest.mark.slow
 def test_a_contender_runs_alone_on_one_thread():
     posed = small_problem()
     found = attempted("structured", posed, {"level": 1}, repeats=1)

@@ -88,6 +88,7 @@ def test_the_surface_rings_down_under_the_slider():
     assert not any("ring-down" in reason for reason in record.left_out)
 
 
+@pytest.mark.slow
 def test_the_error_knows_the_envelope_s(record):
     """Its part: the envelope's error for as long as it rings up, over the burst."""
     longer = run(chip("drive.burst=0.4 ms"), tolerance=2e-2)

@@ -49,6 +49,7 @@ def test_two_faces_split_the_wave():
     assert off[2] < 1e-4
 
 
+@pytest.mark.slow
 def test_profile_decays_like_the_half_spaces():
     """Down to 1.5 wavelengths over an absorbing bottom; phi in volt per metre of u_z."""
     solid = lossless("LiNbO3 (Kovacs)", "128YX")
