@@ -119,7 +119,7 @@ def test_the_commands_that_a_document_names_exist(document):
             parser().parse_args(shlex.split(text)[1:])
         elif call in calls:
             known = calls[call]._option_string_actions
-            assert [option for option in re.findall(r"--[a-z-]+", text) if option not in known] == [], text
+            assert [option for option in re.findall(r"--[a-z0-9-]+", text) if option not in known] == [], text
         else:
             assert call.isupper() or call.startswith("--"), text
 

@@ -62,7 +62,7 @@ def best_period(stator: Stator, transducer: Transducer, frequency: float) -> flo
     >>> stator = Stator(solid=rotated(material("PZT-8"), "Z"), length=0.1, thickness=5e-3, ends="free")
     >>> row = Transducer(name="t", center=0.05, finger_pairs=10, period=1e-3, metallisation=0.5, aperture=0.02)
     >>> round(best_period(stator, row, 2.2e6) * 1e3, 3)
-    0.979
+    0.981
     """
     return _best_period(*_alone(stator, replace(transducer, period=1.0)), float(frequency))
 

@@ -19,7 +19,8 @@ def show(folder, wanted, written: Callable, *, progress: Callable[[str], None]) 
     """Draw the beam of a run into the files that are wanted, or in a window."""
     import fem
 
-    record, scene = left_run(folder)
+    record = left_run(folder)
+    scene = record.scene
     if not scene.transducer:
         raise SceneError("--show", "beam needs a driven stator: this run has none")
     for option in ("movie", "data"):
@@ -28,7 +29,7 @@ def show(folder, wanted, written: Callable, *, progress: Callable[[str], None]) 
                 f"--{option}", "shows the field or the contact; sawmotor run --field writes surface_map.csv"
             )
     progress("solving the stator")
-    wave = solved_again(scene, record, progress=progress)
+    wave = solved_again(record, progress=progress)
     try:
         beam = fem.surface_beam(wave)
     except fem.BeamError as error:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studies import Scene, SceneError
+from studies import SceneError
 from studies.report.figures import saved
 from studies.stator import dispersion
 
@@ -61,14 +61,6 @@ def test_the_fastest_growing_wavenumber_is_the_surface_wave_s(record, tmp_path):
         assert (tmp_path / f"{panel.name}.png").stat().st_size > 5000
 
 
-def test_without_a_section_or_a_frequency_there_is_nothing_to_ask():
+def test_without_a_section_there_is_nothing_to_ask():
     with pytest.raises(SceneError, match="stator is missing: a given wave has no section"):
         dispersion.run("twente-contact")
-    from studies.scene import read_table
-    from studies.scene.override import assigned
-
-    table = assigned(
-        assigned(read_table("twente-left"), "drive.frequency=center"), "transducer.0.period=1 mm"
-    )
-    with pytest.raises(SceneError, match=r"drive\.frequency must be a number"):
-        dispersion.run(Scene.from_table("", table))

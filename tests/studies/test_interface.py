@@ -111,7 +111,9 @@ def test_a_data_frame_has_the_points_as_rows(record):
 def test_an_optional_package_that_is_missing_is_named(record, contact, monkeypatch, name, package):
     monkeypatch.setitem(sys.modules, package, None)
     source = record if package == "pandas" else sweep(contact, {})
-    with pytest.raises(RunError, match=f"{name} needs {package}: pip install {package}"):
+    with pytest.raises(
+        RunError, match=f"{name} needs {package}, which is not installed: pip install {package}"
+    ):
         getattr(source, name)()
 
 

@@ -1,6 +1,7 @@
 """A scene's source: power instead of voltage, its impedance and a matching network, and where the power goes."""
 
 import tomllib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -101,10 +102,15 @@ def test_the_power_of_the_source_adds_up(match):
     assert record.points[0]["voltage_V"] == pytest.approx(20.0, rel=1e-14)
 
 
+def plane(scene: Scene) -> Scene:
+    return scene.replace(stator=replace(scene.stator, diffraction=False))
+
+
 def test_a_matched_motor_is_the_motor_at_its_electrodes_voltage():
-    matched = run(motor(power="1 W", match="auto"), tolerance=1e-2)
+    """Of the section, diffraction off: the beam solves a circuit of its own, the voltage reported is the section's."""
+    matched = run(plane(motor(power="1 W", match="auto")), tolerance=1e-2)
     volts = 20.0 * abs(matched.electrical["comb_voltage_per_volt"])
-    bare = run(motor(voltage=volts, source_impedance=0), tolerance=1e-2)
+    bare = run(plane(motor(voltage=volts, source_impedance=0)), tolerance=1e-2)
     one, other = (record.points[0]["velocity_m_per_s"] for record in (matched, bare))
     assert one == pytest.approx(other, rel=1e-6)
     assert abs(one) > 1e-3
@@ -129,7 +135,8 @@ def test_the_answer_and_the_picture_show_the_power():
     record = run(motor(power=["1 W", "4 W"], match="auto"), tolerance=1e-2)
     text = answer(record)
     assert "available (W)" in text
-    assert "match           shunt_L" in text
+    (first, _), *_ = record.scene.drive.match[0]
+    assert f"match           {first} " in text
     assert "delivered 100 %" in text
     ax = Figure().add_subplot()
     velocity(record, ax)

@@ -33,7 +33,9 @@ def test_the_default_scene_is_the_motor_of_the_paper():
 
 def test_a_scene_built_in_python_equals_the_scene_read():
     left, right = (
-        Transducer(name=n, center=c, finger_pairs=10, metallisation=0.5, aperture="20 mm")
+        Transducer(
+            name=n, center=c, finger_pairs=10, period="half-space", metallisation=0.5, aperture="20 mm"
+        )
         for n, c in (("left", "15 mm"), ("right", 0.145))
     )
     built = Scene(

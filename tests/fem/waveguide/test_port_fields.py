@@ -31,7 +31,8 @@ def test_one_electrode_has_no_voltage():
 def test_charges_become_currents():
     """I = i omega Q aperture with Q = -q; the narrower beam is shared."""
     q = np.array([[-2e-10, 1e-11], [1e-11, -3e-10]])
-    y = charge_admittances(q, (0.02, 0.05), 1e6)
+    shared = np.array([[0.02, 0.02], [0.02, 0.05]])
+    y = charge_admittances(q, shared, 1e6)
     omega = 2e6 * np.pi
     assert y[0, 0] == pytest.approx(1j * omega * 2e-10 * 0.02, rel=1e-14)
     assert y[1, 1] == pytest.approx(1j * omega * 3e-10 * 0.05, rel=1e-14)
