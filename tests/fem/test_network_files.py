@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+import skrf
 
 from fem import motional_model, read_touchstone, touchstone
 
@@ -19,7 +20,6 @@ FREQUENCY = np.linspace(1.9e6, 2.5e6, 5) + 1 / 3
 @pytest.mark.parametrize("ports", [1, 2, 3, 4, 5])
 def test_scikit_rf_reads_what_is_written(ports, tmp_path):
     """Bit for bit: all digits of a double are written; the order of ports is that of the standard."""
-    skrf = pytest.importorskip("skrf")
     values, file = parameters(ports), tmp_path / f"network.s{ports}p"
     file.write_text(touchstone(FREQUENCY, values, 75.0, ("ports: a, b", "made up")))
     read = skrf.Network(str(file))
@@ -35,7 +35,6 @@ def test_scikit_rf_reads_what_is_written(ports, tmp_path):
 @pytest.mark.parametrize("form", ["ri", "ma", "db"])
 @pytest.mark.parametrize("ports", [1, 2, 3])
 def test_what_scikit_rf_writes_is_read(form, ports, tmp_path):
-    skrf = pytest.importorskip("skrf")
     values = parameters(ports)
     network = skrf.Network(frequency=skrf.Frequency.from_f(FREQUENCY, unit="Hz"), s=values, z0=50)
     network.write_touchstone("theirs", dir=str(tmp_path), form=form)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import skrf
 
 import fem
 from fem.waveguide.port_fields import solve_ports
@@ -65,7 +66,6 @@ def test_a_layout_that_no_band_takes_is_solved_one_by_one():
 
 
 def test_the_files_are_read_by_scikit_rf(record, tmp_path):
-    skrf = pytest.importorskip("skrf")
     files = network.tables(record)
     assert sorted(files) == ["circuit_left.cir", "circuit_right.cir", "network.s2p"]
     (tmp_path / "network.s2p").write_text(files["network.s2p"])
