@@ -68,13 +68,8 @@ def blocked_thrust(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[f
     """
     from contact.solve import averaged
 
-    listed = as_orbits(orbits)
-    free = replace(slider, load=0.0)
-    refuse_unless_applicable(free, listed, STIFFEST_STEADY)
-    _, driven = towards_plus(listed)
-    problem = scaled(free, driven, direction=1.0, start=0.0)
+    _, problem, unit = _unloaded(slider, orbits)
     low, high = averaged.rest_tractions(problem)
-    unit = slider.mass * problem.omega**2 * problem.length
     # driven forwards: stalls at the lower traction, holds up to the upper; driven against its crests: mirrored
     return (
         (float(low * unit), float(high * unit)) if high > -low else (float(-high * unit), float(-low * unit))
@@ -104,13 +99,19 @@ def mean_traction(slider: Slider, orbits: Orbit | tuple[Orbit, ...], velocities:
     """
     from contact.solve import averaged
 
+    side, problem, unit = _unloaded(slider, orbits)
+    speeds = side * np.asarray(velocities, float) / problem.speed
+    return side * averaged.tractions(problem, speeds) * unit
+
+
+def _unloaded(slider: Slider, orbits: Orbit | tuple[Orbit, ...]):
+    """Return drive direction, problem driven towards +x without the slider's load, and its unit of force in N."""
     listed = as_orbits(orbits)
     free = replace(slider, load=0.0)
     refuse_unless_applicable(free, listed, STIFFEST_STEADY)
     side, driven = towards_plus(listed)
     problem = scaled(free, driven, direction=1.0, start=0.0)
-    speeds = side * np.asarray(velocities, float) / problem.speed
-    return side * averaged.tractions(problem, speeds) * (slider.mass * problem.omega**2 * problem.length)
+    return side, problem, slider.mass * problem.omega**2 * problem.length
 
 
 def load_line(

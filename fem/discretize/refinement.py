@@ -158,3 +158,21 @@ def refine(
                 break
         coarse = answer
     return reached
+
+
+def refine_stator(
+    stator: Stator,
+    at_level: Callable[[Resolution], Answer],
+    *,
+    differences: Callable[[Answer, Answer], tuple[float, ...]],
+    tolerance: float,
+) -> Refined[Answer]:
+    """Refine an answer of a stator over `LEVELS`, from the level and at the rate that its solid and ends promise."""
+    return refine(
+        at_level,
+        LEVELS,
+        start=first_level(tolerance),
+        differences=differences,
+        gain=level_gain(stator),
+        tolerance=tolerance,
+    )

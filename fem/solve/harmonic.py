@@ -12,7 +12,7 @@ import numpy as np
 from fem.circuit import Drive
 from fem.convergence import ConvergenceError
 from fem.discretize.grading import Resolution
-from fem.discretize.refinement import LEVELS, first_level, level_gain, refine
+from fem.discretize.refinement import refine_stator
 from fem.geometry import Stator, Transducer, check_layout
 from fem.materials import fields
 from fem.results.evaluation import surface_of
@@ -72,14 +72,7 @@ def driven_wave(
         solution = solve_driven(stator, transducers, frequency=frequency, drive=drive, resolution=resolution)
         return solution, surface_of(solution).motion(at)
 
-    refined = refine(
-        at_level,
-        LEVELS,
-        start=first_level(tolerance),
-        differences=solution_differences,
-        gain=level_gain(stator),
-        tolerance=tolerance,
-    )
+    refined = refine_stator(stator, at_level, differences=solution_differences, tolerance=tolerance)
     solution, _ = refined.answer
     say("stator: power balance")
     power = power_balance(solution)

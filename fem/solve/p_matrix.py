@@ -20,7 +20,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fem.convergence import ConvergenceError
-from fem.discretize.refinement import LEVELS, first_level, level_gain, refine
+from fem.discretize.refinement import refine_stator
 from fem.geometry import Stator, Transducer
 from fem.threads import one_blas_thread
 from fem.waveguide.modes import PROPAGATING, power
@@ -114,14 +114,7 @@ def p_matrix(
         fields = solve_ports(alone, (row,), frequency=frequency, resolution=resolution)
         return _of_fields(fields, every_mode)
 
-    refined = refine(
-        at_level,
-        LEVELS,
-        start=first_level(tolerance),
-        differences=_difference,
-        gain=level_gain(stator),
-        tolerance=tolerance,
-    )
+    refined = refine_stator(stator, at_level, differences=_difference, tolerance=tolerance)
     found = replace(refined.answer, relative_error=refined.errors[0])
     if found.relative_error > tolerance:
         raise ConvergenceError(

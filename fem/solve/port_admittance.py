@@ -7,7 +7,7 @@ import numpy as np
 
 from fem.circuit import Drive
 from fem.convergence import ConvergenceError
-from fem.discretize.refinement import LEVELS, first_level, level_gain, refine
+from fem.discretize.refinement import refine_stator
 from fem.geometry import Stator, Transducer
 from fem.solve.band_setup import frequency_band
 from fem.solve.harmonic import check_driven
@@ -98,14 +98,7 @@ def port_admittance(
     def at_level(resolution) -> PortFields:
         return solve_ports(stator, transducers, frequency=float(at.item()), resolution=resolution)
 
-    refined = refine(
-        at_level,
-        LEVELS,
-        start=first_level(tolerance),
-        differences=_difference,
-        gain=level_gain(stator),
-        tolerance=tolerance,
-    )
+    refined = refine_stator(stator, at_level, differences=_difference, tolerance=tolerance)
     fields, error = refined.answer, refined.errors[0]
     matrix = fields.admittances.reshape(*at.shape, *fields.admittances.shape)
     found = PortAdmittance(names=fields.names, frequency=at, matrix=matrix, relative_error=error)

@@ -17,7 +17,7 @@ from studies.chain.neglected import diffraction_left_out, driven_left_out, free_
 from studies.chain.points import SliderAnswer, slider_answer
 from studies.chain.ring_up import ring_up, ring_up_left_out
 from studies.chain.source_powers import powers, with_available_power
-from studies.chain.surface_motion import SurfaceMotion, surface_motion, wanted_diffraction
+from studies.chain.surface_motion import SurfaceMotion, surface_motion
 from studies.chain.warnings import warnings_of
 from studies.record import Record
 from studies.refusal import RunError, SceneError
@@ -139,27 +139,17 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
     slider = scene.slider
     place = (scene.stator.length / 2, 0.0) if slider is None else slider.center
     places = (place,) if slider is None else tuple(dict.fromkeys((place, *slider.places)))
-    wanted = wanted_diffraction(scene.stator.diffraction, slider is not None)
-    block, transducers = resolved.stator(scene.stator), resolved.transducers(scene)
 
     def solved(goal: float) -> SurfaceMotion:
         try:
-            wave = fem.driven_wave(
-                block,
-                transducers,
-                frequency=scene.frequency,
-                drive=resolved.drive(scene),
-                tolerance=goal,
-                places=tuple(dict.fromkeys(x for x, _ in places)),
-                progress=say,
-            )
+            across = dict.fromkeys(x for x, _ in places)
+            wave = bridge.driven_section(scene, tolerance=goal, places=across, progress=say)
         except fem.ConvergenceError as error:
             if error.reached is None:
                 raise RunError(str(error)) from None
             wave = error.reached  # it is recorded with its error, which says whether it is good enough
         try:
-            width = scene.stator.mirror_width
-            return surface_motion(wave, wanted, places, tolerance, mirror_width=width)
+            return surface_motion(wave, scene.stator, places, tolerance, slider=slider is not None)
         except fem.BeamError as error:
             scene.refuse("stator.diffraction", f"must be false or absent: {error}")
 
@@ -213,7 +203,7 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
         }
         | sources
         | _several_sources(wave),
-        left_out=driven_left_out(block, scene.frequency)
+        left_out=driven_left_out(resolved.stator(scene.stator), scene.frequency)
         + diffraction_left_out(scene, motion)
         + ring_up_left_out(scene, ringing, blocks.get("trajectories", ())),
         surface=_surface_columns(wave),

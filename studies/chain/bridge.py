@@ -8,9 +8,25 @@ dampers (the Hunt-Crossley coefficient, per contact already, stays): a mere numb
 as one.
 """
 
+from studies.scene import Scene, resolved
 from studies.scene.blocks import Slider, Wave
 
-__all__ = ["contact_slider", "given_orbits", "orbits_per_volt", "scaled", "wave_along"]
+__all__ = ["contact_slider", "driven_section", "given_orbits", "orbits_per_volt", "scaled", "wave_along"]
+
+
+def driven_section(scene: Scene, *, tolerance: float, places=(), progress=None):
+    """Return the `fem.SurfaceWave` of a scene's driven section; `places` are x in m."""
+    import fem
+
+    return fem.driven_wave(
+        resolved.stator(scene.stator),
+        resolved.transducers(scene),
+        frequency=scene.frequency,
+        drive=resolved.drive(scene),
+        tolerance=tolerance,
+        places=tuple(places),
+        progress=progress,
+    )
 
 
 def orbits_per_volt(motion, slider: Slider) -> tuple:

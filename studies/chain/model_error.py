@@ -89,9 +89,9 @@ def _aperture(record: Record) -> Iterator[NeglectedEffect]:
     try:
         if motion.beam is None and default_refusal(wave.solution.fields.stator):
             raise fem.BeamError("no field in three dimensions without seconds of work")
-        beam = motion.beam or fem.surface_beam(wave)
-        with_aperture = beam.motion(x, y)
         block = record.scene.stator
+        beam = motion.beam or fem.surface_beam(wave, mirror_width=block.mirror_width)
+        with_aperture = beam.motion(x, y)
         other_width = None if block.mirror_width else block.width
         other = fem.surface_beam(wave, mirror_width=other_width).motion(x, y)
     except fem.BeamError:

@@ -7,6 +7,8 @@ for a scene: every answer that needs an orbit takes it from there.
 
 from dataclasses import dataclass, field
 
+from studies.scene.blocks import Stator
+
 __all__ = ["SurfaceMotion", "default_refusal", "surface_motion", "wanted_diffraction"]
 
 PER_WAVELENGTH = (
@@ -88,23 +90,22 @@ class SurfaceMotion:
         return float(size.max() / size.min())
 
 
-def surface_motion(
-    wave, diffraction: bool | None, places, tolerance: float, *, mirror_width: float | None = None
-) -> SurfaceMotion:
+def surface_motion(wave, block: Stator, places, tolerance: float, *, slider: bool = True) -> SurfaceMotion:
     """Return what stands for the motion of a solved stator.
 
     Parameters
     ----------
     wave : fem.SurfaceWave
-    diffraction : bool or None
-        True: the finite aperture; False: the plane section; None: the finite aperture where `default_refusal` has
-        nothing against it and it adds less than the tolerance to the section's error.
+    block : Stator
+        Of the scene.  Its ``diffraction`` is True: the finite aperture; False: the plane section; None: the finite
+        aperture under a slider, where `default_refusal` has nothing against it and it adds less than the tolerance to
+        the section's error.  Its ``sides`` count with the finite aperture alone.
     places : sequence of (float, float)
         x and y in m, where it is needed.
     tolerance : float
         Relative, of the answer.
-    mirror_width : float, optional
-        Distance of reflecting side faces in m.
+    slider : bool
+        Whether a slider is to be driven.
 
     Raises
     ------
@@ -113,12 +114,13 @@ def surface_motion(
     """
     import fem
 
+    diffraction = wanted_diffraction(block.diffraction, slider)
     if diffraction is False:
         return SurfaceMotion(wave=wave)
     refusal = default_refusal(wave.solution.fields.stator) if diffraction is None else ""
     if refusal:
         return SurfaceMotion(wave=wave, reason=refusal)
-    found = SurfaceMotion(wave=wave, beam=fem.surface_beam(wave, mirror_width=mirror_width))
+    found = SurfaceMotion(wave=wave, beam=fem.surface_beam(wave, mirror_width=block.mirror_width))
     added = found.relative_error(places) - wave.relative_error
     if diffraction is None and added > tolerance:
         reason = f"the beam's own error would be {added:.1e}, {tolerance:.1e} is asked for; true takes it all the same"

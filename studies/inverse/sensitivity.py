@@ -8,7 +8,6 @@ law, preload + E* - friction coefficient = 0.  Run time: 10 s; with a stator six
 numbers.
 """
 
-import time
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -16,7 +15,7 @@ from studies.chain import bridge
 from studies.inverse.prediction import Contact, Predictor
 from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord, of_record
+from studies.study import Finding, Panel, StudyRecord, of_record, study
 
 __all__ = ["elasticities", "figure", "run", "tables"]
 
@@ -31,6 +30,7 @@ RISE = 1.0 - 0.36787944117144233  # of the final velocity, reached after the sta
 AGREEMENT = 1e-2  # of both ways, of the largest elasticity
 
 
+@study
 def run(
     scene: str | Scene = "twente-contact",
     *,
@@ -51,12 +51,9 @@ def run(
     progress : callable, optional
         Told what is being done.
     """
-    begun, say = time.perf_counter(), progress or (lambda text: None)
-    predictor = Predictor(
-        scene if isinstance(scene, Scene) else Scene.load(scene), tolerance=tolerance, progress=say
-    )
+    predictor = Predictor(scene, tolerance=tolerance, progress=progress)
     level = max(predictor.contact({}).scene.levels)
-    found = {name: elasticities(predictor, name, level, say) for name in outcomes}
+    found = {name: elasticities(predictor, name, level, progress) for name in outcomes}
     title, findings, panels = predictor.table.get("title", ""), [], []
     for name, rows in found.items():
         silent = [key for key, (value, _) in rows.items() if abs(value) < NO_EFFECT]
@@ -76,12 +73,7 @@ def run(
         )  # fmt: skip
     if "velocity" in found:
         findings += _checks(predictor, found["velocity"], level)
-    return StudyRecord(
-        name="sensitivity",
-        panels=tuple(panels),
-        findings=tuple(findings),
-        seconds=time.perf_counter() - begun,
-    )
+    return panels, findings
 
 
 def numbers(predictor: Predictor) -> list[str]:

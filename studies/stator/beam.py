@@ -8,14 +8,13 @@ with the plate's ripple on them; a mean over the aperture of 0.8 to 1 of the sec
 normal, absorbing ends.  Run time: about 10 s.
 """
 
-import time
 from collections.abc import Callable
 
-from studies.chain import passband
+from studies.chain import bridge, passband
 from studies.chain.model_error import slit_ratio
 from studies.refusal import RunError
 from studies.scene import Scene, resolved
-from studies.study import Finding, Panel, StudyRecord, of_record
+from studies.study import Finding, Panel, StudyRecord, of_record, study
 
 __all__ = ["figure", "run"]
 
@@ -25,6 +24,7 @@ COUNT = 400
 CLEAR = 0.6  # wavelengths from the fingers where the axis begins
 
 
+@study
 def run(
     scene: str | Scene = "twente",
     *,
@@ -49,21 +49,12 @@ def run(
 
     import fem
 
-    begun = time.perf_counter()
     chosen = passband.driven_scene(scene)
     place, transducers = passband.place(chosen), resolved.transducers(chosen)
     driven = next(each for each in transducers if each.name == chosen.drive.transducer)
     try:
-        wave = fem.driven_wave(
-            resolved.stator(chosen.stator),
-            transducers,
-            frequency=chosen.frequency,
-            drive=resolved.drive(chosen),
-            tolerance=tolerance,
-            places=(place,),
-            progress=progress,
-        )
-        beam = fem.surface_beam(wave)
+        wave = bridge.driven_section(chosen, tolerance=tolerance, places=(place,), progress=progress)
+        beam = fem.surface_beam(wave, mirror_width=chosen.stator.mirror_width)
         x = _axis(chosen, transducers, driven, place, wave.phase_velocity / wave.frequency, count)
         y = np.linspace(-0.75, 0.75, count) * driven.aperture
         axis, across = beam.motion(x), beam.motion(place, y)
@@ -95,8 +86,7 @@ def run(
         ),
     )
     findings = _findings(beam, wave, driven, place, slit, across[:, abs(y) <= driven.aperture / 2], tolerance)
-    seconds = time.perf_counter() - begun
-    return StudyRecord(name="beam", panels=panels, findings=findings, seconds=seconds)
+    return panels, findings
 
 
 def _axis(scene: Scene, transducers, driven, place: float, wavelength: float, count: int):

@@ -9,7 +9,6 @@ Expected: passive and reciprocal; several branches nearer to the admittance than
 """
 
 import math
-import time
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
@@ -19,7 +18,7 @@ from studies.chain.spectrum import WIDEST, takes_bands
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene, resolved
 from studies.scene.quantity import si_value
-from studies.study import Finding, Panel, StudyRecord, of_record
+from studies.study import Finding, Panel, StudyRecord, of_record, study
 
 __all__ = ["figure", "run", "tables"]
 
@@ -31,6 +30,7 @@ BRANCHES = 5
 PASSIVE, RECIPROCAL = 1e-12, 1e-11
 
 
+@study
 def run(
     scene: str | Scene = "twente",
     *,
@@ -64,19 +64,15 @@ def run(
 
     import fem
 
-    begun = time.perf_counter()
-    say = progress or (lambda text: None)
     chosen = passband.driven_scene(scene)
     reference = float(z0) if _is_number(z0) else si_value("--z0", z0, "ohm")
     if not reference > 0:
         raise SceneError("--z0", f"must be a positive resistance, got {z0!r} ohm")
     at = passband.frequencies(chosen, count) if band is None else _band(band)
-    ports = _admittances(chosen, at, tolerance, say)
+    ports = _admittances(chosen, at, tolerance, progress)
     names = [each.name for each in chosen.transducer if each.name in ports.names]
     order = [ports.names.index(name) for name in names]
-    admittance = ports.matrix[np.ix_(range(len(at)), order, order)]
-    unit = np.eye(len(names))
-    scattering = (unit - reference * admittance) @ np.linalg.inv(unit + reference * admittance)
+    scattering = ports.scattering(reference)[np.ix_(range(len(at)), order, order)]
     shared = {"frequency_Hz": at, "ports": names, "reference_ohm": reference, "scattering": scattering}
     if measured is not None:
         f, s = _measured(Path(measured), len(names), reference)
@@ -131,9 +127,7 @@ def run(
             for name, (one, several) in models.items()
         ),
     )
-    return StudyRecord(
-        name="network", panels=tuple(panels), findings=findings, seconds=time.perf_counter() - begun
-    )
+    return panels, findings
 
 
 def tables(record: StudyRecord) -> dict[str, str]:

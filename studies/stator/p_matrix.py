@@ -7,14 +7,13 @@ reciprocity to rounding; the surface wave's part of the conductance at most all 
 cascade within 30 % of the stator in the transfer admittance's maximum.  Run time: about 40 s.
 """
 
-import time
 from collections.abc import Callable
 from itertools import pairwise
 
 from studies.chain import passband
 from studies.refusal import RunError
 from studies.scene import Scene, resolved
-from studies.study import Finding, Panel, StudyRecord, of_record
+from studies.study import Finding, Panel, StudyRecord, of_record, study
 
 __all__ = ["figure", "run"]
 
@@ -23,6 +22,7 @@ QUICK = {"count": 3, "tolerance": 0.2}
 COUNT = 25
 
 
+@study
 def run(
     scene: str | Scene = "twente",
     *,
@@ -47,8 +47,6 @@ def run(
 
     import fem
 
-    begun = time.perf_counter()
-    say = progress or (lambda text: None)
     chosen = passband.driven_scene(scene)
     block = resolved.stator(chosen.stator)
     row = tuple(sorted(resolved.transducers(chosen), key=lambda each: each.center))
@@ -57,7 +55,7 @@ def run(
     ports = [k for k, each in enumerate(row) if {"+", "-"} <= set(each.signs)]
     at, known, rows = passband.frequencies(chosen, count), {}, []
     for f in at:
-        say(f"P-matrices at {f / 1e6:.5g} MHz")
+        progress(f"P-matrices at {f / 1e6:.5g} MHz")
         parts = []
         for each in row:
             key = (f, each.signs, each.pitch, each.metallisation)
@@ -73,7 +71,7 @@ def run(
         ]
         distances = [right[0] - left[1] for left, right in pairwise(edges)]
         rows.append((parts, fem.cascade_admittance(parts, distances)[np.ix_(ports, ports)]))
-    say("the whole stator")
+    progress("the whole stator")
     whole = [fem.port_admittance(block, row, frequency=float(f), tolerance=tolerance).matrix for f in at]
     cascade, whole = np.array([y for _, y in rows]), np.array(whole)
     first = [parts[ports[0]] for parts, _ in rows]
@@ -118,7 +116,7 @@ def run(
             remark="the ends reflect, and the cascade has none" if chosen.stator.ends != "absorbing" else "",
         ),
     )
-    return StudyRecord(name="p_matrix", panels=panels, findings=findings, seconds=time.perf_counter() - begun)
+    return panels, findings
 
 
 @of_record

@@ -18,7 +18,7 @@ from studies.scene import Scene
 from studies.sweep.design import Question
 from studies.sweep.outcomes import Driven, also_asked, electrical
 from studies.sweep.source import Source, reason
-from studies.sweep.source_solver import SHARE, STEPS, keep_to, variation
+from studies.sweep.source_solver import SHARE, STEPS, keep_to, section_alone, variation
 
 __all__ = ["solved_points"]
 
@@ -211,19 +211,7 @@ def _along(question, driven: Driven):
 
 @lru_cache(4)  # the same for every slider and voltage
 def _motion(scene: Scene, place: tuple[float, float], tolerance: float):
-    import fem
-    from studies.scene import resolved
-
-    block = resolved.stator(scene.stator)
-    try:
-        wave = fem.driven_wave(
-            block, resolved.transducers(scene), frequency=scene.frequency, drive=resolved.drive(scene),
-            tolerance=tolerance, places=(place[0],),
-        )  # fmt: skip
-    except fem.ConvergenceError as error:
-        raise RunError(str(error)) from None
-    width = scene.stator.mirror_width
-    return surface_motion(wave, scene.stator.diffraction, (place,), tolerance, mirror_width=width)
+    return surface_motion(section_alone(scene, (place[0],), tolerance), scene.stator, (place,), tolerance)
 
 
 @lru_cache(8)  # the same for every slider and voltage

@@ -11,6 +11,7 @@ import time
 from dataclasses import asdict
 from functools import lru_cache
 
+from studies.chain import bridge
 from studies.chain.surface_motion import SurfaceMotion, default_refusal, surface_motion, wanted_diffraction
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene, resolved
@@ -19,7 +20,7 @@ from studies.sweep.design import Question, contact_places
 from studies.sweep.source import Source, reason
 from studies.sweep.variation import Variation
 
-__all__ = ["SHARE", "STEPS", "keep_to", "serves_band", "solved_sources", "variation"]
+__all__ = ["SHARE", "STEPS", "keep_to", "section_alone", "serves_band", "solved_sources", "variation"]
 
 SHARE, GAIN = 0.25, 0.1  # of the tolerance at first, and of the step before
 BAND_SHARE = 0.1  # a band a level finer costs half as much again, two bands twice as much
@@ -190,9 +191,7 @@ def _motion(question: Question, scene: Scene, places, step: int) -> SurfaceMotio
 
     wave = _wave(question, scene, tuple(dict.fromkeys(x for x, _ in places)), step)
     try:
-        wanted = wanted_diffraction(scene.stator.diffraction, question.has_slider)
-        width = scene.stator.mirror_width
-        return surface_motion(wave, wanted, places, question.tolerance, mirror_width=width)
+        return surface_motion(wave, scene.stator, places, question.tolerance, slider=question.has_slider)
     except fem.BeamError as error:
         raise SceneError("stator.diffraction", f"must be false or absent: {error}") from None
 
@@ -200,7 +199,7 @@ def _motion(question: Question, scene: Scene, places, step: int) -> SurfaceMotio
 def _wave(question: Question, scene: Scene, places, step: int):
     """Return the fem.SurfaceWave, from a band where the sweep has one for this geometry."""
     if not serves_band(question):
-        return _alone(scene, places, goal(question, step))
+        return section_alone(scene, places, goal(question, step))
     fixed = _Fixed(scene)
     known = _WAVES.pop((fixed, scene.frequency, places, step), None)
     if known is not None:
@@ -209,18 +208,12 @@ def _wave(question: Question, scene: Scene, places, step: int):
     return band.wave(scene.frequency, resolved.drive(scene))
 
 
-def _alone(scene: Scene, places, allowed):
+def section_alone(scene: Scene, places, allowed):
+    """Return the fem.SurfaceWave of a scene at its own frequency."""
     import fem
 
     try:
-        return fem.driven_wave(
-            resolved.stator(scene.stator),
-            resolved.transducers(scene),
-            frequency=scene.frequency,
-            drive=resolved.drive(scene),
-            tolerance=allowed,
-            places=places,
-        )
+        return bridge.driven_section(scene, tolerance=allowed, places=places)
     except fem.ConvergenceError as error:
         raise RunError(str(error)) from None
 

@@ -31,7 +31,7 @@ def show(folder, wanted, written: Callable, *, progress: Callable[[str], None]) 
     progress("solving the stator")
     wave = solved_again(record, progress=progress)
     try:
-        beam = fem.surface_beam(wave)
+        beam = fem.surface_beam(wave, mirror_width=scene.stator.mirror_width)
     except fem.BeamError as error:
         raise RunError(f"no beam to show: {error}") from None
     progress("drawing the beam")

@@ -175,7 +175,7 @@ def test_refusals(changes, message):
 
 def test_an_impossible_tolerance_is_refused(monkeypatch):
     """With the next step to try, and what is known; two levels instead of six, to be quick."""
-    monkeypatch.setattr("fem.solve.harmonic.LEVELS", LEVELS[:2])
+    monkeypatch.setattr("fem.discretize.refinement.LEVELS", LEVELS[:2])
     monkeypatch.setattr("fem.discretize.refinement.EXPECTED", EXPECTED[:2])
     stator = plate(SOLID, length=2.0, thickness=0.15)
     with pytest.raises(
