@@ -12,7 +12,7 @@ from fem.materials import material, rotated
 from fem.results.evaluation import surface_of
 from fem.results.field import wave_field
 from fem.results.solution import solve_driven
-from fem.solve.band_setup import frequency_band
+from fem.solve.band_setup import _reduced, frequency_band
 from fem.solve.harmonic import motion_difference
 from fem.solve.reduction import BandProblem, project, solve_at_nodes
 from tests.fem.stators import FREQUENCY, comb, cut, plate, wave_of
@@ -70,6 +70,20 @@ def test_a_reduced_basis_holds_the_constant_potential():
     assert basis @ (basis.T @ constant) == pytest.approx(constant, abs=1e-12)
     ports = model.port_fields(1.01 * FREQUENCY).admittances
     assert ports[0, 1] == pytest.approx(ports[1, 0], rel=1e-12)
+
+
+@pytest.mark.parametrize(("of_levels", "projections"), [(1e-4, 1), (8e-4, 3), (2e-3, 2)])
+def test_the_reduction_takes_what_the_discretisation_leaves(monkeypatch, of_levels, projections):
+    """At a tolerance of 1e-3: no smaller error than is left, no second discretisation where more fields would do."""
+    monkeypatch.setattr("fem.solve.band_setup.project", lambda problem, nodes, truncation: truncation)
+    reached = iter([(7e-4, 0.0), (4e-4, 0.0), (1.5e-4, 0.0), (1e-5, 0.0)])
+    monkeypatch.setattr("fem.solve.band_setup._errors", lambda *rest: next(reached))
+    problem = BandProblem(
+        stator=None, transducers=(), limits=(1.0, 2.0), drive="a", tolerance=1e-3, places=PLACES
+    )
+    _, of_motion, _ = _reduced(problem, None, [], 1.0, 1e-3 - of_levels)
+    assert of_motion == (7e-4, 4e-4, 1.5e-4)[projections - 1]
+    assert of_levels + of_motion <= 1e-3 or of_levels > 1e-3
 
 
 STATED = {
