@@ -112,7 +112,7 @@ def figure(record: Panel, ax):
     from matplotlib.colors import BoundaryNorm
     from matplotlib.patheffects import withStroke
 
-    from studies.report.figures import COLOURS, legend_below, logarithmic
+    from studies.report.figures import COLOURS, legend_below, logarithmic, titled
 
     data = record.data
     value = np.ma.masked_invalid(np.asarray(data["value"], float) * data["scale"])
@@ -145,7 +145,7 @@ def figure(record: Panel, ax):
         logarithmic(ax.xaxis)
     if _even_in_logarithm(y[0]):
         logarithmic(ax.yaxis)
-    ax.set_title(record.title, fontsize="medium")
+    titled(ax, record.title)
     legend_below(ax)
     return ax
 

@@ -119,7 +119,7 @@ def test_the_page_is_self_contained_and_says_what_is_not_modelled(sheet):
     assert page.count('src="data:image/svg+xml;base64,') == 3
     assert not re.search(r"(src|href)=(?!\"data:)|<script|https?:", page)
     assert "@page { size: A4" in page
-    assert "no beam spreading" in page
+    assert "no lateral modes of the width" in page
     for each in sheet.rows:
         assert f"<td>{each.name}</td>" in page
     text = datasheet_page.table(sheet)

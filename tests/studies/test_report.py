@@ -9,10 +9,10 @@ import pytest
 
 import fem
 from studies.chain import run
-from studies.report import report
 from studies.report.energies import balances
 from studies.report.intermediate import intermediate_numbers, si
 from studies.report.limits import model_limits
+from studies.report.page import report
 from tests.studies.predictions import changed
 
 EVIL = '<script>alert("ran")</script> & $\\frac{"'
