@@ -180,6 +180,23 @@ def test_the_best_match_delivers_all_available_power(resistance, reactance, cond
     assert voltage / current == pytest.approx(source.conjugate(), rel=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("load", "elements"),
+    [
+        (7.27e-3 + 26.98e-3j, ("shunt_L", "series_L")),  # either order stores the load's reactive power
+        (0.88e-3 + 7.77e-3j, ("shunt_L", "series_L")),
+        (1 / complex(10.0, 400.0), ("series_C", "shunt_C")),
+        (1 / 200.0, ("series_L", "shunt_C")),  # dual: series_C, shunt_L
+        (1 / 10.0, ("shunt_C", "series_L")),
+    ],
+)
+def test_matches_of_equal_energy_are_decided_by_a_rule_not_by_rounding(load, elements):
+    """No series capacitor, then smaller elements: the same section for loads that differ by rounding."""
+    for part in np.linspace(-4e-13, 4e-13, 41):
+        ladder = best_match(50 + 0j, load * (1 + part + 0.3j * part), FREQUENCY)
+        assert tuple(f"{each.place}_{each.kind}" for each in ladder) == elements
+
+
 def test_a_match_needs_a_resistance_and_a_load():
     with pytest.raises(ValueError, match="needs a source with a resistance, got 0"):
         best_match(0j, 1e-3 + 1e-3j, FREQUENCY)
