@@ -26,7 +26,8 @@ def contact():
 
 @pytest.fixture(scope="module")
 def driven():
-    return run(changed("twente-left", 'drive.voltage=["30 V"]', f"transducer.0.name={EVIL}",
+    return run(changed("twente-left", "stator.thickness=2 mm", "slider.position=50 mm",
+                       'drive.voltage=["30 V"]', f"transducer.0.name={EVIL}",
                        f"drive.transducer={EVIL}"), tolerance=1e-2)  # fmt: skip
 
 
