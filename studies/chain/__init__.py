@@ -16,7 +16,7 @@ from studies.chain.model_error import model_error
 from studies.chain.neglected import diffraction_left_out, driven_left_out, free_left_out
 from studies.chain.points import SliderAnswer, slider_answer
 from studies.chain.ring_up import ring_up, ring_up_left_out
-from studies.chain.source_powers import powers, with_available_power
+from studies.chain.source_powers import powers, recovered, recovery_left_out, with_available_power
 from studies.chain.surface_motion import SurfaceMotion, surface_motion
 from studies.chain.warnings import warnings_of
 from studies.record import Record
@@ -202,9 +202,11 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
             "admittance_relative_error": wave.admittance_error,
         }
         | sources
+        | recovered(scene, circuit)
         | _several_sources(circuit),
         left_out=driven_left_out(resolved.stator(scene.stator), scene.frequency)
         + diffraction_left_out(scene, motion)
+        + recovery_left_out(scene)
         + ring_up_left_out(scene, ringing, blocks.get("trajectories", ())),
         surface=_surface_columns(wave),
         surface_motion=motion,

@@ -183,18 +183,52 @@ def port_admittance(scene: Scene, frequency, tolerance: float):
 
 
 def _with_circuit(scene: Scene) -> Scene:
-    """Find the voltages of given powers, and the elements of an automatic match from the stator's admittance."""
+    """Find the voltages of given powers, the receiver's load and the elements of an automatic match."""
     import fem
 
-    found = {} if scene.drive.power is None else {"voltage": scene.drive.levels, "power": None}
-    if scene.drive.match == "auto":
-        row, name = transducers(scene), scene.drive.transducer
-        ports = port_admittance(scene, scene.frequency, MATCH_TOLERANCE)
-        load = fem.solve_circuit(ports.matrix, ports.names, row, name, scene.frequency).admittance
+    given = scene.drive
+    if given.power is not None:
+        scene = replace(scene, drive=replace(given, voltage=given.levels, power=None))
+    recovery = given.recovery
+    matched = recovery is not None and recovery.rectifier is None and recovery.load == "matched"
+    if not matched and given.match != "auto":
+        return _with_load(scene)
+    ports = port_admittance(scene, scene.frequency, MATCH_TOLERANCE)
+    about = (ports.matrix, ports.names)
+    if recovery is not None:
+        load = None
+        if matched:
+            auto = given.match == "auto"
+            with _refused("drive.recovery.load"):
+                load = fem.matched_load(
+                    *about,
+                    transducers(scene),
+                    drive(scene),
+                    recovery.receiver,
+                    scene.frequency,
+                    source_matched=auto,
+                )
+        scene = _with_load(scene, load)
+    if given.match == "auto":
+        seen = fem.solve_circuit(*about, transducers(scene), given.transducer, scene.frequency).admittance
         with _refused("drive.match"):
-            ladder = fem.best_match(complex(scene.drive.source_impedance), load, scene.frequency)
-        found["match"] = tuple(((f"{each.place}_{each.kind}", each.value),) for each in ladder) or "none"
-    return replace(scene, drive=replace(scene.drive, **found)) if found else scene
+            ladder = fem.best_match(complex(given.source_impedance), seen, scene.frequency)
+        elements = tuple(((f"{each.place}_{each.kind}", each.value),) for each in ladder) or "none"
+        scene = replace(scene, drive=replace(scene.drive, match=elements))
+    return scene
+
+
+def _with_load(scene: Scene, load: complex | None = None) -> Scene:
+    """Return the scene with the load of `drive.recovery`, given or found, across the receiver."""
+    recovery = scene.drive.recovery
+    if recovery is None:
+        return scene
+    recovery = replace(recovery, load=load or recovery.rectifier_load or recovery.load)
+    row = tuple(
+        replace(each, termination=recovery.load) if each.name == recovery.receiver else each
+        for each in scene.transducer
+    )
+    return replace(scene, transducer=row, drive=replace(scene.drive, recovery=recovery))
 
 
 def _with_source_numbers(scene: Scene) -> Scene:
