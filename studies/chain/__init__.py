@@ -185,7 +185,7 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
     wave = motion.wave
     if motion.beam is not None:
         scene = replace(scene, stator=replace(scene.stator, diffraction=True))
-    sources = powers(scene, wave)
+    circuit, balance, sources = motion.circuit, motion.power, powers(scene, motion)
     blocks["points"] = with_available_power(blocks["points"], sources)
     record = Record(
         scene=scene,
@@ -193,17 +193,17 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
         wave=_wave_block(scene, motion, place)
         | ({} if ringing is None or ringing.found is None else {"settling_time_s": ringing.found.settling}),
         electrical={
-            "admittance_S": wave.admittance,
-            "comb_voltage_per_volt": wave.comb_voltage_per_volt,
-            "power_W_per_V2": wave.power_input,
-            "power_dissipated_W_per_V2": wave.power_dissipated,
-            "power_radiated_W_per_V2": wave.power_radiated,
-            "power_residual": wave.power_residual,
+            "admittance_S": circuit.admittance,
+            "comb_voltage_per_volt": circuit.voltage,
+            "power_W_per_V2": circuit.power,
+            "power_dissipated_W_per_V2": balance.dissipated,
+            "power_radiated_W_per_V2": balance.radiated,
+            "power_residual": balance.residual,
             "admittance_relative_error": wave.admittance_error,
         }
         | sources
-        | recovered(scene, wave.circuit)
-        | _several_sources(wave),
+        | recovered(scene, circuit)
+        | _several_sources(circuit),
         left_out=driven_left_out(resolved.stator(scene.stator), scene.frequency)
         + diffraction_left_out(scene, motion)
         + recovery_left_out(scene)
@@ -216,9 +216,8 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
     return replace(record, seconds=seconds if slider is None else seconds | {"contact": contact_seconds})
 
 
-def _several_sources(wave) -> dict:
+def _several_sources(circuit) -> dict:
     """Return voltage and current of each driven transducer, per volt, where there are several."""
-    circuit = wave.circuit
     if len(circuit.sources) < 2:
         return {}
     ports = {

@@ -5,9 +5,9 @@ from studies.scene import Scene
 __all__ = ["powers", "recovered", "recovery_left_out", "with_available_power"]
 
 
-def powers(scene: Scene, wave) -> dict:
-    """Return the powers of a ``fem.SurfaceWave`` as columns of run.json's ``electrical``, W per V^2 of the source."""
-    balance, network = wave.power, wave.circuit.network
+def powers(scene: Scene, motion) -> dict:
+    """Return the powers of a `SurfaceMotion` as columns of run.json's ``electrical``, W per V^2 of the source."""
+    balance, network = motion.power, motion.circuit.network
     found = {
         "power_solid_W_per_V2": balance.solid,
         "power_loads_W_per_V2": balance.loads,

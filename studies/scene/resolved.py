@@ -16,7 +16,16 @@ from studies.scene.endless import refuse_endless_burst
 
 MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 of the power
 
-__all__ = ["resolved", "resolved_slider", "solid", "stator", "transducers"]
+__all__ = [
+    "default_refusal",
+    "diffracts",
+    "port_admittance",
+    "resolved",
+    "resolved_slider",
+    "solid",
+    "stator",
+    "transducers",
+]
 
 
 def resolved(scene: Scene) -> Scene:
@@ -139,6 +148,40 @@ def _ladder(match: str | tuple) -> tuple:
     return tuple(found)
 
 
+def diffracts(scene: Scene) -> bool:
+    """Return whether a scene's transducers have finite apertures: asked for, or under a slider by default."""
+    given = scene.stator.diffraction
+    return bool(given) or (
+        given is None and scene.slider is not None and not default_refusal(stator(scene.stator))
+    )
+
+
+def default_refusal(stator) -> str:
+    """Return why the section stands for a `fem.Stator` where a scene does not decide, a sentence; or nothing."""
+    import fem
+
+    if fem.beam_refusal(stator) or fem.isotropic_about_normal(stator.solid):
+        return fem.beam_refusal(stator)
+    return (
+        "stator.diffraction is absent, and in this cut the beam takes 5 to 10 times as long as the section; true "
+        "computes it"
+    )
+
+
+def port_admittance(scene: Scene, frequency, tolerance: float):
+    """Return the `fem.PortAdmittance` of a scene at one or several frequencies in Hz, one for all its answers."""
+    import fem
+
+    return fem.port_admittance(
+        stator(scene.stator),
+        transducers(scene),
+        frequency=frequency,
+        tolerance=tolerance,
+        finite_apertures=diffracts(scene),
+        mirror_width=scene.stator.mirror_width,
+    )
+
+
 def _with_circuit(scene: Scene) -> Scene:
     """Find the voltages of given powers, the receiver's load and the elements of an automatic match."""
     import fem
@@ -150,9 +193,7 @@ def _with_circuit(scene: Scene) -> Scene:
     matched = recovery is not None and recovery.rectifier is None and recovery.load == "matched"
     if not matched and given.match != "auto":
         return _with_load(scene)
-    ports = fem.port_admittance(
-        stator(scene.stator), transducers(scene), frequency=scene.frequency, tolerance=MATCH_TOLERANCE
-    )
+    ports = port_admittance(scene, scene.frequency, MATCH_TOLERANCE)
     about = (ports.matrix, ports.names)
     if recovery is not None:
         load = None

@@ -1,7 +1,6 @@
 """A scene's source: power instead of voltage, its impedance and a matching network, recovery, and where power goes."""
 
 import tomllib
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -103,15 +102,21 @@ def test_the_power_of_the_source_adds_up(match):
     assert record.points[0]["voltage_V"] == pytest.approx(20.0, rel=1e-14)
 
 
-def plane(scene: Scene) -> Scene:
-    return scene.replace(stator=replace(scene.stator, diffraction=False))
-
-
 def test_a_matched_motor_is_the_motor_at_its_electrodes_voltage():
-    """Of the section, diffraction off: the beam solves a circuit of its own, the voltage reported is the section's."""
-    matched = run(plane(motor(power="1 W", match="auto")), tolerance=1e-2)
-    volts = 20.0 * abs(matched.electrical["comb_voltage_per_volt"])
-    bare = run(plane(motor(voltage=volts, source_impedance=0)), tolerance=1e-2)
+    """In three dimensions: motion, reported voltage and powers are of one circuit, which the power ledger closes."""
+    matched = run(motor(power="1 W", match="auto"), tolerance=1e-2)
+    assert matched.surface_motion.beam is not None
+    each = matched.electrical
+    section = matched.surface_wave.circuit.admittance
+    assert (
+        abs(each["admittance_S"] / section - 1) > 1e-5
+    )  # a passive transducer receives a beam, not the plane wave
+    parts = ("solid", "loads", "radiated_left", "radiated_right")
+    ledger = sum(each[f"power_{name}_W_per_V2"] for name in parts)
+    assert ledger == pytest.approx(each["power_W_per_V2"], rel=1e-9)
+    assert each["power_W_per_V2"] >= 0.9999 * each["power_available_W_per_V2"]
+    volts = 20.0 * abs(each["comb_voltage_per_volt"])
+    bare = run(motor(voltage=volts, source_impedance=0), tolerance=1e-2)
     one, other = (record.points[0]["velocity_m_per_s"] for record in (matched, bare))
     assert one == pytest.approx(other, rel=1e-6)
     assert abs(one) > 1e-3
