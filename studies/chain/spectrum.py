@@ -13,9 +13,10 @@ from itertools import pairwise
 from studies.refusal import RunError
 from studies.scene import Scene, resolved
 
-__all__ = ["Response", "Spectrum", "response", "spectrum", "takes_bands"]
+__all__ = ["Response", "Spectrum", "port_admittances", "response", "spectrum", "takes_bands"]
 
 WIDEST = 1.6  # highest over lowest frequency of one band
+FEW = 5  # frequencies that cost less one by one than the set-up of a band
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -162,6 +163,34 @@ def spectrum(scene: Scene, prepared: Response, frequencies, place: float) -> Spe
         rayleigh_normal=columns[3],
         relative_error=float(max(error for error, _ in errors)),
         admittance_error=float(max(error for _, error in errors)),
+    )
+
+
+def port_admittances(scene: Scene, frequencies, tolerance: float, progress: Callable[[str], None]):
+    """Return the ``fem.PortAdmittance`` of a resolved scene over rising frequencies in Hz."""
+    import numpy as np
+
+    import fem
+
+    block, row = resolved.stator(scene.stator), resolved.transducers(scene)
+    span = frequencies[-1] / frequencies[0]
+    count = max(1, math.ceil(math.log(span) / math.log(WIDEST)))
+    edges = np.searchsorted(frequencies, frequencies[0] * span ** (np.arange(1, count) / count))
+    groups = [frequencies[low:high] for low, high in pairwise([0, *edges, len(frequencies)])]
+    if len(frequencies) <= FEW * count or not takes_bands(block, row, ()):
+        groups = [np.array([f]) for f in frequencies]
+    parts = []
+    for group in groups:
+        progress(f"stator: {len(group)} frequencies from {group[0] / 1e6:.5g} MHz")
+        try:
+            parts.append(fem.port_admittance(block, row, frequency=group, tolerance=tolerance))
+        except fem.ConvergenceError as error:
+            raise RunError(f"from {group[0] / 1e6:.6g} to {group[-1] / 1e6:.6g} MHz {error}") from None
+    return fem.PortAdmittance(
+        names=parts[0].names,
+        frequency=frequencies,
+        matrix=np.concatenate([part.matrix for part in parts]),
+        relative_error=max(part.relative_error for part in parts),
     )
 
 
