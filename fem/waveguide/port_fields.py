@@ -56,6 +56,8 @@ class PortFields:
         Short-circuit admittance matrix in S, symmetric.
     coupling, waves : ndarray
         Of `fem.waveguide.network.PortSolution`.
+    own_apertures : bool
+        Whether each transducer's charge is that of its whole aperture, not of the beam that two share.
     """
 
     stator: Stator
@@ -69,6 +71,7 @@ class PortFields:
     admittances: np.ndarray = field(repr=False)
     coupling: np.ndarray = field(repr=False)
     waves: np.ndarray = field(repr=False)
+    own_apertures: bool = False
 
     @property
     def section(self) -> Section:
@@ -189,10 +192,7 @@ def connected(
     resolution: Resolution,
     own_apertures: bool = False,
 ) -> PortFields:
-    """Fields per volt at the ports from those per unit of potential: no transducer carries a net charge.
-
-    With ``own_apertures`` each transducer's charge is that of its whole aperture, not of the beam that two share.
-    """
+    """Fields per volt at the ports from those per unit of potential: no transducer carries a net charge."""
     section, modes = network.modes.section, network.modes
     medium = section.solid
     potentials = [scatterer.potentials for scatterer in network.scatterers]
@@ -221,6 +221,7 @@ def connected(
         admittances=(admittances @ uncharged)[voltage],
         coupling=solution.coupling,
         waves=solution.waves,
+        own_apertures=own_apertures,
     )
 
 

@@ -128,6 +128,18 @@ def _source(record: Record) -> list[str]:
         text = ", ".join(f"{name} {100 * electrical[key] / available:.3g} %" for name, key in shares.items())
         lines.append(f"power           of the available: {text}")
         lines.append(f"electrodes      {abs(electrical['comb_voltage_per_volt']):.4g} V per V of the source")
+    if "recovery_ratio" in electrical:
+        kept = f"{100 * electrical['recovery_ratio']:.3g} % of the power into the transducers"
+        load = complex(record.scene.drive.recovery.load)
+        lines.append(f"recovered       {kept}, in {load.real:.4g} {load.imag:+.4g}i ohm")
+    if "power_net_W_per_V2" in electrical:
+        less, gain = (
+            electrical["power_W_per_V2"] / electrical["power_net_W_per_V2"],
+            electrical["recovery_ratio"],
+        )
+        lines.append(
+            f"circulation     the source gives 1/{less:.4g} of it; gain of the loop {gain:.4g}, stable below 1"
+        )
     return lines
 
 

@@ -211,6 +211,7 @@ class Scene(Block):
             if transducer.name in drive.driven and not transducer.has_two_combs:
                 rule = f"must have + and - fingers on the driven transducer, got {shown(transducer.pattern)}"
                 yield self.refusal(f"transducer.{index}.pattern", rule)
+        yield from self._of_recovery(names)
         if drive.frequency != "center":
             return
         if not names:
@@ -222,6 +223,24 @@ class Scene(Block):
                     f'must be a length in m where drive.frequency is "center", got {shown(transducer.period)}'
                 )
                 yield self.refusal(f"transducer.{index}.period", rule)
+
+    def _of_recovery(self, names) -> Iterator[SceneError]:
+        recovery, key = self.drive.recovery, "drive.recovery.receiver"
+        if recovery is None:
+            return
+        if recovery.receiver not in names or recovery.receiver in self.drive.driven:
+            others = [name for name in names if name not in self.drive.driven]
+            rule = f"must name a transducer that is not driven, got {shown(recovery.receiver)}"
+            yield self.refusal(key, rule + nearest(recovery.receiver, others))
+            return
+        index = names.index(recovery.receiver)
+        receiver = self.transducer[index]
+        if not receiver.has_two_combs:
+            rule = f"must have + and - fingers on the receiving transducer, got {shown(receiver.pattern)}"
+            yield self.refusal(f"transducer.{index}.pattern", rule)
+        if receiver.termination not in ("open", recovery.load):
+            rule = "must be absent on the receiving transducer: drive.recovery has its load"
+            yield self.refusal(f"transducer.{index}.termination", rule)
 
     def _of_transducers(self) -> Iterator[SceneError]:
         names, placed = [transducer.name for transducer in self.transducer], []

@@ -2,12 +2,13 @@
 
 Method: P-matrix of each transducer alone from its field (`fem.p_matrix`, nothing fitted) for the surface wave only, at
 frequencies of the passband; their cascade along the stator against the admittances of the whole stator, which has bulk
-waves, decaying fields and ends too (terminations are left out on both sides: short-circuit admittances).  Expected:
-reciprocity to rounding; the surface wave's part of the conductance at most all of it where the solid is lossless; the
-cascade within 30 % of the stator in the transfer admittance's maximum.  Run time: about 15 s.
+waves, decaying fields and ends too (both of the plane section; terminations are left out on both sides: short-circuit
+admittances).  Expected: reciprocity to rounding; the surface wave's part of the conductance at most all of it where the
+solid is lossless; the cascade within 30 % of the stator in the transfer admittance's maximum.  Run time: about 15 s.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 
 from studies.chain import passband
@@ -72,7 +73,8 @@ def run(
         ]
         distances = [right[0] - left[1] for left, right in pairwise(edges)]
         rows.append((parts, fem.cascade_admittance(parts, distances)[np.ix_(ports, ports)]))
-    whole = port_admittances(chosen, at, tolerance, progress).matrix
+    plane = replace(chosen, stator=replace(chosen.stator, diffraction=False, sides="absorbing"))
+    whole = port_admittances(plane, at, tolerance, progress).matrix
     cascade = np.array([y for _, y in rows])
     first = [parts[ports[0]] for parts, _ in rows]
     data = {
