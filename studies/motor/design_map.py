@@ -14,11 +14,12 @@ from itertools import pairwise
 
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
+from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import replaced
 from studies.scene.resolved import resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 from studies.sweep import sweep
-from studies.sweep.axes import axis, level_key, rule_at, unit_of
+from studies.sweep.axes import axis, level_key
 
 __all__ = ["figure", "run"]
 

@@ -165,6 +165,13 @@ def velocity(record: Record, ax):
             at = [point[record.level] * scale for point in chosen]
             speeds = [point["velocity_m_per_s"] * 1e3 for point in chosen]
             ax.plot(at, speeds, mark, color=COLOURS[regime], label=regime)
+    banded = sorted((p[record.level] * scale, p["velocity_low_m_per_s"] * 1e3, p["velocity_high_m_per_s"] * 1e3)
+                    for p in record.points if "velocity_low_m_per_s" in p)  # fmt: skip
+    if banded:
+        label = f"95 % of the tolerances ({record.uncertainty['method']})"
+        ax.fill_between(
+            *zip(*banded, strict=True), color=COLOURS["slip"], alpha=0.2, linewidth=0, label=label
+        )
     for name, style in (("threshold", ":"), ("release", "--")):
         limit = record.summary.get(f"{name}_amplitude_m" if given else f"{name}_voltage_V")
         if limit is not None and limit * scale <= 1.2 * max(record.scene.levels) * scale:
