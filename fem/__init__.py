@@ -29,7 +29,8 @@ _PUBLIC = {
     "waveguide.grating": "grating",
     "waveguide.cell_parameters": "cell_parameters CellParameters",
     "circuit": (
-        "best_match Drive Element motional_model MotionalModel read_touchstone solve_circuit touchstone"
+        "best_match Drive Element matched_load motional_model MotionalModel read_touchstone "
+        "rectifier_resistance solve_circuit touchstone"
     ),
     "results.solution": "solve_driven",
     "results.evaluation": "surface_of",

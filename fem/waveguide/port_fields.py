@@ -53,6 +53,9 @@ class PortFields:
     # coupling, waves: of `fem.waveguide.network.PortSolution`
     coupling: np.ndarray = field(repr=False)
     waves: np.ndarray = field(repr=False)
+    own_apertures: bool = (
+        False  # each transducer's charge is that of its whole aperture, not of the shared beam
+    )
 
     @property
     def section(self) -> Section:
@@ -171,10 +174,7 @@ def connected(
     resolution: Resolution,
     own_apertures: bool = False,
 ) -> PortFields:
-    """Fields per volt at the ports from those per unit of potential: no transducer carries a net charge.
-
-    With ``own_apertures`` each transducer's charge is that of its whole aperture, not of the beam that two share.
-    """
+    """Fields per volt at the ports from those per unit of potential: no transducer carries a net charge."""
     section, modes = network.modes.section, network.modes
     medium = section.solid
     potentials = [scatterer.potentials for scatterer in network.scatterers]
@@ -203,6 +203,7 @@ def connected(
         admittances=(admittances @ uncharged)[voltage],
         coupling=solution.coupling,
         waves=solution.waves,
+        own_apertures=own_apertures,
     )
 
 

@@ -12,7 +12,7 @@ from dataclasses import asdict
 from functools import lru_cache
 
 from studies.chain import bridge
-from studies.chain.surface_motion import SurfaceMotion, default_refusal, surface_motion, wanted_diffraction
+from studies.chain.surface_motion import SurfaceMotion, surface_motion, wanted_diffraction
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene, resolved
 from studies.scene.blocks import Stator
@@ -118,7 +118,7 @@ def _spreads(question: Question) -> bool:
         block = resolved.stator(Stator.from_table("stator", question.table["stator"]))
     except SceneError:
         return False  # said at every point
-    return not default_refusal(block)
+    return not resolved.default_refusal(block)
 
 
 def _answer(question: Question, name: str, step: int) -> Source:
@@ -170,18 +170,18 @@ def _solved(question, name, step, scene, places) -> Source:
                 answers.append((None, (place,)))
         if all(motion is None for motion, _ in answers):
             raise
-    known = next(motion.wave for motion, _ in answers if motion is not None)
+    known = next(motion for motion, _ in answers if motion is not None)
     tangential, normal, errors, covered = [], [], [], []
     for motion, some in answers:
         tangential_of, _, normal_of = [[0j] * len(some)] * 3 if motion is None else motion.at(some)
         tangential += map(complex, tangential_of)
         normal += map(complex, normal_of)
         errors += [None] * len(some) if motion is None else map(float, motion.errors(some))
-        covered += [bool(known.covered(x)) for x, _ in some]
+        covered += [bool(known.wave.covered(x)) for x, _ in some]
     return Source(
-        name=name, step=step, frequency=float(known.frequency), places=places, tangential=tuple(tangential),
-        normal=tuple(normal), errors=tuple(errors), covered=tuple(covered), admittance=complex(known.admittance),
-        comb_voltage=complex(known.comb_voltage_per_volt),
+        name=name, step=step, frequency=float(known.wave.frequency), places=places, tangential=tuple(tangential),
+        normal=tuple(normal), errors=tuple(errors), covered=tuple(covered), admittance=known.circuit.admittance,
+        comb_voltage=known.circuit.voltage,
     )  # fmt: skip
 
 
