@@ -6,6 +6,7 @@ are counted and divided by one measured speed; the contact takes milliseconds fo
 followed event by event about 5e-5 s for each cycle of the wave.
 """
 
+import textwrap
 from dataclasses import dataclass
 
 from studies.chain import SHARE, slider_left_out
@@ -26,6 +27,7 @@ BEAM, CUT_BEAM = 0.6, 4.0  # s: the spreading beam under the slider; where the l
 JOIN, MODES = 51, 100  # real operations over n^3 of joining two pieces, and of n guided modes
 BAND = 10  # solutions that a band of frequencies is worth
 PROCESS, KEPT = 90e6, 1.35  # bytes of Python with its libraries; memory over that of the blocks alone
+WIDTH = 110  # columns of a line of what is left out
 HEADS = {
     "order": "order", "edge_layers": "edge layers", "elements": "elements in depth", "line": "line, modes",
     "columns": "columns", "condensed": "condensed", "joins": "joins", "unknowns": "unknowns", "megabytes": "MB",
@@ -129,10 +131,11 @@ def explanation(plan: Plan) -> str:
                      for level in part.levels]  # fmt: skip
             lines += [f"{'':<18}{line}" for line in table(rows)]
         lines.append("")
+    left_out = [line for each in plan.left_out for line in textwrap.wrap(each, WIDTH)]
     return "\n".join(
         [
             *lines,
-            f"{'left out':<18}" + f"\n{'':<18}".join(plan.left_out),
+            f"{'left out':<18}" + f"\n{'':<18}".join(left_out),
             f"{'error':<18}at most {plan.tolerance:.1e} is asked for",
             f"{'expected time':<18}{plan.seconds:.2g} s within a factor of {TIME_WITHIN:g}, bursts apart: counted "
             f"operations at {SPEED:.1e} per second",
@@ -174,11 +177,8 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[Part], list[str], floa
     refusal = resolved.default_refusal(stator) if diffraction is None else ""
     spreads = diffraction is not False and not refusal
     if spreads:
-        parts.append(
-            Part(
-                name="beam", facts=("guided modes at every wavenumber across the aperture, under the slider",)
-            )
-        )
+        how = "guided modes at every wavenumber across the aperture, under the slider"
+        parts.append(Part(name="beam", facts=(how,)))
     left_out += diffraction_left_out(scene, spreads, refusal)
     if scene.slider is not None and scene.burst is not None:
         rings = not any(abs(scene.slider.center[0] - each.center) <= each.finger_pairs * each.period / 2

@@ -101,7 +101,7 @@ def test_more_asked_for_costs_more():
     assert plans[0].seconds < plans[1].seconds < plans[2].seconds
     burst = plan(changed("twente-left", TWO, "drive.burst=0.01"), tolerance=1e-2)
     assert burst.seconds > plans[0].seconds
-    assert [part.name for part in burst.parts] == ["stator", "ring-up", "contact"]
+    assert [part.name for part in burst.parts] == ["stator", "beam", "ring-up", "contact"]
 
 
 def test_terms_that_are_zero_are_not_written():
