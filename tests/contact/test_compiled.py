@@ -8,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
+import llvmlite
 import numpy as np
 import pytest
 
@@ -142,14 +143,9 @@ def test_a_file_that_cannot_be_used_is_made_anew(places, tmp_path, damage):
 
 
 def test_another_version_of_the_compiler_has_its_own_folder(places, tmp_path):
-    import importlib.metadata
-
     places.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     assert answer()[0] == RIGHT
-    version = importlib.metadata.version
-    places.setattr(
-        importlib.metadata, "version", lambda name: version(name) + ("9" if name == "llvmlite" else "")
-    )
+    places.setattr(llvmlite, "__version__", llvmlite.__version__ + "9")
     compiled._folders.cache_clear()
     compiled._folder.cache_clear()
     assert not kernels.ready()
@@ -193,6 +189,38 @@ def test_threads_do_not_try_again_what_cannot_be_kept(places):
         answers = list(pool.map(lambda k: kernel(np.array([1.0, k]), 2.5), (2.0, 3.0)))
     assert answers == [2, 1]
     assert len(tried) == 1
+
+
+def test_a_process_waits_for_another_that_compiles_the_same_kernel(places, tmp_path):
+    fcntl = pytest.importorskip("fcntl")
+    places.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    assert answer()[0] == RIGHT
+    (file,) = files(tmp_path)
+    content = file.read_bytes()
+    file.unlink()
+    places.setattr(compiler, "machine_code", None)  # another process compiles
+    with file.with_suffix(".lock").open("w") as lock, ThreadPoolExecutor(1) as pool:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        waiting = pool.submit(answer)
+        time.sleep(0.2)
+        assert not waiting.done()
+        file.write_bytes(content)
+        fcntl.flock(lock, fcntl.LOCK_UN)
+        assert waiting.result()[0] == RIGHT
+    assert not compiled.ORDINARY
+
+
+def test_a_process_does_not_wait_for_ever(places, tmp_path):
+    fcntl = pytest.importorskip("fcntl")
+    places.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    places.setattr(compiled, "MAX_WAIT", 0.1)
+    assert answer()[0] == RIGHT
+    (file,) = files(tmp_path)
+    file.unlink()
+    with file.with_suffix(".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        assert answer()[0] == RIGHT
+    assert files(tmp_path) == [file]
 
 
 class Weights(NamedTuple):
