@@ -93,21 +93,7 @@ class _Count(Condensation):
 def stator_size(
     stator: Stator, transducers: tuple[Transducer, ...], *, frequency: float, resolution: Resolution
 ) -> StatorSize:
-    """Return the size of a driven stator at a frequency in Hz.
-
-    Parameters
-    ----------
-    stator : Stator
-    transducers : tuple of Transducer
-        At least one.
-    frequency : float
-        Hz.
-    resolution : Resolution
-
-    Returns
-    -------
-    StatorSize
-    """
+    """Return the size of a stator with at least one transducer, discretised for a frequency in Hz."""
     row = tuple(sorted(transducers, key=lambda each: each.center))
     unit = slowest_wavelength(stator.solid, frequency)
     scale = min(each.finger_width / 2 for each in row)

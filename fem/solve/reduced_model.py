@@ -79,13 +79,7 @@ class ReducedModel:
     walls: np.ndarray | None = field(repr=False)
 
     def port_fields(self, frequency: float) -> PortFields:
-        """Solve for unit voltage at every port at a frequency of the band (Hz).
-
-        Raises
-        ------
-        ValueError
-            Outside the band.
-        """
+        """Solve for unit voltage at every port at a frequency of the band (Hz); a ValueError outside it."""
         low, high = self.limits
         if not low <= frequency <= high:
             raise ValueError(f"frequency must lie in the band, {low:g} to {high:g} Hz, got {frequency!r} Hz")
