@@ -34,12 +34,8 @@ def run(
 
     Parameters
     ----------
-    scene : str or Scene
-        A path, a shipped name or a scene with a stator.
     count : int
         Frequencies.
-    progress : callable, optional
-        Told what is being done.
     """
     import numpy as np
 
