@@ -69,24 +69,13 @@ Level = TypeVar("Level")
 
 @dataclass(frozen=True, kw_only=True)
 class Refined(Generic[Answer]):
-    """Finest answer that was reached, with its errors.
+    """Finest answer that was reached, with its errors."""
 
-    Attributes
-    ----------
-    answer : object
-        Of ``at_level``.
-    level : int
-        Of the answer.
-    errors : tuple of float
-        One for each of the differences; the first is the one that the tolerance bounds.
-    obstacle : str
-        Why no finer level was solved; empty if the tolerance is met or the levels ended.
-    """
-
-    answer: Answer
-    level: int
+    answer: Answer  # of ``at_level``
+    level: int  # of the answer
+    # one for each of the differences; the first is the one that the tolerance bounds
     errors: tuple[float, ...]
-    obstacle: str
+    obstacle: str  # why no finer level was solved; empty if the tolerance is met or the levels ended
 
 
 def refine(
