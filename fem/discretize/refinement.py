@@ -96,7 +96,8 @@ def refine(
     levels : sequence
         From coarse to fine, at least two.
     start : int
-        Coarser of the two levels to begin with; if the finer one of them has no answer, begin one lower.
+        Coarser of the two levels to begin with; if the finer one of them has no answer, begin one lower.  Below 0: the
+        coarsest level alone, its errors unknown.
     differences : callable
         Finer answer, coarser answer -> relative differences, the first of which is bounded.
     gain : float
@@ -126,6 +127,8 @@ def refine(
     >>> found.level, bool(found.errors[0] < 1e-3), bool(abs(found.answer - np.e + 1) < 1.01 * found.errors[0])
     (3, True, True)
     """
+    if start < 0:
+        return Refined(answer=at_level(levels[0]), level=0, errors=(np.inf, np.inf), obstacle="")
     coarse = reached = None
     for level in range(start, len(levels)):
         try:
