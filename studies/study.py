@@ -14,8 +14,9 @@ from importlib import import_module
 from inspect import cleandoc, signature
 from pathlib import Path
 
-from studies.record import Record, plain, provenance
+from studies.record import Record
 from studies.refusal import SceneError, nearest
+from studies.results.content import plain, provenance
 from studies.scene import Scene
 
 __all__ = [
