@@ -58,6 +58,7 @@ STUDIES = {
     "fem_error_vs_time": "evidence",
     "gallery": "motor",
     "published_motors": "papers",
+    "published_stators": "papers",
     "error_vs_time": "evidence",
     "calibration": "evidence",
     "stability": "evidence",
