@@ -12,6 +12,8 @@ import re
 _LIBRARY = re.compile(
     r"llvm\..*|sin|cos|tan|sqrt|asin|acos|atan|atan2|hypot|pow|exp|log|floor|ceil|fmod|cbrt|mem(set|cpy|move)|__\w+c3"
 )
+# what functions of numba's own still count: nothing is allocated, so that there is nothing to count
+_COUNTING = re.compile(r"^define [^\n]*@NRT_(in|de)cref\([^{]*\{.*?^\}", re.MULTILINE | re.DOTALL)
 
 
 def machine_code(kernel, words: list[str], arguments: tuple, numba) -> bytes:
@@ -27,13 +29,23 @@ def machine_code(kernel, words: list[str], arguments: tuple, numba) -> bytes:
     usual, counting = codegen._library_class, (NRTContext.incref, NRTContext.decref)
     with global_compiler_lock:
         codegen._library_class, codegen.set_env = _put_off(usual), lambda name, environment: None
-        NRTContext.incref = NRTContext.decref = lambda *_: None
+        NRTContext.incref, NRTContext.decref = map(_in_numba_only, counting)
         try:
             library = _lowered(kernel, words, arguments, numba)
         finally:
             codegen._library_class, (NRTContext.incref, NRTContext.decref) = usual, counting
             del codegen.set_env
     return _optimised(library)
+
+
+def _in_numba_only(count):
+    """Return numba's counting of references, left out but in functions of numba's own, which it keeps for others."""
+
+    def counted(context, builder, *arguments):
+        if builder.function.name.startswith("_ZN5numba"):
+            count(context, builder, *arguments)
+
+    return counted
 
 
 def _put_off(usual):
@@ -45,6 +57,9 @@ def _put_off(usual):
 
         def finalize(self):
             self._finalized = True
+
+        def _get_module_for_linking(self):  # into a library of numba's own that wants the same function
+            return _linked(self)
 
         def get_pointer_to_function(self, name):
             return 0
@@ -109,25 +124,18 @@ def _gathered(kind, argument, parts, scope):
 
 
 def _linked(library):
-    """Return one module of all functions, and the name of the entry."""
-    module = library._final_module.clone()
-    entry = next(
-        f.name
-        for f in module.functions
-        if not f.is_declaration and "entry" in f.name and not f.name.startswith("cfunc.")
-    )
-    known, waiting = {library}, list(library._linking_libraries)
-    while waiting:
-        other = waiting.pop()
-        if other not in known:
-            known.add(other)
-            waiting += other._linking_libraries
-            part = other._final_module.clone()
-            for function in part.functions:
-                if not function.is_declaration:
-                    function.linkage = "linkonce_odr"
-            module.link_in(part)
-    return module, entry
+    """Return one module of a library's functions and all that they call."""
+    libraries = [library]
+    for each in libraries:
+        libraries += [other for other in dict.fromkeys(each._linking_libraries) if other not in libraries]
+    modules = [each._final_module.clone() for each in libraries]
+    for module in modules:
+        for function in module.functions:
+            if not function.is_declaration:
+                function.linkage = "linkonce_odr"
+    for module in modules[1:]:
+        modules[0].link_in(module)
+    return modules[0]
 
 
 def _optimised(library):
@@ -138,7 +146,16 @@ def _optimised(library):
         cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=3, codemodel="jitdefault",
         jit=True,
     )  # fmt: skip
-    module, entry = _linked(library)
+    text = _COUNTING.sub("", str(_linked(library)))
+    for name in ("incref", "decref"):
+        text = re.sub(rf"^declare [^\n]*@NRT_{name}\([^\n]*$", "", text, flags=re.MULTILINE)
+        text += f"\ndefine internal void @NRT_{name}(ptr %0) alwaysinline {{\n  ret void\n}}\n"
+    module = llvm.parse_assembly(text)
+    entry = next(
+        f.name
+        for f in module.functions
+        if not f.is_declaration and "entry" in f.name and not f.name.startswith("cfunc.")
+    )
     for function in module.functions:
         if not function.is_declaration:
             function.linkage = "internal"

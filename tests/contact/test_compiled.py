@@ -266,6 +266,20 @@ def test_kernels_that_call_others_are_the_same_by_numbas_ordinary_compiler(place
     assert found[1] == pytest.approx(found[0], rel=1e-13)
 
 
+def larger(values, limit):
+    """Replace the first value by the largest of three numbers: a function of numba's own."""
+    values[0] = max(values[0], limit, 2.0 * limit)
+    return 0
+
+
+def test_what_numba_compiles_for_the_machine_code_serves_other_functions(places):
+    for kernel in (compiled.Native(larger, ("f1", "f")), compiled.Kernel(larger)):
+        values = np.array([1.0])
+        kernel(values, 0.75)
+        assert values == [1.5]
+    assert not compiled.ORDINARY
+
+
 def test_shapes_that_a_kernel_declares_are_looked_at_before_it_runs(places):
     kernel = compiled.Native(count, ("f1", "f"), {"values": "4"})
     assert kernel(np.arange(4.0), 2.5) == kernel(np.arange(4.0), 2.5) == 3
