@@ -17,29 +17,15 @@ __all__ = ["DrivenContact", "driven_contact"]
 
 @dataclass(frozen=True, kw_only=True)
 class DrivenContact:
-    """A slider and the surface motion that drives it.
+    """A slider and the surface motion that drives it."""
 
-    Attributes
-    ----------
-    scene : Scene
-        As resolved.
-    slider : contact.Slider
-    orbits : tuple of contact.Orbit
-        Under the balls for a level of 1: 1 V of the source, or 1 m of given amplitude.
-    amplitude : float
-        Normal amplitude |u_z| under the slider's centre for a level of 1, m.
-    stator_error : float
-        Relative error of the orbits; 0 for a given wave.
-    record : studies.record.Record or None
-        Of the run that solved the stator; None where none was needed.
-    """
-
-    scene: Scene
+    scene: Scene  # as resolved
     slider: object = field(repr=False)
+    # Under the balls for a level of 1: 1 V of the source, or 1 m of given amplitude
     orbits: tuple = field(repr=False)
-    amplitude: float
-    stator_error: float
-    record: Record | None = field(repr=False)
+    amplitude: float  # normal amplitude |u_z| under the slider's centre for a level of 1, m
+    stator_error: float  # relative error of the orbits; 0 for a given wave
+    record: Record | None = field(repr=False)  # of the run that solved the stator; None where none was needed
 
     @classmethod
     def of_run(cls, record: Record) -> "DrivenContact":

@@ -28,22 +28,12 @@ CLEARLY = 1e-3  # lower, relative: what is no other minimum but the same one alo
 
 @dataclass(frozen=True, kw_only=True)
 class Problem:
-    """What is to be minimised: a function of x, the inner values of the parameters, then one b per systematic error.
-
-    Attributes
-    ----------
-    predictor : Predictor
-    parameters : tuple of Parameter
-    measurements : tuple of Measurement
-        With deviations.
-    signs : tuple of float
-        -1 for a measurement of speeds without a sign of a motor that runs towards -x.
-    """
+    """What is to be minimised: a function of x, the inner values of the parameters, then one b per systematic error."""
 
     predictor: Predictor = field(repr=False)
     parameters: tuple[Parameter, ...]
-    measurements: tuple[Measurement, ...]
-    signs: tuple[float, ...]
+    measurements: tuple[Measurement, ...]  # with deviations
+    signs: tuple[float, ...]  # -1 for a measurement of speeds without a sign of a motor that runs towards -x
 
     @property
     def systematic(self) -> list[int]:

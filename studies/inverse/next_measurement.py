@@ -22,22 +22,12 @@ INSTANTS = 40
 
 @dataclass(frozen=True, kw_only=True)
 class Candidate:
-    """What a measurement would do.
+    """What a measurement would do."""
 
-    Attributes
-    ----------
-    name : str
-        What to measure.
-    key : str
-        The number that it narrows most.
-    before, after : float
-        Standard deviation of that number, relative (of a number that may be zero: in its unit).
-    """
-
-    name: str
-    key: str
-    before: float
-    after: float
+    name: str  # what to measure
+    key: str  # the number that it narrows most
+    before: float  # standard deviation of that number, relative (of a number that may be zero: in its unit)
+    after: float  # standard deviation of that number, relative (of a number that may be zero: in its unit)
 
     @property
     def narrowing(self) -> float:
