@@ -12,7 +12,7 @@ from studies.record import Record
 from studies.scene import Scene
 from studies.scene.resolved import resolved
 
-__all__ = ["DrivenContact", "driven_contact"]
+__all__ = ["DrivenContact", "driven_contact", "given_contact"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,7 +32,7 @@ class DrivenContact:
         """Return the contact of a run that has a slider."""
         scene = record.scene
         if scene.wave is not None:
-            return _given(scene, record)
+            return given_contact(scene, record)
         return cls(
             scene=scene,
             slider=bridge.contact_slider(scene.slider),
@@ -111,7 +111,7 @@ def driven_contact(
     if chosen.slider is None:
         chosen.refuse("slider", "is missing: this study needs a slider")
     if chosen.wave is not None:
-        return _given(chosen, None)
+        return given_contact(chosen)
     if not chosen.transducer:
         chosen.refuse("transducer", "is missing: this study needs a driven stator or a given [wave]")
     from studies.chain import run
@@ -122,7 +122,8 @@ def driven_contact(
     return replace(found, scene=replace(chosen, drive=replace(chosen.drive, frequency=found.scene.frequency)))
 
 
-def _given(scene: Scene, record: Record | None) -> DrivenContact:
+def given_contact(scene: Scene, record: Record | None = None) -> DrivenContact:
+    """Return the contact of a resolved scene with a given wave."""
     return DrivenContact(
         scene=scene,
         slider=bridge.contact_slider(scene.slider),
