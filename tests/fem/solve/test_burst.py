@@ -7,7 +7,7 @@ import pytest
 
 from fem.circuit import Drive
 from fem.convergence import ConvergenceError
-from fem.solve.band_setup import frequency_band
+from fem.solve.band import frequency_band
 from fem.solve.burst import burst_response
 from tests.fem.stators import FREQUENCY, comb, cut, plate
 
