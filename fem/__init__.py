@@ -4,7 +4,8 @@ Conventions: exp(+i omega t), complex peak amplitudes, SI; x along the propagati
 z < 0; Voigt order 11 22 33 23 13 12 with engineering shear.  The folders are the steps of the method: materials -
 geometry - analytic (answers without a mesh) - discretize (elements through the depth) - condense (superelements) -
 waveguide (guided modes, ends, network) - circuit - results - reduce (a band of frequencies) - beam (a finite aperture
-in three dimensions) - solve (answers with an error).  A check stands beside them: direct (the whole stator as one sparse matrix).
+in three dimensions) - solve (answers with an error).  A check stands beside them: direct (the whole stator as one
+sparse matrix).
 """
 
 from importlib import import_module
