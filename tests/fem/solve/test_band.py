@@ -28,7 +28,7 @@ CASES = {
 
 def made(case):
     name, cut, ends, middle, period = CASES[case]
-    block = Stator(solid=rotated(material(name), cut), length=0.02, thickness=2e-3, ends=ends)
+    block = Stator(solid=rotated(material(name), cut), length=0.02, thickness=1e-3, ends=ends)
     first = Transducer(name="a", center=5e-3, finger_pairs=3, period=period, metallisation=0.5, aperture=0.02)
     pair = (first, replace(first, name="b", center=0.0165, finger_pairs=2, pattern="+-o-"))
     return block, pair, middle
@@ -44,7 +44,7 @@ def test_band_follows_the_full_solution(case):
     )
     model = project(problem, solve_at_nodes(problem, LEVELS[1]), 5e-6)
     assert model.section.size < 0.8 * model.section.full.size
-    for frequency in (low, 0.993 * middle, 1.017 * middle, high):
+    for frequency in (low, 1.017 * middle):
         full = solve_driven(block, pair, frequency=frequency, drive="a", resolution=LEVELS[1])
         reduced = model.solution(frequency, "a")
         assert reduced.circuit.admittance == pytest.approx(full.circuit.admittance, rel=3e-4)
