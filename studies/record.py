@@ -67,6 +67,8 @@ class Record:
         What a user should know before trusting or building it, each with its number and a remedy.
     model_error : tuple of dict
         Effects that the model leaves out, each with its estimated ``size`` for this scene; apart from ``error``.
+    uncertainty : dict
+        With [uncertain]: the method of the bands, the tolerances and what each makes of the velocity.
     measured : dict
         Measured points beside the predicted ones, where a file of them was given.
     shortfall : str
@@ -102,6 +104,7 @@ class Record:
     left_out: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     model_error: tuple[dict, ...] = ()
+    uncertainty: dict = field(default_factory=dict)
     measured: dict = field(default_factory=dict)
     shortfall: str = ""
     surface: dict = field(default_factory=dict, repr=False)
@@ -140,6 +143,7 @@ class Record:
             "electrical": self.electrical,
             "points": self.points,
             "summary": self.summary,
+            "uncertainty": self.uncertainty,
             "measured": self.measured,
             "error": self.error,
             "model_error": self.model_error,

@@ -86,6 +86,10 @@ def _run(scene: Scene, tolerance: float, progress: Callable[[str], None] | None)
         record = _driven(scene, tolerance, say)
     else:
         record = _free(scene, tolerance)
+    if scene.uncertain is not None:
+        from studies.inverse.uncertainty import with_bands
+
+        record = with_bands(record, progress=say)
     return replace(
         record,
         left_out=record.left_out + slider_left_out(scene),

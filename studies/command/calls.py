@@ -64,7 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
                 result.commit()
                 with _pictures(result):
                     if arguments.report:
-                        from studies.report import write_report
+                        from studies.report.page import write_report
 
                         write_report(record, result.folder)
                     if drawing is not None:

@@ -13,12 +13,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from studies.chain import bridge
-from studies.chain.driven_contact import driven_contact
+from studies.chain.driven_contact import DrivenContact, driven_contact
 from studies.inverse.data import Measurement
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
-from studies.scene.override import replaced
+from studies.scene.override import replaced, value_at
 from studies.scene.resolved import resolved
 
 __all__ = ["Contact", "Predictor"]
@@ -66,6 +66,11 @@ class Predictor:
         """Whether the surface motion is given."""
         return "wave" in self.table
 
+    def solved(self, record) -> None:
+        """Take the stator's answer from a run of the scene."""
+        if not self.given_wave:
+            self._driven["{}"] = DrivenContact.of_run(record)
+
     def contact(self, numbers: dict) -> Contact:
         """Return slider and surface motion with some keys of the scene changed."""
         known = tuple(sorted((key, str(value)) for key, value in numbers.items()))
@@ -77,12 +82,9 @@ class Predictor:
 
     def value(self, key: str) -> float | None:
         """Return the scene's own value of a key; None where it has none."""
-        at = self.table
-        for part in key.split("."):
-            try:
-                at = at[int(part)] if isinstance(at, list) else at[part]
-            except (KeyError, IndexError, TypeError):
-                return 1.0 if key == AMPLITUDE_FACTOR else None
+        if key == AMPLITUDE_FACTOR:
+            return 1.0
+        at = value_at(self.table, key)
         return at if isinstance(at, (int, float)) and not isinstance(at, bool) else None
 
     def needs_stator(self, key: str) -> bool:

@@ -14,11 +14,12 @@ from itertools import pairwise
 
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
+from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import replaced
 from studies.scene.resolved import resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 from studies.sweep import sweep
-from studies.sweep.axes import axis, level_key, rule_at, unit_of
+from studies.sweep.axes import axis, level_key
 
 __all__ = ["figure", "run"]
 
@@ -112,7 +113,7 @@ def figure(record: Panel, ax):
     from matplotlib.colors import BoundaryNorm
     from matplotlib.patheffects import withStroke
 
-    from studies.report.figures import COLOURS, legend_below, logarithmic
+    from studies.report.figures import COLOURS, legend_below, logarithmic, titled
 
     data = record.data
     value = np.ma.masked_invalid(np.asarray(data["value"], float) * data["scale"])
@@ -145,7 +146,7 @@ def figure(record: Panel, ax):
         logarithmic(ax.xaxis)
     if _even_in_logarithm(y[0]):
         logarithmic(ax.yaxis)
-    ax.set_title(record.title, fontsize="medium")
+    titled(ax, record.title)
     legend_below(ax)
     return ax
 

@@ -152,7 +152,7 @@ def figure(record: Panel, ax):
     """Draw simulated regimes as points, closed forms as lines, the operating points as stars."""
     import numpy as np
 
-    from studies.report.figures import COLOURS, legend_beside, logarithmic
+    from studies.report.figures import COLOURS, legend_beside, logarithmic, titled
 
     data = record.data
     A, preload = np.asarray(data["amplitude_m"]) * 1e9, np.asarray(data["preload_N"]) * 1e3
@@ -173,6 +173,6 @@ def figure(record: Panel, ax):
     logarithmic(ax.yaxis)
     ax.set_xlabel("normal amplitude (nm)")
     ax.set_ylabel("preload (mN)")
-    ax.set_title(record.title, fontsize="medium")
+    titled(ax, record.title)
     legend_beside(ax)
     return ax

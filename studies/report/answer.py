@@ -17,6 +17,8 @@ COLUMNS = (
     ("u_z (nm)", "normal_amplitude_m", lambda value: f"{value * 1e9:.4g}"),
     ("u_x (nm)", "tangential_amplitude_m", lambda value: f"{value * 1e9:.4g}"),
     ("velocity (mm/s)", "velocity_m_per_s", lambda value: f"{value * 1e3:.5g}"),
+    ("95 % from", "velocity_low_m_per_s", lambda value: f"{value * 1e3:.5g}"),
+    ("to (mm/s)", "velocity_high_m_per_s", lambda value: f"{value * 1e3:.5g}"),
     ("at burst end (mm/s)", "velocity_at_burst_end_m_per_s", lambda value: f"{value * 1e3:.5g}"),
     ("regime", "regime", str),
     ("rel. error", "relative_error", lambda value: f"{value:.1e}"),
@@ -41,6 +43,8 @@ def answer(record: Record) -> str:
         lines += _free_wave(record.wave)
     lines += _wave(record)
     lines += _limits(record)
+    if record.uncertainty:
+        lines += _uncertainty(record.uncertainty)
     if record.measured:
         lines += comparison_lines(record.measured)
     if record.at_rest:
@@ -136,6 +140,23 @@ def _source(record: Record) -> list[str]:
         lines.append(
             f"circulation     the source gives 1/{less:.4g} of it; gain of the loop {gain:.4g}, stable below 1"
         )
+    return lines
+
+
+def _uncertainty(block: dict) -> list[str]:
+    """Return how the bands were made, and what each tolerance makes of the velocity at the highest level."""
+    made = "linear, tolerances added in quadrature"
+    if "samples" in block:
+        made = f"percentiles of {block['samples']} samples (Latin hypercube)"
+    lines, widths = [f"uncertainty     bands of 95 %: {made}"], block.get("velocity_half_width_m_per_s", {})
+    for key, size in block["tolerances"].items():
+        effect = f": +- {widths[key] * 1e3:.3g} mm/s at the highest level" if key in widths else ""
+        lines.append(f"                {key} +- {size:.4g}{effect}")
+    for name in ("threshold", "release"):
+        for key, factor, unit in ((f"{name}_voltage_V", 1.0, "V"), (f"{name}_amplitude_m", 1e9, "nm")):
+            if key in block:
+                low, high = (end * factor for end in block[key])
+                lines.append(f"                {name} {low:.4g} to {high:.4g} {unit}")
     return lines
 
 

@@ -9,11 +9,16 @@ import math
 from contextlib import contextmanager
 from dataclasses import replace
 
-from studies.refusal import SceneError
+from studies.refusal import SceneError, shown
 from studies.scene import Scene
 from studies.scene.blocks import IsotropicSolid, PiezoelectricSolid, Slider, Stator, Transducer
 from studies.scene.endless import refuse_endless_burst
+from studies.scene.keys import rule_at, unit_of
+from studies.scene.override import value_at
+from studies.scene.rule import Count
+from studies.scene.uncertain import OPTIONS, Tolerance, half_width
 
+LEVELS = ("drive.voltage", "drive.power", "wave.normal_amplitude")
 MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 of the power
 
 __all__ = [
@@ -24,6 +29,7 @@ __all__ = [
     "resolved_slider",
     "solid",
     "stator",
+    "tolerances",
     "transducers",
 ]
 
@@ -46,7 +52,38 @@ def resolved(scene: Scene) -> Scene:
         return scene
     if scene.burst is not None:
         refuse_endless_burst(scene, scene.frequency)
-    return replace(scene, slider=resolved_slider(scene.slider, scene.stator))
+    scene = replace(scene, slider=resolved_slider(scene.slider, scene.stator))
+    tolerances(scene)
+    return scene
+
+
+def tolerances(scene: Scene) -> tuple[Tolerance, ...]:
+    """Return the numbers of a resolved scene that are uncertain.
+
+    Raises
+    ------
+    SceneError
+        If a key of [uncertain] is no number of the scene, or an end of its interval breaks the key's rule.
+    """
+    found, table = [], scene.to_table()
+    for key, given in scene.uncertain or ():
+        path = f"uncertain.{key}"
+        if key in OPTIONS:
+            continue
+        rule = rule_at(key)
+        if key in LEVELS:
+            if not isinstance(given, str) or not given.rstrip().endswith("%"):
+                raise SceneError(path, f"must be a percentage, common to all levels, got {shown(given)}")
+            found.append(Tolerance(key, 1.0, half_width(path, given, 1.0, "")))
+            continue
+        value = value_at(table, key)
+        if isinstance(rule, Count) or unit_of(rule) is None or not isinstance(value, (int, float)):
+            raise SceneError(path, f"must be the key of a number that this scene has, got {shown(value)}")
+        size = half_width(path, given, value, unit_of(rule))
+        for end in (value - size, value + size):
+            rule.read(f"{path}, an end of whose interval, {end:g},", end)
+        found.append(Tolerance(key, float(value), size))
+    return tuple(found)
 
 
 def resolved_slider(slider: Slider, stator: Stator | None) -> Slider:

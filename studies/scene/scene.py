@@ -12,6 +12,7 @@ from studies.scene.blocks import Drive, Slider, Stator, Transducer, Wave
 from studies.scene.file import SceneFile
 from studies.scene.override import voltages
 from studies.scene.rule import Text
+from studies.scene.uncertain import Uncertain, parted
 
 __all__ = ["Scene"]
 
@@ -30,6 +31,8 @@ class Scene(Block):
         The surface motion, given instead of those.
     slider
         Absent: the wave field is the result.
+    uncertain
+        Tolerances of the scene's numbers; needs a slider.
     """
 
     block: ClassVar[str] = ""
@@ -45,6 +48,12 @@ class Scene(Block):
         Wave | None, Within(Wave), "A given surface motion, instead of stator, transducers and drive."
     ] = None
     slider: Annotated[Slider | None, Within(Slider), "The slider; absent: the wave is the result."] = None
+    uncertain: Annotated[
+        tuple | None,
+        Uncertain(),
+        "Tolerances (95 %) of the scene's numbers, from which follow bands of the velocity: linear (half the "
+        "difference between the ends of each, added in quadrature) or sampled (percentiles of a Latin hypercube).",
+    ] = None
 
     @classmethod
     def load(cls, source: str | Path) -> Self:
@@ -106,8 +115,15 @@ class Scene(Block):
             except SceneError as error:
                 raise SceneError.together([error, *_unknown_solids(file.table)]) from None
 
+    @classmethod
+    def from_table(cls, path, table):
+        """Build the scene from its TOML document; ``"0.08 +- 0.02"`` at a key is a tolerance of [uncertain]."""
+        return super().from_table(path, parted(table) if isinstance(table, dict) else table)
+
     def contradictions(self, unread):
         """Yield what contradicts between blocks, as far as they could be read."""
+        if self.uncertain is not None and not {"uncertain", "slider"} & unread and self.slider is None:
+            yield self.refusal("uncertain", "needs a [slider]: its bands are those of the velocity")
         if "wave" in unread:
             return
         if self.wave is not None:

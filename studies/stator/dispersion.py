@@ -81,7 +81,7 @@ def run(
 @of_record
 def figure(record: Panel, ax):
     """Draw wavenumbers of the modes as points and theory as a line or, of many roots, as fine dots."""
-    from studies.report.figures import COLOURS
+    from studies.report.figures import COLOURS, titled
 
     data = record.data
     at, wavenumbers = data["frequency_Hz"] / 1e6, data["wavenumber_rad_per_m"] / 1e3
@@ -99,7 +99,7 @@ def figure(record: Panel, ax):
                 label="modes of the section")  # fmt: skip
     ax.set_xlabel("frequency (MHz)")
     ax.set_ylabel("wavenumber (rad/mm)")
-    ax.set_title(record.title, fontsize="medium")
+    titled(ax, record.title)
     ax.set_ylim(bottom=0)
     ax.grid(alpha=0.3)
     ax.legend(frameon=False, fontsize="small", loc="upper left")

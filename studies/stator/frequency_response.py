@@ -123,7 +123,7 @@ def _aperture(scene: Scene, place: float, tolerance: float, progress) -> tuple[F
 @of_record
 def figure(record: Panel, ax):
     """Draw the amplitude with its estimate, or the group delay with the way's."""
-    from studies.report.figures import COLOURS
+    from studies.report.figures import COLOURS, titled
 
     data = record.data
     at = data["frequency_Hz"] / 1e6
@@ -155,7 +155,7 @@ def figure(record: Panel, ax):
         ax.set_ylim(bottom=0)
         ax.set_ylabel("normal amplitude per volt, peak (nm/V)")
     ax.set_xlabel("frequency (MHz)")
-    ax.set_title(record.title, fontsize="medium")
+    titled(ax, record.title)
     ax.grid(alpha=0.3)
     ax.legend(frameon=False, fontsize="small")
     return ax

@@ -146,7 +146,7 @@ def tables(record: StudyRecord) -> dict[str, str]:
 @of_record
 def figure(record: Panel, ax):
     """Draw reflections in the Smith chart, magnitudes in dB, the group delay, or an admittance with its circuits."""
-    from studies.report.figures import COLOURS, legend_below
+    from studies.report.figures import COLOURS, legend_below, titled
 
     data = record.data
     at = data["frequency_Hz"] / 1e6
@@ -177,7 +177,7 @@ def figure(record: Panel, ax):
         ax.set_ylabel("magnitude (dB)")
         legend_below(ax, columns=4)
     ax.set_xlabel("frequency (MHz)")
-    ax.set_title(record.title, fontsize="medium")
+    titled(ax, record.title)
     ax.grid(alpha=0.3)
     return ax
 
@@ -186,7 +186,7 @@ def _smith(record: Panel, ax):
     """Draw the reflections over circles of resistance and arcs of reactance."""
     import numpy as np
 
-    from studies.report.figures import COLOURS, legend_below
+    from studies.report.figures import COLOURS, legend_below, titled
 
     data, angle = record.data, np.linspace(0, 2 * np.pi, 361)
     for r in (0, 0.2, 0.5, 1, 2, 5):
@@ -207,7 +207,7 @@ def _smith(record: Panel, ax):
     ax.set_aspect("equal")
     ax.set_xlabel("Re S (resistance over the reference on the axis)")
     ax.set_ylabel("Im S")
-    ax.set_title(record.title, fontsize="medium")
+    titled(ax, record.title)
     legend_below(ax, columns=2)
     return ax
 

@@ -124,7 +124,7 @@ def run(
 @of_record
 def figure(record: Panel, ax):
     """Draw the transducer's reflections and conductance, or cascade and stator."""
-    from studies.report.figures import COLOURS, legend_below
+    from studies.report.figures import COLOURS, legend_below, titled
 
     data = record.data
     at = data["frequency_Hz"] / 1e6
@@ -143,7 +143,7 @@ def figure(record: Panel, ax):
             ax.plot(at, values, line, color=COLOURS["stick"], label=f"|P11|, electrodes {key}")
         ax.set_ylabel("conductance (mS), reflection (1)")
     ax.set_xlabel("frequency (MHz)")
-    ax.set_title(record.title, fontsize="medium")
+    titled(ax, record.title)
     ax.grid(alpha=0.3)
     legend_below(ax, columns=2)
     return ax

@@ -11,8 +11,9 @@ from dataclasses import dataclass, field, replace
 from itertools import islice, product
 
 from studies.refusal import SceneError
+from studies.scene.keys import rule_at
 from studies.scene.rule import as_pair
-from studies.sweep.axes import Axis, axis, latin_axis, level_key, point_axis, rule_at
+from studies.sweep.axes import Axis, axis, latin_axis, level_key, point_axis
 
 __all__ = ["ALSO", "Design", "Question", "designed"]
 

@@ -23,6 +23,7 @@ from studies.scene.schema import FILE_NAME, schema, schema_text
 SCHEMA = schema()
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
 GOOD = {  # a value for every key that is given in no shipped scene, by its dotted path
+    "uncertain": [{"slider": {"preload": "+- 5 %"}, "method": "sampled", "samples": 50}],
     "stator.orientation": ["X", [0, 38, 0]],
     "stator.thickness": ["half-space", "5 mm", 5e-3],
     "stator.bottom": ["grounded", "clamped"],
@@ -63,6 +64,7 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "slider.damping.contact": [0.1],
 }
 BAD = {  # a value that no key of such a rule allows
+    "Uncertain": {"slider": {"preload": "+- 5 %"}, "method": "quick"},
     "Quantity": "5 furlongs per apple",
     "Choice": "otherwise",
     "Text": 3,
