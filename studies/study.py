@@ -48,7 +48,7 @@ STUDIES = {
     "design_map": "motor",
     "sensitivity": "inverse",
     "contact_error_vs_time": "evidence",
-    "cell_triple": "stator",
+    "cell_parameters": "stator",
     "p_matrix": "stator",
     "network": "stator",
     "fem_error_vs_time": "evidence",

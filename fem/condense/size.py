@@ -15,32 +15,15 @@ from fem.materials.christoffel import slowest_wavelength
 
 @dataclass(frozen=True, kw_only=True)
 class StatorSize:
-    """What one discretisation of a driven stator consists of.
+    """What one discretisation of a driven stator consists of."""
 
-    Attributes
-    ----------
-    section : Section
-        Its elements through the depth and the unknowns of a line.
-    resolution : Resolution
-    columns : int
-        Of elements under all fingers.
-    condensed : int
-        Columns that differ: each is condensed once.
-    joins : int
-        Of two neighbours that differ from all other pairs.
-    mirrored : int
-        Joins of which a mirror image is kept too.
-    scatterers : int
-        Transducers that differ.
-    """
-
-    section: Section
+    section: Section  # its elements through the depth and the unknowns of a line
     resolution: Resolution
-    columns: int
-    condensed: int
-    joins: int
-    mirrored: int
-    scatterers: int
+    columns: int  # of elements under all fingers
+    condensed: int  # columns that differ: each is condensed once
+    joins: int  # of two neighbours that differ from all other pairs
+    mirrored: int  # joins of which a mirror image is kept too
+    scatterers: int  # transducers that differ
 
     @property
     def line(self) -> int:

@@ -69,24 +69,13 @@ Level = TypeVar("Level")
 
 @dataclass(frozen=True, kw_only=True)
 class Refined(Generic[Answer]):
-    """Finest answer that was reached, with its errors.
+    """Finest answer that was reached, with its errors."""
 
-    Attributes
-    ----------
-    answer : object
-        Of ``at_level``.
-    level : int
-        Of the answer.
-    errors : tuple of float
-        One for each of the differences; the first is the one that the tolerance bounds.
-    obstacle : str
-        Why no finer level was solved; empty if the tolerance is met or the levels ended.
-    """
-
-    answer: Answer
-    level: int
+    answer: Answer  # of ``at_level``
+    level: int  # of the answer
+    # one for each of the differences; the first is the one that the tolerance bounds
     errors: tuple[float, ...]
-    obstacle: str
+    obstacle: str  # why no finer level was solved; empty if the tolerance is met or the levels ended
 
 
 def refine(
@@ -107,7 +96,8 @@ def refine(
     levels : sequence
         From coarse to fine, at least two.
     start : int
-        Coarser of the two levels to begin with; if the finer one of them has no answer, begin one lower.
+        Coarser of the two levels to begin with; if the finer one of them has no answer, begin one lower.  Below 0: the
+        coarsest level alone, its errors unknown.
     differences : callable
         Finer answer, coarser answer -> relative differences, the first of which is bounded.
     gain : float
@@ -137,6 +127,8 @@ def refine(
     >>> found.level, bool(found.errors[0] < 1e-3), bool(abs(found.answer - np.e + 1) < 1.01 * found.errors[0])
     (3, True, True)
     """
+    if start < 0:
+        return Refined(answer=at_level(levels[0]), level=0, errors=(np.inf, np.inf), obstacle="")
     coarse = reached = None
     for level in range(start, len(levels)):
         try:

@@ -31,19 +31,12 @@ ARRIVING, ARRIVING_AT_WALL = 0.1, 100.0
 
 @dataclass(frozen=True, kw_only=True)
 class ReducedSection(LineSpace):
-    """A section seen through a basis of fields.
-
-    Attributes
-    ----------
-    full : Section
-    basis : ndarray, shape (full size, size), real, orthonormal, each column of one parity
-    odd : ndarray or None
-        Parity of the columns.
-    """
+    """A section seen through a basis of fields."""
 
     full: Section
+    # shape (full size, size), real, orthonormal, each column of one parity
     basis: np.ndarray = field(repr=False)
-    odd: np.ndarray | None = field(repr=False)
+    odd: np.ndarray | None = field(repr=False)  # Parity of the columns
 
     def lift(self, lines: np.ndarray) -> np.ndarray:
         """Unknowns of the full section on lines, shape (full size, ...)."""

@@ -76,36 +76,17 @@ class FullPieces:
 
 @dataclass(frozen=True, kw_only=True)
 class ReducedModel:
-    """A stator on reduced lines, interpolated over a band of frequencies.
-
-    Attributes
-    ----------
-    stator : Stator
-    transducers : tuple of Transducer
-        From left to right.
-    limits : tuple of float
-        Lowest and highest frequency in Hz.
-    resolution : Resolution
-    section : ReducedSection
-        Its basis is that of the lines in mid-gap.
-    finger_basis : ndarray, shape (n, r)
-        Of the lines in mid-finger.
-    half_cells : dict
-        By finger width and gap (m).
-    nodes : ndarray
-        omega^2 of the interpolation's nodes, (rad/s)^2.
-    walls : ndarray or None
-        Projected end pieces at the nodes, shape (nodes, 2, r, r); None for absorbing ends.
-    """
+    """A stator on reduced lines, interpolated over a band of frequencies."""
 
     stator: Stator
-    transducers: tuple[Transducer, ...]
-    limits: tuple[float, float]
+    transducers: tuple[Transducer, ...]  # from left to right
+    limits: tuple[float, float]  # lowest and highest frequency in Hz
     resolution: Resolution
-    section: ReducedSection
-    finger_basis: np.ndarray = field(repr=False)
-    half_cells: dict = field(repr=False)
-    nodes: np.ndarray = field(repr=False)
+    section: ReducedSection  # its basis is that of the lines in mid-gap
+    finger_basis: np.ndarray = field(repr=False)  # shape (n, r): of the lines in mid-finger
+    half_cells: dict = field(repr=False)  # by finger width and gap (m)
+    nodes: np.ndarray = field(repr=False)  # omega^2 of the interpolation's nodes, (rad/s)^2
+    # projected end pieces at the nodes, shape (nodes, 2, r, r); None for absorbing ends
     walls: np.ndarray | None = field(repr=False)
 
     def port_fields(self, frequency: float) -> PortFields:

@@ -37,28 +37,14 @@ LOOSE = 3e-4  # tolerance from which a node less serves: to 1e-4
 
 @dataclass(frozen=True, kw_only=True)
 class BandProblem:
-    """What a band is asked for.
-
-    Attributes
-    ----------
-    stator : Stator
-    transducers : tuple of Transducer
-        From left to right.
-    limits : tuple of float
-        Lowest and highest frequency, Hz.
-    drive : str or Drive
-        What it is checked with.
-    tolerance : float
-    places : ndarray
-        m, where the motion is checked.
-    """
+    """What a band is asked for."""
 
     stator: Stator
-    transducers: tuple[Transducer, ...]
-    limits: tuple[float, float]
-    drive: str | Drive
+    transducers: tuple[Transducer, ...]  # from left to right
+    limits: tuple[float, float]  # lowest and highest frequency, Hz
+    drive: str | Drive  # what it is checked with
     tolerance: float
-    places: np.ndarray
+    places: np.ndarray  # m, where the motion is checked
 
     @property
     def nodes(self) -> np.ndarray:
@@ -84,28 +70,15 @@ class BandProblem:
 
 @dataclass(frozen=True, kw_only=True)
 class NodeSolutions:
-    """What the full lines give at the nodes of a band, before they are projected.
-
-    Attributes
-    ----------
-    section : Section
-    resolution : Resolution
-    half_cells : dict
-        By kind of finger: at every node the matrices of the rising and the falling half, and the width.
-    walls : list of ndarray
-        At every node, or empty.
-    fields : tuple of ndarray
-        Seen on the lines in mid-gap and in mid-finger.
-    solutions : list of Solution
-        At some of the nodes.
-    """
+    """What the full lines give at the nodes of a band, before they are projected."""
 
     section: Section
     resolution: Resolution
+    # by kind of finger: at every node the matrices of the rising and the falling half, and the width
     half_cells: dict = field(repr=False)
-    walls: list = field(repr=False)
-    fields: tuple = field(repr=False)
-    solutions: list[Solution] = field(repr=False)
+    walls: list = field(repr=False)  # at every node, or empty
+    fields: tuple = field(repr=False)  # seen on the lines in mid-gap and in mid-finger
+    solutions: list[Solution] = field(repr=False)  # at some of the nodes
 
 
 def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolutions:

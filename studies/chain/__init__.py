@@ -209,7 +209,7 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
         | recovered(scene, circuit)
         | _several_sources(circuit),
         left_out=driven_left_out(resolved.stator(scene.stator), scene.frequency)
-        + diffraction_left_out(scene, motion)
+        + diffraction_left_out(scene, motion.beam is not None, motion.reason)
         + recovery_left_out(scene)
         + ring_up_left_out(scene, ringing, blocks.get("trajectories", ())),
         surface=_surface_columns(wave),

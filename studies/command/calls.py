@@ -339,11 +339,13 @@ def design(arguments: argparse.Namespace) -> int:
             arguments.maximise,
             variables,
             [search.read_constraint(text) for text in arguments.subject],
-            evaluations=arguments.evaluations,
-            seed=arguments.seed,
-            tolerance=wanted,
-            out=out,
-            workers=arguments.workers,
+            options=search.Options(
+                evaluations=arguments.evaluations,
+                seed=arguments.seed,
+                tolerance=wanted,
+                out=out,
+                workers=arguments.workers,
+            ),
             progress=progress,
         )
         write_design(found, out)

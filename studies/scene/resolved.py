@@ -8,6 +8,7 @@ layout) is refused here.
 import math
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import lru_cache
 
 from studies.refusal import SceneError, shown
 from studies.scene import Scene
@@ -288,11 +289,19 @@ def _with_source_numbers(scene: Scene) -> Scene:
         if each.period == "auto" and each.has_two_combs:
             found = fem.best_period(block, _transducer(each, 1.0), scene.frequency)
         else:
-            found = fem.automatic_period(block.solid, scene.frequency, each.metallisation)
+            bulk = replace(scene.stator, thickness="half-space")
+            found = _half_space_period(bulk, scene.frequency, each.metallisation)
         return replace(each, period=float(found))
 
     with _refused("transducer.period"):
         return replace(scene, transducer=tuple(with_period(each) for each in scene.transducer))
+
+
+@lru_cache(256)  # points of a sweep or a search share most of them
+def _half_space_period(block: Stator, frequency: float, metallisation: float) -> float:
+    import fem
+
+    return fem.automatic_period(solid(block), frequency, metallisation)
 
 
 def _check_layout(scene: Scene) -> None:

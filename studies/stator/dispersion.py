@@ -20,7 +20,7 @@ QUICK = {"count": 9}
 COUNT = 60
 LOWEST, HIGHEST = 1 / 12, 1.2  # of the drive frequency
 DECAY = 0.01  # |Im k| over |Re k| below which a mode propagates
-ORDER = 10
+TOLERANCE = 1e-8  # of the modes' wavenumbers
 THICK = 4.0  # wavelengths: above it the faces' waves hardly split
 YOUNGS_MODULUS, POISSON_RATIO, DENSITY = 210e9, 0.3, 7850.0
 PLATE = 1e-3  # m
@@ -153,21 +153,15 @@ def _propagating(stator, frequencies):
     """Frequency (Hz), wavenumber (rad/m) and nearness to the surface (1: the nearest) of the modes that propagate."""
     import numpy as np
 
-    from fem import Resolution, discretise, slowest_wavelength
-    from fem.waveguide.modes import guided_modes
+    import fem
 
-    unit = slowest_wavelength(stator.solid, frequencies[-1])
-    section = discretise(
-        stator, Resolution(order=ORDER, edge_layers=0), wavelength=unit, surface_scale=np.inf
-    )
     rows = []
     for frequency in frequencies:
-        modes = guided_modes(section, float(frequency))
+        modes = fem.guided_modes(stator, frequency=float(frequency), tolerance=TOLERANCE, propagating=True)
         k = modes.wavenumbers
         moving = np.flatnonzero(abs(k.imag) < DECAY * abs(k.real))
-        share = section.surface_share(modes.right[:, moving])
-        near = share * unit * frequency / frequencies[-1]  # a surface wave's share is one over its depth
-        rows += [(frequency, abs(k[i].real) / unit, s) for i, s in zip(moving, near, strict=True)]
+        near = modes.surface_share[moving] * frequency  # a surface wave's share is one over its depth
+        rows += [(frequency, abs(k[i].real), s) for i, s in zip(moving, near, strict=True)]
     table = np.array(rows).reshape(-1, 3).T
     return table[0], table[1], table[2] / max(table[2].max(initial=0.0), 1e-300)
 

@@ -43,6 +43,8 @@ class Question:
         Of all contacts of all points, x and y in m; empty where each point has its own.
     frequencies : tuple of float
         Lowest and highest in Hz, where there are enough of them for a band.
+    coarse : bool
+        Whether the stator's coarsest discretisation will do: for a search, whose best points are computed again.
     """
 
     table: dict
@@ -52,6 +54,7 @@ class Question:
     source_keys: tuple[str, ...] = ()
     places: tuple[tuple[float, float], ...] = ()
     frequencies: tuple[float, ...] = ()
+    coarse: bool = False
 
     @property
     def kind(self) -> str:
