@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import wraps
 from importlib import import_module
-from inspect import signature
+from inspect import cleandoc, signature
 from pathlib import Path
 
 from studies.record import Record, plain, provenance
@@ -32,6 +32,9 @@ __all__ = [
     "study_answer",
 ]
 
+COMMON_ARGUMENTS = """\
+``scene`` is a path, a shipped name or a `Scene` that has what the study asks about; ``progress`` is a callable that is
+told what is being done."""
 # name of a study: the package that holds it
 STUDIES = {
     "voltage_to_velocity": "motor",
@@ -208,7 +211,7 @@ def study(run: Callable) -> Callable:
     """Make a study's ``run`` of a function that takes a `Scene` and ``progress`` and returns panels and findings.
 
     The result takes a path, a shipped name or a scene, first the function's own default, and an optional ``progress``;
-    it returns a `StudyRecord`, named as the module, with the time it took.
+    it returns a `StudyRecord`, named as the module, with the time it took.  Its docstring says so.
     """
     default = signature(run).parameters["scene"].default
 
@@ -224,6 +227,7 @@ def study(run: Callable) -> Callable:
             seconds=time.perf_counter() - begun,
         )  # fmt: skip
 
+    timed.__doc__ = f"{cleandoc(run.__doc__)}\n\n{COMMON_ARGUMENTS}"
     return timed
 
 

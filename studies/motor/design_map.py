@@ -52,14 +52,10 @@ def run(
 
     Parameters
     ----------
-    scene : str or Scene
-        A path, a shipped name or a scene with a slider.
     over : dict, optional
         Two keys of numbers and their values, as for a sweep.
     counts : tuple of int
         Of levels and of preloads, where there are no axes.
-    progress : callable, optional
-        Told what is being done.
     """
     import numpy as np
 

@@ -36,14 +36,10 @@ def run(
 
     Parameters
     ----------
-    scene : str or Scene
-        A path, a shipped name or a scene with a slider and either a [wave] or a driven stator.
     amplitudes, preloads : int
         Points of the grid along each axis.
     checked : int
         Points that are solved again by the event-driven method.
-    progress : callable, optional
-        Told what is being done.
     """
     import numpy as np
 

@@ -32,14 +32,10 @@ def run(
 
     Parameters
     ----------
-    scene : str or Scene
-        A path, a shipped name or a scene with transducers.
     count : int
         Frequencies.
     tolerance : float
         Relative, of the admittances.
-    progress : callable, optional
-        Told what is being done.
     """
     import numpy as np
 

@@ -33,14 +33,10 @@ def run(
 
     Parameters
     ----------
-    scene : str or Scene
-        A path, a shipped name or a scene with transducers.
     count : int
         Frequencies of the Bloch waves.
     tolerance : float
         Of the stop bands' edges, relative to their width.
-    progress : callable, optional
-        Told what is being done.
     """
     import numpy as np
     from scipy.special import ellipk, eval_legendre

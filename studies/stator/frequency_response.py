@@ -35,14 +35,10 @@ def run(
 
     Parameters
     ----------
-    scene : str or Scene
-        A path, a shipped name or a scene with transducers.
     count : int
         Frequencies.
     tolerance : float
         Relative, of the surface motion.
-    progress : callable, optional
-        Told what is being done.
     """
     import numpy as np
 

@@ -36,14 +36,10 @@ def run(
 
     Parameters
     ----------
-    scene : str or Scene
-        A path, a shipped name or a scene with transducers of equal aperture.
     count : int
         Frequencies.
     tolerance : float
         Of the P-matrices and of the admittances.
-    progress : callable, optional
-        Told what is being done.
     """
     import numpy as np
 
