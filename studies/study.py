@@ -14,8 +14,9 @@ from importlib import import_module
 from inspect import cleandoc, signature
 from pathlib import Path
 
-from studies.record import Record, plain, provenance
+from studies.record import Record
 from studies.refusal import SceneError, nearest
+from studies.results.content import plain, provenance
 from studies.scene import Scene
 
 __all__ = [
@@ -57,6 +58,7 @@ STUDIES = {
     "fem_error_vs_time": "evidence",
     "gallery": "motor",
     "published_motors": "papers",
+    "published_stators": "papers",
     "error_vs_time": "evidence",
     "calibration": "evidence",
     "stability": "evidence",

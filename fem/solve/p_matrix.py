@@ -42,6 +42,8 @@ class PMatrix:
         Of the modes to the right on the bare surface, rad/m.
     mixture : ndarray, shape (modes, modes)
         The waves, in columns, as sums of modes; diagonal but for modes that are one surface wave.
+    surface_motion : ndarray, shape (modes,)
+        |u_z| of a wave of amplitude 1 at the bare surface, m / W^1/2.
     scattering : ndarray, shape (2 modes, 2 modes)
         S: waves at the left edge first, then those at the right edge; electrodes short-circuited.
     excitation, detection : ndarray, shape (2 modes,)
@@ -57,6 +59,7 @@ class PMatrix:
     frequency: float
     wavenumbers: np.ndarray = field(repr=False)
     mixture: np.ndarray = field(repr=False)
+    surface_motion: np.ndarray = field(repr=False)
     scattering: np.ndarray = field(repr=False)
     excitation: np.ndarray = field(repr=False)
     detection: np.ndarray = field(repr=False)
@@ -217,6 +220,7 @@ def _of_fields(fields: PortFields, every_mode: bool) -> PMatrix:
         frequency=fields.frequency,
         wavenumbers=k[chosen] / fields.section.length_unit,
         mixture=right,
+        surface_motion=abs(fields.section.surface_rows @ incoming[:n, :m])[1],
         scattering=scattering,
         excitation=np.zeros(2 * m) if port is None else excitation[:, port],
         detection=np.zeros(2 * m) if port is None else to_current * caught[port],

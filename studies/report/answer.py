@@ -9,7 +9,7 @@ from studies.record import Record
 from studies.report.measured import comparison_lines
 from studies.scene.match import ELEMENTS
 
-__all__ = ["answer", "points_table", "print_json", "table"]
+__all__ = ["answer", "notebook_table", "points_table", "print_json", "table"]
 
 COLUMNS = (
     ("voltage (V)", "voltage_V", lambda value: f"{value:g}"),
@@ -24,6 +24,8 @@ COLUMNS = (
     ("rel. error", "relative_error", lambda value: f"{value:.1e}"),
     ("status", "status", str),
 )  # of a point: its head, its key in run.json, and how it is written
+
+ROWS_SHOWN = 30  # of the table in a notebook
 
 
 def print_json(value: dict) -> None:
@@ -78,6 +80,20 @@ def points_table(record: Record, missing: str = "-") -> tuple[list[str], list[li
         [text(point[key]) if key in point else missing for _, key, text in shown] for point in record.points
     ]
     return [name for name, _, _ in shown], rows
+
+
+def notebook_table(record: Record, caption: str) -> str:
+    """Return the points as a table in HTML, with a caption above and the warnings below."""
+    from html import escape
+
+    def row(kind: str, cells: list[str]) -> str:
+        return f"<tr>{''.join(f'<{kind}>{escape(cell)}</{kind}>' for cell in cells)}</tr>"
+
+    heads, rows = points_table(record, missing="")
+    body = "".join(row("td", cells) for cells in rows[:ROWS_SHOWN])
+    more = f"<p>{len(rows) - ROWS_SHOWN} more</p>" if len(rows) > ROWS_SHOWN else ""
+    notes = "".join(f"<li>{escape(note)}</li>" for note in record.warnings)
+    return f"<p>{escape(caption)}</p><table>{row('th', heads)}{body}</table>{more}<ul>{notes}</ul>"
 
 
 def _free_wave(wave: dict) -> list[str]:

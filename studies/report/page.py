@@ -9,11 +9,12 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from studies.chain.model_error import sentences
-from studies.record import Record, provenance
+from studies.record import Record
 from studies.report import energies, figures
 from studies.report.answer import points_table
 from studies.report.intermediate import intermediate_numbers, si
 from studies.report.limits import model_limits
+from studies.results.content import provenance
 from studies.scene.toml import document
 
 __all__ = ["rendered", "report", "write_report"]
