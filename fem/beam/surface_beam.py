@@ -139,6 +139,13 @@ class SurfaceBeam:
         """The part of the field that the surface wave alone carries."""
         return replace(self, source=self.source.surface_mode, complete=False)
 
+    def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
+        """Slowness curve: wavenumber along x of the surface wave, as it decays, at real lateral wavenumbers, rad/m.
+
+        Its slope at 0 is minus the tangent of the power-flow angle; -k times its second derivative is 1 + gamma.
+        """
+        return self.source.surface_wavenumbers(np.asarray(lateral, dtype=float))
+
     @cached_property
     def _nodes(self) -> "_Nodes":
         return _nodes_of(self.charges)
