@@ -38,7 +38,7 @@ _PUBLIC = {
     "results.segment_modes": "FreeWave SegmentModes",
     "results.field": "free_field wave_field WaveField",
     "results.densities": "Densities",
-    "results.files": "read_vtu write_instant write_surface write_vtu",
+    "results.files": "write_instant write_surface write_vtu",
     "solve.harmonic": "driven_wave",
     "solve.port_admittance": "port_admittance PortAdmittance",
     "solve.band_setup": "frequency_band",

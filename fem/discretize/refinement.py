@@ -89,29 +89,10 @@ def refine(
 ) -> Refined[Answer]:
     """Solve at finer and finer levels until the estimated error meets the tolerance, or as far as they go.
 
-    Parameters
-    ----------
-    at_level : callable
-        Level -> answer.
-    levels : sequence
-        From coarse to fine, at least two.
-    start : int
-        Coarser of the two levels to begin with; if the finer one of them has no answer, begin one lower.  Below 0: the
-        coarsest level alone, its errors unknown.
-    differences : callable
-        Finer answer, coarser answer -> relative differences, the first of which is bounded.
-    gain : float
-        Least factor, above 1, by which a level divides the error.
-    tolerance : float
-
-    Returns
-    -------
-    Refined
-
-    Raises
-    ------
-    ConvergenceError
-        If no two neighbouring levels have an answer.
+    ``differences``: finer answer, coarser answer -> relative differences, the first of which is bounded; ``start``: the
+    coarser of the two levels to begin with, one lower if the finer one has no answer, below 0 for the coarsest level
+    alone, its errors unknown; ``gain``: least factor, above 1, by which a level divides the error.  A ConvergenceError
+    if no two neighbouring levels have an answer.
 
     Examples
     --------

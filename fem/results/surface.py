@@ -116,13 +116,7 @@ class Surface:
         return self._gather(x, lambda piece, at: piece.motion(at))
 
     def rayleigh_motion(self, x: float | np.ndarray) -> np.ndarray:
-        """Part of the motion in the surface mode, shape (2, *x.shape).
-
-        Raises
-        ------
-        ValueError
-            Under a transducer, where the surface mode of the bare surface is not a solution.
-        """
+        """Part of the motion in the bare surface's mode, shape (2, *x.shape); a ValueError under a transducer."""
 
         def part(piece, at):
             segment = piece.beside if isinstance(piece, MeshedPiece) else piece

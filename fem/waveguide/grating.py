@@ -217,17 +217,10 @@ def grating(
     ----------
     solid : Solid
         In the stator's frame, piezoelectric; its losses are left out.
-    period : float
-        Of two fingers and two gaps, m.
-    metallisation : float
-        Finger width over finger width plus gap, between 0 and 1.
+    period, metallisation : float
+        Of two fingers and two gaps, m; finger width over finger width plus gap, between 0 and 1.
     above : str
         "none" or "vacuum".
-    resolution : Resolution
-
-    Returns
-    -------
-    Grating
     """
     if "phi" not in fields(solid):
         raise ValueError(f"a grating of fingers needs a piezoelectric solid, and {solid.name} is not one")

@@ -151,20 +151,10 @@ def power(displacement: np.ndarray, flux: np.ndarray, frequency: float) -> np.nd
 
 
 def guided_modes(section: LineSpace, frequency: float, lateral_wavenumber: float = 0.0) -> GuidedModes:
-    """All modes of a uniform segment with a bare surface.
+    """All modes of a uniform segment with a bare surface at a frequency in Hz.
 
-    Parameters
-    ----------
-    section : LineSpace
-        For a lateral wavenumber a `Section` with all fields (``lateral=True`` in `fem.discretize.elements.discretise`).
-    frequency : float
-        Hz, positive.
-    lateral_wavenumber : float
-        k_y in radians per length unit.
-
-    Returns
-    -------
-    GuidedModes
+    ``lateral_wavenumber``: k_y in radians per length unit; it takes a `Section` with all fields (``lateral=True`` in
+    `fem.discretize.elements.discretise`).
     """
     if lateral_wavenumber:
         if section is not section.full:
