@@ -8,7 +8,7 @@ from tests.fem.stators import FREQUENCY, comb, cut, plate, wave_of
 
 
 def test_viscous_layer_converges_with_its_depth():
-    """Motion and admittance on 128YX LiNbO3 with 4 elements of loss against twice as many; half the loss errs by 8e-3."""
+    """Motion and admittance on 128YX LiNbO3 with 4 elements of loss against 8; half the loss errs by 8e-3."""
     stator = plate(cut("LiNbO3 (Kovacs)", "128YX"), length=9.0, thickness=2.0, bottom="absorbing")
     assert not stretch_absorbs(stator.solid)
     transducer = comb(stator, "a", 2.0, finger_pairs=2)
