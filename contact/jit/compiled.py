@@ -105,7 +105,11 @@ class Kernel:
     def inner(self):
         """Numba's own, for calls from other kernels: without wrappers for Python."""
         return _numba().njit(
-            nogil=True, error_model="numpy", fastmath=self.freedom, no_cpython_wrapper=True, no_cfunc_wrapper=True
+            nogil=True,
+            error_model="numpy",
+            fastmath=self.freedom,
+            no_cpython_wrapper=True,
+            no_cfunc_wrapper=True,
         )(self.function)
 
 

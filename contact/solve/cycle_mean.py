@@ -98,7 +98,9 @@ def cycle_room(harmonics: int, nodes: int = 0) -> Cycle:
 
     `nodes` of the quadrature, where the harmonics of the forces are wanted; else 0.
     """
-    fast, path, force = (Harmonics(*np.zeros((4, n))) for n in (harmonics, harmonics, harmonics * (nodes > 0)))
+    fast, path, force = (
+        Harmonics(*np.zeros((4, n))) for n in (harmonics, harmonics, harmonics * (nodes > 0))
+    )
     room = Nodes(*np.zeros((2, harmonics, nodes)), *np.zeros((2, nodes)))
     return Cycle(fast, path, force, room, np.zeros(2), np.zeros(4, np.int64))
 
@@ -409,7 +411,7 @@ def _contact(problem, path, rule, work):
     {
         "problem.paths.height": "n", "problem.paths.normal_cos": "n", "rule.place": "q", "rule.weight": "q",
         "work.fast.normal_cos": "k", "work.path.normal_cos": "k", "work.force.normal_cos": "0 | k", "work.means": "2",
-        "work.counts": "4",
+        "work.counts": "4", "work.nodes.cos": "k q | 1 0",
     },
 )  # fmt: skip
 def cycle(problem, h, v, rule, work):
