@@ -23,22 +23,12 @@ from fem.waveguide.port_fields import charge_admittances, electrode_potentials
 
 @dataclass(frozen=True, kw_only=True)
 class DirectSolution:
-    """Fields per volt at each port, the other ports at zero.
+    """Fields per volt at each port, the other ports at zero."""
 
-    Attributes
-    ----------
-    names : tuple of str
-        Transducers that are ports, from left to right.
-    admittances : ndarray, shape (ports, ports)
-        Short-circuit admittance matrix, S.
-    unknowns : int
-    surface : callable
-        Places x (m) -> u_x and u_z in m per V at each port, shape (2, places, ports).
-    """
-
-    names: tuple[str, ...]
-    admittances: np.ndarray
+    names: tuple[str, ...]  # transducers that are ports, from left to right
+    admittances: np.ndarray  # shape (ports, ports): short-circuit admittance matrix, S
     unknowns: int
+    # places x (m) -> u_x and u_z in m per V at each port, shape (2, places, ports)
     surface: object = field(repr=False)
 
 
@@ -278,17 +268,7 @@ def _reduced_solution(system, basis, names, electrodes, held, wavelength, unit_p
 
 
 def sparse_solution(matrix, load: np.ndarray) -> np.ndarray:
-    """Solve a sparse complex symmetric system.
-
-    Parameters
-    ----------
-    matrix : sparse matrix, shape (n, n)
-    load : ndarray, shape (n, m)
-
-    Returns
-    -------
-    ndarray, shape (n, m)
-    """
+    """Solve a sparse complex symmetric system (n, n) for loads (n, m), shape (n, m)."""
     from scipy.sparse.linalg import splu
 
     try:

@@ -197,18 +197,9 @@ def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
 
 
 def outer_gaps(stator: Stator, transducers: tuple[Transducer, ...]) -> list[tuple[float, float]]:
-    """Bare surface that counts to each transducer: half a gap, or less where a neighbour or an end is near.
+    """Bare surface left and right of each transducer that counts to it, m, from left to right.
 
-    Parameters
-    ----------
-    stator : Stator
-    transducers : tuple of Transducer
-        From left to right.
-
-    Returns
-    -------
-    list of tuple of float
-        Left and right of each, m.
+    Half a gap, or less where a neighbour or an end is near.
     """
     gaps = []
     for index, transducer in enumerate(transducers):

@@ -1,7 +1,6 @@
 """The record of a run: what ``run.json`` holds, as arrays, tables, pictures and files.
 
-Complex numbers become ``[re, im]``; a number that is not finite never leaves: it is refused here, by its
-path.  Drawing and writing belong to ``report``, which is imported when it is asked for.
+Drawing and writing belong to ``report``, which is imported when it is asked for.
 """
 
 import math
@@ -9,8 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
-from studies.refusal import RunError, SceneError, nearest, needed
+from studies.refusal import SceneError, nearest, needed
 from studies.results import Origin, result_directory
+from studies.results.content import plain, provenance
 from studies.scene import Scene
 
 if TYPE_CHECKING:
@@ -18,10 +18,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
 
-__all__ = ["Motion", "Record", "plain", "provenance"]
-
-PACKAGES = ("numpy", "scipy", "scikit-fem", "numba")
-ROWS_SHOWN = 30  # of the table in a notebook
+__all__ = ["Motion", "Record"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,6 +64,8 @@ class Record:
         What a user should know before trusting or building it, each with its number and a remedy.
     model_error : tuple of dict
         Effects that the model leaves out, each with its estimated ``size`` for this scene; apart from ``error``.
+    uncertainty : dict
+        With [uncertain]: the method of the bands, the tolerances and what each makes of the velocity.
     measured : dict
         Measured points beside the predicted ones, where a file of them was given.
     shortfall : str
@@ -102,6 +101,7 @@ class Record:
     left_out: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     model_error: tuple[dict, ...] = ()
+    uncertainty: dict = field(default_factory=dict)
     measured: dict = field(default_factory=dict)
     shortfall: str = ""
     surface: dict = field(default_factory=dict, repr=False)
@@ -140,6 +140,7 @@ class Record:
             "electrical": self.electrical,
             "points": self.points,
             "summary": self.summary,
+            "uncertainty": self.uncertainty,
             "measured": self.measured,
             "error": self.error,
             "model_error": self.model_error,
@@ -316,67 +317,6 @@ class Record:
 
     def _repr_html_(self) -> str:
         """Return the points as a table for a notebook."""
-        from html import escape
+        from studies.report.answer import notebook_table
 
-        keys = list(dict.fromkeys(key for point in self.points for key in point))
-        usual = [key for key in COLUMNS if key in keys]
-        head = "".join(f"<th>{escape(COLUMNS[key])}</th>" for key in usual)
-        rows = [
-            "".join(f"<td>{escape(_cell(point.get(key)))}</td>" for key in usual) for point in self.points
-        ]
-        body = "".join(f"<tr>{row}</tr>" for row in rows[:ROWS_SHOWN])
-        more = f"<p>{len(rows) - ROWS_SHOWN} more</p>" if len(rows) > ROWS_SHOWN else ""
-        notes = "".join(f"<li>{escape(note)}</li>" for note in self.warnings)
-        caption = escape("; ".join([self.scene.title or "untitled", *self._in_short()]))
-        return f"<p>{caption}</p><table><tr>{head}</tr>{body}</table>{more}<ul>{notes}</ul>"
-
-
-COLUMNS = {
-    "voltage_V": "voltage (V)",
-    "normal_amplitude_m": "u_z (m)",
-    "tangential_amplitude_m": "u_x (m)",
-    "velocity_m_per_s": "velocity (m/s)",
-    "velocity_at_burst_end_m_per_s": "velocity at burst end (m/s)",
-    "regime": "regime",
-    "relative_error": "relative error",
-    "status": "status",
-}
-
-
-def _cell(value) -> str:
-    return "" if value is None else value if isinstance(value, str) else f"{value:.4g}"
-
-
-def plain(path: str, value):
-    """Return a value in terms of JSON.
-
-    Examples
-    --------
-    >>> plain("admittance_S", 1 + 2j)
-    [1.0, 2.0]
-    """
-    if isinstance(value, dict):
-        return {key: plain(f"{path}.{key}", entry) for key, entry in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [plain(f"{path}.{index}", entry) for index, entry in enumerate(value)]
-    if hasattr(value, "tolist"):
-        return plain(path, value.tolist())
-    if isinstance(value, complex):
-        return [plain(path, value.real), plain(path, value.imag)]
-    if isinstance(value, float) and not math.isfinite(value):
-        raise RunError(f"the run gave {value} for {path}: the scene lies beyond what the numbers can hold")
-    return value
-
-
-def provenance() -> dict:
-    """Return the versions behind a result."""
-    import platform
-    from importlib.metadata import PackageNotFoundError, version
-
-    found = {}
-    for package in ("sawmotor", *PACKAGES):
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = "not installed"
-    return {"version": found.pop("sawmotor"), "python": platform.python_version(), **found}
+        return notebook_table(self, "; ".join([self.scene.title or "untitled", *self._in_short()]))

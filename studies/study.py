@@ -11,11 +11,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import wraps
 from importlib import import_module
-from inspect import signature
+from inspect import cleandoc, signature
 from pathlib import Path
 
-from studies.record import Record, plain, provenance
+from studies.record import Record
 from studies.refusal import SceneError, nearest
+from studies.results.content import plain, provenance
 from studies.scene import Scene
 
 __all__ = [
@@ -32,6 +33,9 @@ __all__ = [
     "study_answer",
 ]
 
+COMMON_ARGUMENTS = """\
+``scene`` is a path, a shipped name or a `Scene` that has what the study asks about; ``progress`` is a callable that is
+told what is being done."""
 # name of a study: the package that holds it
 STUDIES = {
     "voltage_to_velocity": "motor",
@@ -48,12 +52,13 @@ STUDIES = {
     "design_map": "motor",
     "sensitivity": "inverse",
     "contact_error_vs_time": "evidence",
-    "cell_triple": "stator",
+    "cell_parameters": "stator",
     "p_matrix": "stator",
     "network": "stator",
     "fem_error_vs_time": "evidence",
     "gallery": "motor",
     "published_motors": "papers",
+    "published_stators": "papers",
     "error_vs_time": "evidence",
     "calibration": "evidence",
     "stability": "evidence",
@@ -208,7 +213,7 @@ def study(run: Callable) -> Callable:
     """Make a study's ``run`` of a function that takes a `Scene` and ``progress`` and returns panels and findings.
 
     The result takes a path, a shipped name or a scene, first the function's own default, and an optional ``progress``;
-    it returns a `StudyRecord`, named as the module, with the time it took.
+    it returns a `StudyRecord`, named as the module, with the time it took.  Its docstring says so.
     """
     default = signature(run).parameters["scene"].default
 
@@ -224,6 +229,7 @@ def study(run: Callable) -> Callable:
             seconds=time.perf_counter() - begun,
         )  # fmt: skip
 
+    timed.__doc__ = f"{cleandoc(run.__doc__)}\n\n{COMMON_ARGUMENTS}"
     return timed
 
 

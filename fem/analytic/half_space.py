@@ -93,22 +93,7 @@ class HalfSpaceWave:
 
 
 def surface_named(word: str) -> Surface:
-    """Return the condition that a word stands for: "free" is another one for "vacuum".
-
-    Parameters
-    ----------
-    word : str
-
-    Returns
-    -------
-    str
-        Of `SURFACES`.
-
-    Raises
-    ------
-    ValueError
-        For any other word.
-    """
+    """Return the member of `SURFACES` that a word stands for, "free" for "vacuum"; a ValueError for any other word."""
     surface = "vacuum" if word == "free" else word
     if surface not in SURFACES:
         raise ValueError(f"surface must be one of {', '.join(SURFACES)} or free, got {word!r}")
@@ -170,17 +155,7 @@ def rayleigh(solid: Solid, surface: str = "vacuum") -> HalfSpaceWave:
 
 
 def coupling(solid: Solid) -> float:
-    """Return K2 = 2 (v_vacuum - v_metallised) / v_vacuum.
-
-    Parameters
-    ----------
-    solid : Solid
-        In the frame of the cut.
-
-    Returns
-    -------
-    float
-    """
+    """Return K2 = 2 (v_vacuum - v_metallised) / v_vacuum of a solid in the frame of the cut."""
     if "phi" not in fields(solid):
         return 0.0
     free, metallised = (rayleigh(solid, surface).velocity for surface in ("vacuum", "metallised"))
@@ -232,21 +207,10 @@ def _expanded(amplitudes: np.ndarray, names: tuple[str, ...], potential_unit: fl
 
 
 def automatic_period(solid: Solid, frequency: float, metallisation: float) -> float:
-    """Period that a transducer needs at a frequency: the wavelength of the lossless half-space, part metallised.
+    """Return the period in m that a transducer on a solid in the stator's frame needs at a frequency in Hz.
 
-    Parameters
-    ----------
-    solid : Solid
-        In the stator's frame.
-    frequency : float
-        Hz.
-    metallisation : float
-        Finger width over finger width plus gap.
-
-    Returns
-    -------
-    float
-        (metallisation v_metal + (1 - metallisation) v_vacuum) / frequency, in m.
+    It is the wavelength of the lossless half-space, part metallised, (metallisation v_metal + (1 - metallisation)
+    v_vacuum) over the frequency; metallisation: finger width over finger width plus gap.
     """
     metal, vacuum = rayleigh(solid, "metallised").velocity, rayleigh(solid, "vacuum").velocity
     return (metallisation * metal + (1 - metallisation) * vacuum) / frequency

@@ -31,14 +31,9 @@ _SIGN_STEPS = 60  # near the limit each step doubles the angle of p
 
 
 class SurfaceImpedance:
-    """Z(v) and what follows from it, scaled: velocity in sqrt(stress_unit / rho).
+    """Z(v) of a medium with real tables under a surface "vacuum", "open" or "metallised", and what follows from it.
 
-    Parameters
-    ----------
-    body : Medium
-        Real tables.
-    surface : str
-        "vacuum", "open" or "metallised".
+    Scaled: velocity in sqrt(stress_unit / rho).
     """
 
     def __init__(self, body: Medium, surface: str):

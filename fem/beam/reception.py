@@ -9,14 +9,15 @@ Massless fingers scatter by their charges alone: what a transducer sends for an 
 less the wave that passes, and the waves of all others pass it as they pass a bare surface.  W_j B_ij,p does not change
 when i and j are exchanged, so the admittance matrix stays symmetric.
 
-Limits: solids isotropic about z, absorbing ends.  A transducer's response to its own charges, and how it weighs a wave
-along its length, are the section's: for 20 wavelengths of aperture and 10 of length the former leaves out 1.4 % of the
-power.
+Limits: solids isotropic about z, absorbing ends; elsewhere transducers receive as in the section.  A transducer's
+response to its own charges, and how it weighs a wave along its length, are the section's: for 20 wavelengths of
+aperture and 10 of length the former leaves out 1.4 % of the power.
 """
 
 import numpy as np
 
 from fem.beam.lateral import evanescent, lateral_rule
+from fem.beam.line_source import isotropic_about_normal
 from fem.waveguide.network import PortSolution, Scatterer
 from fem.waveguide.port_fields import PortFields, connected
 
@@ -74,10 +75,12 @@ def with_apertures(fields: PortFields, mirror_width: float | None = None) -> Por
     Returns
     -------
     PortFields
-        Charges and admittances of transducers of finite aperture; ``sides`` are their lines for the mean waves.
+        Charges and admittances of transducers of finite aperture; ``sides`` are their lines for the mean waves.  The
+        fields as they are for one transducer, and beyond the limits above.
     """
     network = fields.network
-    if len(network.scatterers) == 1:
+    alone = len(network.scatterers) == 1
+    if alone or fields.stator.ends != "absorbing" or not isotropic_about_normal(fields.stator.solid):
         return fields
     kept = network.survivors(float(np.diff(network.segments, axis=1)[1:-1].min()))
     m = len(kept)

@@ -29,6 +29,7 @@ from fem.beam.line_source import Branch, LineSource, isotropic_about_normal, lin
 from fem.beam.reception import with_apertures
 from fem.circuit import Circuit
 from fem.geometry import Stator
+from fem.results.power_balance import PowerBalance, power_balance
 from fem.results.solution import Solution, driven_solution
 from fem.results.surface_wave import SurfaceWave
 
@@ -53,8 +54,8 @@ class SurfaceBeam:
     ----------
     wave : SurfaceWave
         Of the section.
-    circuit : Circuit
-        Voltages and currents with each transducer receiving the mean of the beams over its aperture.
+    solution : Solution
+        Ports and circuit with each transducer receiving the mean of the beams over its aperture.
     source : LineSource or CutSource
     charges : tuple of ElectrodeCharges
         Of each transducer from left to right.
@@ -72,7 +73,7 @@ class SurfaceBeam:
     """
 
     wave: SurfaceWave
-    circuit: Circuit
+    solution: Solution = field(repr=False)
     source: LineSource | CutSource = field(repr=False)
     charges: tuple[ElectrodeCharges, ...] = field(repr=False)
     apertures: tuple[float, ...]
@@ -119,6 +120,18 @@ class SurfaceBeam:
         section = abs(self.wave.motion(places)).max(axis=0)[where.reshape(size.shape)]
         left_out = abs(self._beyond_the_modes(places)).max(axis=0)[where.reshape(size.shape)]
         return fine, rule + (np.maximum(size, section) * self.wave.relative_error + left_out) / size
+
+    @property
+    def circuit(self) -> Circuit:
+        """Voltages and currents that belong to the motion."""
+        return self.solution.circuit
+
+    @cached_property
+    def power(self) -> PowerBalance:
+        """Where the power goes, of the mean waves over the apertures."""
+        if self.solution.fields is self.wave.solution.fields:
+            return self.wave.power
+        return power_balance(self.solution)
 
     @property
     def surface_mode(self) -> "SurfaceBeam":
@@ -305,11 +318,12 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
             f"mirror_width must be at least the largest aperture, {max(apertures):g} m, got {mirror_width!r}"
         )
     isotropic = isotropic_about_normal(solution.fields.stator.solid)
-    if isotropic and len(apertures) > 1:
-        solution = driven_solution(with_apertures(solution.fields, mirror_width), solution.circuit.drive)
+    fields = with_apertures(solution.fields, mirror_width)
+    if fields is not solution.fields:
+        solution = driven_solution(fields, solution.circuit.drive)
     return SurfaceBeam(
         wave=wave,
-        circuit=solution.circuit,
+        solution=solution,
         source=line_source(solution.fields.modes) if isotropic else cut_source(solution.fields),
         charges=_charges_of(solution),
         apertures=apertures,

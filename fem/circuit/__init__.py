@@ -2,7 +2,15 @@
 
 from fem.circuit.ladder import Element, Ladder, best_match, carried
 from fem.circuit.motional import MotionalModel, motional_model
-from fem.circuit.ports import Circuit, Drive, SourcePowers, as_drive, solve_circuit
+from fem.circuit.ports import (
+    Circuit,
+    Drive,
+    SourcePowers,
+    as_drive,
+    matched_load,
+    rectifier_resistance,
+    solve_circuit,
+)
 from fem.circuit.touchstone import read_touchstone, touchstone
 
 __all__ = [
@@ -15,8 +23,10 @@ __all__ = [
     "as_drive",
     "best_match",
     "carried",
+    "matched_load",
     "motional_model",
     "read_touchstone",
+    "rectifier_resistance",
     "solve_circuit",
     "touchstone",
 ]

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+EQUAL = 1e-9  # relative difference of stored energies that is rounding
+
 
 @dataclass(frozen=True, kw_only=True)
 class Element:
@@ -76,7 +78,9 @@ def best_match(source: complex, admittance: complex, frequency: float) -> Ladder
     """Return the lossless L-section that matches a source to a load at one frequency.
 
     Of the up to four sections that let the load take all available power, the one that stores the least energy: it has
-    the widest band and loses least in real elements.
+    the widest band and loses least in real elements.  Equal ones are frequent: two sections of inductors alone (or of
+    capacitors alone) both store exactly what source and load have in excess, and between two resistances each section
+    has a dual.  Of these, one without a series capacitor (it suppresses harmonics), then that of the smaller elements.
 
     Parameters
     ----------
@@ -118,7 +122,16 @@ def best_match(source: complex, admittance: complex, frequency: float) -> Ladder
     for reactance in _partners(load.real, inner.real):  # series at the load, then shunt
         seen = 1 / complex(load.real, reactance)
         found.append((("shunt", -inner.imag - seen.imag), ("series", reactance - load.imag)))
-    return min((_ladder(pair, omega) for pair in found), key=lambda each: _stored(each, omega, admittance))
+    stored = {each: _stored(each, omega, admittance) for each in (_ladder(pair, omega) for pair in found)}
+    least = min(stored.values())
+    equal = [each for each in stored if stored[each] <= least * (1 + EQUAL)]
+    return min(equal, key=_awkwardness)
+
+
+def _awkwardness(ladder: Ladder) -> tuple[bool, float]:
+    """Return what decides between sections that store the same: a series capacitor, then the largest element."""
+    capacitor = any((each.place, each.kind) == ("series", "C") for each in ladder)
+    return capacitor, max((each.value for each in ladder), default=0.0)
 
 
 def _partners(part: float, wanted: float) -> tuple[float, ...]:

@@ -2,17 +2,23 @@
 
 With I = Y V (currents into the positive electrodes), a source of voltage S behind an impedance Z obeys V + Z I = S, a
 loaded transducer V + Z I = 0, a short one V = 0, an open one I = 0.  Behind a ladder with V' = A V + B I and
-I' = C V + D I at the source's end it is V' + Z I' = S.  This is the only module that knows which transducers are
+I' = C V + D I at the source's end it is V' + Z I' = S.  Seen from the electrodes the source is then the impedance
+(B + Z D) / (A + Z C).  This is the only module that knows which transducers are
 driven: everything below it solves for unit voltage at every port.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from fem.circuit.ladder import Ladder, carried
 from fem.geometry import Transducer
+
+MATCHING_ROUNDS = (
+    200  # load and source in turn; each round multiplies the error by the gain to and fro, below 1
+)
+MATCHING_TOLERANCE = 1e-13  # relative change of the source's impedance
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -174,11 +180,7 @@ def solve_circuit(
         if name not in names:
             raise ValueError(f"the driven transducer must have two electrodes, but {name!r} has not")
     size, omega = len(names), 2 * np.pi * frequency
-    # V' + Z I' at the source's end for V = 1 and for I = 1
-    across, along = (
-        ends[0] + drive.impedance * ends[1]
-        for ends in (carried(drive.match, omega, *unit) for unit in ((1.0, 0.0), (0.0, 1.0)))
-    )
+    across, along = _source_rows(drive, omega)
     system, source = np.eye(size, dtype=complex), np.zeros(size, dtype=complex)
     for row, name in enumerate(names):
         termination = everyone[name].termination
@@ -204,6 +206,74 @@ def solve_circuit(
         drive=drive,
         network=_source_powers(drive, amplitudes, *into_ladders[1:]),
     )
+
+
+def matched_load(
+    admittances: np.ndarray,
+    names: tuple[str, ...],
+    transducers: tuple[Transducer, ...],
+    drive: str | Drive,
+    receiver: str,
+    frequency: float,
+    *,
+    source_matched: bool = False,
+) -> complex:
+    """Return the impedance in ohm that takes most power out of a transducer: the conjugate of what it shows.
+
+    Parameters
+    ----------
+    admittances, names, transducers, drive, frequency
+        As for `solve_circuit`.
+    receiver : str
+        A transducer of two electrodes without a source.
+    source_matched : bool
+        Whether a lossless network will match the (one) source to its transducer with this load in place: both ends
+        are then matched at once, which gives the load the largest share of the power that the transducers take.
+
+    Raises
+    ------
+    ValueError
+        If the receiver shows no resistance: its load could take any power.
+    """
+    drive = as_drive(drive)
+
+    def shown(name: str, terminations: dict) -> complex:
+        row = tuple(
+            replace(each, termination=terminations.get(each.name, each.termination)) for each in transducers
+        )
+        return solve_circuit(admittances, names, row, name, frequency).admittance
+
+    across, along = _source_rows(drive, 2 * np.pi * frequency)
+    source = along / across
+    for _ in range(MATCHING_ROUNDS):
+        own = shown(receiver, dict.fromkeys(drive.sources, source))
+        if not own.real > 0:
+            raise ValueError(f"a matched load needs a transducer that shows a resistance, got {own:g} S")
+        load = 1 / own.conjugate()
+        if not source_matched:
+            break
+        before, source = source, 1 / shown(next(iter(drive.sources)), {receiver: load}).conjugate()
+        if abs(source - before) < MATCHING_TOLERANCE * abs(source):
+            break
+    return complex(load)
+
+
+def rectifier_resistance(resistance: float) -> float:
+    """Return the resistance in ohm that a full bridge with a capacitor across a resistance is for a sinusoidal current.
+
+    Its voltage is a square wave, of which the fundamental alone takes power: R_ac = 8 R / pi^2 (R. L. Steigerwald,
+    IEEE Trans. Power Electron. 3, 1988, 174).  Without the drop of its diodes.
+    """
+    return 8 / np.pi**2 * resistance
+
+
+def _source_rows(drive: Drive, omega: float) -> tuple[complex, complex]:
+    """Return V' + Z I' at the source's end for a unit voltage and for a unit current at the electrodes."""
+    across, along = (
+        ends[0] + drive.impedance * ends[1]
+        for ends in (carried(drive.match, omega, *unit) for unit in ((1.0, 0.0), (0.0, 1.0)))
+    )
+    return across, along
 
 
 def _source_powers(drive: Drive, amplitudes, currents, in_ladders) -> SourcePowers:

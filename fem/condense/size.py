@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.condense.superelement import PORTS
-from fem.condense.transducer import transducer_superelements
+from fem.condense.transducer import Condensation, transducer_superelements
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
@@ -15,32 +15,15 @@ from fem.materials.christoffel import slowest_wavelength
 
 @dataclass(frozen=True, kw_only=True)
 class StatorSize:
-    """What one discretisation of a driven stator consists of.
+    """What one discretisation of a driven stator consists of."""
 
-    Attributes
-    ----------
-    section : Section
-        Its elements through the depth and the unknowns of a line.
-    resolution : Resolution
-    columns : int
-        Of elements under all fingers.
-    condensed : int
-        Columns that differ: each is condensed once.
-    joins : int
-        Of two neighbours that differ from all other pairs.
-    mirrored : int
-        Joins of which a mirror image is kept too.
-    scatterers : int
-        Transducers that differ.
-    """
-
-    section: Section
+    section: Section  # its elements through the depth and the unknowns of a line
     resolution: Resolution
-    columns: int
-    condensed: int
-    joins: int
-    mirrored: int
-    scatterers: int
+    columns: int  # of elements under all fingers
+    condensed: int  # columns that differ: each is condensed once
+    joins: int  # of two neighbours that differ from all other pairs
+    mirrored: int  # joins of which a mirror image is kept too
+    scatterers: int  # transducers that differ
 
     @property
     def line(self) -> int:
@@ -81,12 +64,13 @@ class _Counted:
     joins: int = 0
 
 
-class _Count:
+@dataclass(eq=False)
+class _Count(Condensation):
     """In the place of a condensation: counts what it would do."""
 
-    def __init__(self, section: Section):
-        self.length_unit, self.mirror = section.length_unit, section.odd is not None
-        self.condensed = self.joins = self.images = 0
+    condensed: int = 0
+    joins: int = 0
+    images: int = 0
 
     def column(self, width, electrode):
         self.condensed += 1
@@ -96,12 +80,12 @@ class _Count:
         self.joins += 1
         return _Counted(left.columns + right.columns, left.joins + right.joins + 1)
 
-    def mirrored(self, piece):
-        self.images += piece.joins
-        return piece
+    def mirrored(self, superelement):
+        self.images += superelement.joins
+        return superelement
 
-    def exchanged(self, piece):
-        return piece
+    def exchanged(self, superelement):
+        return superelement
 
     open_circuited = exchanged
 
@@ -109,26 +93,12 @@ class _Count:
 def stator_size(
     stator: Stator, transducers: tuple[Transducer, ...], *, frequency: float, resolution: Resolution
 ) -> StatorSize:
-    """Return the size of a driven stator at a frequency in Hz.
-
-    Parameters
-    ----------
-    stator : Stator
-    transducers : tuple of Transducer
-        At least one.
-    frequency : float
-        Hz.
-    resolution : Resolution
-
-    Returns
-    -------
-    StatorSize
-    """
+    """Return the size of a stator with at least one transducer, discretised for a frequency in Hz."""
     row = tuple(sorted(transducers, key=lambda each: each.center))
     unit = slowest_wavelength(stator.solid, frequency)
     scale = min(each.finger_width / 2 for each in row)
     section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)
-    count = _Count(section)
+    count = _Count(section, frequency)
     pieces = transducer_superelements(count, stator, row, resolution)
     return StatorSize(
         section=section,

@@ -27,66 +27,40 @@ MAX_AMPLIFICATION = 1e9  # of a piece's fields over those at its sides, up to wh
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Superelement:
-    """A piece of stator condensed to its sides.
+    """A piece of stator condensed to its sides."""
 
-    Attributes
-    ----------
-    size : int
-        Unknowns n of a line.
-    matrix : ndarray, shape (2 n + 2, 2 n + 2)
-        Over left line, right line, potential of the positive and of the negative electrode; scaled.
-    width : float
-        Length units.
-    parts : tuple
-        The two it was joined of and the line between them as a function of the sides, (n, 2 n + 2); or empty.
-    column : Column or None
-        What it was condensed from, for a single column.
-    exchanged : bool
-        True if its two electrodes are those of the parts and of the column in exchanged order.
-    floating : ndarray or None, shape (2 n + 2,)
-        For an open strip: its potential, in the place of electrode 0, as a function of the sides.
-    expand : callable or None
-        For a superelement on lines reduced to a basis: its sides -> the same piece on full lines, and its sides.
-    """
-
-    size: int
+    size: int  # unknowns n of a line
+    # shape (2 n + 2, 2 n + 2): over left line, right line, potential of the positive and of the negative
+    # electrode; scaled
     matrix: np.ndarray = field(repr=False)
-    width: float
+    width: float  # length units
+    # the two it was joined of and the line between them as a function of the sides, (n, 2 n + 2); or empty
     parts: tuple = field(default=(), repr=False)
+    # what it was condensed from, for a single column
     column: "Column | None" = field(default=None, repr=False)
+    # true if its two electrodes are those of the parts and of the column in exchanged order
     exchanged: bool = False
+    # shape (2 n + 2,): for an open strip: its potential, in the place of electrode 0, as a function of the
+    # sides
     floating: np.ndarray | None = field(default=None, repr=False)
+    # for a superelement on lines reduced to a basis: its sides -> the same piece on full lines, and its sides
     expand: Callable[[np.ndarray], tuple["Superelement", np.ndarray]] | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Column:
-    """One column of elements and what its condensation leaves for the way back.
-
-    Attributes
-    ----------
-    section : Section
-    width : float
-        Length units.
-    frequency : float
-        Hz.
-    electrode : int or None
-        0 or 1 for a finger on top, None for a bare surface.
-    faces : ndarray, shape (elements + 1, order - 1, 4)
-        Number of the unknown on a face between elements by node and field, -1 where there is none.
-    faces_from : ndarray, shape (face unknowns, 2 n + 2)
-        Faces from sides and electrode potentials.
-    inside_from : dict
-        By kind of element (height, medium): inside from its rim.
-    """
+    """One column of elements and what its condensation leaves for the way back."""
 
     section: Section
-    width: float
-    frequency: float
-    electrode: int | None
+    width: float  # length units
+    frequency: float  # Hz
+    electrode: int | None  # 0 or 1 for a finger on top, None for a bare surface
+    # shape (elements + 1, order - 1, 4): number of the unknown on a face between elements by node and field,
+    # -1 where there is none
     faces: np.ndarray = field(repr=False)
+    # shape (face unknowns, 2 n + 2): faces from sides and electrode potentials
     faces_from: np.ndarray = field(repr=False)
-    inside_from: dict = field(repr=False)
+    inside_from: dict = field(repr=False)  # by kind of element (height, medium): inside from its rim
 
 
 class ElementSets:

@@ -2,12 +2,11 @@
 
 A cell is half a gap, a finger and half a gap, condensed in two halves of which one is the mirror image of the other
 where x -> -x is a symmetry; equal runs of cells are joined once.  The walk from columns to transducers is written once,
-for any `Assembly`: `Condensation` does the work, `fem.condense.size` counts it.
+`Condensation` does the work, a subclass in `fem.condense.size` counts it.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,54 +17,19 @@ from fem.discretize.section import Section
 from fem.geometry import Stator, Transducer, outer_gaps
 
 
-class Assembly(Protocol):
-    """What the walk asks for: columns of elements, and what is made of them.
-
-    ``mirror`` says whether x -> -x is a symmetry; a finger is on electrode 0 until it is exchanged.
-    """
-
-    length_unit: float
-    mirror: bool
-
-    def column(self, width: float, electrode: int | None) -> Superelement:
-        """Condense one column of elements."""
-
-    def joined(self, left: Superelement, right: Superelement, electrode: int | None = None) -> Superelement:
-        """Join two neighbours; ``electrode`` if a finger lies on the line they share."""
-
-    def mirrored(self, superelement: Superelement) -> Superelement:
-        """Reflect in x -> -x."""
-
-    def exchanged(self, superelement: Superelement) -> Superelement:
-        """Put the fingers on the other electrode."""
-
-    def open_circuited(self, superelement: Superelement) -> Superelement:
-        """Cut the finger off from its electrode."""
-
-
-@dataclass(frozen=True)
+@dataclass(eq=False)
 class Condensation:
-    """Superelements of a section at a frequency in Hz."""
+    """What makes superelements of a section at a frequency in Hz; a finger is on electrode 0 until exchanged."""
 
     section: Section
     frequency: float
-
-    @property
-    def length_unit(self) -> float:
-        """Length unit in m."""
-        return self.section.length_unit
-
-    @property
-    def mirror(self) -> bool:
-        """Whether x -> -x is a symmetry."""
-        return self.section.odd is not None
 
     def column(self, width: float, electrode: int | None) -> Superelement:
         """Condense one column of elements."""
         return condensed(self.section, self.frequency, width=width, electrode=electrode)
 
     def joined(self, left: Superelement, right: Superelement, electrode: int | None = None) -> Superelement:
-        """Join two neighbours."""
+        """Join two neighbours; ``electrode`` if a finger lies on the line they share."""
         phi = None if electrode is None else self.section.surface_dofs["phi"]
         return joined(left, right, phi=phi, electrode=electrode)
 
@@ -85,6 +49,13 @@ class FingerShape:
     half_finger: float
     half_gaps: tuple[float, float]
 
+    @classmethod
+    def of(cls, transducer: Transducer, unit: float) -> "FingerShape":
+        """Of a transducer's inner fingers; ``unit``: the length unit in m."""
+        return cls(
+            half_finger=transducer.finger_width / 2 / unit, half_gaps=(transducer.half_gap / unit,) * 2
+        )
+
     @property
     def even(self) -> bool:
         """Whether both gaps are alike."""
@@ -92,7 +63,7 @@ class FingerShape:
 
 
 def half_cells(
-    make: Assembly, shape: FingerShape, resolution: Resolution
+    make: Condensation, shape: FingerShape, resolution: Resolution
 ) -> tuple[Superelement, Superelement]:
     """Condense the two halves of a finger's cell: gap to mid-finger, and mid-finger to gap, electrode 0."""
     done: dict[tuple, Superelement] = {}
@@ -115,18 +86,18 @@ def half_cells(
         for length in (shape.half_finger, *shape.half_gaps)
     )
     rising = make.joined(row(left, None), row(metal[::-1], 0), 0)
-    if make.mirror and shape.even:
+    if make.section.odd is not None and shape.even:
         return rising, make.mirrored(rising)
     return rising, make.joined(row(metal, 0), row(right[::-1], None), 0)
 
 
-def finger_cell(make: Assembly, shape: FingerShape, resolution: Resolution) -> Superelement:
+def finger_cell(make: Condensation, shape: FingerShape, resolution: Resolution) -> Superelement:
     """Condense half a gap, a finger of electrode 0 and half a gap."""
     return make.joined(*half_cells(make, shape, resolution), 0)
 
 
 def fingers_in_row(
-    make: Assembly,
+    make: Condensation,
     signs: str,
     gaps: Callable[[int], tuple[float, float]],
     cell: Callable[[float, float], Superelement],
@@ -167,7 +138,7 @@ def fingers_in_row(
 
 
 def transducer_superelements(
-    make: Assembly, stator: Stator, transducers: tuple[Transducer, ...], resolution: Resolution
+    make: Condensation, stator: Stator, transducers: tuple[Transducer, ...], resolution: Resolution
 ) -> list[Superelement]:
     """Superelements of transducers from left to right, between their outer gaps; equal ones are the same object."""
     made: dict[tuple, Superelement] = {}
@@ -181,16 +152,16 @@ def transducer_superelements(
 
 
 def _transducer_superelement(
-    make: Assembly, transducer: Transducer, gaps, resolution: Resolution
+    make: Condensation, transducer: Transducer, gaps, resolution: Resolution
 ) -> Superelement:
-    unit = make.length_unit
-    half_gap = transducer.half_gap / unit
+    unit = make.section.length_unit
+    inner = FingerShape.of(transducer, unit)
+    half_gap = inner.half_gaps[0]
     made: dict[tuple, Superelement] = {}
 
     def cell(left: float, right: float) -> Superelement:
         if (left, right) not in made:
-            shape = FingerShape(half_finger=transducer.finger_width / 2 / unit, half_gaps=(left, right))
-            made[left, right] = finger_cell(make, shape, resolution)
+            made[left, right] = finger_cell(make, replace(inner, half_gaps=(left, right)), resolution)
         return made[left, right]
 
     def bare(left: float, right: float) -> Superelement:

@@ -69,24 +69,13 @@ Level = TypeVar("Level")
 
 @dataclass(frozen=True, kw_only=True)
 class Refined(Generic[Answer]):
-    """Finest answer that was reached, with its errors.
+    """Finest answer that was reached, with its errors."""
 
-    Attributes
-    ----------
-    answer : object
-        Of ``at_level``.
-    level : int
-        Of the answer.
-    errors : tuple of float
-        One for each of the differences; the first is the one that the tolerance bounds.
-    obstacle : str
-        Why no finer level was solved; empty if the tolerance is met or the levels ended.
-    """
-
-    answer: Answer
-    level: int
+    answer: Answer  # of ``at_level``
+    level: int  # of the answer
+    # one for each of the differences; the first is the one that the tolerance bounds
     errors: tuple[float, ...]
-    obstacle: str
+    obstacle: str  # why no finer level was solved; empty if the tolerance is met or the levels ended
 
 
 def refine(
@@ -100,28 +89,10 @@ def refine(
 ) -> Refined[Answer]:
     """Solve at finer and finer levels until the estimated error meets the tolerance, or as far as they go.
 
-    Parameters
-    ----------
-    at_level : callable
-        Level -> answer.
-    levels : sequence
-        From coarse to fine, at least two.
-    start : int
-        Coarser of the two levels to begin with; if the finer one of them has no answer, begin one lower.
-    differences : callable
-        Finer answer, coarser answer -> relative differences, the first of which is bounded.
-    gain : float
-        Least factor, above 1, by which a level divides the error.
-    tolerance : float
-
-    Returns
-    -------
-    Refined
-
-    Raises
-    ------
-    ConvergenceError
-        If no two neighbouring levels have an answer.
+    ``differences``: finer answer, coarser answer -> relative differences, the first of which is bounded; ``start``: the
+    coarser of the two levels to begin with, one lower if the finer one has no answer, below 0 for the coarsest level
+    alone, its errors unknown; ``gain``: least factor, above 1, by which a level divides the error.  A ConvergenceError
+    if no two neighbouring levels have an answer.
 
     Examples
     --------
@@ -137,6 +108,8 @@ def refine(
     >>> found.level, bool(found.errors[0] < 1e-3), bool(abs(found.answer - np.e + 1) < 1.01 * found.errors[0])
     (3, True, True)
     """
+    if start < 0:
+        return Refined(answer=at_level(levels[0]), level=0, errors=(np.inf, np.inf), obstacle="")
     coarse = reached = None
     for level in range(start, len(levels)):
         try:

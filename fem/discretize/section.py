@@ -54,37 +54,20 @@ class LineSpace(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class Section(LineSpace):
-    """Discretised depth of a stator.
+    """Discretised depth of a stator."""
 
-    Attributes
-    ----------
-    heights : ndarray, shape (elements,)
-        Element heights from the bottom up, in length units; complex in an absorbing layer.
-    breakpoints : ndarray, shape (elements + 1,)
-        Real z of the element ends, in length units.
-    media : tuple of Medium, one per element
-    order : int
-    length_unit : float
-        m.
-    dofs : ndarray, shape (nodes, 4)
-        Number of the unknown for ux, uy, uz, phi at a node; -1 where there is none.
-    surface : int
-        Node of the surface.
-    bottom : int
-        Node of the solid's lower end: 0, or where an absorbing layer begins.
-    surface_speed : float or None
-        Velocity of the half-space's Rayleigh wave in m/s, used to identify the surface wave among the modes; None
-        where the cut has none.
-    """
-
+    # shape (elements,): element heights from the bottom up, in length units; complex in an absorbing layer
     heights: np.ndarray
-    breakpoints: np.ndarray
+    breakpoints: np.ndarray  # shape (elements + 1,): real z of the element ends, in length units
     media: tuple[Medium, ...]
     order: int
-    length_unit: float
+    length_unit: float  # m
+    # shape (nodes, 4): number of the unknown for ux, uy, uz, phi at a node; -1 where there is none
     dofs: np.ndarray = field(repr=False)
-    surface: int
-    bottom: int
+    surface: int  # node of the surface
+    bottom: int  # node of the solid's lower end: 0, or where an absorbing layer begins
+    # velocity of the half-space's Rayleigh wave in m/s, used to identify the surface wave among the modes;
+    # None where the cut has none
     surface_speed: float | None
 
     @property
@@ -143,9 +126,11 @@ class Section(LineSpace):
 
     def surface_share(self, shapes: np.ndarray) -> np.ndarray:
         """Squared motion at the surface over its integral through the depth; shapes (size, m) -> (m,)."""
-        return np.sum(abs(self.surface_rows @ shapes) ** 2, axis=0) / (
-            self._motion_weights @ abs(shapes) ** 2
-        )
+        inside = self._motion_weights @ abs(shapes) ** 2
+        above = np.sum(abs(self.surface_rows @ shapes) ** 2, axis=0)
+        return np.divide(
+            above, inside, out=np.zeros_like(inside), where=inside > 0
+        )  # the constant potential: 0
 
     @cached_property
     def odd(self) -> np.ndarray | None:

@@ -26,40 +26,35 @@ import numpy as np
 
 from fem.materials.solids import VACUUM_PERMITTIVITY, Solid
 
-# Generalised strain: Voigt strain 11 22 33 23 13 12, then grad phi; rows that d/dx, d/dy and d/dz of a field feed.
-_D_DX = {"ux": (0,), "uy": (5,), "uz": (4,), "phi": (6,)}
-_D_DY = {"ux": (5,), "uy": (1,), "uz": (3,), "phi": (7,)}
-_D_DZ = {"ux": (4,), "uy": (3,), "uz": (2,), "phi": (8,)}
+# Generalised strain: Voigt strain 11 22 33 23 13 12, then grad phi; the row that d/dx, d/dy or d/dz of a field feeds.
+_ROWS = {
+    "x": {"ux": 0, "uy": 5, "uz": 4, "phi": 6},
+    "y": {"ux": 5, "uy": 1, "uz": 3, "phi": 7},
+    "z": {"ux": 4, "uy": 3, "uz": 2, "phi": 8},
+}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Medium:
-    """Coefficients of the scaled weak form for the fields that take part.
+    """Coefficients of the scaled weak form for the fields that take part."""
 
-    Attributes
-    ----------
-    fields : tuple of str
-        Of "ux", "uy", "uz", "phi".
-    xx, xz, zz : ndarray, shape (fields, fields)
-        Factors of (d_x v)(d_x u), (d_x v)(d_z u), (d_z v)(d_z u); (d_z v)(d_x u) takes ``xz.T``.
-    xy, zy, yy : ndarray, shape (fields, fields)
-        Factors of (d_x v)(d_y u), (d_z v)(d_y u), (d_y v)(d_y u); `lateral` multiplies them by the wavenumber.
-    inertia : ndarray, shape (fields,)
-        rho / stress_unit in s^2/m^2; 0 for phi.
-    stress_unit, potential_unit : float
-        Pa, and volt per metre of displacement.
-    """
+    fields: tuple[str, ...]  # of "ux", "uy", "uz", "phi"
+    law: np.ndarray  # shape (9, 9): scaled stress and D (with its sign reflected) over strain and grad phi
+    inertia: np.ndarray  # shape (fields,); rho / stress_unit in s^2/m^2; 0 for phi
+    stress_unit: float  # Pa
+    potential_unit: float  # volt per metre of displacement
 
-    fields: tuple[str, ...]
-    xx: np.ndarray
-    xz: np.ndarray
-    zz: np.ndarray
-    xy: np.ndarray
-    zy: np.ndarray
-    yy: np.ndarray
-    inertia: np.ndarray
-    stress_unit: float
-    potential_unit: float
+    def _table(self, test: str, trial: str) -> np.ndarray:
+        rows, columns = ([_ROWS[axis][name] for name in self.fields] for axis in (test, trial))
+        return self.law[np.ix_(rows, columns)]
+
+    # Tables of shape (fields, fields): xz is the factor of (d_x v)(d_z u), and so on; (d_z v)(d_x u) takes xz.T.
+    xx = cached_property(lambda self: self._table("x", "x"))
+    xz = cached_property(lambda self: self._table("x", "z"))
+    zz = cached_property(lambda self: self._table("z", "z"))
+    xy = cached_property(lambda self: self._table("x", "y"))
+    zy = cached_property(lambda self: self._table("z", "y"))
+    yy = cached_property(lambda self: self._table("y", "y"))
 
     @property
     def displaced(self) -> np.ndarray:
@@ -147,44 +142,33 @@ def medium(solid: Solid, fields: tuple[str, ...], *, lossy: bool = True) -> Medi
     if not np.any(np.imag(law)):
         law = law.real
     inertia = [0.0 if field == "phi" else solid.density / stress for field in fields]
-    return _tabulated(law, fields, np.array(inertia), stress, potential)
+    return Medium(
+        fields=tuple(fields),
+        law=law,
+        inertia=np.array(inertia),
+        stress_unit=stress,
+        potential_unit=potential,
+    )
 
 
 def damped(body: Medium, factor: complex) -> Medium:
-    """A medium of equal wave impedance in which waves decay: elastic tables over ``factor``, inertia times it.
+    """A medium of equal wave impedance in which waves decay: stiffness over ``factor``, inertia times it.
 
-    Passive for any cut, which a stretched depth is not; the piezoelectric and dielectric tables stay.
+    Passive for any cut, which a stretched depth is not; the piezoelectric and dielectric constants stay.
     """
-    both = body.displaced[:, None] & body.displaced[None, :]
-    tables = {
-        name: np.where(both, getattr(body, name) / factor, getattr(body, name))
-        for name in ("xx", "xz", "zz", "xy", "zy", "yy")
-    }
-    return replace(body, inertia=body.inertia * factor, **tables)
+    law = body.law.astype(complex)
+    law[:6, :6] /= factor
+    return replace(body, law=law, inertia=body.inertia * factor)
 
 
 def vacuum_medium(stress_unit: float, potential_unit: float) -> Medium:
     """Vacuum above the surface, in the units of the solid below: phi alone."""
     law = np.zeros((9, 9))
     law[6:, 6:] = -np.eye(3) * VACUUM_PERMITTIVITY * potential_unit**2 / stress_unit
-    return _tabulated(law, ("phi",), np.zeros(1), stress_unit, potential_unit)
-
-
-def _tabulated(law, fields, inertia, stress, potential) -> Medium:
-    d_dx, d_dy, d_dz = (np.zeros((9, len(fields))) for _ in range(3))
-    for column, field in enumerate(fields):
-        d_dx[_D_DX[field], column] = 1.0
-        d_dy[_D_DY[field], column] = 1.0
-        d_dz[_D_DZ[field], column] = 1.0
     return Medium(
-        fields=tuple(fields),
-        xx=d_dx.T @ law @ d_dx,
-        xz=d_dx.T @ law @ d_dz,
-        zz=d_dz.T @ law @ d_dz,
-        xy=d_dx.T @ law @ d_dy,
-        zy=d_dz.T @ law @ d_dy,
-        yy=d_dy.T @ law @ d_dy,
-        inertia=inertia,
-        stress_unit=stress,
-        potential_unit=potential,
+        fields=("phi",),
+        law=law,
+        inertia=np.zeros(1),
+        stress_unit=stress_unit,
+        potential_unit=potential_unit,
     )

@@ -101,17 +101,9 @@ def bond_matrix(a: np.ndarray) -> np.ndarray:
 
 
 def fields(solid: Solid) -> tuple[str, ...]:
-    """Return the fields that the sagittal motion (u_x, u_z) drags along where nothing depends on y.
+    """Return the fields, of "ux", "uy", "uz", "phi", that the sagittal motion of a rotated solid drags along.
 
-    Parameters
-    ----------
-    solid : Solid
-        In the frame of the cut.
-
-    Returns
-    -------
-    tuple of str
-        Of "ux", "uy", "uz", "phi", in this order.
+    Nothing depends on y.
     """
     c, e, eps = solid.stiffness, solid.coupling[[0, 2]], solid.permittivity
     stiff = np.diag(c).max()

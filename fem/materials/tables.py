@@ -13,71 +13,65 @@ import numpy as np
 
 from fem.materials.solids import VACUUM_PERMITTIVITY, Solid, isotropic
 
-
-def _hexagonal(c11, c12, c13, c33, c44, e31, e33, e15, eps11, eps33) -> dict:
-    """Class 6mm, the poled ceramics."""
-    c66 = (c11 - c12) / 2
-    return _scaled(
-        stiffness=[
-            [c11, c12, c13, 0, 0, 0],
-            [c12, c11, c13, 0, 0, 0],
-            [c13, c13, c33, 0, 0, 0],
-            [0, 0, 0, c44, 0, 0],
-            [0, 0, 0, 0, c44, 0],
-            [0, 0, 0, 0, 0, c66],
-        ],
-        coupling=[
-            [0, 0, 0, 0, e15, 0],
-            [0, 0, 0, e15, 0, 0],
-            [e31, e31, e33, 0, 0, 0],
-        ],
-        permittivity=np.diag([eps11, eps11, eps33]),
-    )
-
-
-def _trigonal_3m(c11, c12, c13, c14, c33, c44, e15, e22, e31, e33, eps11, eps33) -> dict:
-    """Class 3m, lithium niobate."""
-    return _scaled(
-        stiffness=_trigonal_stiffness(c11, c12, c13, c14, c33, c44),
-        coupling=[
-            [0, 0, 0, 0, e15, -e22],
-            [-e22, e22, 0, e15, 0, 0],
-            [e31, e31, e33, 0, 0, 0],
-        ],
-        permittivity=np.diag([eps11, eps11, eps33]),
-    )
-
-
-def _trigonal_32(c11, c12, c13, c14, c33, c44, e11, e14, eps11, eps33) -> dict:
-    """Class 32, quartz."""
-    return _scaled(
-        stiffness=_trigonal_stiffness(c11, c12, c13, c14, c33, c44),
-        coupling=[
-            [e11, -e11, 0, e14, 0, 0],
-            [0, 0, 0, 0, -e14, -e11],
-            [0, 0, 0, 0, 0, 0],
-        ],
-        permittivity=np.diag([eps11, eps11, eps33]),
-    )
+# Constants of each symmetry class in the order of the tables below, and which of them stands where; "-" turns the sign,
+# c66 is (c11 - c12)/2.
+_CLASSES = {
+    "6mm": (
+        "c11 c12 c13 c33 c44 e31 e33 e15 eps11 eps33",
+        """c11 c12 c13  0   0   0
+           c12 c11 c13  0   0   0
+           c13 c13 c33  0   0   0
+            0   0   0  c44  0   0
+            0   0   0   0  c44  0
+            0   0   0   0   0  c66""",
+        """ 0   0   0   0  e15  0
+            0   0   0  e15  0   0
+           e31 e31 e33  0   0   0""",
+    ),
+    "3m": (
+        "c11 c12 c13 c14 c33 c44 e15 e22 e31 e33 eps11 eps33",
+        """c11  c12 c13  c14  0   0
+           c12  c11 c13 -c14  0   0
+           c13  c13 c33   0   0   0
+           c14 -c14  0   c44  0   0
+            0    0   0    0  c44 c14
+            0    0   0    0  c14 c66""",
+        """  0    0   0   0  e15 -e22
+           -e22  e22  0  e15  0    0
+            e31  e31 e33  0   0    0""",
+    ),
+    "32": (
+        "c11 c12 c13 c14 c33 c44 e11 e14 eps11 eps33",
+        """c11  c12 c13  c14  0   0
+           c12  c11 c13 -c14  0   0
+           c13  c13 c33   0   0   0
+           c14 -c14  0   c44  0   0
+            0    0   0    0  c44 c14
+            0    0   0    0  c14 c66""",
+        """e11 -e11 0 e14   0    0
+            0    0  0  0  -e14 -e11
+            0    0  0  0    0    0""",
+    ),
+}
 
 
-def _trigonal_stiffness(c11, c12, c13, c14, c33, c44) -> list:
-    c66 = (c11 - c12) / 2
-    return [
-        [c11, c12, c13, c14, 0, 0],
-        [c12, c11, c13, -c14, 0, 0],
-        [c13, c13, c33, 0, 0, 0],
-        [c14, -c14, 0, c44, 0, 0],
-        [0, 0, 0, 0, c44, c14],
-        [0, 0, 0, 0, c14, c66],
-    ]
+def _tables(symmetry: str, constants: tuple[float, ...]) -> dict:
+    """Tables of a crystal of a symmetry class, SI."""
+    names, stiffness, coupling = _CLASSES[symmetry]
+    value = dict(zip(names.split(), constants, strict=True)) | {"0": 0.0}
+    value["c66"] = (value["c11"] - value["c12"]) / 2
 
+    def table(text: str) -> np.ndarray:
+        rows = [
+            [value[entry.lstrip("-")] * (-1) ** entry.count("-") for entry in row.split()]
+            for row in text.splitlines()
+        ]
+        return np.array(rows)
 
-def _scaled(stiffness, coupling, permittivity) -> dict:
     return {
-        "stiffness": np.array(stiffness) * 1e9,
-        "coupling": np.array(coupling, dtype=float),
-        "permittivity": np.array(permittivity) * VACUUM_PERMITTIVITY,
+        "stiffness": table(stiffness) * 1e9,
+        "coupling": table(coupling),
+        "permittivity": np.diag([value["eps11"], value["eps11"], value["eps33"]]) * VACUUM_PERMITTIVITY,
     }
 
 
@@ -136,12 +130,12 @@ _ISOTROPIC = {
 def _solids() -> dict[str, Solid]:
     solids = []
     for name, (constants, density, quality, loss, source) in _CERAMICS.items():
-        tables = _hexagonal(*constants)
+        tables = _tables("6mm", constants)
         losses = {"mechanical_quality": quality, "dielectric_loss": loss}
         solids.append(Solid(name=name, source=source, density=density, **losses, **tables))
     for name, (constants, density, source) in _NIOBATES.items():
-        solids.append(Solid(name=name, source=source, density=density, **_trigonal_3m(*constants)))
-    tables = _trigonal_32(*_QUARTZ, *_QUARTZ_PERMITTIVITY)
+        solids.append(Solid(name=name, source=source, density=density, **_tables("3m", constants)))
+    tables = _tables("32", (*_QUARTZ, *_QUARTZ_PERMITTIVITY))
     source = "Bechmann, Phys. Rev. 110 (1958) 1060"
     solids.append(Solid(name="quartz (Bechmann)", source=source, density=2649, **tables))
     for name, (modulus, ratio, density, source) in _ISOTROPIC.items():

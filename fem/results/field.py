@@ -11,7 +11,7 @@ import numpy as np
 
 from fem.discretize.spectral import gll_nodes, lagrange
 from fem.results.densities import Densities, densities, shared, upward_slope
-from fem.results.evaluation import ENDS, column_fields
+from fem.results.evaluation import ENDS, columns_in_row
 from fem.results.segment_modes import FreeWave
 from fem.results.solution import Solution
 from fem.results.surface import MeshedPiece
@@ -36,10 +36,10 @@ class WaveField:
         V per V.
     frequency : float
         Hz.
+    order : int
+        Of the elements through the depth: every ``order``-th node is an element's end.
     densities : Densities or None
         Strain energy and power flow, where they were asked for.
-    order : int or None
-        Of the elements through the depth, where it is known: every ``order``-th node is an element's end.
     """
 
     x: np.ndarray
@@ -47,8 +47,8 @@ class WaveField:
     displacement: np.ndarray = field(repr=False)
     potential: np.ndarray = field(repr=False)
     frequency: float
+    order: int
     densities: Densities | None = field(default=None, repr=False)
-    order: int | None = None
 
     def depth_basis(self, z: np.ndarray) -> np.ndarray:
         """Return the matrix from nodal values to values at heights z (m) by the elements' polynomials, (m, nz)."""
@@ -121,22 +121,15 @@ def wave_field(
         lines.append(x[first:])
         values.append(part[first:])
         slopes.append(slope[first:] if energies else slope)
-    everything = np.concatenate(values) * section.field_units
-    found = None
-    if energies:
-        layers = slice(section.bottom // section.order, section.surface // section.order)
-        heights = section.heights[layers].real * section.length_unit
-        upward = upward_slope(everything, section.order, heights)
-        along = np.concatenate(slopes) * section.field_units
-        found = densities(solution.fields.stator.solid, wave.frequency, everything, along, upward)
-    return WaveField(
-        x=np.concatenate(lines),
-        z=section.nodes[section.body],
-        displacement=everything[:, :, :3],
-        potential=everything[:, :, 3],
-        frequency=wave.frequency,
-        densities=found,
-        order=section.order,
+    along = np.concatenate(slopes) * section.field_units if energies else None
+    return _of_values(
+        solution.fields.stator.solid,
+        wave.frequency,
+        np.concatenate(lines),
+        section.nodes[section.body],
+        np.concatenate(values) * section.field_units,
+        along,
+        section.order,
     )
 
 
@@ -165,19 +158,24 @@ def free_field(
     x = _lines(*span, wavelength / per_wavelength, ())
     exponent = -(2j * np.pi / wavelength + wave.attenuation)
     values = np.exp(exponent * x)[:, None, None] * wave.profile
+    along = exponent * values if energies else None
+    return _of_values(wave.solid, wave.frequency, x, wave.depth, values, along, wave.order)
+
+
+def _of_values(solid, frequency: float, x, z, values, along, order: int) -> WaveField:
+    """Field of nodal values (nx, nz, 4), with densities where the derivatives along x are given."""
     found = None
-    if energies:
-        heights = np.diff(wave.depth[:: wave.order])
-        upward = upward_slope(values, wave.order, heights)
-        found = densities(wave.solid, wave.frequency, values, exponent * values, upward)
+    if along is not None:
+        upward = upward_slope(values, order, np.diff(z[::order]))
+        found = densities(solid, frequency, values, along, upward)
     return WaveField(
         x=x,
-        z=wave.depth,
+        z=z,
         displacement=values[:, :, :3],
         potential=values[:, :, 3],
-        frequency=wave.frequency,
+        frequency=frequency,
+        order=order,
         densities=found,
-        order=wave.order,
     )
 
 
@@ -241,14 +239,8 @@ def _between(solution: Solution, piece, x: np.ndarray, *, first: bool, slopes: b
 def _in_columns(solution: Solution, index: int, *, slopes: bool):
     """Lines of a transducer's or an end's columns in m, fields there (lines, nodes, 4), and x derivatives per m."""
     section = solution.fields.section.full
-    unit, order = section.length_unit, section.order
-    starts, widths, parts = [], [], []
-    for recovery, left, sides in column_fields(solution, index):
-        starts.append(left)
-        widths.append(np.full(len(left), recovery.column.width * unit))
-        parts.append(np.moveaxis(recovery.values(sides)[:, section.body], -1, 0))
-    in_row = np.argsort(np.concatenate(starts))
-    start, width, values = (np.concatenate(each)[in_row] for each in (starts, widths, parts))
+    order = section.order
+    start, width, values = columns_in_row(solution, index, section.body)
     nodes = gll_nodes(order)
     x = np.append((start[:, None] + width[:, None] * nodes[:-1]).ravel(), start[-1] + width[-1])
     along = None

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.results.densities import Densities
 from fem.results.field import WaveField
 
 DISPLACEMENT, POTENTIAL = "displacement_m_per_V", "potential_V_per_V"
@@ -12,14 +11,7 @@ ENERGY, POWER = "strain_energy_J_per_m3_per_V2", "power_flow_W_per_m2_per_V2"
 
 
 def write_vtu(wave_field: WaveField, path: str | Path) -> None:
-    """Write a field as quadrilaterals with complex point data, for ParaView and meshio.
-
-    Parameters
-    ----------
-    wave_field : WaveField
-    path : str or Path
-        A ``.vtu`` file.
-    """
+    """Write a field as quadrilaterals with complex point data to a ``.vtu`` file, for ParaView and meshio."""
     moved, potential = wave_field.displacement, wave_field.potential
     data = _split(DISPLACEMENT, moved) | _split(POTENTIAL, potential)
     found = wave_field.densities
@@ -31,17 +23,7 @@ def write_vtu(wave_field: WaveField, path: str | Path) -> None:
 
 
 def write_instant(wave_field: WaveField, phase: float, path: str | Path) -> None:
-    """Write the field as it is at one phase of the wave (rad), in single precision.
-
-    Parameters
-    ----------
-    wave_field : WaveField
-        With its densities.
-    phase : float
-        omega t.
-    path : str or Path
-        A ``.vtu`` file.
-    """
+    """Write a field with densities at one phase omega t of the wave (rad) to a ``.vtu`` file, in single precision."""
     turn, found = np.exp(1j * phase), wave_field.densities
     data = {
         DISPLACEMENT: (wave_field.displacement * turn).real,
@@ -54,16 +36,9 @@ def write_instant(wave_field: WaveField, phase: float, path: str | Path) -> None
 
 
 def write_surface(x: np.ndarray, y: np.ndarray, motion: np.ndarray, path: str | Path) -> None:
-    """Write the surface's motion in three dimensions as quadrilaterals with complex point data.
+    """Write the surface's motion in three dimensions as quadrilaterals with complex point data to a ``.vtu`` file.
 
-    Parameters
-    ----------
-    x, y : ndarray, shapes (nx,) and (ny,)
-        m.
-    motion : ndarray, shape (3, nx, ny)
-        u_x, u_y and u_z in m per V, as of `SurfaceBeam.motion`.
-    path : str or Path
-        A ``.vtu`` file.
+    ``x``, ``y``: m; ``motion``: u_x, u_y and u_z in m per V, shape (3, nx, ny), as of `SurfaceBeam.motion`.
     """
     write_mesh(x, y, _split(DISPLACEMENT, np.moveaxis(motion, 0, -1)), path, axis=1)
 
@@ -82,51 +57,8 @@ def write_mesh(x: np.ndarray, z: np.ndarray, data: dict, path: str | Path, axis:
     meshio.write(str(path), mesh, file_format="vtu", binary=True)
 
 
-def read_vtu(path: str | Path, *, frequency: float) -> WaveField:
-    """Read a field that `write_vtu` wrote.
-
-    Parameters
-    ----------
-    path : str or Path
-    frequency : float
-        Hz; the file does not hold it.
-
-    Returns
-    -------
-    WaveField
-        With densities if the file has them.
-    """
-    import meshio
-
-    mesh = meshio.read(str(path), file_format="vtu")
-    x, z = np.unique(mesh.points[:, 0]), np.unique(mesh.points[:, 2])
-    data = {
-        name: values.reshape(len(x), len(z), *values.shape[1:]) for name, values in mesh.point_data.items()
-    }
-    found = None
-    if ENERGY in data:
-        found = Densities(
-            strain_energy=data[ENERGY],
-            strain_energy_pulse=_joined(f"{ENERGY}_pulse", data),
-            power_flow=data[POWER][..., [0, 2]],
-            power_flow_pulse=_joined(f"{POWER}_pulse", data)[..., [0, 2]],
-        )
-    return WaveField(
-        x=x,
-        z=z,
-        displacement=_joined(DISPLACEMENT, data),
-        potential=_joined(POTENTIAL, data),
-        frequency=frequency,
-        densities=found,
-    )
-
-
 def _split(name: str, values: np.ndarray) -> dict:
     return {f"{name}_real": values.real, f"{name}_imag": values.imag}
-
-
-def _joined(name: str, data: dict) -> np.ndarray:
-    return data[f"{name}_real"] + 1j * data[f"{name}_imag"]
 
 
 def _in_space(flow: np.ndarray) -> np.ndarray:

@@ -3,6 +3,9 @@
 The flux through the lines of each transducer is taken from what arrives and leaves there, the loss between them from
 the imaginary moduli, element by element (recovery.py), and the power in from circuit and charge: three numbers of
 different origin that must balance.
+
+With finite apertures (fem.beam.reception) the lines carry the mean waves over each transducer's aperture.  What one
+sends and the next does not receive is then counted as lost: in the solid, or past its aperture.
 """
 
 from dataclasses import dataclass
@@ -17,7 +20,9 @@ from fem.waveguide.modes import power
 
 @dataclass(frozen=True, kw_only=True)
 class PowerBalance:
-    """Power of a solution in W per V^2 of the drive (peak), over the aperture of the (first) driven transducer.
+    """Power of a solution in W per V^2 of the drive (peak).
+
+    Over the aperture of the (first) driven transducer or, where beams are received, of each transducer's own.
 
     Attributes
     ----------
@@ -25,7 +30,7 @@ class PowerBalance:
         From the sources' circuit into the driven transducers.
     solid : float
         Lost in the solid and an absorbing bottom, under the fingers, between the transducers and before reflecting
-        ends.
+        ends; with finite apertures also what passes beside the next transducer.
     loads : float
         Taken by the other transducers' terminations.
     left, right : float
@@ -58,18 +63,24 @@ def power_balance(solution: Solution) -> PowerBalance:
     fields, circuit = solution.fields, solution.circuit
     modes, n = fields.modes, fields.section.size
     frequency = modes.frequency
-    over_aperture = fields.section.solid.stress_unit * circuit.aperture
+    apertures = [
+        fields.section.solid.stress_unit * (each.aperture if fields.own_apertures else circuit.aperture)
+        for each in fields.transducers
+    ]
     worst, lost_under, into_loads, through = 0.0, 0.0, 0.0, []
-    for index, scatterer in enumerate(fields.network.scatterers):
+    for index, (scatterer, aperture) in enumerate(zip(fields.network.scatterers, apertures, strict=True)):
         sides, arriving = solution.sides(index), solution.incoming(index)
         leaving = sides[: 2 * n] - arriving
         left = modes.right_impedance @ arriving[:n] - modes.left_impedance @ leaving[:n]
         right = modes.right_impedance @ leaving[n:] - modes.left_impedance @ arriving[n:]
-        fluxes = power(sides[:n], left, frequency), power(sides[n : 2 * n], right, frequency)
+        fluxes = (
+            aperture * power(sides[:n], left, frequency),
+            aperture * power(sides[n : 2 * n], right, frequency),
+        )
         reaction = scatterer.superelement.matrix[2 * n :] @ sides
-        taken = np.pi * frequency * np.imag(np.sum(reaction * np.conj(sides[2 * n :])))
-        lost = sum(recovery.loss(places) for recovery, _, places in column_fields(solution, index))
-        worst = max(worst, abs(taken - (fluxes[1] - fluxes[0]) - lost) * over_aperture)
+        taken = aperture * np.pi * frequency * np.imag(np.sum(reaction * np.conj(sides[2 * n :])))
+        lost = aperture * sum(recovery.loss(places) for recovery, _, places in column_fields(solution, index))
+        worst = max(worst, abs(taken - (fluxes[1] - fluxes[0]) - lost))
         lost_under += lost
         into_loads -= 0.0 if fields.transducers[index].name in circuit.driven else taken
         through.append(fluxes)
@@ -79,9 +90,9 @@ def power_balance(solution: Solution) -> PowerBalance:
         between, left, right = between + left + right, 0.0, 0.0
     return PowerBalance(
         input=circuit.power,
-        solid=float((lost_under + between) * over_aperture),
-        loads=float(into_loads * over_aperture),
-        left=float(left * over_aperture),
-        right=float(right * over_aperture),
+        solid=float(lost_under + between),
+        loads=float(into_loads),
+        left=float(left),
+        right=float(right),
         residual=worst / circuit.apparent_power,
     )

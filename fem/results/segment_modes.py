@@ -25,10 +25,13 @@ class SegmentModes:
         z of the nodes in m, 0 at the surface.
     shapes : ndarray, shape (modes, nodes, 4), complex
         u_x, u_y, u_z and phi, the largest displacement 1; phi in V per m of it.
+    surface_share : ndarray, shape (modes,)
+        Squared motion at the surface over its integral through the depth, 1/m: large for the surface wave.
     solid : Solid
         The segment's, in the frame of the cut.
     relative_error : float
-        Of the surface wave's k_x over the wavenumber sqrt(k_x^2 + k_y^2).
+        Of the surface wave's k_x, or of every propagating mode's if that was asked for, over the surface wave's
+        sqrt(k_x^2 + k_y^2).
     unknowns : int
     """
 
@@ -38,6 +41,7 @@ class SegmentModes:
     surface: np.ndarray
     depth: np.ndarray = field(repr=False)
     shapes: np.ndarray = field(repr=False)
+    surface_share: np.ndarray = field(repr=False)
     solid: Solid = field(repr=False)
     relative_error: float
     unknowns: int

@@ -12,13 +12,7 @@ from fem.waveguide.port_fields import PortFields, solve_ports
 
 @dataclass(frozen=True, kw_only=True)
 class Solution:
-    """Fields per volt at each port, and the voltages of the ports: their product is the field.
-
-    Attributes
-    ----------
-    fields : PortFields
-    circuit : Circuit
-    """
+    """Fields per volt at each port, and the voltages of the ports: their product is the field."""
 
     fields: PortFields
     circuit: Circuit

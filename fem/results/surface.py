@@ -22,31 +22,22 @@ MAX_MOTION_PER_VOLT = (
 
 @dataclass(frozen=True, kw_only=True)
 class UniformSegment:
-    """A uniform segment: amplitudes of the guided modes.
+    """A uniform segment: amplitudes of the guided modes."""
 
-    Attributes
-    ----------
-    start, stop : float
-        m; infinite where the section goes on for ever.
-    right, left : ndarray, shape (modes,)
-        Amplitudes at the start of those going right, and at the stop of those going left; metres per volt.
-    wavenumbers, backwards : ndarray, shape (modes,)
-        rad/m.
-    right_shapes, left_shapes : ndarray, shape (2, modes)
-        u_x and u_z of each mode at the surface.
-    rayleigh : ndarray of int
-        Indices of the surface wave's modes.
-    """
-
+    # start, stop: m; infinite where the section goes on for ever
     start: float
     stop: float
+    # right, left: shape (modes,): amplitudes at the start of those going right, and at the stop of those
+    # going left; metres per volt
     right: np.ndarray = field(repr=False)
     left: np.ndarray = field(repr=False)
+    # wavenumbers, backwards: shape (modes,); rad/m
     wavenumbers: np.ndarray = field(repr=False)
     backwards: np.ndarray = field(repr=False)
+    # right_shapes, left_shapes: shape (2, modes); u_x and u_z of each mode at the surface
     right_shapes: np.ndarray = field(repr=False)
     left_shapes: np.ndarray = field(repr=False)
-    rayleigh: np.ndarray
+    rayleigh: np.ndarray  # indices of the surface wave's modes
 
     def motion(self, x: np.ndarray, *, only: np.ndarray | None = None) -> np.ndarray:
         """u_x and u_z at places in the segment (m), shape (2, places), of all modes or of some."""
@@ -63,22 +54,15 @@ class UniformSegment:
 
 @dataclass(frozen=True, kw_only=True)
 class MeshedPiece:
-    """A part of the surface with columns of elements: under a transducer, or an end of the stator.
+    """A part of the surface with columns of elements: under a transducer, or an end of the stator."""
 
-    Attributes
-    ----------
-    start, stop : float
-        m.
-    recover : callable
-        Returns the columns' edges (m), shape (columns + 1,), and u_x and u_z at their nodes, shape (columns,
-        order + 1, 2); called when they are first asked for.
-    beside : UniformSegment or None
-        For an end: the segment whose surface mode goes on in it.  None under a transducer.
-    """
-
+    # start, stop: m
     start: float
     stop: float
+    # returns the columns' edges (m), shape (columns + 1,), and u_x and u_z at their nodes, shape (columns,
+    # order + 1, 2); called when they are first asked for
     recover: Callable[[], tuple[np.ndarray, np.ndarray]] = field(repr=False)
+    # for an end: the segment whose surface mode goes on in it.  None under a transducer.
     beside: UniformSegment | None = field(default=None, repr=False)
 
     @cached_property
@@ -132,13 +116,7 @@ class Surface:
         return self._gather(x, lambda piece, at: piece.motion(at))
 
     def rayleigh_motion(self, x: float | np.ndarray) -> np.ndarray:
-        """Part of the motion in the surface mode, shape (2, *x.shape).
-
-        Raises
-        ------
-        ValueError
-            Under a transducer, where the surface mode of the bare surface is not a solution.
-        """
+        """Part of the motion in the bare surface's mode, shape (2, *x.shape); a ValueError under a transducer."""
 
         def part(piece, at):
             segment = piece.beside if isinstance(piece, MeshedPiece) else piece

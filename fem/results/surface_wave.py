@@ -94,19 +94,10 @@ def surface_wave(
     solve: Callable[[], Solution] | None = None,
     balance: Callable[[], PowerBalance] | None = None,
 ) -> SurfaceWave:
-    """Return the answer of a solution with known errors.
+    """Return the answer of a solution whose motion and admittance have known errors; ``seconds`` were spent on it.
 
-    Parameters
-    ----------
-    solution : Solution
-    relative_error, admittance_error : float
-        Of the motion and of the admittance.
-    seconds : float
-        Spent on it.
-    solve : callable, optional
-        Returns the solution again, where keeping it would take too much memory.
-    balance : callable, optional
-        Returns its power balance, if that is known.
+    ``solve`` returns the solution again, where keeping it would take too much memory; ``balance`` its power balance,
+    where that is known.
     """
     again = solve or (lambda: solution)
     surface = surface_of(solution, again)

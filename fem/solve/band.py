@@ -1,6 +1,7 @@
 """A stator prepared for a band of frequencies: a reduced model with its error, asked at one frequency after another."""
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,7 +12,7 @@ from fem.results.solution import driven_solution
 from fem.results.surface_wave import SurfaceWave, surface_wave
 from fem.solve.reduced_model import ReducedModel
 from fem.threads import side_by_side
-from fem.waveguide.port_fields import solve_ports
+from fem.waveguide.port_fields import PortFields, solve_ports
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,17 +63,22 @@ class Band:
         """Surface motion at many frequencies of the band (Hz), in their order, side by side."""
         return side_by_side(lambda frequency: self.wave(float(frequency), drive), frequencies)
 
-    def admittances(self, frequencies: np.ndarray) -> np.ndarray:
-        """Admittance matrix of all ports in S at frequencies of the band (Hz), shape (frequencies, ports, ports)."""
+    def admittances(
+        self, frequencies: np.ndarray, adapted: Callable[[PortFields], PortFields] | None = None
+    ) -> np.ndarray:
+        """Admittance matrix of all ports in S at frequencies of the band (Hz), shape (frequencies, ports, ports).
+
+        ``adapted`` is what is done with the section's fields before, for instance `fem.beam.reception.with_apertures`.
+        """
 
         def at(frequency: float) -> np.ndarray:
             model = self.model
             try:
-                return model.port_fields(float(frequency)).admittances
+                found = model.port_fields(float(frequency))
             except ConvergenceError:  # too few reduced lines to close the ends with, at this frequency
-                full = solve_ports(
+                found = solve_ports(
                     model.stator, model.transducers, frequency=float(frequency), resolution=model.resolution
                 )
-                return full.admittances
+            return (adapted(found) if adapted else found).admittances
 
         return np.array(side_by_side(at, frequencies))

@@ -132,15 +132,16 @@ def _attempt(problem: BandProblem, asked: float, begun: float) -> tuple[Band, fl
         nodes = solve_at_nodes(problem, resolution)
     checks = [_Check.of(problem, solution) for solution in (wave.solution, *nodes.solutions)]
     worst = max(check.worst for check in checks)
-    model, of_motion, of_admittance = _reduced(problem, nodes, checks, worst)
     growth = max(1.0, worst / checks[0].here / ESTIMATE_EXCESS)
+    of_levels = growth * wave.relative_error
+    model, of_motion, of_admittance = _reduced(problem, nodes, checks, worst, problem.tolerance - of_levels)
     band = Band(
         model=model,
-        relative_error=growth * wave.relative_error + of_motion,
+        relative_error=of_levels + of_motion,
         admittance_error=growth * wave.admittance_error + of_admittance,
         seconds=time.perf_counter() - begun,
     )
-    return band, growth * wave.relative_error
+    return band, of_levels
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,9 +166,14 @@ class _Check:
 
 
 def _reduced(
-    problem: BandProblem, nodes: NodeSolutions, checks: list[_Check], worst: float
+    problem: BandProblem, nodes: NodeSolutions, checks: list[_Check], worst: float, left: float
 ) -> tuple[ReducedModel, float, float]:
-    """Project on as few fields as give the full solutions again; the errors of motion and admittance that it leaves."""
+    """Project on as few fields as give the full solutions again; the errors of motion and admittance that it leaves.
+
+    ``left``: what the discretisation leaves of the tolerance; if nothing, another discretisation will follow.
+    """
+    share = REDUCTION_SHARE * problem.tolerance
+    enough = np.array([left if left > 0 else share, share])
     truncation = min(FIRST_TRUNCATION * problem.tolerance, MAX_TRUNCATION)
     while True:
         last = truncation <= LAST_TRUNCATION * min(problem.tolerance, 1e-3)
@@ -178,7 +184,7 @@ def _reduced(
             if last:
                 raise
             errors = np.inf, np.inf
-        if last or max(errors) <= REDUCTION_SHARE * problem.tolerance:
+        if last or np.all(errors <= enough):
             return model, *errors
         truncation *= TRUNCATION_STEP
 

@@ -35,7 +35,7 @@ LOSSY_GAIN = 1.4  # where a viscous layer stands for the half-space: its depth g
 def _refined_modes(
     stator: Stator, frequency: float, lateral_wavenumber: float, tolerance: float, orders, difference
 ) -> tuple[GuidedModes, GuidedModes, float]:
-    """Modes of the finest section that was needed, of the one before, and the error of the surface wave."""
+    """Modes of the finest section that was needed, of the one before, and the error by their ``difference``."""
     if not (np.isfinite(tolerance) and tolerance > 0):
         raise ValueError(f"tolerance must be positive and finite, got {tolerance!r}")
     unit = slowest_wavelength(stator.solid, frequency)
@@ -54,16 +54,14 @@ def _refined_modes(
     refined = refine(
         at_order,
         orders,
-        differences=lambda fine, coarse: (
-            difference(_surface_wavenumber(fine), _surface_wavenumber(coarse)),
-        ),
+        differences=lambda fine, coarse: (difference(fine, coarse),),
         gain=LOSSY_GAIN if stator.absorbs_below and not stretch_absorbs(stator.solid) else GAIN,
         tolerance=tolerance,
     )
     (error,) = refined.errors
     if error > tolerance:
         raise ConvergenceError(
-            f"the surface wave's wavenumber is known to {error:.1e} only, {tolerance:.1e} was asked for: "
+            f"the guided modes' wavenumbers are known to {error:.1e} only, {tolerance:.1e} was asked for: "
             f"ask for less{', or ' + refined.obstacle if refined.obstacle else ''}"
         )
     return refined.answer, at_order(orders[refined.level - 1]), error
@@ -72,6 +70,25 @@ def _refined_modes(
 def _surface_wavenumber(modes: GuidedModes) -> complex:
     """Rad/m."""
     return complex(np.mean(modes.wavenumbers[modes.rayleigh]) / modes.section.length_unit)
+
+
+def _velocities_apart(fine: GuidedModes, coarse: GuidedModes) -> float:
+    """Relative difference of the surface waves' velocities."""
+    return abs(_surface_wavenumber(coarse).real / _surface_wavenumber(fine).real - 1)
+
+
+def _surface_waves_apart(fine: GuidedModes, coarse: GuidedModes) -> float:
+    """Difference of the surface waves' k_x over the wavenumber."""
+    k, before = _surface_wavenumber(fine), _surface_wavenumber(coarse)
+    return float(abs(k - before) / np.hypot(k.real, fine.lateral_wavenumber / fine.section.length_unit))
+
+
+def _propagating_apart(fine: GuidedModes, coarse: GuidedModes) -> float:
+    """Largest difference of the propagating modes' k_x over the surface wave's wavenumber."""
+    k = fine.wavenumbers[fine.propagating]
+    nearest = abs(k[:, None] - coarse.wavenumbers).min(axis=1)
+    scale = np.hypot(np.mean(fine.wavenumbers[fine.rayleigh].real), fine.lateral_wavenumber)
+    return float(nearest.max() / scale)
 
 
 @one_blas_thread
@@ -96,9 +113,7 @@ def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave
         If the highest order does not reach the tolerance.
     """
     begun = time.perf_counter()
-    modes, _, error = _refined_modes(
-        stator, frequency, 0.0, tolerance, FREE_ORDERS, lambda fine, coarse: abs(coarse.real / fine.real - 1)
-    )
+    modes, _, error = _refined_modes(stator, frequency, 0.0, tolerance, FREE_ORDERS, _velocities_apart)
     section, wavenumber = modes.section, _surface_wavenumber(modes)
     shape = _at_the_upper_face(modes.right[:, modes.rayleigh], section)
     profile = section.on_nodes(shape[:, None])[0] * section.field_units
@@ -132,7 +147,12 @@ def _at_the_upper_face(twins: np.ndarray, section: Section) -> np.ndarray:
 
 @one_blas_thread
 def guided_modes(
-    stator: Stator, *, frequency: float, lateral_wavenumber: float = 0.0, tolerance: float
+    stator: Stator,
+    *,
+    frequency: float,
+    lateral_wavenumber: float = 0.0,
+    tolerance: float,
+    propagating: bool = False,
 ) -> SegmentModes:
     """Modes of a uniform segment of a stator, as many as two discretisations agree on.
 
@@ -145,7 +165,9 @@ def guided_modes(
     lateral_wavenumber : float
         k_y in rad/m; fields vary as exp(-i k_y y).
     tolerance : float
-        Of the surface wave's k_x, relative to sqrt(k_x^2 + k_y^2).
+        Of the surface wave's k_x, relative to its sqrt(k_x^2 + k_y^2).
+    propagating : bool
+        The tolerance bounds the error of every mode that propagates, not of the surface wave alone.
 
     Returns
     -------
@@ -183,10 +205,11 @@ def guided_modes(
         lateral_wavenumber,
         tolerance,
         ORDERS,
-        lambda fine, coarse: float(abs(fine - coarse) / np.hypot(fine.real, lateral_wavenumber)),
+        _propagating_apart if propagating else _surface_waves_apart,
     )
     section, unit, lateral = modes.section, modes.section.length_unit, modes.lateral_wavenumber
-    chosen = _known(modes, coarse, max(tolerance, 10 * error))
+    certain = modes.propagating if propagating else modes.rayleigh
+    chosen = _known(modes, coarse, max(tolerance, 10 * error), certain)
     shapes = section.on_nodes(modes.right[:, chosen]) * section.field_units
     if lateral and section.solid.mirror_y is not None:
         odd = [
@@ -204,16 +227,17 @@ def guided_modes(
         surface=np.flatnonzero(np.isin(chosen, modes.rayleigh)),
         depth=section.nodes[section.body],
         shapes=shapes / np.where(largest == 0, 1.0, largest)[:, None, None],
+        surface_share=section.surface_share(modes.right[:, chosen]) / unit,
         solid=stator.solid,
         relative_error=error,
         unknowns=section.size,
     )
 
 
-def _known(modes: GuidedModes, coarse: GuidedModes, tolerance: float) -> np.ndarray:
-    """Modes of which the coarser discretisation has one with the same wavenumber, those that decay least first."""
+def _known(modes: GuidedModes, coarse: GuidedModes, tolerance: float, certain: np.ndarray) -> np.ndarray:
+    """Modes that are certain or that the coarser discretisation has too, those that decay least first."""
     k = modes.wavenumbers
     scale = np.sqrt(abs(k) ** 2 + modes.lateral_wavenumber**2)
     nearest = abs(k[:, None] - coarse.wavenumbers).min(axis=1)
-    known = np.flatnonzero((nearest <= tolerance * scale) | np.isin(np.arange(len(k)), modes.rayleigh))
+    known = np.flatnonzero((nearest <= tolerance * scale) | np.isin(np.arange(len(k)), certain))
     return known[np.lexsort((-abs(k.real[known]), -k.imag[known].round(9)))]

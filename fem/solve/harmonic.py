@@ -6,6 +6,7 @@ level is sure to bring, is the error reported.
 
 import time
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 
@@ -44,7 +45,8 @@ def driven_wave(
     drive : str or Drive
         Name of the driven transducer, or sources at several.
     tolerance : float
-        Relative, of the surface motion at ``places``.
+        Relative, of the surface motion at ``places``; infinite: the coarsest discretisation alone, whose error is not
+        estimated (1.7 to 4.5 % on the seed's stator of 3.6 to 6.7 mm).
     places : tuple of float
         m from the left end; mid-stator if empty.
     progress : callable, optional
@@ -74,14 +76,12 @@ def driven_wave(
 
     refined = refine_stator(stator, at_level, differences=solution_differences, tolerance=tolerance)
     solution, _ = refined.answer
-    say("stator: power balance")
-    power = power_balance(solution)
     wave = surface_wave(
         solution,
         relative_error=refined.errors[0],
         admittance_error=refined.errors[1],
         seconds=time.perf_counter() - begun,
-        balance=lambda: power,
+        balance=cache(lambda: power_balance(solution)),
     )
     if wave.relative_error > tolerance:
         advice = f"finer, {refined.obstacle}" if refined.obstacle else "make the fingers less extreme"
@@ -101,8 +101,8 @@ def check_driven(
     if "phi" not in fields(stator.solid):
         why = "uncouples phi in this orientation" if stator.solid.is_piezoelectric else "is not piezoelectric"
         raise ValueError(f"a transducer needs a piezoelectric stator, and {stator.solid.name} {why}")
-    if not (np.isfinite(tolerance) and tolerance > 0):
-        raise ValueError(f"tolerance must be positive and finite, got {tolerance!r}")
+    if not tolerance > 0:
+        raise ValueError(f"tolerance must be positive, got {tolerance!r}")
     if not (np.isfinite(frequency) and frequency > 0):
         raise ValueError(f"frequency must be positive and finite, got {frequency!r} Hz")
 

@@ -10,8 +10,10 @@ ed., 2007, appendix D): amplitudes are such that a wave carries |a|^2 / 2, peak 
 kept, or those of the surface wave alone; bulk waves are then left out, as by coupled modes (COM).  Modes
 that decay are left out in both cases, the field beside the fingers included.
 
-Modes are scaled by the reciprocity of the field, i omega (l^T F_r - r^T F_l) = 2 per aperture (r, l: shapes of the mode
-to the right and to the left, F their fluxes), so that S is symmetric with losses too.
+Waves are scaled by the reciprocity of the field, i omega (l_i^T F_rj - F_li^T r_j) = 2 delta_ij per aperture (r, l:
+shapes to the right and to the left, F their fluxes), so that S is symmetric with losses too.  In a thick plate the
+surface waves of both faces have one wavenumber to rounding, and the eigensolver may return any two mixtures of them.
+The waves are therefore the mixture of which the first alone moves the surface, whatever the solver returned.
 """
 
 from collections.abc import Sequence
@@ -21,9 +23,10 @@ import numpy as np
 
 from fem.convergence import ConvergenceError
 from fem.discretize.refinement import refine_stator
+from fem.discretize.section import FIELD_COLUMN
 from fem.geometry import Stator, Transducer
 from fem.threads import one_blas_thread
-from fem.waveguide.modes import PROPAGATING, power
+from fem.waveguide.modes import ONE_WAVE, PROPAGATING, power
 from fem.waveguide.port_fields import PortFields, solve_ports
 
 
@@ -36,7 +39,11 @@ class PMatrix:
     frequency : float
         Hz.
     wavenumbers : ndarray, shape (modes,)
-        Of the waves to the right on the bare surface, rad/m.
+        Of the modes to the right on the bare surface, rad/m.
+    mixture : ndarray, shape (modes, modes)
+        The waves, in columns, as sums of modes; diagonal but for modes that are one surface wave.
+    surface_motion : ndarray, shape (modes,)
+        |u_z| of a wave of amplitude 1 at the bare surface, m / W^1/2.
     scattering : ndarray, shape (2 modes, 2 modes)
         S: waves at the left edge first, then those at the right edge; electrodes short-circuited.
     excitation, detection : ndarray, shape (2 modes,)
@@ -51,6 +58,8 @@ class PMatrix:
 
     frequency: float
     wavenumbers: np.ndarray = field(repr=False)
+    mixture: np.ndarray = field(repr=False)
+    surface_motion: np.ndarray = field(repr=False)
     scattering: np.ndarray = field(repr=False)
     excitation: np.ndarray = field(repr=False)
     detection: np.ndarray = field(repr=False)
@@ -62,6 +71,12 @@ class PMatrix:
         """Return the scattering matrix with an impedance (ohm) across the electrodes; infinite: open."""
         load = 0.0 if np.isinf(impedance) else 1 / impedance
         return self.scattering - np.outer(self.excitation, self.detection) / (self.admittance + load)
+
+    def travelled(self, distance: float) -> np.ndarray:
+        """Return waves to the right after a distance in m, (modes, modes); the transpose is for waves to the left."""
+        return np.linalg.solve(
+            self.mixture, np.exp(-1j * self.wavenumbers * distance)[:, None] * self.mixture
+        )
 
 
 @one_blas_thread
@@ -146,10 +161,10 @@ def cascade_admittance(parts: Sequence[PMatrix], distances: Sequence[float]) -> 
         own = slice(2 * modes * at, 2 * modes * (at + 1))
         scattering[own, own] = part.scattering
     for at, distance in enumerate(distances):
-        phase = np.diag(np.exp(-1j * parts[at].wavenumbers * distance))
+        rightwards = parts[at].travelled(distance)
         right, left = 2 * modes * at + modes, 2 * modes * (at + 1)  # facing edges
-        travel[left : left + modes, right : right + modes] = phase
-        travel[right : right + modes, left : left + modes] = phase
+        travel[left : left + modes, right : right + modes] = rightwards
+        travel[right : right + modes, left : left + modes] = rightwards.T
     excitation, detection = (
         np.zeros((size, len(parts)), dtype=complex),
         np.zeros((len(parts), size), dtype=complex),
@@ -169,11 +184,11 @@ def _of_fields(fields: PortFields, every_mode: bool) -> PMatrix:
     chosen = modes.rayleigh
     if every_mode:
         chosen = np.flatnonzero(abs(k.imag) < PROPAGATING * abs(k.real))
-    right, left = _scales(modes, chosen, medium.stress_unit * row.aperture)
+    right, left = _waves(modes, chosen, medium.stress_unit * row.aperture)
     m = len(chosen)
     incoming = np.zeros((2 * n, 2 * m), dtype=complex)
-    incoming[:n, :m] = modes.right[:, chosen] * right
-    incoming[n:, m:] = modes.left[:, chosen] * left
+    incoming[:n, :m] = modes.right[:, chosen] @ right
+    incoming[n:, m:] = modes.left[:, chosen] @ left
     potentials, unit = scatterer.potentials, 1 / medium.potential_unit
     nothing = np.zeros((2 * n, potentials.shape[1]), dtype=complex)
     driven = scatterer.sides(nothing, potentials * unit)
@@ -185,8 +200,8 @@ def _of_fields(fields: PortFields, every_mode: bool) -> PMatrix:
         out = sides - arrived
         return np.concatenate(
             [
-                modes.left_amplitudes(out[:n])[chosen] / left[:, None],
-                modes.right_amplitudes(out[n:])[chosen] / right[:, None],
+                np.linalg.solve(left, modes.left_amplitudes(out[:n])[chosen]),
+                np.linalg.solve(right, modes.right_amplitudes(out[n:])[chosen]),
             ]
         )
 
@@ -204,6 +219,8 @@ def _of_fields(fields: PortFields, every_mode: bool) -> PMatrix:
     return PMatrix(
         frequency=fields.frequency,
         wavenumbers=k[chosen] / fields.section.length_unit,
+        mixture=right,
+        surface_motion=abs(fields.section.surface_rows @ incoming[:n, :m])[1],
         scattering=scattering,
         excitation=np.zeros(2 * m) if port is None else excitation[:, port],
         detection=np.zeros(2 * m) if port is None else to_current * caught[port],
@@ -213,16 +230,28 @@ def _of_fields(fields: PortFields, every_mode: bool) -> PMatrix:
     )
 
 
-def _scales(modes, chosen: np.ndarray, per_area: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return the factors of the shapes to the right and to the left that make amplitudes of sqrt(2 W)."""
+def _waves(modes, chosen: np.ndarray, per_area: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the waves of amplitude 1 as sums of modes to the right and to the left, (modes, waves) each."""
     omega = 2 * np.pi * modes.frequency
     shape, backward, flux, backward_flux = (
         each[:, chosen] for each in (modes.right, modes.left, modes.right_flux, modes.left_flux)
     )
-    carried = power(shape, flux, modes.frequency) * per_area
-    right = np.sqrt(0.5 / carried) * np.exp(-1j * np.angle((modes.section.surface_rows @ shape)[1]))
-    product = 2 / (1j * omega * per_area * np.sum(backward * flux - shape * backward_flux, axis=0))
-    return right, product / right
+    right = np.diag(np.sqrt(0.5 / (power(shape, flux, modes.frequency) * per_area))).astype(complex)
+    one = np.flatnonzero(abs(modes.wavenumbers[chosen] / modes.wavenumbers[modes.rayleigh[0]] - 1) < ONE_WAVE)
+    top = (modes.section.surface_rows @ shape)[1]
+    if len(one) > 1:
+        crossed = shape[:, one].conj().T @ flux[:, one]
+        carried = 0.5j * omega * per_area * (crossed - crossed.conj().T)  # Hermitian: 2 W of any sum of them
+        orthonormal = np.linalg.inv(np.linalg.cholesky(carried)).conj().T
+        turn, _ = np.linalg.qr((top[one] @ orthonormal).conj()[:, None], mode="complete")
+        right[np.ix_(one, one)] = orthonormal @ turn
+    moved = top @ right
+    if len(one) > 1:
+        bottom = modes.section.on_nodes(shape)[:, 0, FIELD_COLUMN["uz"]]
+        moved[one[1:]] = (bottom @ right)[one[1:]]
+    right = right * np.exp(-1j * np.angle(moved))
+    products = 0.5j * omega * per_area * (backward.T @ flux - backward_flux.T @ shape) @ right
+    return right, np.linalg.inv(products).T
 
 
 def _difference(fine: PMatrix, coarse: PMatrix) -> tuple[float]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fem.beam.reception import with_apertures
 from fem.circuit import Drive
 from fem.convergence import ConvergenceError
 from fem.discretize.refinement import refine_stator
@@ -54,6 +55,8 @@ def port_admittance(
     *,
     frequency: float | Sequence[float],
     tolerance: float,
+    finite_apertures: bool = False,
+    mirror_width: float | None = None,
 ) -> PortAdmittance:
     """Admittance matrix of the ports, whatever drives or terminates them.
 
@@ -66,6 +69,10 @@ def port_admittance(
         Hz; several are solved as one band.
     tolerance : float
         Relative, of the entries, over the largest of them.
+    finite_apertures : bool
+        Whether transducers receive the mean of one another's beams (`fem.surface_beam`), not the section's waves.
+    mirror_width : float, optional
+        Of the beams' two reflecting side faces, m.
 
     Returns
     -------
@@ -90,13 +97,17 @@ def port_admittance(
     (('left',), (1, 1), True)
     """
     at = np.asarray(frequency, dtype=float)
+
+    def adapted(fields: PortFields) -> PortFields:
+        return with_apertures(fields, mirror_width) if finite_apertures else fields
+
     if at.size > 1:
-        return _over_band(stator, transducers, at, tolerance)
+        return _over_band(stator, transducers, at, tolerance, adapted)
     check_driven(stator, transducers, float(at.item()), tolerance)
     _check_ports(transducers)
 
     def at_level(resolution) -> PortFields:
-        return solve_ports(stator, transducers, frequency=float(at.item()), resolution=resolution)
+        return adapted(solve_ports(stator, transducers, frequency=float(at.item()), resolution=resolution))
 
     refined = refine_stator(stator, at_level, differences=_difference, tolerance=tolerance)
     fields, error = refined.answer, refined.errors[0]
@@ -122,7 +133,7 @@ def _check_ports(transducers: tuple[Transducer, ...]) -> tuple[str, ...]:
     return names
 
 
-def _over_band(stator, transducers, at: np.ndarray, tolerance: float) -> PortAdmittance:
+def _over_band(stator, transducers, at: np.ndarray, tolerance: float, adapted) -> PortAdmittance:
     drive = Drive(sources=dict.fromkeys(_check_ports(transducers), 1.0))
     goal, limits = tolerance, {"lowest": float(at.min()), "highest": float(at.max())}
     for _ in range(BAND_ROUNDS):  # a band promises its motion; the admittances may ask for more
@@ -133,7 +144,7 @@ def _over_band(stator, transducers, at: np.ndarray, tolerance: float) -> PortAdm
     found = PortAdmittance(
         names=band.port_names,
         frequency=at,
-        matrix=band.admittances(at.reshape(-1)).reshape(*at.shape, len(band.port_names), -1),
+        matrix=band.admittances(at.reshape(-1), adapted).reshape(*at.shape, len(band.port_names), -1),
         relative_error=band.admittance_error,
     )
     if band.admittance_error > tolerance:

@@ -12,7 +12,7 @@ import numpy as np
 
 from fem.condense.join import lines
 from fem.condense.superelement import PORTS, Superelement
-from fem.condense.transducer import Condensation, fingers_in_row
+from fem.condense.transducer import Condensation, FingerShape, fingers_in_row
 from fem.discretize.section import LineSpace, Section
 from fem.geometry import Transducer
 from fem.results.solution import driven_solution
@@ -31,19 +31,12 @@ ARRIVING, ARRIVING_AT_WALL = 0.1, 100.0
 
 @dataclass(frozen=True, kw_only=True)
 class ReducedSection(LineSpace):
-    """A section seen through a basis of fields.
-
-    Attributes
-    ----------
-    full : Section
-    basis : ndarray, shape (full size, size), real, orthonormal, each column of one parity
-    odd : ndarray or None
-        Parity of the columns.
-    """
+    """A section seen through a basis of fields."""
 
     full: Section
+    # shape (full size, size), real, orthonormal, each column of one parity
     basis: np.ndarray = field(repr=False)
-    odd: np.ndarray | None = field(repr=False)
+    odd: np.ndarray | None = field(repr=False)  # Parity of the columns
 
     def lift(self, lines: np.ndarray) -> np.ndarray:
         """Unknowns of the full section on lines, shape (full size, ...)."""
@@ -54,25 +47,10 @@ class ReducedSection(LineSpace):
         """Unknowns on a line."""
         return self.basis.shape[1]
 
-    @property
-    def solid(self):
-        """Medium of the stator."""
-        return self.full.solid
-
-    @property
-    def length_unit(self) -> float:
-        """Length unit in m."""
-        return self.full.length_unit
-
-    @property
-    def surface_speed(self) -> float | None:
-        """Velocity of the half-space's Rayleigh wave in m/s."""
-        return self.full.surface_speed
-
-    @property
-    def floating_potential(self) -> bool:
-        """Whether nothing fixes the potential."""
-        return self.full.floating_potential
+    solid = property(lambda self: self.full.solid)
+    length_unit = property(lambda self: self.full.length_unit)
+    surface_speed = property(lambda self: self.full.surface_speed)
+    floating_potential = property(lambda self: self.full.floating_potential)
 
     @cached_property
     def constant_potential(self) -> np.ndarray:
@@ -118,32 +96,27 @@ def parity_groups(section: Section, apart: bool) -> list[np.ndarray]:
     return [np.flatnonzero(group) for group in groups if group.any()]
 
 
-def finger_key(transducer: Transducer) -> tuple[float, float]:
-    """What a transducer's half cells depend on: finger width and gap, m."""
-    return transducer.finger_width, 2 * transducer.half_gap
-
-
 def even_rows(
     make: Condensation,
     transducers: tuple[Transducer, ...],
-    cell: Callable[[tuple[float, float]], Superelement],
+    cell: Callable[[FingerShape], Superelement],
 ) -> list[Superelement]:
-    """Superelements of transducers with equal gaps, from the cell of a finger of electrode 0 by `finger_key`."""
+    """Superelements of transducers with equal gaps, from the cell of a finger of electrode 0 of each shape."""
 
     def no_bare_cell(*gaps):
         raise ValueError("a band of frequencies takes transducers without left-out fingers")
 
-    cells: dict[tuple, Superelement] = {}
-    rows: dict[tuple, Superelement] = {}
-    for each in transducers:
-        key = finger_key(each)
-        if key not in cells:
-            cells[key] = cell(key)
-        if (key, each.signs) not in rows:
-            rows[key, each.signs] = fingers_in_row(
-                make, each.signs, lambda place: (0.0, 0.0), lambda *gaps, key=key: cells[key], no_bare_cell
-            )
-    return [rows[finger_key(each), each.signs] for each in transducers]
+    shapes = [FingerShape.of(each, make.section.length_unit) for each in transducers]
+    cells = {shape: cell(shape) for shape in dict.fromkeys(shapes)}
+    rows = {
+        (shape, signs): fingers_in_row(
+            make, signs, lambda place: (0.0, 0.0), lambda *gaps, shape=shape: cells[shape], no_bare_cell
+        )
+        for shape, signs in dict.fromkeys(
+            (shape, each.signs) for shape, each in zip(shapes, transducers, strict=True)
+        )
+    }
+    return [rows[shape, each.signs] for shape, each in zip(shapes, transducers, strict=True)]
 
 
 def bases_of(
@@ -203,7 +176,7 @@ def snapshots(stator, transducers, section, frequency, halves, resolution, drive
     """Fields on the lines in mid-gap and in mid-finger, of every port and every mode that may arrive; the solution."""
     modes = guided_modes(section, frequency)
     make = Condensation(section, frequency)
-    pieces = even_rows(make, transducers, lambda key: make.joined(*halves[key], 0))
+    pieces = even_rows(make, transducers, lambda shape: make.joined(*halves[shape], 0))
     fields_of_ports = joined_fields(stator, transducers, pieces, modes=modes, resolution=resolution)
     network, volt = fields_of_ports.network, section.solid.potential_unit
     n = section.size
@@ -212,7 +185,7 @@ def snapshots(stator, transducers, section, frequency, halves, resolution, drive
     arriving = np.flatnonzero(abs(np.exp(-1j * modes.wavenumbers * nearest)) > ARRIVING * kept)
     gaps += [modes.right[:, arriving], modes.left[:, arriving]]
     for index, scatterer in enumerate(network.scatterers):
-        quarter = halves[finger_key(transducers[index])][0].width
+        quarter = halves[FingerShape.of(transducers[index], section.length_unit)][0].width
         incoming = np.zeros((2 * n, 2 * len(arriving)), dtype=complex)
         incoming[:n, : len(arriving)] = modes.right[:, arriving]
         incoming[n:, len(arriving) :] = modes.left[:, arriving]

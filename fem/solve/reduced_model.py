@@ -37,34 +37,23 @@ class HalfCell:
 
 
 class FullPieces:
-    """The superelements on full lines at one frequency of a band, condensed when they are first asked for.
-
-    Parameters
-    ----------
-    model : ReducedModel
-    frequency : float
-        Hz.
-    """
+    """The superelements on full lines at one frequency of a band (Hz), condensed when they are first asked for."""
 
     def __init__(self, model: "ReducedModel", frequency: float):
         self.model, self.frequency = model, frequency
-        self._halves: dict[tuple, tuple[Superelement, Superelement]] = {}
+        self._halves: dict[FingerShape, tuple[Superelement, Superelement]] = {}
         self._ends: EndPieces | None = None
 
-    def half_cell(
-        self, key: tuple[float, float], side: int, sides: np.ndarray
-    ) -> tuple[Superelement, np.ndarray]:
+    def half_cell(self, shape: FingerShape, side: int, sides: np.ndarray) -> tuple[Superelement, np.ndarray]:
         """Return the rising (0) or falling (1) half of a finger's cell, and its sides from the reduced ones."""
         model, full = self.model, self.model.section.full
-        if key not in self._halves:
-            unit = full.length_unit
-            shape = FingerShape(half_finger=key[0] / 2 / unit, half_gaps=(key[1] / 2 / unit,) * 2)
-            self._halves[key] = half_cells(Condensation(full, self.frequency), shape, model.resolution)
+        if shape not in self._halves:
+            self._halves[shape] = half_cells(Condensation(full, self.frequency), shape, model.resolution)
         gap, finger = model.section.basis, model.finger_basis
         r = model.section.size
         lines = (gap, finger) if side == 0 else (finger, gap)
         lifted = np.concatenate([lines[0] @ sides[:r], lines[1] @ sides[r : 2 * r], sides[2 * r :]])
-        return self._halves[key][side], lifted
+        return self._halves[shape][side], lifted
 
     def end(self, side: int, line: np.ndarray) -> tuple[Superelement, np.ndarray]:
         """Return the columns beside the left (0) or right (1) end, and their sides from the reduced inner line."""
@@ -76,53 +65,28 @@ class FullPieces:
 
 @dataclass(frozen=True, kw_only=True)
 class ReducedModel:
-    """A stator on reduced lines, interpolated over a band of frequencies.
-
-    Attributes
-    ----------
-    stator : Stator
-    transducers : tuple of Transducer
-        From left to right.
-    limits : tuple of float
-        Lowest and highest frequency in Hz.
-    resolution : Resolution
-    section : ReducedSection
-        Its basis is that of the lines in mid-gap.
-    finger_basis : ndarray, shape (n, r)
-        Of the lines in mid-finger.
-    half_cells : dict
-        By finger width and gap (m).
-    nodes : ndarray
-        omega^2 of the interpolation's nodes, (rad/s)^2.
-    walls : ndarray or None
-        Projected end pieces at the nodes, shape (nodes, 2, r, r); None for absorbing ends.
-    """
+    """A stator on reduced lines, interpolated over a band of frequencies."""
 
     stator: Stator
-    transducers: tuple[Transducer, ...]
-    limits: tuple[float, float]
+    transducers: tuple[Transducer, ...]  # from left to right
+    limits: tuple[float, float]  # lowest and highest frequency in Hz
     resolution: Resolution
-    section: ReducedSection
-    finger_basis: np.ndarray = field(repr=False)
-    half_cells: dict = field(repr=False)
-    nodes: np.ndarray = field(repr=False)
+    section: ReducedSection  # its basis is that of the lines in mid-gap
+    finger_basis: np.ndarray = field(repr=False)  # shape (n, r): of the lines in mid-finger
+    half_cells: dict = field(repr=False)  # `HalfCell` by finger shape
+    nodes: np.ndarray = field(repr=False)  # omega^2 of the interpolation's nodes, (rad/s)^2
+    # projected end pieces at the nodes, shape (nodes, 2, r, r); None for absorbing ends
     walls: np.ndarray | None = field(repr=False)
 
     def port_fields(self, frequency: float) -> PortFields:
-        """Solve for unit voltage at every port at a frequency of the band (Hz).
-
-        Raises
-        ------
-        ValueError
-            Outside the band.
-        """
+        """Solve for unit voltage at every port at a frequency of the band (Hz); a ValueError outside it."""
         low, high = self.limits
         if not low <= frequency <= high:
             raise ValueError(f"frequency must lie in the band, {low:g} to {high:g} Hz, got {frequency!r} Hz")
         weights = lagrange_weights(self.nodes, (2 * np.pi * frequency) ** 2)
         full = FullPieces(self, frequency)
         make = Condensation(self.section, frequency)
-        pieces = even_rows(make, self.transducers, lambda key: self._cell(make, key, weights, full))
+        pieces = even_rows(make, self.transducers, lambda shape: self._cell(make, shape, weights, full))
         walls = None
         if self.walls is not None:
             matrices = tuple(np.tensordot(weights, self.walls, axes=1))
@@ -140,8 +104,8 @@ class ReducedModel:
         """Solve for a drive at a frequency of the band (Hz)."""
         return driven_solution(self.port_fields(frequency), drive)
 
-    def _cell(self, make, key: tuple[float, float], weights: np.ndarray, full: FullPieces) -> Superelement:
-        halves, section = self.half_cells[key], self.section
+    def _cell(self, make, shape: FingerShape, weights: np.ndarray, full: FullPieces) -> Superelement:
+        halves, section = self.half_cells[shape], self.section
 
         def interpolated(stack: np.ndarray) -> Superelement:
             return Superelement(
@@ -149,7 +113,7 @@ class ReducedModel:
             )
 
         def expanded(half: Superelement, side: int) -> Superelement:
-            return replace(half, expand=lambda sides: full.half_cell(key, side, sides))
+            return replace(half, expand=lambda sides: full.half_cell(shape, side, sides))
 
         rising = interpolated(halves.rising)
         if halves.falling is None:

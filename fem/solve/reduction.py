@@ -18,7 +18,6 @@ from fem.solve.reduced_basis import (
     WALL_WIDTH,
     ReducedSection,
     bases_of,
-    finger_key,
     holding,
     parity_groups,
     snapshots,
@@ -37,28 +36,14 @@ LOOSE = 3e-4  # tolerance from which a node less serves: to 1e-4
 
 @dataclass(frozen=True, kw_only=True)
 class BandProblem:
-    """What a band is asked for.
-
-    Attributes
-    ----------
-    stator : Stator
-    transducers : tuple of Transducer
-        From left to right.
-    limits : tuple of float
-        Lowest and highest frequency, Hz.
-    drive : str or Drive
-        What it is checked with.
-    tolerance : float
-    places : ndarray
-        m, where the motion is checked.
-    """
+    """What a band is asked for."""
 
     stator: Stator
-    transducers: tuple[Transducer, ...]
-    limits: tuple[float, float]
-    drive: str | Drive
+    transducers: tuple[Transducer, ...]  # from left to right
+    limits: tuple[float, float]  # lowest and highest frequency, Hz
+    drive: str | Drive  # what it is checked with
     tolerance: float
-    places: np.ndarray
+    places: np.ndarray  # m, where the motion is checked
 
     @property
     def nodes(self) -> np.ndarray:
@@ -84,28 +69,15 @@ class BandProblem:
 
 @dataclass(frozen=True, kw_only=True)
 class NodeSolutions:
-    """What the full lines give at the nodes of a band, before they are projected.
-
-    Attributes
-    ----------
-    section : Section
-    resolution : Resolution
-    half_cells : dict
-        By kind of finger: at every node the matrices of the rising and the falling half, and the width.
-    walls : list of ndarray
-        At every node, or empty.
-    fields : tuple of ndarray
-        Seen on the lines in mid-gap and in mid-finger.
-    solutions : list of Solution
-        At some of the nodes.
-    """
+    """What the full lines give at the nodes of a band, before they are projected."""
 
     section: Section
     resolution: Resolution
+    # by finger shape: at every node the matrices of the rising and the falling half
     half_cells: dict = field(repr=False)
-    walls: list = field(repr=False)
-    fields: tuple = field(repr=False)
-    solutions: list[Solution] = field(repr=False)
+    walls: list = field(repr=False)  # at every node, or empty
+    fields: tuple = field(repr=False)  # seen on the lines in mid-gap and in mid-finger
+    solutions: list[Solution] = field(repr=False)  # at some of the nodes
 
 
 def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolutions:
@@ -116,15 +88,13 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
     section = discretise(stator, resolution, wavelength=unit, surface_scale=scale)
     squares = problem.nodes
     feeding = {0, len(squares) // 2, len(squares) - 1}
-    kinds = list(dict.fromkeys(finger_key(each) for each in transducers))
+    shapes = dict.fromkeys(FingerShape.of(each, unit) for each in transducers)
     arriving = ARRIVING * problem.tolerance
 
     def at_node(index: int):
         frequency = float(np.sqrt(squares[index]) / (2 * np.pi))
-        halves = {}
-        for key in kinds:
-            shape = FingerShape(half_finger=key[0] / 2 / unit, half_gaps=(key[1] / 2 / unit,) * 2)
-            halves[key] = half_cells(Condensation(section, frequency), shape, resolution)
+        make = Condensation(section, frequency)
+        halves = {shape: half_cells(make, shape, resolution) for shape in shapes}
         walls = seen = solution = None
         if stator.ends != "absorbing":
             ends = end_pieces(section, frequency, stator, resolution, width=WALL_WIDTH)
@@ -133,7 +103,7 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
             *seen, solution = snapshots(
                 stator, transducers, section, frequency, halves, resolution, problem.drive, arriving
             )
-        matrices = {key: (tuple(half.matrix for half in pair), pair[0].width) for key, pair in halves.items()}
+        matrices = {shape: tuple(half.matrix for half in pair) for shape, pair in halves.items()}
         return matrices, walls, seen, solution
 
     nodes = side_by_side(at_node, range(len(squares)))
@@ -142,7 +112,7 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
     return NodeSolutions(
         section=section,
         resolution=resolution,
-        half_cells={key: [matrices[key] for matrices, _, _, _ in nodes] for key in kinds},
+        half_cells={shape: [matrices[shape] for matrices, _, _, _ in nodes] for shape in shapes},
         walls=[walls for _, walls, _, _ in nodes if walls is not None],
         fields=(gaps, np.hstack([finger for _, finger in seen])),
         solutions=[solution for _, _, _, solution in nodes if solution is not None],
@@ -169,21 +139,23 @@ def project(problem: BandProblem, nodes: NodeSolutions, truncation: float) -> Re
         section=ReducedSection(full=section, basis=bases[0], odd=odd),
         finger_basis=bases[1],
         half_cells={
-            key: _projected_halves(pairs, bases, section.odd is None)
-            for key, pairs in nodes.half_cells.items()
+            shape: _projected_halves(
+                pairs, bases, shape.half_finger + shape.half_gaps[0], section.odd is None
+            )
+            for shape, pairs in nodes.half_cells.items()
         },
         nodes=problem.nodes,
         walls=np.stack(walls) if walls else None,
     )
 
 
-def _projected_halves(pairs: list[tuple[tuple, float]], bases, both: bool) -> HalfCell:
+def _projected_halves(pairs: list[tuple], bases, width: float, both: bool) -> HalfCell:
     gap, finger = bases
     n, r = gap.shape
     rising_frame, falling_frame = (np.zeros((2 * n + PORTS, 2 * r + PORTS)) for _ in range(2))
     for frame, (left, right) in ((rising_frame, (gap, finger)), (falling_frame, (finger, gap))):
         frame[:n, :r], frame[n : 2 * n, r : 2 * r] = left, right
         frame[2 * n :, 2 * r :] = np.eye(PORTS)
-    rising = np.stack([rising_frame.T @ each[0] @ rising_frame for each, _ in pairs])
-    falling = np.stack([falling_frame.T @ each[1] @ falling_frame for each, _ in pairs]) if both else None
-    return HalfCell(rising=rising, falling=falling, width=pairs[0][1])
+    rising = np.stack([rising_frame.T @ rising @ rising_frame for rising, _ in pairs])
+    falling = np.stack([falling_frame.T @ falling @ falling_frame for _, falling in pairs]) if both else None
+    return HalfCell(rising=rising, falling=falling, width=width)

@@ -22,20 +22,13 @@ END_COLUMNS = 2
 
 @dataclass(frozen=True, kw_only=True)
 class Walls:
-    """Ends of the stator as superelements.
+    """Ends of the stator as superelements."""
 
-    Attributes
-    ----------
-    matrices : tuple of ndarray, shape (n, n)
-        Outward nodal flux of the left piece on its right line, of the right piece on its left line, per unknown.
-    width : float
-        Of a piece, length units.
-    recover : callable
-        Side (0 left, 1 right) and unknowns of the inner line -> superelement of the end and its sides.
-    """
-
+    # shape (n, n): outward nodal flux of the left piece on its right line, of the right piece on its left
+    # line, per unknown
     matrices: tuple[np.ndarray, np.ndarray]
-    width: float
+    width: float  # of a piece, length units
+    # side (0 left, 1 right) and unknowns of the inner line -> superelement of the end and its sides
     recover: Callable[[int, np.ndarray], tuple[Superelement, np.ndarray]] = field(repr=False)
 
     def sent_back(self, modes: GuidedModes, side: int, arriving: np.ndarray) -> np.ndarray:
@@ -72,18 +65,10 @@ def end_reflection(modes: GuidedModes, ends: str | Walls, side: int, arriving: n
 
 @dataclass(frozen=True, kw_only=True)
 class EndPieces:
-    """Columns of elements beside the free or clamped ends.
-
-    Attributes
-    ----------
-    section : Section
-    superelements : tuple of Superelement
-        Of the left and the right end.
-    clamped : bool
-    """
+    """Columns of elements beside the free or clamped ends."""
 
     section: Section
-    superelements: tuple[Superelement, Superelement] = field(repr=False)
+    superelements: tuple[Superelement, Superelement] = field(repr=False)  # of the left and the right end
     clamped: bool
 
     def _lines(self, side: int) -> tuple[np.ndarray, np.ndarray]:

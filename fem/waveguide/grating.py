@@ -48,19 +48,12 @@ SQUARE_TOLERANCE = 1e-11  # relative change of omega^2
 
 @dataclass(frozen=True, kw_only=True)
 class StopBand:
-    """Frequencies at which no surface wave runs through a grating.
+    """Frequencies at which no surface wave runs through a grating."""
 
-    Attributes
-    ----------
-    lower, upper : float
-        Hz.
-    pitch : float
-        From finger to finger, m.
-    """
-
+    # lower, upper: Hz
     lower: float
     upper: float
-    pitch: float
+    pitch: float  # from finger to finger, m
 
     @property
     def middle(self) -> float:
@@ -80,24 +73,13 @@ class StopBand:
 
 @dataclass(frozen=True, kw_only=True)
 class Grating:
-    """A discretised cell of the grating, to be asked at any frequency.
-
-    Attributes
-    ----------
-    section : Section
-    shape : FingerShape
-    pitch : float
-        m.
-    resolution : Resolution
-    middle : float
-        Frequency in Hz about which cells are interpolated.
-    """
+    """A discretised cell of the grating, to be asked at any frequency."""
 
     section: Section
     shape: FingerShape
-    pitch: float
+    pitch: float  # m
     resolution: Resolution
-    middle: float
+    middle: float  # frequency in Hz about which cells are interpolated
 
     def _make(self, frequency: float) -> Condensation:
         return Condensation(self.section, frequency)
@@ -235,17 +217,10 @@ def grating(
     ----------
     solid : Solid
         In the stator's frame, piezoelectric; its losses are left out.
-    period : float
-        Of two fingers and two gaps, m.
-    metallisation : float
-        Finger width over finger width plus gap, between 0 and 1.
+    period, metallisation : float
+        Of two fingers and two gaps, m; finger width over finger width plus gap, between 0 and 1.
     above : str
         "none" or "vacuum".
-    resolution : Resolution
-
-    Returns
-    -------
-    Grating
     """
     if "phi" not in fields(solid):
         raise ValueError(f"a grating of fingers needs a piezoelectric solid, and {solid.name} is not one")

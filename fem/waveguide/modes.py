@@ -37,32 +37,21 @@ ONE_WAVE, TWIN_MODES = 1e-3, 3e-2
 
 @dataclass(frozen=True, kw_only=True)
 class GuidedModes:
-    """Modes of a uniform segment at one frequency, as many to the right as a line has unknowns.
-
-    Attributes
-    ----------
-    section : LineSpace
-    frequency : float
-        Hz.
-    wavenumbers : ndarray, shape (n,)
-        Of the modes going right, in radians per length unit; ``backwards`` those going left.
-    right, left : ndarray, shape (n, n)
-        Mode shapes in columns.
-    right_flux, left_flux : ndarray, shape (n, n)
-        Their nodal fluxes.
-    lateral_wavenumber : float
-        k_y in radians per length unit, of fields that vary as exp(-i k_y y).  Where y -> -y is a symmetry of the
-        solid, the unknowns that change sign (u_y) are u_y / i.
-    """
+    """Modes of a uniform segment at one frequency, as many to the right as a line has unknowns."""
 
     section: LineSpace
-    frequency: float
+    frequency: float  # Hz
+    # shape (n,): of the modes going right, in radians per length unit; ``backwards`` those going left
     wavenumbers: np.ndarray = field(repr=False)
     backwards: np.ndarray = field(repr=False)
+    # right, left: shape (n, n): mode shapes in columns
     right: np.ndarray = field(repr=False)
     left: np.ndarray = field(repr=False)
+    # right_flux, left_flux: shape (n, n): their nodal fluxes
     right_flux: np.ndarray = field(repr=False)
     left_flux: np.ndarray = field(repr=False)
+    # k_y in radians per length unit, of fields that vary as exp(-i k_y y).  Where y -> -y is a symmetry of
+    # the solid, the unknowns that change sign (u_y) are u_y / i.
     lateral_wavenumber: float = 0.0
 
     @cached_property
@@ -122,6 +111,11 @@ class GuidedModes:
         """Smallest |k|, radians per length unit, of the modes but the constant potential."""
         return float(abs(self.wavenumbers[self.wavenumbers != 0]).min())
 
+    @property
+    def propagating(self) -> np.ndarray:
+        """Indices of the modes that hardly decay."""
+        return np.flatnonzero(abs(self.wavenumbers.imag) < PROPAGATING * abs(self.wavenumbers.real))
+
     @cached_property
     def rayleigh(self) -> np.ndarray:
         """Indices of the surface wave's modes, the most localised first.
@@ -132,7 +126,7 @@ class GuidedModes:
         the bottom: both are returned.  The eigensolver may return any mixture of two modes of the same velocity, so
         that such a pair is returned whatever their shapes.
         """
-        moving = np.flatnonzero(abs(self.wavenumbers.imag) < PROPAGATING * abs(self.wavenumbers.real))
+        moving = self.propagating
         if len(moving) == 0:
             raise ConvergenceError(
                 f"no mode of this section propagates at {self.frequency:g} Hz: it is too thin or too lossy"
@@ -157,20 +151,10 @@ def power(displacement: np.ndarray, flux: np.ndarray, frequency: float) -> np.nd
 
 
 def guided_modes(section: LineSpace, frequency: float, lateral_wavenumber: float = 0.0) -> GuidedModes:
-    """All modes of a uniform segment with a bare surface.
+    """All modes of a uniform segment with a bare surface at a frequency in Hz.
 
-    Parameters
-    ----------
-    section : LineSpace
-        For a lateral wavenumber a `Section` with all fields (``lateral=True`` in `fem.discretize.elements.discretise`).
-    frequency : float
-        Hz, positive.
-    lateral_wavenumber : float
-        k_y in radians per length unit.
-
-    Returns
-    -------
-    GuidedModes
+    ``lateral_wavenumber``: k_y in radians per length unit; it takes a `Section` with all fields (``lateral=True`` in
+    `fem.discretize.elements.discretise`).
     """
     if lateral_wavenumber:
         if section is not section.full:

@@ -24,19 +24,12 @@ NEGLIGIBLE = 1e-18  # a mode's amplitude after a segment, relative: far below ro
 
 @dataclass(frozen=True, kw_only=True)
 class Scatterer:
-    """A transducer's superelement in the waveguide.
-
-    Attributes
-    ----------
-    superelement : Superelement
-    modes : GuidedModes
-    potentials : ndarray, shape (2, ports)
-        Comb potentials of each port: half and minus half for the voltage; one and one for the mean where the
-        section is grounded (elsewhere the mean is a matter of gauge).
-    """
+    """A transducer's superelement in the waveguide."""
 
     superelement: Superelement
     modes: GuidedModes
+    # shape (2, ports): electrode potentials of each port: half and minus half for the voltage; one and one for the
+    # mean where the section is grounded (elsewhere the mean is a matter of gauge)
     potentials: np.ndarray
 
     @cached_property
@@ -74,27 +67,15 @@ class Scatterer:
 
 @dataclass(frozen=True, kw_only=True)
 class Network:
-    """Scatterers in a row between two ends.
-
-    Attributes
-    ----------
-    modes : GuidedModes
-    scatterers : tuple of Scatterer
-        From left to right.
-    places : tuple of float
-        Where their left lines lie, length units.
-    start, stop : float
-        The stator's ends, length units.
-    ends : str or Walls
-        "absorbing", "free", "clamped", or condensed pieces that begin at start and stop.
-    """
+    """Scatterers in a row between two ends."""
 
     modes: GuidedModes
-    scatterers: tuple[Scatterer, ...]
-    places: tuple[float, ...]
+    scatterers: tuple[Scatterer, ...]  # from left to right
+    places: tuple[float, ...]  # where their left lines lie, length units
+    # start, stop: the stator's ends, length units
     start: float
     stop: float
-    ends: str | Walls
+    ends: str | Walls  # "absorbing", "free", "clamped", or condensed pieces that begin at start and stop
 
     @property
     def ports(self) -> int:
@@ -235,23 +216,13 @@ class Network:
 
 @dataclass(frozen=True, kw_only=True)
 class PortSolution:
-    """Fields per unit of scaled potential at each port.
+    """Fields per unit of scaled potential at each port."""
 
-    Attributes
-    ----------
-    sides, incoming : tuple of ndarray, shape (2 n, ports)
-        Of each scatterer: its lines, and the part of them that comes in.
-    charges : ndarray, shape (ports, ports)
-        Reactions q, scaled; symmetric.
-    coupling : ndarray, shape (waves, waves)
-        M of (1 - M) a = a_sent: amplitudes that leave scatterers and ends from those that left the ones beside them.
-        The stator resonates where an eigenvalue of M is near 1.
-    waves : ndarray of int, shape (waves,)
-        Number of the mode of each of these amplitudes.
-    """
-
+    # sides, incoming: shape (2 n, ports): of each scatterer: its lines, and the part of them that comes in
     sides: tuple[np.ndarray, ...] = field(repr=False)
     incoming: tuple[np.ndarray, ...] = field(repr=False)
-    charges: np.ndarray
+    charges: np.ndarray  # shape (ports, ports): reactions q, scaled; symmetric
+    # shape (waves, waves): M of (1 - M) a = a_sent: amplitudes that leave scatterers and ends from those that
+    # left the ones beside them. The stator resonates where an eigenvalue of M is near 1.
     coupling: np.ndarray = field(repr=False)
-    waves: np.ndarray = field(repr=False)
+    waves: np.ndarray = field(repr=False)  # shape (waves,): number of the mode of each of these amplitudes

@@ -26,7 +26,7 @@ from fem.discretize.section import Section
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.materials.christoffel import slowest_wavelength
 from fem.waveguide.ends import Walls
-from fem.waveguide.modes import PROPAGATING, GuidedModes, guided_modes
+from fem.waveguide.modes import GuidedModes, guided_modes
 from fem.waveguide.network import Network, PortSolution, Scatterer
 
 CUT_OFF = 1e-3  # rad per slowest wavelength: a mode's wavenumber below which its square, all that is known, is rounding
@@ -35,40 +35,27 @@ MAX_COLUMNS = 150_000  # finger-edge element columns of all transducers; about 1
 
 @dataclass(frozen=True, kw_only=True)
 class PortFields:
-    """Fields per volt at each port, the other ports at zero.
-
-    Attributes
-    ----------
-    stator : Stator
-    transducers : tuple of Transducer
-        From left to right.
-    modes : GuidedModes
-        Of the uniform segments.
-    network : Network
-    resolution : Resolution
-    names : tuple of str
-        Transducers that are ports, from left to right.
-    sides : tuple of ndarray, shape (2 n + 2, ports)
-        Of each transducer: left line, right line, potentials of the positive and negative electrode; scaled.
-    incoming : tuple of ndarray, shape (2 n, ports)
-        The part of its lines that comes in.
-    admittances : ndarray, shape (ports, ports)
-        Short-circuit admittance matrix in S, symmetric.
-    coupling, waves : ndarray
-        Of `fem.waveguide.network.PortSolution`.
-    """
+    """Fields per volt at each port, the other ports at zero."""
 
     stator: Stator
-    transducers: tuple[Transducer, ...]
-    modes: GuidedModes
+    transducers: tuple[Transducer, ...]  # from left to right
+    modes: GuidedModes  # of the uniform segments
     network: Network
     resolution: Resolution
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # transducers that are ports, from left to right
+    # shape (2 n + 2, ports): of each transducer: left line, right line, potentials of the positive and
+    # negative electrode; scaled
     sides: tuple[np.ndarray, ...] = field(repr=False)
+    # shape (2 n, ports): the part of its lines that comes in
     incoming: tuple[np.ndarray, ...] = field(repr=False)
+    # shape (ports, ports): short-circuit admittance matrix in S, symmetric
     admittances: np.ndarray = field(repr=False)
+    # coupling, waves: of `fem.waveguide.network.PortSolution`
     coupling: np.ndarray = field(repr=False)
     waves: np.ndarray = field(repr=False)
+    own_apertures: bool = (
+        False  # each transducer's charge is that of its whole aperture, not of the shared beam
+    )
 
     @property
     def section(self) -> Section:
@@ -94,9 +81,7 @@ class PortFields:
         eigenvalue of M nearest to 1. With the frequency the mu turn, by the angle ``swing`` (rad) at most in the range
         that is meant; their sizes hardly change.
         """
-        k = self.modes.wavenumbers
-        travels = np.flatnonzero(abs(k.imag) < PROPAGATING * abs(k.real))  # evanescent ones do not turn
-        mine = np.isin(self.waves, travels)
+        mine = np.isin(self.waves, self.modes.propagating)  # evanescent ones do not turn
         factors = np.linalg.eigvals(self.coupling[np.ix_(mine, mine)])
         if not len(factors):
             return 1.0, 1.0
@@ -189,10 +174,7 @@ def connected(
     resolution: Resolution,
     own_apertures: bool = False,
 ) -> PortFields:
-    """Fields per volt at the ports from those per unit of potential: no transducer carries a net charge.
-
-    With ``own_apertures`` each transducer's charge is that of its whole aperture, not of the beam that two share.
-    """
+    """Fields per volt at the ports from those per unit of potential: no transducer carries a net charge."""
     section, modes = network.modes.section, network.modes
     medium = section.solid
     potentials = [scatterer.potentials for scatterer in network.scatterers]
@@ -221,6 +203,7 @@ def connected(
         admittances=(admittances @ uncharged)[voltage],
         coupling=solution.coupling,
         waves=solution.waves,
+        own_apertures=own_apertures,
     )
 
 

@@ -16,7 +16,7 @@ from studies.chain.model_error import model_error
 from studies.chain.neglected import diffraction_left_out, driven_left_out, free_left_out
 from studies.chain.points import SliderAnswer, slider_answer
 from studies.chain.ring_up import ring_up, ring_up_left_out
-from studies.chain.source_powers import powers, with_available_power
+from studies.chain.source_powers import powers, recovered, recovery_left_out, with_available_power
 from studies.chain.surface_motion import SurfaceMotion, surface_motion
 from studies.chain.warnings import warnings_of
 from studies.record import Record
@@ -86,6 +86,10 @@ def _run(scene: Scene, tolerance: float, progress: Callable[[str], None] | None)
         record = _driven(scene, tolerance, say)
     else:
         record = _free(scene, tolerance)
+    if scene.uncertain is not None:
+        from studies.inverse.uncertainty import with_bands
+
+        record = with_bands(record, progress=say)
     return replace(
         record,
         left_out=record.left_out + slider_left_out(scene),
@@ -185,7 +189,7 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
     wave = motion.wave
     if motion.beam is not None:
         scene = replace(scene, stator=replace(scene.stator, diffraction=True))
-    sources = powers(scene, wave)
+    circuit, balance, sources = motion.circuit, motion.power, powers(scene, motion)
     blocks["points"] = with_available_power(blocks["points"], sources)
     record = Record(
         scene=scene,
@@ -193,18 +197,20 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
         wave=_wave_block(scene, motion, place)
         | ({} if ringing is None or ringing.found is None else {"settling_time_s": ringing.found.settling}),
         electrical={
-            "admittance_S": wave.admittance,
-            "comb_voltage_per_volt": wave.comb_voltage_per_volt,
-            "power_W_per_V2": wave.power_input,
-            "power_dissipated_W_per_V2": wave.power_dissipated,
-            "power_radiated_W_per_V2": wave.power_radiated,
-            "power_residual": wave.power_residual,
+            "admittance_S": circuit.admittance,
+            "comb_voltage_per_volt": circuit.voltage,
+            "power_W_per_V2": circuit.power,
+            "power_dissipated_W_per_V2": balance.dissipated,
+            "power_radiated_W_per_V2": balance.radiated,
+            "power_residual": balance.residual,
             "admittance_relative_error": wave.admittance_error,
         }
         | sources
-        | _several_sources(wave),
+        | recovered(scene, circuit)
+        | _several_sources(circuit),
         left_out=driven_left_out(resolved.stator(scene.stator), scene.frequency)
-        + diffraction_left_out(scene, motion)
+        + diffraction_left_out(scene, motion.beam is not None, motion.reason)
+        + recovery_left_out(scene)
         + ring_up_left_out(scene, ringing, blocks.get("trajectories", ())),
         surface=_surface_columns(wave),
         surface_motion=motion,
@@ -214,9 +220,8 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
     return replace(record, seconds=seconds if slider is None else seconds | {"contact": contact_seconds})
 
 
-def _several_sources(wave) -> dict:
+def _several_sources(circuit) -> dict:
     """Return voltage and current of each driven transducer, per volt, where there are several."""
-    circuit = wave.circuit
     if len(circuit.sources) < 2:
         return {}
     ports = {

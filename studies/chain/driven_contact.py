@@ -131,7 +131,7 @@ def driven_contact(
     from studies.chain import run
 
     drive = replace(chosen.drive, voltage=(max(chosen.levels),), burst=None)
-    record = run(replace(chosen, drive=drive), tolerance=tolerance, progress=progress)
+    record = run(replace(chosen, drive=drive, uncertain=None), tolerance=tolerance, progress=progress)
     found = DrivenContact.of_run(record)
     return replace(found, scene=replace(chosen, drive=replace(chosen.drive, frequency=found.scene.frequency)))
 

@@ -14,7 +14,6 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 
 from studies.chain import bridge
-from studies.chain.surface_motion import default_refusal
 from studies.record import Record
 from studies.scene import resolved
 
@@ -87,7 +86,7 @@ def _aperture(record: Record) -> Iterator[NeglectedEffect]:
     if any(wave.covered(place) for place in x):
         return
     try:
-        if motion.beam is None and default_refusal(wave.solution.fields.stator):
+        if motion.beam is None and resolved.default_refusal(wave.solution.fields.stator):
             raise fem.BeamError("no field in three dimensions without seconds of work")
         block = record.scene.stator
         beam = motion.beam or fem.surface_beam(wave, mirror_width=block.mirror_width)

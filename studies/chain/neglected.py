@@ -1,7 +1,6 @@
 """What the stator's problem is solved without, and why: lines of ``left_out``."""
 
 import fem
-from studies.chain.surface_motion import SurfaceMotion
 from studies.scene import Scene
 
 
@@ -23,12 +22,12 @@ def driven_left_out(stator: "fem.Stator", frequency: float) -> tuple[str, ...]:
     return tuple(reasons)
 
 
-def diffraction_left_out(scene: Scene, motion: SurfaceMotion) -> tuple[str, ...]:
+def diffraction_left_out(scene: Scene, spreads: bool, reason: str) -> tuple[str, ...]:
     """Return why the wave does not spread in the answer of a driven stator; nothing where it does."""
-    if motion.beam is not None:
+    if spreads:
         return ()
-    if motion.reason:
-        return (f"diffraction, the wave is that of the plane section: {motion.reason}",)
+    if reason:
+        return (f"diffraction, the wave is that of the plane section: {reason}",)
     said = "is false" if scene.stator.diffraction is False else "is absent, and the scene has no slider"
     return (f"diffraction, the wave is that of the plane section: stator.diffraction {said}",)
 

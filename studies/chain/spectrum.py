@@ -13,9 +13,10 @@ from itertools import pairwise
 from studies.refusal import RunError
 from studies.scene import Scene, resolved
 
-__all__ = ["Response", "Spectrum", "response", "spectrum", "takes_bands"]
+__all__ = ["Response", "Spectrum", "port_admittances", "response", "spectrum", "takes_bands"]
 
 WIDEST = 1.6  # highest over lowest frequency of one band
+FEW = 5  # frequencies that cost less one by one than the set-up of a band
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,29 +64,25 @@ class Response:
 
 @dataclass(frozen=True, kw_only=True)
 class Spectrum:
-    """Admittance and motion at a place against frequency, per volt of the source.
+    """Motion of the plane section at a place against frequency, per volt of the source.
 
     Attributes
     ----------
     frequency : ndarray
         Hz.
-    admittance : ndarray, complex
-        S.
     normal, tangential : ndarray, complex
         u_z and u_x in m per V.
     rayleigh_normal : ndarray, complex
         The surface mode's part of u_z; NaN under a transducer.
-    relative_error, admittance_error : float
-        Of the motion and of the admittance, worst.
+    relative_error : float
+        Of the motion, worst.
     """
 
     frequency: object = field(repr=False)
-    admittance: object = field(repr=False)
     normal: object = field(repr=False)
     tangential: object = field(repr=False)
     rayleigh_normal: object = field(repr=False)
     relative_error: float
-    admittance_error: float
 
 
 def response(
@@ -144,24 +141,50 @@ def response(
 
 
 def spectrum(scene: Scene, prepared: Response, frequencies, place: float) -> Spectrum:
-    """Return admittance and motion at a place (m) for many frequencies (Hz) of a prepared scene."""
+    """Return the motion at a place (m) for many frequencies (Hz) of a prepared scene."""
     import numpy as np
 
-    rows, errors = [], [(0.0, 0.0)]
+    rows, errors = [], [0.0]
     for wave in prepared.waves(frequencies, resolved.drive(scene)):
         tangential, normal = wave.motion(place)
         surface = complex("nan") if wave.covered(place) else wave.rayleigh_motion(place)[1]
-        rows.append((wave.admittance, normal, tangential, surface))
-        errors.append((wave.relative_error, wave.admittance_error))
-    columns = np.array(rows, dtype=complex).reshape(-1, 4).T
+        rows.append((normal, tangential, surface))
+        errors.append(wave.relative_error)
+    columns = np.array(rows, dtype=complex).reshape(-1, 3).T
     return Spectrum(
         frequency=np.array(frequencies, dtype=float),
-        admittance=columns[0],
-        normal=columns[1],
-        tangential=columns[2],
-        rayleigh_normal=columns[3],
-        relative_error=float(max(error for error, _ in errors)),
-        admittance_error=float(max(error for _, error in errors)),
+        normal=columns[0],
+        tangential=columns[1],
+        rayleigh_normal=columns[2],
+        relative_error=float(max(errors)),
+    )
+
+
+def port_admittances(scene: Scene, frequencies, tolerance: float, progress: Callable[[str], None]):
+    """Return the ``fem.PortAdmittance`` of a resolved scene over rising frequencies in Hz, as a run has it at one."""
+    import numpy as np
+
+    import fem
+
+    block, row = resolved.stator(scene.stator), resolved.transducers(scene)
+    span = frequencies[-1] / frequencies[0]
+    count = max(1, math.ceil(math.log(span) / math.log(WIDEST)))
+    edges = np.searchsorted(frequencies, frequencies[0] * span ** (np.arange(1, count) / count))
+    groups = [frequencies[low:high] for low, high in pairwise([0, *edges, len(frequencies)])]
+    if len(frequencies) <= FEW * count or not takes_bands(block, row, ()):
+        groups = [np.array([f]) for f in frequencies]
+    parts = []
+    for group in groups:
+        progress(f"stator: {len(group)} frequencies from {group[0] / 1e6:.5g} MHz")
+        try:
+            parts.append(resolved.port_admittance(scene, group, tolerance))
+        except fem.ConvergenceError as error:
+            raise RunError(f"from {group[0] / 1e6:.6g} to {group[-1] / 1e6:.6g} MHz {error}") from None
+    return fem.PortAdmittance(
+        names=parts[0].names,
+        frequency=frequencies,
+        matrix=np.concatenate([part.matrix for part in parts]),
+        relative_error=max(part.relative_error for part in parts),
     )
 
 

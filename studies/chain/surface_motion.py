@@ -7,9 +7,10 @@ for a scene: every answer that needs an orbit takes it from there.
 
 from dataclasses import dataclass, field
 
+from studies.scene import resolved
 from studies.scene.blocks import Stator
 
-__all__ = ["SurfaceMotion", "default_refusal", "surface_motion", "wanted_diffraction"]
+__all__ = ["SurfaceMotion", "surface_motion", "wanted_diffraction"]
 
 PER_WAVELENGTH = (
     24  # places where the beam's standing wave is looked at; a minimum between them is missed by 1 %
@@ -34,6 +35,16 @@ class SurfaceMotion:
     beam: object = field(default=None, repr=False)
     reason: str = ""
     _known: dict = field(default_factory=dict, init=False, repr=False)
+
+    @property
+    def circuit(self):
+        """The `fem.Circuit` that belongs to this motion, per volt of the source."""
+        return (self.beam or self.wave).circuit
+
+    @property
+    def power(self):
+        """The `fem.PowerBalance` that belongs to it."""
+        return (self.beam or self.wave).power
 
     def at(self, places):
         """Return u_x, u_y and u_z in m per V at places (x, y) in m, complex, shape (3, places)."""
@@ -98,8 +109,8 @@ def surface_motion(wave, block: Stator, places, tolerance: float, *, slider: boo
     wave : fem.SurfaceWave
     block : Stator
         Of the scene.  Its ``diffraction`` is True: the finite aperture; False: the plane section; None: the finite
-        aperture under a slider, where `default_refusal` has nothing against it and it adds less than the tolerance to
-        the section's error.  Its ``sides`` count with the finite aperture alone.
+        aperture under a slider, where `resolved.default_refusal` has nothing against it and it adds less than the
+        tolerance to the section's error.  Its ``sides`` count with the finite aperture alone.
     places : sequence of (float, float)
         x and y in m, where it is needed.
     tolerance : float
@@ -117,7 +128,7 @@ def surface_motion(wave, block: Stator, places, tolerance: float, *, slider: boo
     diffraction = wanted_diffraction(block.diffraction, slider)
     if diffraction is False:
         return SurfaceMotion(wave=wave)
-    refusal = default_refusal(wave.solution.fields.stator) if diffraction is None else ""
+    refusal = resolved.default_refusal(wave.solution.fields.stator) if diffraction is None else ""
     if refusal:
         return SurfaceMotion(wave=wave, reason=refusal)
     found = SurfaceMotion(wave=wave, beam=fem.surface_beam(wave, mirror_width=block.mirror_width))
@@ -126,15 +137,6 @@ def surface_motion(wave, block: Stator, places, tolerance: float, *, slider: boo
         reason = f"the beam's own error would be {added:.1e}, {tolerance:.1e} is asked for; true takes it all the same"
         return SurfaceMotion(wave=wave, reason=f"stator.diffraction is absent and {reason}")
     return found
-
-
-def default_refusal(stator) -> str:
-    """Return why the section stands for a `fem.Stator` where a scene does not decide, a sentence; or nothing."""
-    import fem
-
-    if fem.beam_refusal(stator) or fem.isotropic_about_normal(stator.solid):
-        return fem.beam_refusal(stator)
-    return "stator.diffraction is absent, and in this cut the beam takes some seconds; true computes it"
 
 
 def wanted_diffraction(given: bool | None, has_slider: bool) -> bool | None:

@@ -64,7 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
                 result.commit()
                 with _pictures(result):
                     if arguments.report:
-                        from studies.report import write_report
+                        from studies.report.page import write_report
 
                         write_report(record, result.folder)
                     if drawing is not None:
@@ -339,11 +339,13 @@ def design(arguments: argparse.Namespace) -> int:
             arguments.maximise,
             variables,
             [search.read_constraint(text) for text in arguments.subject],
-            evaluations=arguments.evaluations,
-            seed=arguments.seed,
-            tolerance=wanted,
-            out=out,
-            workers=arguments.workers,
+            options=search.Options(
+                evaluations=arguments.evaluations,
+                seed=arguments.seed,
+                tolerance=wanted,
+                out=out,
+                workers=arguments.workers,
+            ),
             progress=progress,
         )
         write_design(found, out)

@@ -21,12 +21,13 @@ MESHES = {1: (4, 8, 16), 2: (2, 4, 8, 16), 3: (1, 2, 4, 8), 4: (1, 2, 4), 6: (1,
 LAYERS_PER_COLUMN = 4
 FLOOR = 1e-12  # rounding: below it nothing converges any more
 REPEATS = 3
-QUICK = {"meshes": {2: (2, 4), 8: (1, 2)}, "repeats": 1}
+QUICK = {"surfaces": ("open",), "meshes": {2: (2, 4), 8: (1, 2)}, "repeats": 1}
 DEPTHS = tuple(k / 50 for k in range(101))  # wavelengths
 
 
 def run(
     *,
+    surfaces: tuple[str, ...] = SURFACES,
     meshes: dict[int, tuple[int, ...]] = MESHES,
     repeats: int = REPEATS,
     progress: Callable[[str], None] | None = None,
@@ -35,6 +36,8 @@ def run(
 
     Parameters
     ----------
+    surfaces : tuple of str
+        Electric conditions, of `SURFACES`.
     meshes : dict
         Columns of elements in a wavelength, from coarse to fine, for each order.
     repeats : int
@@ -51,7 +54,7 @@ def run(
     say = progress or (lambda text: None)
     solid = fem.material(MATERIAL)
     panels, findings = [], []
-    for surface in SURFACES:
+    for surface in surfaces:
         exact = fem.rayleigh(solid, surface)
         table = {"order": [], "columns": [], "unknowns": [], "relative_error": [], "seconds": []}
         for order, sizes in meshes.items():

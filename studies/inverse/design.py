@@ -2,17 +2,19 @@
 
 Differential evolution (`scipy.optimize.differential_evolution`) over logarithms of positive numbers, then COBYQA from
 its best point.  A point that breaks a constraint counts as worse than any that keeps them, by how much it breaks them
-(Deb, Comput. Methods Appl. Mech. Eng. 186 (2000) 311).  With two goals the search is repeated for weights between them
-(weighted Chebyshev distance from the best of each), and the front is what no evaluation beats in both.
+(Deb, Comput. Methods Appl. Mech. Eng. 186 (2000) 311).  Where numbers of the stator are searched, the global search
+takes the stator's coarsest discretisation, and its best points are evaluated again at the tolerance.  With two goals
+the search is repeated for weights between them (weighted Chebyshev distance from the best of each), and the front is
+what no evaluation at the tolerance beats in both.
 """
 
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
-from studies.inverse.evaluations import Evaluations
+from studies.inverse.evaluations import Evaluations, Options
 from studies.inverse.goals import GOALS, Constraint, counted, read_constraint, read_variable
 from studies.inverse.parameters import Parameter
 from studies.inverse.search import UNKNOWN, Search
@@ -20,9 +22,10 @@ from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.scene.override import replaced
 
-__all__ = ["GOALS", "Constraint", "Design", "design", "read_constraint", "read_variable"]
+__all__ = ["GOALS", "Constraint", "Design", "Options", "design", "read_constraint", "read_variable"]
 
 WEIGHTS = (0.25, 0.5, 0.75)  # of the second goal, between the searches for each alone
+DEFAULT = Options()
 CHANGE = 0.05  # of each variable, for the robustness
 
 
@@ -69,11 +72,7 @@ def design(
     variables: list[Parameter],
     constraints: list[Constraint] = (),
     *,
-    evaluations: int | None = None,
-    seed: int = 0,
-    tolerance: float = 3e-2,
-    out: Path | None = None,
-    workers: int = 1,
+    options: Options = DEFAULT,
     progress: Callable[[str], None] | None = None,
 ) -> Design:
     """Search for the best motor.
@@ -87,16 +86,7 @@ def design(
     variables : list of Parameter
         As ``read_variable`` returns them.
     constraints : list of Constraint
-    evaluations : int, optional
-        Budget of each search; 60 for each variable when absent.
-    seed : int
-        Of the random numbers.
-    tolerance : float
-        Of the velocity, at every evaluation.
-    out : path, optional
-        Directory of the store; in memory without one.
-    workers : int
-        Processes.
+    options : Options
     progress : callable, optional
         Told what is being done.
 
@@ -117,26 +107,22 @@ def design(
             raise SceneError("--maximise", f"must be of {', '.join(GOALS)}, got {goal!r}")
     if not variables:
         raise SceneError("--over", "is required: KEY=LOW:HIGH")
-    budget = 60 * len(variables) if evaluations is None else evaluations
+    budget = 60 * len(variables) if options.evaluations is None else options.evaluations
     if budget < 4 * len(variables) + 8:
         raise SceneError("--evaluations", f"must be at least {4 * len(variables) + 8}, got {budget}")
     also = tuple(
         sorted({word for goal in goals if (word := GOALS[goal][1])} | {c.also for c in constraints if c.also})
     )
-    search = {"goals": goals, "subject": [each.text for each in constraints], "evaluations": budget, "seed": seed,
-              "ranges": [[each.key, each.low, each.high] for each in variables]}  # fmt: skip
+    search = {"goals": goals, "subject": [each.text for each in constraints], "evaluations": budget,
+              "seed": options.seed, "ranges": [[each.key, each.low, each.high] for each in variables]}  # fmt: skip
     say = progress or (lambda text: None)
-    with Evaluations(
-        table,
-        tuple(variables),
-        also=also,
-        search=search,
-        tolerance=tolerance,
-        out=out,
-        workers=workers,
-        progress=say,
-    ) as ask:
-        searcher = Search(ask, tuple(variables), tuple(constraints), tuple(goals), seed)
+    given = {"also": also, "search": search, "options": options, "progress": say}
+    with ExitStack() as stack:
+        ask = stack.enter_context(Evaluations(table, tuple(variables), **given))
+        coarse = None
+        if ask.question.source_keys:  # of the stator, or the slider's place
+            coarse = stack.enter_context(Evaluations(table, tuple(variables), coarse=True, **given))
+        searcher = Search(ask, coarse, tuple(variables), tuple(constraints), tuple(goals), options.seed)
         scale = [
             searcher.run([1.0 if k == j else 0.0 for k in range(len(goals))], budget)
             for j in range(len(goals))
@@ -152,13 +138,14 @@ def design(
             )
         front = _front(feasible, searcher)
         optimum = front[len(front) // 2]
-        rows = list(ask.rows)
+        count = len(ask.rows)
+        rows = [*([] if coarse is None else coarse.rows), *ask.rows]
         robustness = _robustness(searcher, optimum)
         best = table
         for variable in variables:
             best = replaced(best, variable.key, optimum[variable.key])
         return Design(goals=tuple(goals), optimum=optimum, front=front, robustness=robustness, rows=rows,
-                      evaluations=len(ask.rows), table=best)  # fmt: skip
+                      evaluations=len(rows) + len(ask.rows) - count, table=best)  # fmt: skip
 
 
 def _front(feasible: list[dict], searcher: Search) -> list[dict]:

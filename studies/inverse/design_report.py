@@ -29,9 +29,9 @@ def draw_design(found: Design, path: Path) -> None:
     rows = [row for row in found.rows if all(row.get(name) is not None for name in columns)]
 
     def one(ax):
-        ax.plot([row["point"] for row in rows], [abs(row[columns[0]]) for row in rows], ".", color=COLOURS["stick"],
+        ax.plot(range(len(rows)), [abs(row[columns[0]]) for row in rows], ".", color=COLOURS["stick"],
                 label="evaluations")  # fmt: skip
-        ax.plot([found.optimum["point"]], [abs(found.optimum[columns[0]])], "o", color=COLOURS["intermittent"],
+        ax.plot([rows.index(found.optimum)], [abs(found.optimum[columns[0]])], "o", color=COLOURS["intermittent"],
                 label="best that keeps the constraints")  # fmt: skip
         ax.set_xlabel("evaluation")
         ax.set_ylabel(columns[0])

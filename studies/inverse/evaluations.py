@@ -5,7 +5,7 @@ that was interrupted, however it ended, asks for the same points again, finds th
 """
 
 import json
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from studies.inverse.parameters import Parameter
@@ -17,7 +17,32 @@ from studies.sweep.driver import Driver
 from studies.sweep.store import Store
 from studies.sweep.workers import workers as chosen_workers
 
-__all__ = ["Evaluations"]
+__all__ = ["Evaluations", "Options"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """How a search is made.
+
+    Attributes
+    ----------
+    evaluations : int, optional
+        Budget of each search; 60 for each variable when absent.
+    seed : int
+        Of the random numbers.
+    tolerance : float
+        Of the velocity.
+    out : path, optional
+        Directory of the store; in memory without one.
+    workers : int
+        Processes.
+    """
+
+    evaluations: int | None = None
+    seed: int = 0
+    tolerance: float = 3e-2
+    out: Path | None = None
+    workers: int = 1
 
 
 class _Asked:
@@ -49,15 +74,23 @@ class Evaluations:
         What is asked beside the velocity, as in a sweep.
     search : dict
         Everything else that decides which points are asked for: goals, constraints, budget, seed.
-    tolerance : float
-    out : Path or None
-    workers : int
+    options : Options
     progress : callable
         Called with a text.
+    coarse : bool
+        Whether the stator's coarsest discretisation will do.
     """
 
     def __init__(
-        self, table, parameters: tuple[Parameter, ...], *, also, search, tolerance, out, workers, progress
+        self,
+        table,
+        parameters: tuple[Parameter, ...],
+        *,
+        also,
+        search,
+        options: Options,
+        progress,
+        coarse=False,
     ):
         level, keys = level_key(table), [each.key for each in parameters]
         if level is not None and level not in keys:
@@ -65,20 +98,22 @@ class Evaluations:
             levels = table.get(block, {}).get(name)
             table = replaced(table, level, max(levels) if isinstance(levels, (list, tuple)) else levels)
         ends = {each.key: [each.low, each.high] for each in parameters}
-        plan = designed(table, ends, tolerance=tolerance, also=also)
+        plan = designed(table, ends, tolerance=options.tolerance, also=also)
         question = plan.question
         moved = tuple(key for key in PLACE_KEYS if key in keys)
         if moved and question.kind == "driven":  # each point has its own places
             own = (*question.source_keys, *(key for key in moved if key not in question.source_keys))
             question = replace(question, source_keys=own, places=())
+        question = replace(question, coarse=coarse)
         self.fixed = tuple(
             column[0] for axis in plan.axes if axis.keys[0] not in keys for column in axis.columns
         )
         self.question, self.progress, self.rows = question, progress, []
-        identity = plan.identity | {"search": json.dumps(search, sort_keys=True)}
+        identity = plan.identity | {"search": json.dumps(search | {"coarse": coarse}, sort_keys=True)}
         self.asked, self.known = _Asked(question, identity), {}
-        self.store = Store(None if out is None else Path(out), self.asked)
-        self.staff = chosen_workers(workers, None)
+        folder = None if options.out is None else Path(options.out)
+        self.store = Store(folder / "coarse" if coarse and folder else folder, self.asked)
+        self.staff = chosen_workers(options.workers, None)
 
     def __enter__(self):
         return self

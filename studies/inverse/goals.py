@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 from studies.inverse.parameters import Parameter, read_parameter
 from studies.refusal import SceneError, nearest, shown
+from studies.scene.keys import rule_at
 from studies.scene.quantity import si_value
 from studies.scene.rule import Count
-from studies.sweep.axes import rule_at
 
 __all__ = ["GOALS", "Constraint", "counted", "read_constraint", "read_variable"]
 

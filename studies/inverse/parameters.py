@@ -8,9 +8,9 @@ import math
 from dataclasses import dataclass
 
 from studies.refusal import SceneError, nearest, shown
+from studies.scene.keys import rule_at
 from studies.scene.override import toml_value
 from studies.scene.rule import Place, Quantity
-from studies.sweep.axes import rule_at
 
 __all__ = [
     "AMPLITUDE_FACTOR",

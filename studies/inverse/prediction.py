@@ -13,16 +13,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from studies.chain import bridge
-from studies.chain.driven_contact import driven_contact
+from studies.chain.driven_contact import DrivenContact
+from studies.chain.surface_motion import surface_motion
 from studies.inverse.data import Measurement
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
-from studies.scene.override import replaced
+from studies.scene.override import replaced, value_at
 from studies.scene.resolved import resolved
 
 __all__ = ["Contact", "Predictor"]
 
+SHARE = 0.25  # of the tolerance, for the stator
 TRUSTED = 1e-2  # error of an averaged steady state up to which it is taken
 ALONE = 1e-5  # tolerance of the others
 BURST_TOLERANCE, SAMPLES = 1e-3, 400
@@ -66,6 +68,11 @@ class Predictor:
         """Whether the surface motion is given."""
         return "wave" in self.table
 
+    def solved(self, record) -> None:
+        """Take the stator's answer from a run of the scene."""
+        if not self.given_wave:
+            self._driven["{}"] = DrivenContact.of_run(record)
+
     def contact(self, numbers: dict) -> Contact:
         """Return slider and surface motion with some keys of the scene changed."""
         known = tuple(sorted((key, str(value)) for key, value in numbers.items()))
@@ -77,12 +84,9 @@ class Predictor:
 
     def value(self, key: str) -> float | None:
         """Return the scene's own value of a key; None where it has none."""
-        at = self.table
-        for part in key.split("."):
-            try:
-                at = at[int(part)] if isinstance(at, list) else at[part]
-            except (KeyError, IndexError, TypeError):
-                return 1.0 if key == AMPLITUDE_FACTOR else None
+        if key == AMPLITUDE_FACTOR:
+            return 1.0
+        at = value_at(self.table, key)
         return at if isinstance(at, (int, float)) and not isinstance(at, bool) else None
 
     def needs_stator(self, key: str) -> bool:
@@ -124,11 +128,31 @@ class Predictor:
         name = json.dumps(keys, default=str, sort_keys=True)
         if name not in self._driven:
             self.progress(f"stator {len(self._driven) + 1}")
-            self._driven[name] = driven_contact(scene, tolerance=self.tolerance)
+            self._driven[name] = self._solved(scene)
         driven = self._driven[name]
         orbits = bridge.scaled(driven.orbits, factor)
         scene = replace(scene, drive=replace(scene.drive, frequency=driven.scene.frequency))
         return Contact(scene, bridge.contact_slider(scene.slider), orbits, driven.amplitude * factor)
+
+    def _solved(self, scene: Scene) -> DrivenContact:
+        """Solve the stator for the motion under the slider."""
+        import fem
+
+        places = tuple(dict.fromkeys((scene.slider.center, *scene.slider.places)))
+        try:
+            wave = bridge.driven_section(
+                scene, tolerance=SHARE * self.tolerance, places=[x for x, _ in places]
+            )
+            motion = surface_motion(wave, scene.stator, places, self.tolerance)
+        except fem.BeamError as error:
+            scene.refuse("stator.diffraction", f"must be false or absent: {error}")
+        except fem.ConvergenceError as error:
+            raise RunError(str(error)) from None
+        return DrivenContact(
+            scene=scene, slider=None, orbits=bridge.orbits_per_volt(motion, scene.slider),
+            amplitude=float(abs(motion.at([scene.slider.center])[2, 0])), stator_error=motion.relative_error(places),
+            record=None,
+        )  # fmt: skip
 
     def _factors(self, measurement: Measurement, numbers: dict, contact: Contact) -> np.ndarray:
         """Return the factors on the contact's orbits at the levels of a measurement."""

@@ -1,4 +1,8 @@
-"""One search over the unit box of the variables: differential evolution, then COBYQA from its best point."""
+"""One search over the unit box of the variables: differential evolution, then COBYQA from its best point.
+
+Where each evaluation solves a stator, differential evolution takes the coarsest discretisation (``coarse``); its best
+points are evaluated again at the tolerance, and COBYQA goes on there from the best of them.
+"""
 
 import numpy as np
 from scipy.optimize import differential_evolution, minimize
@@ -10,20 +14,18 @@ from studies.inverse.goals import GOALS, counted
 __all__ = ["UNKNOWN", "Search"]
 
 GLOBAL_SHARE, CROWD = 0.7, 8  # of the evaluations; members per variable of a generation
+REPEATED, RADIUS = 8, 1e-4  # best points of the coarse search; of COBYQA's last trust region
 INFEASIBLE, UNKNOWN = 1.0, 1e6  # worst value of a feasible point is 0
 
 
 class Search:
     """The searches of one design: from the unit box to the value to be minimised."""
 
-    def __init__(self, ask: Evaluations, variables, constraints, goals, seed: int):
-        self.ask, self.variables, self.constraints, self.goals, self.seed = (
-            ask,
-            variables,
-            constraints,
-            goals,
-            seed,
-        )
+    def __init__(
+        self, ask: Evaluations, coarse: Evaluations | None, variables, constraints, goals, seed: int
+    ):
+        self.ask, self.coarse = ask, coarse
+        self.variables, self.constraints, self.goals, self.seed = variables, constraints, goals, seed
         self.best_of_each: list[float] | None = None
 
     def run(self, weights: list[float], budget: int) -> float:
@@ -31,20 +33,27 @@ class Search:
         count = len(self.variables)
         size = max(5, min(CROWD * count, int(GLOBAL_SHARE * budget) // 4))
         turns = max(1, int(GLOBAL_SHARE * budget) // size - 1)
+
+        def values(xs):
+            return np.array([self.value(row, weights) for row in self.rows(xs.T, self.coarse)])
+
         found = differential_evolution(
-            lambda xs: np.array([self.value(row, weights) for row in self.rows(xs.T)]), [(0.0, 1.0)] * count,
+            values, [(0.0, 1.0)] * count,
             popsize=max(1, size // count), maxiter=turns, init=self._first(size), rng=np.random.default_rng(self.seed),
             vectorized=True, updating="deferred", polish=False, tol=0.0,
         )  # fmt: skip
+        start, left = found.x, budget - size * (turns + 1)
+        if self.coarse is not None:
+            start, left = self._repeated(weights), left - REPEATED
         free = [k for k, each in enumerate(self.variables) if not counted(each)]
         if free:
-            self._local(found.x, free, weights, budget - size * (turns + 1))
+            self._local(start, free, weights, left)
         best = min(self.ask.rows, key=lambda row: self.value(row, weights))
         return self.goal(best, self.goals[int(np.argmax(weights))])
 
-    def rows(self, points) -> list[dict]:
+    def rows(self, points, ask: Evaluations | None = None) -> list[dict]:
         """Return the evaluations at points of the unit box."""
-        return self.ask([tuple(self._outer(k, x) for k, x in enumerate(point)) for point in points])
+        return (ask or self.ask)([tuple(self._outer(k, x) for k, x in enumerate(point)) for point in points])
 
     def goal(self, row: dict, goal: str) -> float:
         """Return what is to be large; 0 without an answer."""
@@ -73,6 +82,14 @@ class Search:
         """Return the points that keep the constraints."""
         return [row for row in rows if self.broken(row) == 0.0]
 
+    def _repeated(self, weights) -> np.ndarray:
+        """Evaluate the best points of the coarse search at the tolerance; return the best of them in the unit box."""
+        keys = [each.key for each in self.variables]
+        best = sorted(self.coarse.rows, key=lambda row: self.value(row, weights))[:REPEATED]
+        rows = self.ask([tuple(row[key] for key in keys) for row in best])
+        chosen = min(rows, key=lambda row: self.value(row, weights))
+        return np.array([self._inner(k, chosen[key]) for k, key in enumerate(keys)])
+
     def _local(self, start, free, weights, budget: int) -> None:
         """Go on from the best point by COBYQA, the constraints as such; counts stay."""
 
@@ -96,9 +113,10 @@ class Search:
             {"type": "ineq", "fun": lambda part, each=each: -each.excess(at(part))}
             for each in self.constraints
         ]
+        radius = RADIUS if self.coarse is None else 10 * RADIUS
         minimize(
             size, np.array(start, float)[free], method="COBYQA", bounds=[(0.0, 1.0)] * len(free), constraints=limits,
-            options={"maxfev": max(budget, len(free) + 3), "initial_tr_radius": 0.05, "final_tr_radius": 1e-4},
+            options={"maxfev": max(budget, len(free) + 3), "initial_tr_radius": 0.05, "final_tr_radius": radius},
         )  # fmt: skip
 
     def _outer(self, k: int, x: float) -> float:
@@ -107,6 +125,13 @@ class Search:
             return min(each.low + int(share * (each.high - each.low + 1)), each.high)
         low, high = each.inner(each.low), each.inner(each.high)
         return each.outer(low + share * (high - low))
+
+    def _inner(self, k: int, value: float) -> float:
+        each = self.variables[k]
+        if counted(each):
+            return (value - each.low + 0.5) / (each.high - each.low + 1)
+        low, high = each.inner(each.low), each.inner(each.high)
+        return (each.inner(value) - low) / (high - low)
 
     def _first(self, size: int):
         return qmc.LatinHypercube(len(self.variables), rng=np.random.default_rng(self.seed)).random(size)

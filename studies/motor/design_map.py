@@ -14,11 +14,12 @@ from itertools import pairwise
 
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
+from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import replaced
 from studies.scene.resolved import resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 from studies.sweep import sweep
-from studies.sweep.axes import axis, level_key, rule_at, unit_of
+from studies.sweep.axes import axis, level_key
 
 __all__ = ["figure", "run"]
 
@@ -51,14 +52,10 @@ def run(
 
     Parameters
     ----------
-    scene : str or Scene
-        A path, a shipped name or a scene with a slider.
     over : dict, optional
         Two keys of numbers and their values, as for a sweep.
     counts : tuple of int
         Of levels and of preloads, where there are no axes.
-    progress : callable, optional
-        Told what is being done.
     """
     import numpy as np
 
@@ -112,7 +109,7 @@ def figure(record: Panel, ax):
     from matplotlib.colors import BoundaryNorm
     from matplotlib.patheffects import withStroke
 
-    from studies.report.figures import COLOURS, legend_below, logarithmic
+    from studies.report.figures import COLOURS, legend_below, logarithmic, titled
 
     data = record.data
     value = np.ma.masked_invalid(np.asarray(data["value"], float) * data["scale"])
@@ -145,7 +142,7 @@ def figure(record: Panel, ax):
         logarithmic(ax.xaxis)
     if _even_in_logarithm(y[0]):
         logarithmic(ax.yaxis)
-    ax.set_title(record.title, fontsize="medium")
+    titled(ax, record.title)
     legend_below(ax)
     return ax
 

@@ -31,12 +31,8 @@ def run(
 
     Parameters
     ----------
-    scene : str or Scene
-        A path, a shipped name or a scene with a slider and either a [wave] or a driven stator.
     points : int
         Loads of each line.
-    progress : callable, optional
-        Told what is being done.
     """
     import numpy as np
 

@@ -36,14 +36,10 @@ def run(
 
     Parameters
     ----------
-    scene : str or Scene
-        A path, a shipped name or a scene with a slider and either a [wave] or a driven stator.
     amplitudes, preloads : int
         Points of the grid along each axis.
     checked : int
         Points that are solved again by the event-driven method.
-    progress : callable, optional
-        Told what is being done.
     """
     import numpy as np
 
@@ -152,7 +148,7 @@ def figure(record: Panel, ax):
     """Draw simulated regimes as points, closed forms as lines, the operating points as stars."""
     import numpy as np
 
-    from studies.report.figures import COLOURS, legend_beside, logarithmic
+    from studies.report.figures import COLOURS, legend_beside, logarithmic, titled
 
     data = record.data
     A, preload = np.asarray(data["amplitude_m"]) * 1e9, np.asarray(data["preload_N"]) * 1e3
@@ -173,6 +169,6 @@ def figure(record: Panel, ax):
     logarithmic(ax.yaxis)
     ax.set_xlabel("normal amplitude (nm)")
     ax.set_ylabel("preload (mN)")
-    ax.set_title(record.title, fontsize="medium")
+    titled(ax, record.title)
     legend_beside(ax)
     return ax

@@ -37,16 +37,12 @@ def run(
 
     Parameters
     ----------
-    scene : str or Scene
-        A path, a shipped name or a scene with a slider and either a [wave] or a driven stator.
     cycles : tuple of int
         Lengths of the bursts, rising.
     wanted : tuple of float
         Steps to plan, m.
     lines : int
         How many of the scene's levels, at most.
-    progress : callable, optional
-        Told what is being done.
     """
     import numpy as np
 

@@ -72,7 +72,7 @@ def figure(panel: Panel, ax):
 
     A published range is drawn in grey, everything of its row over the range's geometric mean.
     """
-    from studies.report.figures import COLOURS
+    from studies.report.figures import COLOURS, titled
 
     data = panel.data
     count = len(data["quantity"])
@@ -93,7 +93,7 @@ def figure(panel: Panel, ax):
     names = [f"{m}:\n{q}" for m, q in zip(data["motor"], data["quantity"], strict=True)]
     ax.set_yticks(range(count)[::-1], names, fontsize="x-small")
     ax.set_xlabel("predicted over published (grey: a published range, over its geometric mean)")
-    ax.set_title(panel.title, fontsize="medium")
+    titled(ax, panel.title)
     ax.grid(axis="x", alpha=0.3)
     return ax
 

@@ -47,7 +47,7 @@ def run(*, steps: tuple[float, ...] = (), progress: Callable[[str], None] | None
 @of_record
 def figure(record: Panel, ax):
     """Draw a panel: curves of the left axis, and of a second axis on the right where there are any."""
-    from studies.report.figures import COLOURS, legend_below
+    from studies.report.figures import COLOURS, legend_below, titled
 
     data = record.data
     palette = iter(
@@ -66,7 +66,7 @@ def figure(record: Panel, ax):
     for (name, at), style in zip(data.get("verticals", {}).items(), (":", "--"), strict=False):
         lines.append(ax.axvline(at, color=COLOURS["line"], linestyle=style, linewidth=1, label=name))
     ax.set_xlabel(data["x_axis"])
-    ax.set_title(record.title, fontsize="medium")
+    titled(ax, record.title)
     ax.grid(alpha=0.3)
     legend_below(ax, lines, columns=5)
     return ax

@@ -9,7 +9,7 @@ from studies.record import Record
 from studies.report.measured import comparison_lines
 from studies.scene.match import ELEMENTS
 
-__all__ = ["answer", "points_table", "print_json", "table"]
+__all__ = ["answer", "notebook_table", "points_table", "print_json", "table"]
 
 COLUMNS = (
     ("voltage (V)", "voltage_V", lambda value: f"{value:g}"),
@@ -17,11 +17,15 @@ COLUMNS = (
     ("u_z (nm)", "normal_amplitude_m", lambda value: f"{value * 1e9:.4g}"),
     ("u_x (nm)", "tangential_amplitude_m", lambda value: f"{value * 1e9:.4g}"),
     ("velocity (mm/s)", "velocity_m_per_s", lambda value: f"{value * 1e3:.5g}"),
+    ("95 % from", "velocity_low_m_per_s", lambda value: f"{value * 1e3:.5g}"),
+    ("to (mm/s)", "velocity_high_m_per_s", lambda value: f"{value * 1e3:.5g}"),
     ("at burst end (mm/s)", "velocity_at_burst_end_m_per_s", lambda value: f"{value * 1e3:.5g}"),
     ("regime", "regime", str),
     ("rel. error", "relative_error", lambda value: f"{value:.1e}"),
     ("status", "status", str),
 )  # of a point: its head, its key in run.json, and how it is written
+
+ROWS_SHOWN = 30  # of the table in a notebook
 
 
 def print_json(value: dict) -> None:
@@ -41,6 +45,8 @@ def answer(record: Record) -> str:
         lines += _free_wave(record.wave)
     lines += _wave(record)
     lines += _limits(record)
+    if record.uncertainty:
+        lines += _uncertainty(record.uncertainty)
     if record.measured:
         lines += comparison_lines(record.measured)
     if record.at_rest:
@@ -74,6 +80,20 @@ def points_table(record: Record, missing: str = "-") -> tuple[list[str], list[li
         [text(point[key]) if key in point else missing for _, key, text in shown] for point in record.points
     ]
     return [name for name, _, _ in shown], rows
+
+
+def notebook_table(record: Record, caption: str) -> str:
+    """Return the points as a table in HTML, with a caption above and the warnings below."""
+    from html import escape
+
+    def row(kind: str, cells: list[str]) -> str:
+        return f"<tr>{''.join(f'<{kind}>{escape(cell)}</{kind}>' for cell in cells)}</tr>"
+
+    heads, rows = points_table(record, missing="")
+    body = "".join(row("td", cells) for cells in rows[:ROWS_SHOWN])
+    more = f"<p>{len(rows) - ROWS_SHOWN} more</p>" if len(rows) > ROWS_SHOWN else ""
+    notes = "".join(f"<li>{escape(note)}</li>" for note in record.warnings)
+    return f"<p>{escape(caption)}</p><table>{row('th', heads)}{body}</table>{more}<ul>{notes}</ul>"
 
 
 def _free_wave(wave: dict) -> list[str]:
@@ -124,6 +144,35 @@ def _source(record: Record) -> list[str]:
         text = ", ".join(f"{name} {100 * electrical[key] / available:.3g} %" for name, key in shares.items())
         lines.append(f"power           of the available: {text}")
         lines.append(f"electrodes      {abs(electrical['comb_voltage_per_volt']):.4g} V per V of the source")
+    if "recovery_ratio" in electrical:
+        kept = f"{100 * electrical['recovery_ratio']:.3g} % of the power into the transducers"
+        load = complex(record.scene.drive.recovery.load)
+        lines.append(f"recovered       {kept}, in {load.real:.4g} {load.imag:+.4g}i ohm")
+    if "power_net_W_per_V2" in electrical:
+        less, gain = (
+            electrical["power_W_per_V2"] / electrical["power_net_W_per_V2"],
+            electrical["recovery_ratio"],
+        )
+        lines.append(
+            f"circulation     the source gives 1/{less:.4g} of it; gain of the loop {gain:.4g}, stable below 1"
+        )
+    return lines
+
+
+def _uncertainty(block: dict) -> list[str]:
+    """Return how the bands were made, and what each tolerance makes of the velocity at the highest level."""
+    made = "linear, tolerances added in quadrature"
+    if "samples" in block:
+        made = f"percentiles of {block['samples']} samples (Latin hypercube)"
+    lines, widths = [f"uncertainty     bands of 95 %: {made}"], block.get("velocity_half_width_m_per_s", {})
+    for key, size in block["tolerances"].items():
+        effect = f": +- {widths[key] * 1e3:.3g} mm/s at the highest level" if key in widths else ""
+        lines.append(f"                {key} +- {size:.4g}{effect}")
+    for name in ("threshold", "release"):
+        for key, factor, unit in ((f"{name}_voltage_V", 1.0, "V"), (f"{name}_amplitude_m", 1e9, "nm")):
+            if key in block:
+                low, high = (end * factor for end in block[key])
+                lines.append(f"                {name} {low:.4g} to {high:.4g} {unit}")
     return lines
 
 

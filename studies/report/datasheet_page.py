@@ -3,12 +3,12 @@
 import numpy as np
 
 from studies.chain.model_error import sentences
-from studies.record import provenance
-from studies.report import rendered
 from studies.report.datasheet import SETTLED, Datasheet, Row
 from studies.report.figures import COLOURS, as_svg, finished, velocity
 from studies.report.intermediate import si
 from studies.report.limits import model_limits
+from studies.report.page import rendered
+from studies.results.content import provenance
 
 __all__ = ["GROUPS", "PICTURE", "load_lines", "page", "speed", "start_and_stop", "table"]
 

@@ -1,7 +1,8 @@
 """A process that draws the pictures of a run: it loads the plotting library while the run is being computed.
 
-The process imports from the same places as this one and never from the working directory (``python -P``).  It reads
-from stdin what to draw and where, and answers on stdout with the exception that it met, or None.
+Where this process has loaded the library already, it draws them itself.  The other imports from the same places and
+never from the working directory (``python -P``).  It reads from stdin what to draw and where, and answers on stdout
+with the exception that it met, or None.
 """
 
 import pickle
@@ -23,6 +24,9 @@ class Drawing:
 
     def __enter__(self):
         """Start the process, apart from the terminal's interrupt: whoever started it ends it."""
+        self._process = None
+        if "matplotlib.figure" in sys.modules:
+            return self
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-c", PROGRAM.format(path=sys.path)],
             stdin=subprocess.PIPE,
@@ -33,11 +37,16 @@ class Drawing:
 
     def __exit__(self, *raised):
         """End the process."""
-        self._process.kill()
-        self._process.communicate()
+        if self._process is not None:
+            self._process.kill()
+            self._process.communicate()
 
     def draw(self, record: Record, folder: Path) -> None:
         """Draw the pictures that a record has, into a directory; raises what the drawing raised."""
+        if self._process is None:
+            from studies.report.figures import draw_run
+
+            return draw_run(record, folder)
         needed = pickle.dumps((replace(record, surface_motion=None), folder.resolve()))
         answer, _ = self._process.communicate(needed)
         if self._process.returncode:

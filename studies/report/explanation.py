@@ -6,11 +6,13 @@ are counted and divided by one measured speed; the contact takes milliseconds fo
 followed event by event about 5e-5 s for each cycle of the wave.
 """
 
+import textwrap
 from dataclasses import dataclass
 
 from studies.chain import SHARE, slider_left_out
-from studies.chain.neglected import driven_left_out, free_left_out
+from studies.chain.neglected import diffraction_left_out, driven_left_out, free_left_out
 from studies.chain.ring_up import RingUp, ring_up_left_out
+from studies.chain.surface_motion import wanted_diffraction
 from studies.refusal import RunError
 from studies.report.answer import table
 from studies.scene import Scene, resolved
@@ -21,10 +23,11 @@ __all__ = ["MEMORY_WITHIN", "TIME_WITHIN", "Plan", "explanation", "plan"]
 TIME_WITHIN, MEMORY_WITHIN = 3.0, 2.0  # factors within which the predictions have been seen to hold
 SPEED = 2.5e10  # real operations per second of the stator's algebra: one core of an x86_64 machine of 2026
 START, COMPILE = 0.3, 15.0  # s: imports and the contact's points; its kernels when they are not there yet
-BEAM = 1.5  # s: the spreading of the beam under the slider
+BEAM, CUT_BEAM = 0.6, 4.0  # s: the spreading beam under the slider; where the lateral direction matters
 JOIN, MODES = 51, 100  # real operations over n^3 of joining two pieces, and of n guided modes
 BAND = 10  # solutions that a band of frequencies is worth
 PROCESS, KEPT = 90e6, 1.35  # bytes of Python with its libraries; memory over that of the blocks alone
+WIDTH = 110  # columns of a line of what is left out
 HEADS = {
     "order": "order", "edge_layers": "edge layers", "elements": "elements in depth", "line": "line, modes",
     "columns": "columns", "condensed": "condensed", "joins": "joins", "unknowns": "unknowns", "megabytes": "MB",
@@ -99,11 +102,14 @@ def plan(scene: Scene, *, tolerance: float) -> Plan:
     else:
         parts, left_out = _free(scene)
     seconds = START + operations / SPEED
+    if any(part.name == "beam" for part in parts):
+        from fem import isotropic_about_normal
+
+        seconds += BEAM if isotropic_about_normal(resolved.solid(scene.stator)) else CUT_BEAM
     if scene.slider is not None:
         from contact import kernels
 
         seconds += 0.0 if kernels.ready() else COMPILE
-        seconds += BEAM if scene.transducer and scene.stator.diffraction is not False else 0.0
         parts.append(_contact(scene))
     return Plan(
         scene=scene, tolerance=tolerance, parts=tuple(parts), left_out=(*left_out, *slider_left_out(scene)),
@@ -125,10 +131,11 @@ def explanation(plan: Plan) -> str:
                      for level in part.levels]  # fmt: skip
             lines += [f"{'':<18}{line}" for line in table(rows)]
         lines.append("")
+    left_out = [line for each in plan.left_out for line in textwrap.wrap(each, WIDTH)]
     return "\n".join(
         [
             *lines,
-            f"{'left out':<18}" + f"\n{'':<18}".join(plan.left_out),
+            f"{'left out':<18}" + f"\n{'':<18}".join(left_out),
             f"{'error':<18}at most {plan.tolerance:.1e} is asked for",
             f"{'expected time':<18}{plan.seconds:.2g} s within a factor of {TIME_WITHIN:g}, bursts apart: counted "
             f"operations at {SPEED:.1e} per second",
@@ -166,6 +173,13 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[Part], list[str], floa
         )
     ]  # fmt: skip
     left_out, bands = [*driven_left_out(stator, scene.frequency)], 0
+    diffraction = wanted_diffraction(scene.stator.diffraction, scene.slider is not None)
+    refusal = resolved.default_refusal(stator) if diffraction is None else ""
+    spreads = diffraction is not False and not refusal
+    if spreads:
+        how = "guided modes at every wavenumber across the aperture, under the slider"
+        parts.append(Part(name="beam", facts=(how,)))
+    left_out += diffraction_left_out(scene, spreads, refusal)
     if scene.slider is not None and scene.burst is not None:
         rings = not any(abs(scene.slider.center[0] - each.center) <= each.finger_pairs * each.period / 2
                         for each in scene.transducer)  # fmt: skip

@@ -5,6 +5,7 @@ Every function takes and returns an Axes; ``saved`` makes the figure and the fil
 
 import base64
 import io
+import textwrap
 from collections.abc import Callable
 from pathlib import Path
 
@@ -26,6 +27,7 @@ __all__ = [
     "saved",
     "show",
     "surface",
+    "titled",
     "trajectories",
     "velocity",
 ]
@@ -38,6 +40,8 @@ COLOURS = {
     "line": "#000000",
     "second": "#009E73",
 }
+SIZE, DPI = (7.0, 4.3), 150  # inches; dots per inch
+TITLE_COLUMNS = 11  # letters of a title per inch of the figure's width
 BELOW = 38  # points from the axes to a legend below them: room for ticks and label
 MARKS = {"stick": "s", "slip": "o", "intermittent": "^"}
 
@@ -79,27 +83,24 @@ def show(record: Record) -> None:
     pyplot.show()
 
 
-def saved(path: Path, draw: Callable, *, size: tuple[float, float] = (7.0, 4.3)) -> None:
+def saved(file, draw: Callable, *, size: tuple[float, float] = SIZE, **options) -> None:
     """Make a figure with one Axes, let it be drawn and save it; nothing is shown."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=size, layout="constrained")
+    figure = Figure(figsize=size, dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
     draw(figure.add_subplot())
-    figure.savefig(path, dpi=150)
+    # laid out once; savefig would draw everything for the layout first
+    figure.get_layout_engine().execute(figure)
+    figure.set_layout_engine("none")
+    figure.savefig(file, **options)
 
 
-def as_svg(draw: Callable, *, size: tuple[float, float] = (7.0, 4.3)) -> str:
+def as_svg(draw: Callable, *, size: tuple[float, float] = SIZE) -> str:
     """Make a figure with one Axes, let it be drawn and return it as a data URI."""
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=size, layout="constrained")
-    FigureCanvasSVG(figure)
-    draw(figure.add_subplot())
     file = io.BytesIO()
-    figure.savefig(file, format="svg", metadata={"Date": None})
+    saved(file, draw, size=size, format="svg", metadata={"Date": None})
     return "data:image/svg+xml;base64," + base64.b64encode(file.getvalue()).decode("ascii")
 
 
@@ -123,11 +124,18 @@ def finished(ax, across: str, up: str, title: str, *, columns: int = 4, grid: bo
     """Write axes and title, put the legend below, and return the Axes."""
     ax.set_xlabel(across)
     ax.set_ylabel(up)
-    ax.set_title(title, fontsize="medium", parse_math=False)
+    titled(ax, title)
     if grid:
         ax.grid(alpha=0.3)
     legend_below(ax, columns=columns)
     return ax
+
+
+def titled(ax, title: str) -> None:
+    """Write a title, in as many lines as the figure's width asks for."""
+    columns = int(TITLE_COLUMNS * ax.figure.get_figwidth())
+    lines = [textwrap.fill(line, columns) for line in title.splitlines()]
+    ax.set_title("\n".join(lines), fontsize="medium", parse_math=False)
 
 
 def legend_beside(ax, **given) -> None:
@@ -157,6 +165,13 @@ def velocity(record: Record, ax):
             at = [point[record.level] * scale for point in chosen]
             speeds = [point["velocity_m_per_s"] * 1e3 for point in chosen]
             ax.plot(at, speeds, mark, color=COLOURS[regime], label=regime)
+    banded = sorted((p[record.level] * scale, p["velocity_low_m_per_s"] * 1e3, p["velocity_high_m_per_s"] * 1e3)
+                    for p in record.points if "velocity_low_m_per_s" in p)  # fmt: skip
+    if banded:
+        label = f"95 % of the tolerances ({record.uncertainty['method']})"
+        ax.fill_between(
+            *zip(*banded, strict=True), color=COLOURS["slip"], alpha=0.2, linewidth=0, label=label
+        )
     for name, style in (("threshold", ":"), ("release", "--")):
         limit = record.summary.get(f"{name}_amplitude_m" if given else f"{name}_voltage_V")
         if limit is not None and limit * scale <= 1.2 * max(record.scene.levels) * scale:
@@ -172,7 +187,7 @@ def velocity(record: Record, ax):
     ax.set_xlabel(unit)
     _power_axis(record, ax)
     ax.set_ylabel("slider velocity (mm/s)")
-    ax.set_title(record.scene.title, fontsize="medium", parse_math=False)
+    titled(ax, record.scene.title)
     ax.grid(alpha=0.3)
     legend_below(ax, columns=3)
     return ax

@@ -1,9 +1,9 @@
 """``sawmotor wave``: the Rayleigh wave of a material's half-space, without a mesh and without loss."""
 
-from studies.record import plain
 from studies.refusal import RunError, SceneError
 from studies.report.answer import table
 from studies.report.crystal import crystal_tables, tables_text
+from studies.results.content import plain
 from studies.scene.blocks import Orientation
 
 __all__ = ["half_space_answer", "half_space_wave"]

@@ -1,7 +1,7 @@
 """The intermediate numbers of a run, from drive to contact, each with its error and where that comes from."""
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from studies.chain import bridge
 from studies.record import Record
@@ -13,19 +13,8 @@ CLOSED = "closed form"
 GIVEN = "as given or resolved"
 
 
-@dataclass(frozen=True, kw_only=True)
-class Number:
-    """One number of the chain.
-
-    Attributes
-    ----------
-    stage : str
-        Of the chain: drive, stator, contact.
-    name, value : str
-        The value with its unit.
-    error : str
-        Relative, or why there is none.
-    """
+class Number(NamedTuple):
+    """A number of the chain: stage (drive, stator, contact), value with unit, relative error or why there is none."""
 
     stage: str
     name: str
@@ -58,9 +47,7 @@ def intermediate_numbers(record: Record) -> tuple[Number, ...]:
         rows += _free(record)
     if record.scene.slider is not None:
         rows += _contact(record)
-    return tuple(
-        Number(stage=stage, name=name, value=value, error=error) for stage, name, value, error in rows
-    )
+    return tuple(Number(*row) for row in rows)
 
 
 def _error(size: float) -> str:

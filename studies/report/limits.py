@@ -10,7 +10,9 @@ def model_limits(scene: Scene) -> tuple[str, ...]:
     limits = []
     if scene.stator is not None:
         limits += [
-            "The section is two-dimensional: no beam spreading, no edges of the aperture, no lateral modes of the "
+            "The beam is that of an endlessly wide stator, or of mirrors at its sides: no lateral modes of the width."
+            if scene.stator.diffraction
+            else "The section is two-dimensional: no beam spreading, no edges of the aperture, no lateral modes of the "
             "width.",
             "Linear piezoelectricity: no heating, no depoling, no change of the constants with the drive.",
             "The material's constants are taken as exact; sets of one material differ between authors by more than "

@@ -31,6 +31,7 @@ __all__ = [
     "Drive",
     "IsotropicSolid",
     "PiezoelectricSolid",
+    "Recovery",
     "Slider",
     "Stator",
     "Transducer",
@@ -244,6 +245,53 @@ class Transducer(Block):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Recovery(Block):
+    """A receiving transducer whose load keeps the power, or feeds it back to the source in phase."""
+
+    block: ClassVar[str] = "drive.recovery"
+    receiver: Annotated[str, Text(), "Name of the transducer that receives; the load is its termination."]
+    load: Annotated[
+        str | float | complex,
+        Impedance(("matched",)),
+        "Across its electrodes; matched: the conjugate of the impedance that they show, at drive.frequency.",
+    ] = "matched"
+    rectifier: Annotated[
+        float | None,
+        Quantity("ohm"),
+        "Instead of load: the resistance behind a full bridge with a capacitor, which is 8 / pi^2 of it.",
+    ] = None
+    efficiency: Annotated[
+        float,
+        Quantity(),
+        "Power returned over power in the load, of rectifier and return path; above 1 with an amplifier in it.",
+    ] = 1.0
+    circulation: Annotated[
+        bool,
+        Flag(),
+        "true: an ideal combiner adds the returned power to the source's, in phase; drive.voltage or power is that of "
+        "both together, so that the motion is the same and the source gives less.",
+    ] = False
+
+    def contradictions(self, unread):
+        """Ask for one load, with a resistance."""
+        if unread & {"load", "rectifier"}:
+            return
+        if self.rectifier is not None and self.load not in ("matched", self.rectifier_load):
+            yield self.refusal("load", "must be absent with drive.recovery.rectifier: it is the load")
+        elif self.load != "matched" and not complex(self.load).real > 0:
+            yield self.refusal(
+                "load", f"must have a resistance, which takes the power, got {self.load!r} ohm"
+            )
+
+    @property
+    def rectifier_load(self) -> float | None:
+        """Resistance in ohm that stands for the rectifier, if there is one."""
+        from fem import rectifier_resistance
+
+        return None if self.rectifier is None else rectifier_resistance(self.rectifier)
+
+
+@dataclass(frozen=True, kw_only=True)
 class Drive(Block):
     """The source: its frequency and, with transducers, which one it drives at which peak voltages."""
 
@@ -284,9 +332,12 @@ class Drive(Block):
     match: Annotated[
         str | tuple,
         Match(),
-        "Network between each source and its transducer: the lossless L-section that delivers all available power "
-        "at drive.frequency (auto), or elements from the source to the transducer, Q their quality there.",
+        "Network between each source and its transducer: the lossless L-section of least stored energy that delivers "
+        "all available power at drive.frequency (auto), or elements from the source on, Q their quality there.",
     ] = "none"
+    recovery: Annotated[
+        Recovery | None, Within(Recovery), "What becomes of the power that another transducer receives."
+    ] = None
 
     def contradictions(self, unread):
         """Ask for the level once; a power and a match need a source with a resistance."""

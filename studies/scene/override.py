@@ -6,7 +6,7 @@ import tomllib
 from studies.refusal import SceneError, shown
 from studies.scene.quantity import si_value
 
-__all__ = ["assigned", "axes_given", "replaced", "toml_value", "voltages"]
+__all__ = ["assigned", "axes_given", "replaced", "toml_value", "value_at", "voltages"]
 
 
 def toml_value(text: str):
@@ -49,6 +49,17 @@ def assigned(table: dict, setting: str) -> dict:
 def replaced(table: dict, key: str, value) -> dict:
     """Return a scene's table with the value at a dotted key replaced; the table is left as it is."""
     return _changed(table, key.split("."), value, "")
+
+
+def value_at(table: dict, key: str):
+    """Return the value at a dotted key of a scene's table; None where it has none."""
+    at = table
+    for part in key.split("."):
+        try:
+            at = at[int(part)] if isinstance(at, list) else at[part]
+        except (KeyError, IndexError, TypeError, ValueError):
+            return None
+    return at
 
 
 def axes_given(settings: list[str]) -> dict[str, str]:

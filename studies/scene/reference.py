@@ -12,6 +12,7 @@ from studies.scene.blocks import (
     Drive,
     IsotropicSolid,
     PiezoelectricSolid,
+    Recovery,
     Slider,
     Stator,
     Transducer,
@@ -28,6 +29,7 @@ BLOCKS = {
     "[stator]": Stator,
     "[[transducer]]": Transducer,
     "[drive]": Drive,
+    "[drive.recovery]": Recovery,
     "[wave]": Wave,
     "[slider]": Slider,
     "[slider.damping]": Damping,
@@ -54,6 +56,12 @@ A scene is one TOML file: what is modelled, no more. A block that is absent is l
   a given surface motion `[wave]` and a `[slider]`.
 - One key is changed from the command line by `--set slider.mass=1e-4` or `--set transducer.1.center="900 mm"` (blocks
   of a list are numbered from 0), the voltages by `--voltage 5:60:12`.
+- A **tolerance** is written with the value, `friction_coefficient = "0.08 +- 0.02"`, or in the block `[uncertain]`:
+  `slider.preload = "+- 5 %"`, `slider.radius = "+- 2 um"`, `drive.voltage = "+- 2 %"` (of all levels). It holds the
+  number with 95 % probability. A run then states 95 % bands of velocity, threshold and release: `method = "linear"`
+  (default) adds half the differences between the ends of each tolerance in quadrature, which is wrong where the answer
+  bends, as at the threshold; `method = "sampled"` takes percentiles of `samples = 500` points of a Latin hypercube. A
+  number of the stator costs two solutions of it (linear), or one for each sample.
 - An editor that knows JSON Schema completes and checks the keys: begin the file with `#:schema schema.json` and put the
   output of `sawmotor schema` beside it.
 

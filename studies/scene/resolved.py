@@ -8,15 +8,31 @@ layout) is refused here.
 import math
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import lru_cache
 
-from studies.refusal import SceneError
+from studies.refusal import SceneError, shown
 from studies.scene import Scene
 from studies.scene.blocks import IsotropicSolid, PiezoelectricSolid, Slider, Stator, Transducer
 from studies.scene.endless import refuse_endless_burst
+from studies.scene.keys import rule_at, unit_of
+from studies.scene.override import value_at
+from studies.scene.rule import Count
+from studies.scene.uncertain import OPTIONS, Tolerance, half_width
 
+LEVELS = ("drive.voltage", "drive.power", "wave.normal_amplitude")
 MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 of the power
 
-__all__ = ["resolved", "resolved_slider", "solid", "stator", "transducers"]
+__all__ = [
+    "default_refusal",
+    "diffracts",
+    "port_admittance",
+    "resolved",
+    "resolved_slider",
+    "solid",
+    "stator",
+    "tolerances",
+    "transducers",
+]
 
 
 def resolved(scene: Scene) -> Scene:
@@ -37,7 +53,38 @@ def resolved(scene: Scene) -> Scene:
         return scene
     if scene.burst is not None:
         refuse_endless_burst(scene, scene.frequency)
-    return replace(scene, slider=resolved_slider(scene.slider, scene.stator))
+    scene = replace(scene, slider=resolved_slider(scene.slider, scene.stator))
+    tolerances(scene)
+    return scene
+
+
+def tolerances(scene: Scene) -> tuple[Tolerance, ...]:
+    """Return the numbers of a resolved scene that are uncertain.
+
+    Raises
+    ------
+    SceneError
+        If a key of [uncertain] is no number of the scene, or an end of its interval breaks the key's rule.
+    """
+    found, table = [], scene.to_table()
+    for key, given in scene.uncertain or ():
+        path = f"uncertain.{key}"
+        if key in OPTIONS:
+            continue
+        rule = rule_at(key)
+        if key in LEVELS:
+            if not isinstance(given, str) or not given.rstrip().endswith("%"):
+                raise SceneError(path, f"must be a percentage, common to all levels, got {shown(given)}")
+            found.append(Tolerance(key, 1.0, half_width(path, given, 1.0, "")))
+            continue
+        value = value_at(table, key)
+        if isinstance(rule, Count) or unit_of(rule) is None or not isinstance(value, (int, float)):
+            raise SceneError(path, f"must be the key of a number that this scene has, got {shown(value)}")
+        size = half_width(path, given, value, unit_of(rule))
+        for end in (value - size, value + size):
+            rule.read(f"{path}, an end of whose interval, {end:g},", end)
+        found.append(Tolerance(key, float(value), size))
+    return tuple(found)
 
 
 def resolved_slider(slider: Slider, stator: Stator | None) -> Slider:
@@ -139,21 +186,87 @@ def _ladder(match: str | tuple) -> tuple:
     return tuple(found)
 
 
-def _with_circuit(scene: Scene) -> Scene:
-    """Find the voltages of given powers, and the elements of an automatic match from the stator's admittance."""
+def diffracts(scene: Scene) -> bool:
+    """Return whether a scene's transducers have finite apertures: asked for, or under a slider by default."""
+    given = scene.stator.diffraction
+    return bool(given) or (
+        given is None and scene.slider is not None and not default_refusal(stator(scene.stator))
+    )
+
+
+def default_refusal(stator) -> str:
+    """Return why the section stands for a `fem.Stator` where a scene does not decide, a sentence; or nothing."""
     import fem
 
-    found = {} if scene.drive.power is None else {"voltage": scene.drive.levels, "power": None}
-    if scene.drive.match == "auto":
-        row, name = transducers(scene), scene.drive.transducer
-        ports = fem.port_admittance(
-            stator(scene.stator), row, frequency=scene.frequency, tolerance=MATCH_TOLERANCE
-        )
-        load = fem.solve_circuit(ports.matrix, ports.names, row, name, scene.frequency).admittance
+    if fem.beam_refusal(stator) or fem.isotropic_about_normal(stator.solid):
+        return fem.beam_refusal(stator)
+    return (
+        "stator.diffraction is absent, and in this cut the beam takes 5 to 10 times as long as the section; true "
+        "computes it"
+    )
+
+
+def port_admittance(scene: Scene, frequency, tolerance: float):
+    """Return the `fem.PortAdmittance` of a scene at one or several frequencies in Hz, one for all its answers."""
+    import fem
+
+    return fem.port_admittance(
+        stator(scene.stator),
+        transducers(scene),
+        frequency=frequency,
+        tolerance=tolerance,
+        finite_apertures=diffracts(scene),
+        mirror_width=scene.stator.mirror_width,
+    )
+
+
+def _with_circuit(scene: Scene) -> Scene:
+    """Find the voltages of given powers, the receiver's load and the elements of an automatic match."""
+    import fem
+
+    given = scene.drive
+    if given.power is not None:
+        scene = replace(scene, drive=replace(given, voltage=given.levels, power=None))
+    recovery = given.recovery
+    matched = recovery is not None and recovery.rectifier is None and recovery.load == "matched"
+    if not matched and given.match != "auto":
+        return _with_load(scene)
+    ports = port_admittance(scene, scene.frequency, MATCH_TOLERANCE)
+    about = (ports.matrix, ports.names)
+    if recovery is not None:
+        load = None
+        if matched:
+            auto = given.match == "auto"
+            with _refused("drive.recovery.load"):
+                load = fem.matched_load(
+                    *about,
+                    transducers(scene),
+                    drive(scene),
+                    recovery.receiver,
+                    scene.frequency,
+                    source_matched=auto,
+                )
+        scene = _with_load(scene, load)
+    if given.match == "auto":
+        seen = fem.solve_circuit(*about, transducers(scene), given.transducer, scene.frequency).admittance
         with _refused("drive.match"):
-            ladder = fem.best_match(complex(scene.drive.source_impedance), load, scene.frequency)
-        found["match"] = tuple(((f"{each.place}_{each.kind}", each.value),) for each in ladder) or "none"
-    return replace(scene, drive=replace(scene.drive, **found)) if found else scene
+            ladder = fem.best_match(complex(given.source_impedance), seen, scene.frequency)
+        elements = tuple(((f"{each.place}_{each.kind}", each.value),) for each in ladder) or "none"
+        scene = replace(scene, drive=replace(scene.drive, match=elements))
+    return scene
+
+
+def _with_load(scene: Scene, load: complex | None = None) -> Scene:
+    """Return the scene with the load of `drive.recovery`, given or found, across the receiver."""
+    recovery = scene.drive.recovery
+    if recovery is None:
+        return scene
+    recovery = replace(recovery, load=load or recovery.rectifier_load or recovery.load)
+    row = tuple(
+        replace(each, termination=recovery.load) if each.name == recovery.receiver else each
+        for each in scene.transducer
+    )
+    return replace(scene, transducer=row, drive=replace(scene.drive, recovery=recovery))
 
 
 def _with_source_numbers(scene: Scene) -> Scene:
@@ -176,11 +289,19 @@ def _with_source_numbers(scene: Scene) -> Scene:
         if each.period == "auto" and each.has_two_combs:
             found = fem.best_period(block, _transducer(each, 1.0), scene.frequency)
         else:
-            found = fem.automatic_period(block.solid, scene.frequency, each.metallisation)
+            bulk = replace(scene.stator, thickness="half-space")
+            found = _half_space_period(bulk, scene.frequency, each.metallisation)
         return replace(each, period=float(found))
 
     with _refused("transducer.period"):
         return replace(scene, transducer=tuple(with_period(each) for each in scene.transducer))
+
+
+@lru_cache(256)  # points of a sweep or a search share most of them
+def _half_space_period(block: Stator, frequency: float, metallisation: float) -> float:
+    import fem
+
+    return fem.automatic_period(solid(block), frequency, metallisation)
 
 
 def _check_layout(scene: Scene) -> None:

@@ -12,6 +12,7 @@ from studies.scene.blocks import Drive, Slider, Stator, Transducer, Wave
 from studies.scene.file import SceneFile
 from studies.scene.override import voltages
 from studies.scene.rule import Text
+from studies.scene.uncertain import Uncertain, parted
 
 __all__ = ["Scene"]
 
@@ -30,6 +31,8 @@ class Scene(Block):
         The surface motion, given instead of those.
     slider
         Absent: the wave field is the result.
+    uncertain
+        Tolerances of the scene's numbers; needs a slider.
     """
 
     block: ClassVar[str] = ""
@@ -45,6 +48,12 @@ class Scene(Block):
         Wave | None, Within(Wave), "A given surface motion, instead of stator, transducers and drive."
     ] = None
     slider: Annotated[Slider | None, Within(Slider), "The slider; absent: the wave is the result."] = None
+    uncertain: Annotated[
+        tuple | None,
+        Uncertain(),
+        "Tolerances (95 %) of the scene's numbers, from which follow bands of the velocity: linear (half the "
+        "difference between the ends of each, added in quadrature) or sampled (percentiles of a Latin hypercube).",
+    ] = None
 
     @classmethod
     def load(cls, source: str | Path) -> Self:
@@ -106,8 +115,15 @@ class Scene(Block):
             except SceneError as error:
                 raise SceneError.together([error, *_unknown_solids(file.table)]) from None
 
+    @classmethod
+    def from_table(cls, path, table):
+        """Build the scene from its TOML document; ``"0.08 +- 0.02"`` at a key is a tolerance of [uncertain]."""
+        return super().from_table(path, parted(table) if isinstance(table, dict) else table)
+
     def contradictions(self, unread):
         """Yield what contradicts between blocks, as far as they could be read."""
+        if self.uncertain is not None and not {"uncertain", "slider"} & unread and self.slider is None:
+            yield self.refusal("uncertain", "needs a [slider]: its bands are those of the velocity")
         if "wave" in unread:
             return
         if self.wave is not None:
@@ -195,6 +211,7 @@ class Scene(Block):
             if transducer.name in drive.driven and not transducer.has_two_combs:
                 rule = f"must have + and - fingers on the driven transducer, got {shown(transducer.pattern)}"
                 yield self.refusal(f"transducer.{index}.pattern", rule)
+        yield from self._of_recovery(names)
         if drive.frequency != "center":
             return
         if not names:
@@ -206,6 +223,24 @@ class Scene(Block):
                     f'must be a length in m where drive.frequency is "center", got {shown(transducer.period)}'
                 )
                 yield self.refusal(f"transducer.{index}.period", rule)
+
+    def _of_recovery(self, names) -> Iterator[SceneError]:
+        recovery, key = self.drive.recovery, "drive.recovery.receiver"
+        if recovery is None:
+            return
+        if recovery.receiver not in names or recovery.receiver in self.drive.driven:
+            others = [name for name in names if name not in self.drive.driven]
+            rule = f"must name a transducer that is not driven, got {shown(recovery.receiver)}"
+            yield self.refusal(key, rule + nearest(recovery.receiver, others))
+            return
+        index = names.index(recovery.receiver)
+        receiver = self.transducer[index]
+        if not receiver.has_two_combs:
+            rule = f"must have + and - fingers on the receiving transducer, got {shown(receiver.pattern)}"
+            yield self.refusal(f"transducer.{index}.pattern", rule)
+        if receiver.termination not in ("open", recovery.load):
+            rule = "must be absent on the receiving transducer: drive.recovery has its load"
+            yield self.refusal(f"transducer.{index}.termination", rule)
 
     def _of_transducers(self) -> Iterator[SceneError]:
         names, placed = [transducer.name for transducer in self.transducer], []

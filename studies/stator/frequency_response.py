@@ -10,8 +10,9 @@ Run time: about 8 s.
 
 from collections.abc import Callable
 
-from studies.chain import passband
+from studies.chain import bridge, passband
 from studies.chain.spectrum import response, spectrum
+from studies.chain.surface_motion import surface_motion
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
@@ -34,14 +35,10 @@ def run(
 
     Parameters
     ----------
-    scene : str or Scene
-        A path, a shipped name or a scene with transducers.
     count : int
         Frequencies.
     tolerance : float
         Relative, of the surface motion.
-    progress : callable, optional
-        Told what is being done.
     """
     import numpy as np
 
@@ -63,7 +60,7 @@ def run(
     width = (band[1] - band[0]) / (sum(band) / 2) * driven.finger_pairs
     middle_delay = float(np.median(delay[inside]))
     ratio = float(abs(surface).max() / theory.max())
-    title = f"{chosen.title}: x = {place * 1e3:g} mm"
+    title = f"{chosen.title}: x = {place * 1e3:g} mm, plane section"
     panels = (
         Panel(
             name="amplitude",
@@ -98,13 +95,31 @@ def run(
             middle_delay * free.velocity / way, low=0.9, high=1.1, expected="1, within 10 %",
         ),
     )  # fmt: skip
-    return panels, findings
+    return panels, findings + _aperture(chosen, place, tolerance, progress)
+
+
+def _aperture(scene: Scene, place: float, tolerance: float, progress) -> tuple[Finding, ...]:
+    """Return what the finite aperture makes of the section's amplitude at the drive's frequency, where it counts."""
+    if not resolved.diffracts(scene):
+        return ()
+    progress("stator: the beam at the drive's frequency")
+    at = (place, 0.0) if scene.slider is None else scene.slider.center
+    section = bridge.driven_section(scene, tolerance=tolerance, places=(place,))
+    motion = surface_motion(section, scene.stator, [at], tolerance)
+    ratio = abs(motion.at([at])[2, 0] / section.motion(place)[1])
+    return (
+        Finding.judged(
+            "The finite aperture changes the amplitude at the slider.",
+            f"|u_z| in three dimensions over that of the plane section at {scene.frequency / 1e6:.5g} MHz",
+            ratio, low=0.3, high=2, remark="all curves are of the plane section, where the wave does not spread",
+        ),
+    )  # fmt: skip
 
 
 @of_record
 def figure(record: Panel, ax):
     """Draw the amplitude with its estimate, or the group delay with the way's."""
-    from studies.report.figures import COLOURS
+    from studies.report.figures import COLOURS, titled
 
     data = record.data
     at = data["frequency_Hz"] / 1e6
@@ -136,7 +151,7 @@ def figure(record: Panel, ax):
         ax.set_ylim(bottom=0)
         ax.set_ylabel("normal amplitude per volt, peak (nm/V)")
     ax.set_xlabel("frequency (MHz)")
-    ax.set_title(record.title, fontsize="medium")
+    titled(ax, record.title)
     ax.grid(alpha=0.3)
     ax.legend(frameon=False, fontsize="small")
     return ax

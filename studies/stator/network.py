@@ -10,12 +10,11 @@ Expected: passive and reciprocal; several branches nearer to the admittance than
 
 import math
 from collections.abc import Callable
-from itertools import pairwise
 from pathlib import Path
 
 from studies.chain import passband
-from studies.chain.spectrum import WIDEST, takes_bands
-from studies.refusal import RunError, SceneError
+from studies.chain.spectrum import port_admittances
+from studies.refusal import SceneError
 from studies.scene import Scene, resolved
 from studies.scene.quantity import si_value
 from studies.study import Finding, Panel, StudyRecord, of_record, study
@@ -69,7 +68,7 @@ def run(
     if not reference > 0:
         raise SceneError("--z0", f"must be a positive resistance, got {z0!r} ohm")
     at = passband.frequencies(chosen, count) if band is None else _band(band)
-    ports = _admittances(chosen, at, tolerance, progress)
+    ports = port_admittances(chosen, at, tolerance, progress)
     names = [each.name for each in chosen.transducer if each.name in ports.names]
     order = [ports.names.index(name) for name in names]
     scattering = ports.scattering(reference)[np.ix_(range(len(at)), order, order)]
@@ -147,7 +146,7 @@ def tables(record: StudyRecord) -> dict[str, str]:
 @of_record
 def figure(record: Panel, ax):
     """Draw reflections in the Smith chart, magnitudes in dB, the group delay, or an admittance with its circuits."""
-    from studies.report.figures import COLOURS, legend_below
+    from studies.report.figures import COLOURS, legend_below, titled
 
     data = record.data
     at = data["frequency_Hz"] / 1e6
@@ -178,7 +177,7 @@ def figure(record: Panel, ax):
         ax.set_ylabel("magnitude (dB)")
         legend_below(ax, columns=4)
     ax.set_xlabel("frequency (MHz)")
-    ax.set_title(record.title, fontsize="medium")
+    titled(ax, record.title)
     ax.grid(alpha=0.3)
     return ax
 
@@ -187,7 +186,7 @@ def _smith(record: Panel, ax):
     """Draw the reflections over circles of resistance and arcs of reactance."""
     import numpy as np
 
-    from studies.report.figures import COLOURS, legend_below
+    from studies.report.figures import COLOURS, legend_below, titled
 
     data, angle = record.data, np.linspace(0, 2 * np.pi, 361)
     for r in (0, 0.2, 0.5, 1, 2, 5):
@@ -208,7 +207,7 @@ def _smith(record: Panel, ax):
     ax.set_aspect("equal")
     ax.set_xlabel("Re S (resistance over the reference on the axis)")
     ax.set_ylabel("Im S")
-    ax.set_title(record.title, fontsize="medium")
+    titled(ax, record.title)
     legend_below(ax, columns=2)
     return ax
 
@@ -288,30 +287,3 @@ def _measured(file: Path, ports: int, reference: float):
     if own != reference:
         raise SceneError("--measured", f"has the reference {own:g} ohm: give --z0 {own:g}, not {reference:g}")
     return at, values
-
-
-def _admittances(scene: Scene, at, tolerance: float, say):
-    """Return the ``fem.PortAdmittance`` over the frequencies, in bands where the layout allows, else one by one."""
-    import numpy as np
-
-    import fem
-
-    block, row = resolved.stator(scene.stator), resolved.transducers(scene)
-    count = max(1, math.ceil(math.log(at[-1] / at[0]) / math.log(WIDEST)))
-    edges = np.searchsorted(at, at[0] * (at[-1] / at[0]) ** (np.arange(1, count) / count))
-    groups = [at[low:high] for low, high in pairwise([0, *edges, len(at)])]
-    if not takes_bands(block, row, ()):
-        groups = [np.array([f]) for f in at]
-    parts = []
-    for group in groups:
-        say(f"stator: {len(group)} frequencies from {group[0] / 1e6:.5g} MHz")
-        try:
-            parts.append(fem.port_admittance(block, row, frequency=group, tolerance=tolerance))
-        except fem.ConvergenceError as error:
-            raise RunError(f"from {group[0] / 1e6:.6g} to {group[-1] / 1e6:.6g} MHz {error}") from None
-    return fem.PortAdmittance(
-        names=parts[0].names,
-        frequency=at,
-        matrix=np.concatenate([part.matrix for part in parts]),
-        relative_error=max(part.relative_error for part in parts),
-    )

@@ -2,15 +2,17 @@
 
 Method: P-matrix of each transducer alone from its field (`fem.p_matrix`, nothing fitted) for the surface wave only, at
 frequencies of the passband; their cascade along the stator against the admittances of the whole stator, which has bulk
-waves, decaying fields and ends too (terminations are left out on both sides: short-circuit admittances).  Expected:
-reciprocity to rounding; the surface wave's part of the conductance at most all of it where the solid is lossless; the
-cascade within 30 % of the stator in the transfer admittance's maximum.  Run time: about 40 s.
+waves, decaying fields and ends too (both of the plane section; terminations are left out on both sides: short-circuit
+admittances).  Expected: reciprocity to rounding; the surface wave's part of the conductance at most all of it where the
+solid is lossless; the cascade within 30 % of the stator in the transfer admittance's maximum.  Run time: about 15 s.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 
 from studies.chain import passband
+from studies.chain.spectrum import port_admittances
 from studies.refusal import RunError
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
@@ -34,14 +36,10 @@ def run(
 
     Parameters
     ----------
-    scene : str or Scene
-        A path, a shipped name or a scene with transducers of equal aperture.
     count : int
         Frequencies.
     tolerance : float
         Of the P-matrices and of the admittances.
-    progress : callable, optional
-        Told what is being done.
     """
     import numpy as np
 
@@ -71,9 +69,9 @@ def run(
         ]
         distances = [right[0] - left[1] for left, right in pairwise(edges)]
         rows.append((parts, fem.cascade_admittance(parts, distances)[np.ix_(ports, ports)]))
-    progress("the whole stator")
-    whole = [fem.port_admittance(block, row, frequency=float(f), tolerance=tolerance).matrix for f in at]
-    cascade, whole = np.array([y for _, y in rows]), np.array(whole)
+    plane = replace(chosen, stator=replace(chosen.stator, diffraction=False, sides="absorbing"))
+    whole = port_admittances(plane, at, tolerance, progress).matrix
+    cascade = np.array([y for _, y in rows])
     first = [parts[ports[0]] for parts, _ in rows]
     data = {
         "frequency_Hz": at,
@@ -122,7 +120,7 @@ def run(
 @of_record
 def figure(record: Panel, ax):
     """Draw the transducer's reflections and conductance, or cascade and stator."""
-    from studies.report.figures import COLOURS, legend_below
+    from studies.report.figures import COLOURS, legend_below, titled
 
     data = record.data
     at = data["frequency_Hz"] / 1e6
@@ -141,7 +139,7 @@ def figure(record: Panel, ax):
             ax.plot(at, values, line, color=COLOURS["stick"], label=f"|P11|, electrodes {key}")
         ax.set_ylabel("conductance (mS), reflection (1)")
     ax.set_xlabel("frequency (MHz)")
-    ax.set_title(record.title, fontsize="medium")
+    titled(ax, record.title)
     ax.grid(alpha=0.3)
     legend_below(ax, columns=2)
     return ax

@@ -14,14 +14,13 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from studies.refusal import SceneError, nearest, shown
-from studies.scene import Scene
-from studies.scene.block import Blocks, OneOf, Within, keys_of
+from studies.refusal import SceneError, shown
+from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import toml_value
 from studies.scene.quantity import si_value
-from studies.scene.rule import Count, Impedance, Listed, Place, Quantity
+from studies.scene.rule import Count, Listed
 
-__all__ = ["Axis", "axis", "latin_axis", "level_key", "point_axis", "rule_at", "unit_of"]
+__all__ = ["Axis", "axis", "latin_axis", "level_key", "point_axis"]
 
 MOST = 10_000_000  # values of one axis
 
@@ -106,40 +105,6 @@ def level_key(table: dict) -> str | None:
     return f"drive.{level}" if table.get("transducer") else None
 
 
-def rule_at(key: str):
-    """Return the rule of a scene's key, its lists of blocks numbered from 0.
-
-    Raises
-    ------
-    SceneError
-        If there is no such key.
-    """
-    kinds, done, parts = (Scene,), "", key.split(".")
-    while parts:
-        name = parts.pop(0)
-        here = f"{done}.{name}" if done else name
-        known = {name: one for kind in kinds for name, one in keys_of(kind).items()}
-        if name not in known:
-            raise SceneError(here, f"is no key of a scene{nearest(name, known)}")
-        rule = known[name].rule
-        if isinstance(rule, Blocks):
-            if not parts or not parts[0].isdigit():
-                raise SceneError(here, f"is a list: say which one, as in {here}.0")
-            here, kinds = f"{here}.{parts.pop(0)}", (rule.kind,)
-        elif isinstance(rule, Within):
-            kinds = (rule.kind,)
-        elif isinstance(rule, OneOf) and parts:
-            kinds = rule.kinds
-        elif parts:
-            raise SceneError(key, f"is no key of a scene: {here} holds no keys")
-        else:
-            return rule
-        if not parts:
-            raise SceneError(here, f"is a block: name one of its keys{nearest('', ())}")
-        done = here
-    raise SceneError(key, "is no key of a scene")
-
-
 def _ranged(key, rule, text):
     parts = [part.strip() for part in text.split(":")]
     wanted = "must be START:STOP:N, with :log after it for even steps of the logarithm, or a list with commas"
@@ -204,17 +169,6 @@ def _entry(rule, value):
     except SceneError:
         # infinities and NaN have no place in a table; as text they are refused by name
         return value if not isinstance(value, float) or math.isfinite(value) else repr(value)
-
-
-def unit_of(rule) -> str | None:
-    """Return the SI unit of a rule's numbers, None where it takes words."""
-    if isinstance(rule, Listed):
-        return unit_of(rule.alone or rule.each)
-    if isinstance(rule, Quantity):
-        return rule.unit
-    if isinstance(rule, Place):
-        return rule.along.unit
-    return "ohm" if isinstance(rule, Impedance) else "" if isinstance(rule, Count) else None
 
 
 def _read(path: Path) -> dict[str, list]:

@@ -102,7 +102,7 @@ def _ready(question, given, own, source) -> Driven | dict:
         orbits = source.orbits(scene.slider.places)
     driven = Driven(
         scene=scene, level=level, orbits=orbits, amplitudes=amplitudes, error=error, source=source,
-        final=source.step == STEPS - 1,
+        final=question.coarse or source.step == STEPS - 1,
     )  # fmt: skip
     if scene.slider is not None:
         return driven

@@ -11,8 +11,9 @@ from dataclasses import dataclass, field, replace
 from itertools import islice, product
 
 from studies.refusal import SceneError
+from studies.scene.keys import rule_at
 from studies.scene.rule import as_pair
-from studies.sweep.axes import Axis, axis, latin_axis, level_key, point_axis, rule_at
+from studies.sweep.axes import Axis, axis, latin_axis, level_key, point_axis
 
 __all__ = ["ALSO", "Design", "Question", "designed"]
 
@@ -42,6 +43,8 @@ class Question:
         Of all contacts of all points, x and y in m; empty where each point has its own.
     frequencies : tuple of float
         Lowest and highest in Hz, where there are enough of them for a band.
+    coarse : bool
+        Whether the stator's coarsest discretisation will do: for a search, whose best points are computed again.
     """
 
     table: dict
@@ -51,6 +54,7 @@ class Question:
     source_keys: tuple[str, ...] = ()
     places: tuple[tuple[float, float], ...] = ()
     frequencies: tuple[float, ...] = ()
+    coarse: bool = False
 
     @property
     def kind(self) -> str:

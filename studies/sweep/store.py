@@ -17,9 +17,9 @@ import sqlite3
 from contextlib import contextmanager
 from pathlib import Path
 
-from studies.record import provenance
 from studies.refusal import RunError, SceneError
 from studies.results import DirectoryInUseError, locked
+from studies.results.content import provenance
 from studies.sweep.design import Design
 from studies.sweep.source import Source
 

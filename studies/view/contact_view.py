@@ -95,11 +95,15 @@ def _page(found, title: str) -> str:
         moving, still = Path(folder) / "contact.gif", Path(folder) / "contact.png"
         movie.save(*slow_motion(found, title, FRAMES), FRAMES, moving, rate=RATE)
         strip(found, title=title).savefig(still, dpi=DPI)
-        images = "\n".join(
-            f'<p><img alt="{escape(title)}" src="data:image/{file.suffix[1:]};base64,'
-            f'{base64.b64encode(file.read_bytes()).decode()}"></p>'
-            for file in (moving, still)
-        )
+        return picture_page(title, {file.suffix[1:]: file.read_bytes() for file in (moving, still)})
+
+
+def picture_page(title: str, pictures: dict[str, bytes]) -> str:
+    """Return an HTML page that holds pictures, each by its kind, such as "png"."""
+    images = "\n".join(
+        f'<p><img alt="{escape(title)}" src="data:image/{kind};base64,{base64.b64encode(data).decode()}"></p>'
+        for kind, data in pictures.items()
+    )
     head = f'<meta charset="utf-8"><link rel="icon" href="data:,"><title>{escape(title)}</title>'
     return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n<body>\n{images}\n</body></html>\n'
 

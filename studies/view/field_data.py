@@ -23,13 +23,7 @@ TABLE, COMPLEX, INSTANT = 19.5, 9.0, 2.2
 
 
 def check(file: str | Path, *, surface: bool = False) -> None:
-    """Refuse a file of an unknown format.
-
-    Raises
-    ------
-    SceneError
-        If it is none of `FORMATS`, or of the surface alone and no table.
-    """
+    """Refuse a file that is none of `FORMATS`, or of the surface alone and no table."""
     if surface and Path(file).suffix.lower() != ".csv":
         raise SceneError("--surface", f"is a table: --data must end in .csv, got {str(file)!r}")
     if Path(file).suffix.lower() not in FORMATS:
@@ -46,30 +40,12 @@ def save(
     note: Callable[[str], None],
     surface: bool = False,
 ) -> None:
-    """Write displacement, potential, strain energy and power flow of a run.
+    """Write displacement, potential, strain energy and power flow of a run, in the span (m) or the whole section.
 
-    Parameters
-    ----------
-    found : RunField
-    file : str or Path
-        ``.vtu``: the complex field, two arrays each, and means and pulses of energy and power.  ``.pvd``: a list of
-        instants of one period, each a .vtu beside it in a directory of the same name, for ParaView's clock.  ``.csv``:
-        a row for each node, complex columns as two.
-    span : tuple of float or None
-        m; the whole section if None.
-    instants : int
-        Of a .pvd.
-    progress : callable
-        Told what is being done.
-    note : callable
-        Told the size of a large file before it is written.
-    surface : bool
-        Whether a .csv holds displacement and potential of the surface alone.
-
-    Raises
-    ------
-    SceneError, RunError
-        If the format is unknown or the file cannot be written.
+    ``.vtu``: the complex field, two arrays each, and means and pulses of energy and power.  ``.pvd``: a list of
+    instants of one period, each a .vtu beside it in a directory of the same name, for ParaView's clock.  ``.csv``: a
+    row for each node, complex columns as two; with ``surface`` of the surface alone.  ``note`` is told the size of a
+    large file before it is written.
     """
     check(file, surface=surface)
     file = Path(file)

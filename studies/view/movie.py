@@ -31,29 +31,10 @@ def save(
     progress=None,
     palette=None,
 ) -> None:
-    """Write pictures of a figure as a movie that repeats (GIF) or plays (MP4), some per second.
+    """Write a count of pictures as a movie that repeats (GIF) or plays (MP4), ``rate`` per second.
 
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        Drawn off screen.
-    show : callable
-        Given the number of a picture, changes the figure into it.
-    count : int
-    file : str or Path
-        Ends in .gif or .mp4.
-    rate : float
-        Pictures per second.
-    progress : callable, optional
-        Told what is being done.
-
-    palette : PIL.Image.Image, optional
-        With the colours of a GIF; found in its pictures if None, which passes over rare ones.
-
-    Raises
-    ------
-    SceneError, RunError
-        As `check`; or if the file cannot be written.
+    ``show`` is given the number of a picture and changes the figure into it.  The colours of a GIF are those of the
+    ``palette`` (an image), or found in its pictures, which passes over rare ones.
     """
     check(file)
 

@@ -139,13 +139,7 @@ class Shade:
 
 
 def quantity(name: str) -> Quantity:
-    """Return a quantity by its name.
-
-    Raises
-    ------
-    SceneError
-        If there is none of that name.
-    """
+    """Return a quantity by its name."""
     if name not in QUANTITIES:
         raise SceneError("--quantity", f"{name!r} does not exist{nearest(name, QUANTITIES)}")
     return QUANTITIES[name]
@@ -161,18 +155,7 @@ def present(found) -> list[str]:
 
 
 def shade(found, name: str) -> Shade:
-    """Return how a quantity colours the field of a run.
-
-    Parameters
-    ----------
-    found : studies.view.run_field.RunField
-    name : str
-
-    Raises
-    ------
-    SceneError
-        For an unknown name, or a field that this solid does not have.
-    """
+    """Return how a quantity colours the field of a run; refuse an unknown name, or a field that this solid has not."""
     chosen = quantity(name)
     field = found.whole(energies=chosen.turns == 2)
     mean, amplitude = chosen.parts(field)

@@ -160,27 +160,9 @@ def thinned(places: np.ndarray, spacing: float, start: float, stop: float) -> np
 
 
 class Section:
-    """A figure of the deformed section.
+    """A figure of the deformed section: its views from top to bottom, each with the `Piece` that is drawn in it.
 
-    Parameters
-    ----------
-    found : RunField
-    shown : tuple of View
-        From top to bottom.
-    quantity : str
-        What colours the field.
-    phase : float
-        omega t, rad.
-    factor : float or None
-        Of the displacement; None for `magnification`.
-    size : tuple of int
-        Pixels, width and height.
-
-    Attributes
-    ----------
-    figure : matplotlib.figure.Figure
-    pieces : list of Piece
-        What is drawn in each view.
+    ``phase`` is omega t in rad, ``factor`` that of the displacement (`magnification` if None), ``size`` in pixels.
     """
 
     def __init__(self, found: RunField, shown: tuple[View, ...], *, quantity, phase, factor, size):

@@ -26,25 +26,7 @@ CYCLE = 2.5  # s that one period of the wave takes
 def page(
     found: RunField, *, quantity: str, phase: float, factor: float | None, span: tuple[float, float] | None
 ) -> str:
-    """Return the page.
-
-    Parameters
-    ----------
-    found : RunField
-    quantity : str
-        What colours the field at first.
-    phase : float
-        rad, at first.
-    factor : float or None
-        Of the displacement.
-    span : tuple of float or None
-        m, what is shown at first; what lies about the slider if None.
-
-    Returns
-    -------
-    str
-        HTML.
-    """
+    """Return the page; quantity, phase (rad), factor of the displacement and span (m) are those shown at first."""
     field = found.whole(energies=True)
     spacing = SPACING * found.wavelength
     lines = thinned(field.x, spacing, 0.0, found.length)

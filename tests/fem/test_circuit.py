@@ -7,7 +7,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fem.circuit import Drive, Element, best_match, carried, solve_circuit
+from fem.circuit import (
+    Drive,
+    Element,
+    best_match,
+    carried,
+    matched_load,
+    rectifier_resistance,
+    solve_circuit,
+)
 from fem.geometry import Transducer
 
 A = Transducer(name="a", center=0.1, finger_pairs=1, period=1e-3, metallisation=0.5, aperture=0.02)
@@ -180,8 +188,64 @@ def test_the_best_match_delivers_all_available_power(resistance, reactance, cond
     assert voltage / current == pytest.approx(source.conjugate(), rel=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("load", "elements"),
+    [
+        (7.27e-3 + 26.98e-3j, ("shunt_L", "series_L")),  # either order stores the load's reactive power
+        (0.88e-3 + 7.77e-3j, ("shunt_L", "series_L")),
+        (1 / complex(10.0, 400.0), ("series_C", "shunt_C")),
+        (1 / 200.0, ("series_L", "shunt_C")),  # dual: series_C, shunt_L
+        (1 / 10.0, ("shunt_C", "series_L")),
+    ],
+)
+def test_matches_of_equal_energy_are_decided_by_a_rule_not_by_rounding(load, elements):
+    """No series capacitor, then smaller elements: the same section for loads that differ by rounding."""
+    for part in np.linspace(-4e-13, 4e-13, 41):
+        ladder = best_match(50 + 0j, load * (1 + part + 0.3j * part), FREQUENCY)
+        assert tuple(f"{each.place}_{each.kind}" for each in ladder) == elements
+
+
 def test_a_match_needs_a_resistance_and_a_load():
     with pytest.raises(ValueError, match="needs a source with a resistance, got 0"):
         best_match(0j, 1e-3 + 1e-3j, FREQUENCY)
     with pytest.raises(ValueError, match="needs a load that takes power"):
         best_match(50 + 0j, 1e-3j, FREQUENCY)
+
+
+def gains(load, source):
+    """Power in the load at b over the largest that a source of an impedance at a could give, and over what enters."""
+    row = (A, replace(B, termination=load))
+    found = solve_circuit(Y, ("a", "b"), row, Drive(sources={"a": 1.0}, impedance=source), FREQUENCY)
+    taken = 0.5 * abs(found.currents[1]) ** 2 * load.real
+    return taken / found.network.available, taken / found.power
+
+
+def test_a_matched_load_takes_the_most():
+    drive = Drive(sources={"a": 1.0}, impedance=50.0 + 20.0j)
+    best = matched_load(Y, ("a", "b"), (A, B), drive, "b", FREQUENCY)
+    taken = gains(best, drive.impedance)[0]
+    for part in (0.02, -0.02, 0.02j, -0.02j):
+        assert gains(best * (1 + part), drive.impedance)[0] < taken
+
+
+def test_matched_at_both_ends_the_gain_is_rolletts():
+    """G = 1 / (K + (K^2 - 1)^1/2), K = (2 Re y11 Re y22 - Re y12 y21) / |y12 y21| (Rollett 1962)."""
+    best = matched_load(
+        Y, ("a", "b"), (A, B), Drive(sources={"a": 1.0}, impedance=50.0), "b", FREQUENCY, source_matched=True
+    )
+    product = Y[0, 1] * Y[1, 0]
+    stability = (2 * Y[0, 0].real * Y[1, 1].real - product.real) / abs(product)
+    assert gains(best, 50.0)[1] == pytest.approx(1 / (stability + np.sqrt(stability**2 - 1)), rel=1e-12)
+
+
+def test_a_rectifier_is_the_resistance_of_its_fundamental():
+    """A sinusoidal current into a bridge of +-V, whose mean drives V through the resistance: power and fundamental."""
+    angle = (np.arange(100_000) + 0.5) * 2 * np.pi / 100_000
+    current, resistance = 3.0, 80.0
+    direct = np.mean(abs(current * np.sin(angle)))
+    square = direct * resistance * np.sign(np.sin(angle))
+    fundamental = 2 * np.mean(square * np.sin(angle))
+    assert fundamental / current == pytest.approx(rectifier_resistance(resistance), rel=1e-8)
+    assert direct**2 * resistance == pytest.approx(
+        0.5 * current**2 * rectifier_resistance(resistance), rel=1e-8
+    )

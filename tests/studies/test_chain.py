@@ -7,8 +7,8 @@ import pytest
 from studies import Scene, SceneError, Wave, chain
 from studies.chain import _needed, bridge, run
 from studies.chain.points import SliderAnswer
-from studies.record import plain
 from studies.refusal import RunError
+from studies.results.content import plain
 from studies.scene import read_table
 from studies.scene.override import assigned
 

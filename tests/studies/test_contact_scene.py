@@ -28,10 +28,12 @@ def test_a_run_on_punches_is_that_of_the_contact_package():
     assert abs(expected) > 1e-3
 
 
-def test_a_contact_that_hangs_in_the_air_changes_nothing():
-    twente = Scene.load("twente").replace(drive={"voltage": "40 V"})
-    three = run(twente.replace(slider=THREE | {"heights": ["0 nm", "-1 um", "1 nm"]}))
-    two = run(twente.replace(slider={"contacts": ["-5 mm", "5 mm"], "heights": ["0 nm", "1 nm"]}))
+def test_a_contact_that_hangs_in_the_air_changes_nothing(small):
+    motor = small.replace(drive={"voltage": "120 V"})
+    three = run(
+        motor.replace(slider={"contacts": ["-1 mm", "0 mm", "1 mm"], "heights": ["0 nm", "-1 um", "1 nm"]})
+    )
+    two = run(motor.replace(slider={"contacts": ["-1 mm", "1 mm"], "heights": ["0 nm", "1 nm"]}))
     velocity = two.points[0]["velocity_m_per_s"]
     assert three.points[0]["velocity_m_per_s"] == pytest.approx(velocity, rel=1e-6)
     assert abs(velocity) > 1e-3

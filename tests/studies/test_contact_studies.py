@@ -18,7 +18,12 @@ from tests.studies.legible import assert_legible
 def motor():
     """A short motor on a stator, two balls at different places, and what a run says of it."""
     table = read_table("twente-left")
-    settings = ["stator.length=24 mm", "transducer.0.center=5 mm", "transducer.0.finger_pairs=3"]
+    settings = [
+        "stator.length=24 mm",
+        "stator.thickness=2 mm",
+        "transducer.0.center=5 mm",
+        "transducer.0.finger_pairs=3",
+    ]
     settings += ["slider.position=14.123 mm", 'slider.contacts=["0 mm", "0.35 mm"]', "drive.voltage=[40, 80]"]
     for setting in settings:
         table = assigned(table, setting)

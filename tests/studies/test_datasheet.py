@@ -22,7 +22,7 @@ from studies.view.surface_pictures import new_figure
 from tests.studies.legible import assert_legible
 
 CHROMIUM = shutil.which("chromium")
-MOTOR = ("stator.length=24 mm", "transducer.0.center=5 mm", "transducer.0.finger_pairs=3",
+MOTOR = ("stator.length=24 mm", "stator.thickness=2 mm", "transducer.0.center=5 mm", "transducer.0.finger_pairs=3",
          "slider.position=14.123 mm", "slider.contacts=2", "drive.voltage=[20, 60, 90]")  # fmt: skip
 
 
@@ -119,7 +119,7 @@ def test_the_page_is_self_contained_and_says_what_is_not_modelled(sheet):
     assert page.count('src="data:image/svg+xml;base64,') == 3
     assert not re.search(r"(src|href)=(?!\"data:)|<script|https?:", page)
     assert "@page { size: A4" in page
-    assert "no beam spreading" in page
+    assert "no lateral modes of the width" in page
     for each in sheet.rows:
         assert f"<td>{each.name}</td>" in page
     text = datasheet_page.table(sheet)

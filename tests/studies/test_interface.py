@@ -151,7 +151,7 @@ def test_a_record_shows_itself(record, driven):
     assert "20 to 120 V" in repr(driven)
     page = driven._repr_html_()
     assert page.count("<tr>") == 4
-    assert "velocity (m/s)" in page
+    assert "velocity (mm/s)" in page
     ax = record.plot(Figure().add_subplot())
     assert "mm/s" in ax.get_ylabel()
     free = run("rayleigh")

@@ -1,13 +1,13 @@
-"""A scene's source: power instead of voltage, its impedance and a matching network, and where the power goes."""
+"""A scene's source: power instead of voltage, its impedance and a matching network, recovery, and where power goes."""
 
 import tomllib
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from studies import Scene, run
 from studies.refusal import SceneError
+from studies.report.answer import answer
 from studies.scene import read_table
 from studies.scene.resolved import resolved
 from studies.scene.toml import document
@@ -102,15 +102,21 @@ def test_the_power_of_the_source_adds_up(match):
     assert record.points[0]["voltage_V"] == pytest.approx(20.0, rel=1e-14)
 
 
-def plane(scene: Scene) -> Scene:
-    return scene.replace(stator=replace(scene.stator, diffraction=False))
-
-
 def test_a_matched_motor_is_the_motor_at_its_electrodes_voltage():
-    """Of the section, diffraction off: the beam solves a circuit of its own, the voltage reported is the section's."""
-    matched = run(plane(motor(power="1 W", match="auto")), tolerance=1e-2)
-    volts = 20.0 * abs(matched.electrical["comb_voltage_per_volt"])
-    bare = run(plane(motor(voltage=volts, source_impedance=0)), tolerance=1e-2)
+    """In three dimensions: motion, reported voltage and powers are of one circuit, which the power ledger closes."""
+    matched = run(motor(power="1 W", match="auto"), tolerance=1e-2)
+    assert matched.surface_motion.beam is not None
+    each = matched.electrical
+    section = matched.surface_wave.circuit.admittance
+    assert (
+        abs(each["admittance_S"] / section - 1) > 1e-5
+    )  # a passive transducer receives a beam, not the plane wave
+    parts = ("solid", "loads", "radiated_left", "radiated_right")
+    ledger = sum(each[f"power_{name}_W_per_V2"] for name in parts)
+    assert ledger == pytest.approx(each["power_W_per_V2"], rel=1e-9)
+    assert each["power_W_per_V2"] >= 0.9999 * each["power_available_W_per_V2"]
+    volts = 20.0 * abs(each["comb_voltage_per_volt"])
+    bare = run(motor(voltage=volts, source_impedance=0), tolerance=1e-2)
     one, other = (record.points[0]["velocity_m_per_s"] for record in (matched, bare))
     assert one == pytest.approx(other, rel=1e-6)
     assert abs(one) > 1e-3
@@ -143,3 +149,99 @@ def test_the_answer_and_the_picture_show_the_power():
     ax.figure.canvas.draw()
     (upper,) = ax.child_axes
     assert upper.get_xlabel() == "available power (W)"
+
+
+def recovering(**recovery) -> Scene:
+    """The same without slider; what arrives at its second transducer is recovered."""
+    table = motor(voltage="10 V").to_table()
+    del table["slider"], table["transducer"][1]["termination"]
+    table["drive"]["recovery"] = {"receiver": "right"} | recovery
+    return Scene.from_table("", table)
+
+
+@pytest.fixture(scope="module")
+def recovered():
+    return run(recovering(circulation=True), tolerance=3e-2)
+
+
+def test_the_recovered_power_adds_up(recovered):
+    each = {key.removesuffix("_W_per_V2"): value for key, value in recovered.electrical.items()}
+    parts = ("power_solid", "power_loads", "power_radiated_left", "power_radiated_right")
+    assert sum(each[name] for name in parts) == pytest.approx(each["power"], rel=1e-9)
+    assert each["power_recovered"] == pytest.approx(each["power_loads"], rel=1e-9)
+    assert each["power_net"] + each["power_recovered"] == pytest.approx(each["power"], rel=1e-12)
+    assert 0 < each["recovery_ratio"] < 1
+    text = answer(recovered)
+    assert f"recovered       {100 * each['recovery_ratio']:.3g} % of the power" in text
+    assert f"the source gives 1/{each['power'] / each['power_net']:.4g} of it" in text
+    assert any("combiner is ideal" in line for line in recovered.left_out)
+
+
+def test_a_matched_receiver_takes_more_than_others(recovered):
+    load = complex(recovered.scene.drive.recovery.load)
+    assert recovered.scene.transducer[1].termination == load
+    for factor in (1.2, 0.8):
+        other = run(recovering(load=[load.real * factor, load.imag]), tolerance=3e-2)
+        assert other.electrical["power_recovered_W_per_V2"] < recovered.electrical["power_recovered_W_per_V2"]
+    again = Scene.from_table("", tomllib.loads(document(recovered.scene.to_table())))
+    assert resolved(again) == recovered.scene
+
+
+def test_the_gain_is_that_of_a_ring_with_a_coupler(recovered):
+    """Waves round a directional coupler that passes sqrt(gain) and the loop: nothing is dumped."""
+    gain = recovered.electrical["recovery_ratio"]
+    t = np.sqrt(gain)
+    coupler = np.array(
+        [[t, 1j * np.sqrt(1 - gain)], [1j * np.sqrt(1 - gain), t]]
+    )  # (loop, source) -> (loop, dump)
+    loop = 0.0
+    for _ in range(400):
+        loop, dumped = coupler @ [np.sqrt(gain) * loop, 1.0]
+    assert abs(dumped) < 1e-9
+    ratio = recovered.electrical["power_W_per_V2"] / recovered.electrical["power_net_W_per_V2"]
+    assert abs(loop) ** 2 == pytest.approx(ratio, rel=1e-9)
+
+
+def test_circulation_changes_the_source_not_the_motion(recovered):
+    still = run(recovering(), tolerance=3e-2)
+    assert "power_net_W_per_V2" not in still.electrical
+    assert still.points[0] == recovered.points[0]
+
+
+def test_a_loop_of_gain_one_is_refused(recovered):
+    limit = 1 / recovered.electrical["recovery_ratio"]
+    near = run(recovering(circulation=True, efficiency=0.999 * limit), tolerance=3e-2).electrical
+    assert near["power_net_W_per_V2"] == pytest.approx(1e-3 * near["power_W_per_V2"], rel=1e-6)
+    with pytest.raises(SceneError, match=rf"efficiency must be below {limit:.4g} .*oscillates from 1 on"):
+        run(recovering(circulation=True, efficiency=1.001 * limit), tolerance=3e-2)
+
+
+def test_a_rectifier_is_its_resistance():
+    scene = resolved(recovering(rectifier="100 ohm"))
+    assert scene.transducer[1].termination == pytest.approx(800 / np.pi**2, rel=1e-14)
+    assert scene.drive.recovery.rectifier == 100.0
+    assert resolved(scene) == scene
+
+
+@pytest.mark.parametrize(
+    ("recovery", "words"),
+    [
+        (
+            {"receiver": "left"},
+            r"drive\.recovery\.receiver must name a transducer that is not driven, got 'left'",
+        ),
+        ({"receiver": "rigth"}, r"drive\.recovery\.receiver must name .*right"),
+        ({"load": [0, 20]}, r"drive\.recovery\.load must have a resistance"),
+        ({"load": 50, "rectifier": 50}, r"drive\.recovery\.load must be absent with"),
+        ({"efficiency": 0}, r"drive\.recovery\.efficiency"),
+        ({"gain": 2}, r"drive\.recovery\.gain is no key"),
+    ],
+)
+def test_impossible_recoveries_are_refused(recovery, words):
+    with pytest.raises(SceneError, match=words):
+        recovering(**recovery)
+
+
+def test_the_receivers_termination_is_its_load():
+    with pytest.raises(SceneError, match=r"transducer\.1\.termination must be absent on the receiving"):
+        motor(voltage=1, recovery={"receiver": "right"})

@@ -80,7 +80,7 @@ def test_the_range_is_three_bandwidths_about_v_over_the_period(chip):
 
 @pytest.fixture(scope="module")
 def motion(chip):
-    return frequency_response.run(chip, count=41, tolerance=3e-2)
+    return frequency_response.run(chip, count=25, tolerance=3e-2)
 
 
 def test_the_response_is_the_estimate_s_within_a_factor_of_two(motion):

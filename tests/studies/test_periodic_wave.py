@@ -42,10 +42,9 @@ def test_velocity_and_shape_are_those_of_the_half_space(name, orientation, surfa
     assert np.abs(wave.displacement - expected.displacement).max() < 1e-8
 
 
-@pytest.mark.parametrize("surface", ["open", "metallised"])
 @pytest.mark.parametrize(
-    ("order", "grids", "layers_per_column"),
-    [(1, (12, 18, 24), 3), (2, (8, 12, 16), 3), (3, (4, 6, 8), 4), (4, (3, 4, 6), 4), (5, (2, 3, 4), 4)],
+    ("order", "grids", "layers_per_column", "surface"),
+    [(1, (12, 18, 24), 3, "open"), (3, (4, 6, 8), 4, "metallised"), (5, (2, 3, 4), 4, "open")],
 )
 def test_velocity_converges_with_twice_the_order(order, grids, layers_per_column, surface):
     """Neighbouring pairs within 0.2 of 2 p, the cell's total grading fixed while its layers multiply."""
@@ -120,7 +119,7 @@ def test_half_the_cell_is_the_whole_cell_assembled_in_two_dimensions(surface):
 
 
 @pytest.mark.parametrize(("order", "largest"), [(6, 2e-6), (8, 3e-9), (10, 1e-9)])
-@pytest.mark.parametrize("poisson_ratio", [0.499, 0.49999, 0.4999999])
+@pytest.mark.parametrize("poisson_ratio", [0.499, 0.4999999])
 def test_high_orders_do_not_lock(order, largest, poisson_ratio):
     """The error stays what it is at nu = 0.499; the floor of 1e-9 is the rounding of a stiffness of 1e7 mu."""
     rubber = isotropic(name="rubber", youngs_modulus=3e6, poisson_ratio=poisson_ratio, density=1100.0)
@@ -145,7 +144,7 @@ def test_shape_to_nine_digits():
     assert np.abs(phi - phi_expected).max() <= 1e-9 * np.abs(phi_expected).max()
 
 
-@pytest.mark.parametrize("points", range(1, 13))
+@pytest.mark.parametrize("points", [1, 2, 5, 12])
 def test_profile_does_not_depend_on_how_many_depths_are_asked_for(points):
     """scikit-fem's element remembers its values by the number of points alone."""
     wave = periodic_wave(material("PZT-4"), 1.0, order=4)

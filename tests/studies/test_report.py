@@ -9,10 +9,10 @@ import pytest
 
 import fem
 from studies.chain import run
-from studies.report import report
 from studies.report.energies import balances
 from studies.report.intermediate import intermediate_numbers, si
 from studies.report.limits import model_limits
+from studies.report.page import report
 from tests.studies.predictions import changed
 
 EVIL = '<script>alert("ran")</script> & $\\frac{"'
@@ -26,7 +26,8 @@ def contact():
 
 @pytest.fixture(scope="module")
 def driven():
-    return run(changed("twente-left", 'drive.voltage=["30 V"]', f"transducer.0.name={EVIL}",
+    return run(changed("twente-left", "stator.thickness=2 mm", "slider.position=50 mm",
+                       'drive.voltage=["30 V"]', f"transducer.0.name={EVIL}",
                        f"drive.transducer={EVIL}"), tolerance=1e-2)  # fmt: skip
 
 

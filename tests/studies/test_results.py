@@ -249,12 +249,14 @@ def test_the_files_of_a_contact_run(record, tmp_path):
     assert len(trajectory) == 1 + sum(len(motion.time) for _, motion in record.trajectories)
 
 
-def test_what_the_drawing_raises_is_raised_here(record, tmp_path):
+def test_what_the_drawing_raises_is_raised_here(record, tmp_path, monkeypatch):
+    monkeypatch.delitem(sys.modules, "matplotlib.figure", raising=False)
     with Drawing() as drawing, pytest.raises(FileNotFoundError, match="velocity"):
         drawing.draw(record, tmp_path / "absent")
 
 
-def test_a_drawing_process_that_ends_is_said(record, tmp_path):
+def test_a_drawing_process_that_ends_is_said(record, tmp_path, monkeypatch):
+    monkeypatch.delitem(sys.modules, "matplotlib.figure", raising=False)
     with Drawing() as drawing:
         drawing._process.kill()
         with pytest.raises(RunError, match="pictures were not drawn"):

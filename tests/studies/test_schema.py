@@ -23,6 +23,7 @@ from studies.scene.schema import FILE_NAME, schema, schema_text
 SCHEMA = schema()
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
 GOOD = {  # a value for every key that is given in no shipped scene, by its dotted path
+    "uncertain": [{"slider": {"preload": "+- 5 %"}, "method": "sampled", "samples": 50}],
     "stator.orientation": ["X", [0, 38, 0]],
     "stator.thickness": ["half-space", "5 mm", 5e-3],
     "stator.bottom": ["grounded", "clamped"],
@@ -41,6 +42,12 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "drive.source_impedance": [50, [1, 2]],
     "drive.power": ["1 W", [0.5, "20 mW"]],
     "drive.match": ["auto", [{"series_L": "2.6 uH", "Q": 80}, {"shunt_C": 1e-9}, {"series_R": "3 ohm"}]],
+    "drive.recovery": [{"receiver": "right", "load": [70, -3]}],
+    "drive.recovery.receiver": ["right"],
+    "drive.recovery.load": ["matched", "70 ohm"],
+    "drive.recovery.rectifier": ["80 ohm"],
+    "drive.recovery.efficiency": [0.9],
+    "drive.recovery.circulation": [True],
     "drive.sources": [{"left": 1, "right": "0.5 at 90 deg"}, {"right": [0.3, -1]}],
     "slider.contacts": [2, ["-1 mm", 0, "1 mm"]],
     "slider.shape": ["punch"],
@@ -57,6 +64,7 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "slider.damping.contact": [0.1],
 }
 BAD = {  # a value that no key of such a rule allows
+    "Uncertain": {"slider": {"preload": "+- 5 %"}, "method": "quick"},
     "Quantity": "5 furlongs per apple",
     "Choice": "otherwise",
     "Text": 3,
@@ -99,6 +107,8 @@ def changed(path: str, value) -> dict:
         table["drive"]["source_impedance"] = 50
     if path == "drive.power":
         del table["drive"]["voltage"]
+    if path.startswith("drive.recovery."):
+        table["drive"]["recovery"] = {"receiver": "right"}
     if path == "slider.heights":
         table["slider"]["contacts"] = ["-1 mm", 0, "1 mm"]
     holder = table

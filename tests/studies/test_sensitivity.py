@@ -5,8 +5,9 @@ import pytest
 
 import contact
 from studies import Scene
+from studies import run as run_chain
 from studies.inverse.prediction import Predictor
-from studies.inverse.sensitivity import _start_up, elasticities, numbers, run, tables
+from studies.inverse.sensitivity import _start_up, _without_effect, elasticities, numbers, run, tables
 
 
 @pytest.fixture(scope="module")
@@ -58,6 +59,36 @@ def test_the_start_up_time_goes_as_the_mass(predictor):
     ]
     assert times[1] == pytest.approx(2.0 * times[0], rel=1e-3)
     assert 5e-3 < times[0] < 0.13
+
+
+@pytest.mark.slow
+def test_numbers_of_a_stator(monkeypatch):
+    """Against differences of whole runs; without diffraction the aperture moves nothing."""
+    keys = ["stator.thickness", "transducer.0.aperture"]
+    monkeypatch.setattr("studies.inverse.sensitivity.numbers", lambda predictor: keys)
+    short = Scene.load("twente-left").replace(
+        stator={"length": "30 mm", "thickness": "1 mm", "diffraction": False},
+        transducer={"left": {"finger_pairs": 2, "center": "6 mm"}}, slider={"position": "20 mm"},
+        drive={"voltage": "60 V"},
+    )  # fmt: skip
+    found = elasticities(Predictor(short, tolerance=1e-3), "velocity", 60.0, lambda text: None)
+    assert abs(found["transducer.0.aperture"][0]) < 1e-9
+    runs = [
+        run_chain(short.replace(stator={"thickness": 1e-3 * (1 + s)}), tolerance=1e-4).velocity[0]
+        for s in (5e-4, -5e-4)
+    ]
+    value, error = found["stator.thickness"]
+    assert value == pytest.approx(np.log(runs[0] / runs[1]) / 1e-3, rel=0.02)
+    assert error < 0.02 * abs(value)
+
+
+def test_what_is_said_to_have_no_effect_is_tried(predictor):
+    """A number that does move the answer among the silent ones contradicts the finding."""
+    rows = elasticities(predictor, "release", 6.3e-9, lambda text: None)
+    (silent,) = _without_effect(predictor, "release", rows, 6.3e-9)
+    assert silent.confirmed
+    (wrong,) = _without_effect(predictor, "release", rows | {"slider.radius": (0.0, 0.0)}, 6.3e-9)
+    assert not wrong.confirmed
 
 
 def test_the_study_says_what_has_no_effect():

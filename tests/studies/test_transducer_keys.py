@@ -5,6 +5,7 @@ Properties: one and the same comb written in two ways, combs that change places,
 
 import tomllib
 from dataclasses import replace
+from functools import cache
 
 import pytest
 
@@ -35,6 +36,7 @@ def chip(*settings, slider=False):
     return scene if slider else replace(scene, slider=None)
 
 
+@cache
 def answer(*settings):
     record = run(chip(*settings), tolerance=3e-2)
     return record.electrical, record.wave
@@ -118,9 +120,7 @@ def test_the_source_s_impedance_divides_its_volt():
     assert loaded["power_W_per_V2"] == pytest.approx(abs(share) ** 2 * bare["power_W_per_V2"], rel=1e-10)
 
 
-@pytest.mark.parametrize(
-    ("text", "impedance"), [("50 ohm", 50.0), ("[15.0, 40.0]", 15 + 40j), ("0.2 kohm", 200.0)]
-)
+@pytest.mark.parametrize(("text", "impedance"), [("[15.0, 40.0]", 15 + 40j), ("0.2 kohm", 200.0)])
 def test_a_termination_loads_the_driven_transducer(text, impedance):
     """Y_in = Y11 (1 + Z Y_open) / (1 + Z Y11) where mirror symmetry makes Y22 = Y11."""
     short = answer("transducer.1.termination=short")[0]["admittance_S"]

@@ -5,7 +5,6 @@ The stator's part of the records is made up where only numbers enter; the formul
 
 import json
 import math
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -18,7 +17,7 @@ from studies.chain.stator_warnings import breakdown_voltage
 from studies.chain.surface_motion import SurfaceMotion
 from studies.chain.warnings import warnings_of
 from studies.record import Record
-from studies.scene import Scene, read_table, shipped_scenes
+from studies.scene import Scene, read_table
 from studies.scene.override import assigned
 from studies.scene.resolved import resolved
 from tests.contact.motors import slider as slider_of
@@ -73,16 +72,6 @@ def only(found: tuple[str, ...], *words: str) -> str:
     assert len(found) == 1, found
     assert all(word in found[0] for word in words), found[0]
     return found[0]
-
-
-@pytest.mark.parametrize("name", sorted(shipped_scenes()))
-def test_shipped_scenes_give_none(name):
-    chosen = Scene.load(name)
-    if chosen.levels:
-        block, key = ("wave", "normal_amplitude") if chosen.wave is not None else ("drive", "voltage")
-        few = (min(chosen.levels), max(chosen.levels))
-        chosen = replace(chosen, **{block: replace(getattr(chosen, block), **{key: few})})
-    assert run(chosen, tolerance=0.2).warnings == ()
 
 
 def test_the_made_up_record_gives_none():

@@ -24,7 +24,7 @@ __all__ = ["draw", "figure", "run", "tables"]
 
 PARTS = {"free wave": "free", "stator": "stator", "contact": "contact", "chain": "chain"}
 LEAST = 150
-QUICK = {"cases": 1}
+QUICK = {"cases": 1, "parts": ("free wave", "contact")}
 COARSE = ("contact",)  # parts whose witness is known to less than the answer
 STYLES = {
     "right": ("#0072B2", "o", 30),
@@ -46,11 +46,18 @@ COLUMNS = (
 )
 
 
-def run(*, cases: int | None = None, progress: Callable[[str], None] | None = None) -> StudyRecord:
+def run(
+    *,
+    parts: tuple[str, ...] = tuple(PARTS),
+    cases: int | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> StudyRecord:
     """Return the verdict on every case, a panel for each part.
 
     Parameters
     ----------
+    parts : tuple of str
+        Names in `PARTS`.
     cases : int, optional
         Of each part, evenly chosen; all without a number.
     progress : callable, optional
@@ -58,11 +65,11 @@ def run(*, cases: int | None = None, progress: Callable[[str], None] | None = No
     """
     begun = time.perf_counter()
     say = progress or (lambda text: None)
-    rooms = {part: import_module(f"studies.evidence.stability.{room}") for part, room in PARTS.items()}
+    modules = {part: import_module(f"studies.evidence.stability.{PARTS[part]}") for part in parts}
     chosen = [
-        (rooms[part].judge, case)
-        for part, room in PARTS.items()
-        for case in _some(getattr(rooms[part], f"{room}_cases")(), cases)
+        (module.judge, case)
+        for part, module in modules.items()
+        for case in _some(getattr(module, f"{PARTS[part]}_cases")(), cases)
     ]
     rows = []
     for number, (judge, case) in enumerate(chosen, start=1):
@@ -70,7 +77,7 @@ def run(*, cases: int | None = None, progress: Callable[[str], None] | None = No
             f"stability: {number} of {len(chosen)}, {case.part}, {case.varied} {case.value:g} {case.unit}".rstrip()
         )
         rows.append(_row(case, judge(case)))
-    panels = tuple(_panel(part, [row for row in rows if row["part"] == part]) for part in PARTS)
+    panels = tuple(_panel(part, [row for row in rows if row["part"] == part]) for part in parts)
     return StudyRecord(
         name="stability",
         panels=panels,

@@ -6,7 +6,8 @@ from scipy.special import hankel2
 
 from fem.beam.reception import aperture_coupling, with_apertures
 from fem.beam.surface_beam import surface_beam
-from tests.fem.stators import comb, cut, plate, solution, wave_of
+from fem.solve.port_admittance import port_admittance
+from tests.fem.stators import FREQUENCY, comb, cut, plate, solution, wave_of
 
 
 def test_coupling_of_two_apertures_is_a_double_integral_of_a_hankel_function():
@@ -42,6 +43,30 @@ def test_reciprocity_of_unequal_apertures():
     found = with_apertures(section).admittances
     np.testing.assert_allclose(found, found.T, atol=1e-9 * abs(found[0, 1]))
     assert abs(found[0, 1] - section.admittances[0, 1]) > 0.01 * abs(found[0, 1])
+
+
+def test_port_admittances_of_finite_apertures():
+    """At one frequency and over a band: those of the beam's own circuit, which the power balance closes."""
+    stator = plate(cut("PZT-8", "Z", quality=200.0), length=30.0, thickness=1.3)
+    two = tuple(
+        comb(stator, name, at, finger_pairs=2, aperture=aperture, termination=600.0)
+        for name, at, aperture in (("a", 6.0, 8e-3), ("b", 20.0, 5e-3))
+    )
+    given = {"tolerance": 1e-2, "finite_apertures": True}
+    one = port_admittance(stator, two, frequency=FREQUENCY, **given)
+    band = port_admittance(stator, two, frequency=[0.98 * FREQUENCY, FREQUENCY], **given)
+    beam = surface_beam(wave_of(solution(stator, two, order=8, layers=3)))
+    largest = abs(beam.solution.fields.admittances).max()
+    assert abs(one.matrix - beam.solution.fields.admittances).max() < 1e-2 * largest
+    assert abs(band.matrix[1] - one.matrix).max() < 1e-2 * largest
+    plane = port_admittance(stator, two, frequency=FREQUENCY, tolerance=1e-2)
+    assert abs(plane.matrix - one.matrix).max() > 0.05 * abs(one.matrix[0, 1])
+    power = beam.power
+    assert power.loads > 1e-5 * power.input
+    loaded = beam.circuit.voltages[1] * beam.circuit.currents[1].conj()
+    assert power.loads == pytest.approx(-0.5 * loaded.real, rel=1e-9)
+    assert power.residual < 1e-9
+    assert power.solid + power.loads + power.radiated == pytest.approx(power.input, rel=1e-9)
 
 
 def test_wide_apertures_are_the_section():

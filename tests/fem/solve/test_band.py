@@ -12,7 +12,7 @@ from fem.materials import material, rotated
 from fem.results.evaluation import surface_of
 from fem.results.field import wave_field
 from fem.results.solution import solve_driven
-from fem.solve.band_setup import frequency_band
+from fem.solve.band_setup import _reduced, frequency_band
 from fem.solve.harmonic import motion_difference
 from fem.solve.reduction import BandProblem, project, solve_at_nodes
 from tests.fem.stators import FREQUENCY, comb, cut, plate, wave_of
@@ -50,6 +50,40 @@ def test_band_follows_the_full_solution(case):
         assert reduced.circuit.admittance == pytest.approx(full.circuit.admittance, rel=3e-4)
         motion = surface_of(reduced).motion(PLACES)
         assert motion_difference(motion, surface_of(full).motion(PLACES)) < 1e-3
+
+
+def test_a_reduced_basis_holds_the_constant_potential():
+    """It is a mode where nothing grounds the section; held to 1e-6 only, the ports' reciprocity is lost with it."""
+    stator = plate(cut("PZT-8", "Z"), length=6.0, thickness=0.6)
+    row = comb(stator, "a", 1.5, finger_pairs=2), comb(stator, "b", 4.3, period=0.9, metallisation=0.4)
+    problem = BandProblem(
+        stator=stator,
+        transducers=row,
+        limits=(0.97 * FREQUENCY, 1.03 * FREQUENCY),
+        drive="a",
+        tolerance=1e-3,
+        places=PLACES,
+    )
+    model = project(problem, solve_at_nodes(problem, LEVELS[0]), 1e-4)
+    basis, constant = model.section.basis, model.section.full.constant_potential
+    assert basis.T @ basis == pytest.approx(np.eye(basis.shape[1]), abs=1e-12)
+    assert basis @ (basis.T @ constant) == pytest.approx(constant, abs=1e-12)
+    ports = model.port_fields(1.01 * FREQUENCY).admittances
+    assert ports[0, 1] == pytest.approx(ports[1, 0], rel=1e-12)
+
+
+@pytest.mark.parametrize(("of_levels", "projections"), [(1e-4, 1), (8e-4, 3), (2e-3, 2)])
+def test_the_reduction_takes_what_the_discretisation_leaves(monkeypatch, of_levels, projections):
+    """At a tolerance of 1e-3: no smaller error than is left, no second discretisation where more fields would do."""
+    monkeypatch.setattr("fem.solve.band_setup.project", lambda problem, nodes, truncation: truncation)
+    reached = iter([(7e-4, 0.0), (4e-4, 0.0), (1.5e-4, 0.0), (1e-5, 0.0)])
+    monkeypatch.setattr("fem.solve.band_setup._errors", lambda *rest: next(reached))
+    problem = BandProblem(
+        stator=None, transducers=(), limits=(1.0, 2.0), drive="a", tolerance=1e-3, places=PLACES
+    )
+    _, of_motion, _ = _reduced(problem, None, [], 1.0, 1e-3 - of_levels)
+    assert of_motion == (7e-4, 4e-4, 1.5e-4)[projections - 1]
+    assert of_levels + of_motion <= 1e-3 or of_levels > 1e-3
 
 
 STATED = {

@@ -45,6 +45,11 @@ def line(solid, *, order=8, thickness=0.8, **rest):
     )
 
 
+def discretise_finely(stator):
+    unit = slowest_wavelength(stator.solid, FREQUENCY)
+    return discretise(stator, Resolution(order=14, edge_layers=0), wavelength=unit, surface_scale=np.inf)
+
+
 @pytest.mark.parametrize("quality", [np.inf, 1000.0])
 def test_modes_of_a_ceramic_poled_along_the_normal_are_those_at_zero_rotated(quality):
     """k_x^2 + k_y^2 = k^2 for propagating and evanescent modes, sagittal ones and shear-horizontal ones alike."""
@@ -227,6 +232,17 @@ def test_refusals(change, message):
     stator = plate(CUTS["PZT-8 Z"])
     with pytest.raises(ValueError, match=message):
         fem.guided_modes(stator, **({"frequency": FREQUENCY, "tolerance": 1e-3} | change))
+
+
+def test_all_propagating_modes_to_a_tolerance():
+    """On request every mode that runs along the section is as good as the surface wave, which stands out in share."""
+    stator = plate(CUTS["PZT-8 Z"], thickness=1.5)
+    modes = fem.guided_modes(stator, frequency=FREQUENCY, tolerance=1e-3, propagating=True)
+    exact = modes_of_section(discretise_finely(stator), FREQUENCY)
+    running = exact.wavenumbers[exact.propagating] / exact.section.length_unit
+    missed = [abs(modes.wavenumbers - k).min() / running.real.max() for k in running]
+    assert max(missed) <= modes.relative_error <= 1e-3
+    assert np.argmax(modes.surface_share[: len(running)]) in modes.surface
 
 
 def test_radiation_impedance_at_a_lateral_wavenumber():

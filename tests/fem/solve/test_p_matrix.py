@@ -83,6 +83,28 @@ def test_a_cascade_of_all_modes_is_the_stator():
     assert found[1, 0] == pytest.approx(whole.admittances[1, 0], rel=2e-2)
 
 
+def test_the_surface_waves_of_two_like_faces_are_told_apart():
+    """A thick plate: modes of one wavenumber to 1e-7, mixed at random; the surface carries one wave at every level."""
+    coarse, fine = (lone(plate("PZT-8", "Z", thickness=5e-3), ROW, 2.2e6, level) for level in (0, 1))
+    assert abs(fine.wavenumbers[1] / fine.wavenumbers[0] - 1) < 1e-6
+    assert abs(fine.detection + 2 * fine.excitation).max() < 1e-10 * abs(fine.excitation).max()
+    assert abs(fine.excitation[[1, 3]]).max() < 1e-5 * abs(fine.excitation[0])
+    assert abs(fine.scattering - coarse.scattering).max() < 0.1
+    assert abs(fine.excitation - coarse.excitation).max() < 0.1 * abs(fine.excitation[0])
+
+
+def test_they_beat_along_the_stator():
+    """Wavenumbers 3e-4 apart: what the top sends reaches the bottom in part; a cascade of all modes is the stator."""
+    stator, frequency = plate("PZT-8", "Z", quality=200.0, loss=0.01, thickness=2e-3), 2.2e6
+    left = replace(ROW, name="a", center=10e-3)
+    right = replace(ROW, name="b", center=110e-3, finger_pairs=2, period=0.9e-3)
+    stator = replace(stator, length=0.12)
+    whole = solve_ports(stator, (left, right), frequency=frequency, resolution=LEVELS[0]).admittances
+    parts = [lone(stator, row, frequency, 0, True) for row in (left, right)]
+    distance = 0.1 - (parts[0].length + parts[1].length) / 2
+    assert cascade_admittance(parts, [distance])[1, 0] == pytest.approx(whole[1, 0], rel=1e-9)
+
+
 def test_a_weak_comb_is_sinc_squared_and_its_hilbert_partner():
     """A twentieth of the coupling of PZT: no reflections, and G0 sinc^2 X over the main lobe to 1 % of G0."""
     solid = rotated(material("PZT-8"), "Z")

@@ -6,7 +6,7 @@ import pytest
 
 @pytest.fixture(scope="module")
 def done(studied):
-    return studied("cell_triple")
+    return studied("cell_parameters")
 
 
 def test_all_is_as_expected(done):

@@ -33,14 +33,10 @@ def run(
 
     Parameters
     ----------
-    scene : str or Scene
-        A path, a shipped name or a scene with transducers.
     count : int
         Frequencies of the Bloch waves.
     tolerance : float
         Of the stop bands' edges, relative to their width.
-    progress : callable, optional
-        Told what is being done.
     """
     import numpy as np
     from scipy.special import ellipk, eval_legendre
@@ -130,7 +126,7 @@ def run(
 @of_record
 def figure(record: Panel, ax):
     """Draw the Bloch waves' phase and decay per finger, with the stop bands."""
-    from studies.report.figures import COLOURS
+    from studies.report.figures import COLOURS, titled
 
     data, at = record.data, record.data["frequency_Hz"] / 1e6
     lines, decay = [], ax.twinx()
@@ -155,7 +151,7 @@ def figure(record: Panel, ax):
     decay.set_ylim(0, 1.6 * max(data["shorted_reflectivity"], data["open_reflectivity"]))
     low, high = ax.get_ylim()
     ax.set_ylim(low, high + 0.6 * (high - low))
-    ax.set_title(record.title, fontsize="medium")
+    titled(ax, record.title)
     ax.grid(alpha=0.3)
     ax.legend(
         lines, [line.get_label() for line in lines], frameon=False, fontsize="x-small", loc="upper left"

@@ -1,0 +1,232 @@
+"""Whether the stators that are published convert, match and return power as their papers say.
+
+Method: P-matrices (`fem.p_matrix`, nothing fitted) of a row of 21 finger pairs of 400 um and of 32 pairs of reflecting
+strips beside it, on 128YX lithium niobate at 9.61 MHz with 9 mm of aperture (Tokyo Institute of Technology, KAKEN
+reports 22360101, 2010, and 15H03943).  Only the surface wave travels between them; the plate of 1.5 mm is thick enough
+for its upper face to have that wave to itself (1e-3 of the amplitude on the lower one).  A second transducer of the
+same kind with its conjugate as the load returns by reciprocity the share of what arrives that it sends; with
+circulation (Asai, Kurosawa and Higuchi, "Novel power circulation methods for a surface acoustic wave motor", IEEE
+Ultrasonics Symp. 2000) the source gives the rest.  What is not stated is swept, every combination: strips open or
+connected, their period, their distance (of the largest share of the power to one side, or of the largest power per
+volt), what the wave loses on its way (diffraction, slider, mount), whether the load's resistance is across its
+reactance or in series, and whether 20.5 V is the peak value or from peak to peak.  Expected: each published number in
+its band, and one layout that meets all of KAKEN 22360101 to 15 %.  Run time: about 5 s.
+"""
+
+import time
+from collections.abc import Callable
+from itertools import product
+
+from studies.papers.published import Unknown
+from studies.refusal import RunError
+from studies.study import Finding, Panel, StudyRecord, of_record
+
+__all__ = ["figure", "run"]
+
+FREQUENCY, PERIOD, APERTURE, THICKNESS, PAIRS, STRIP_PAIRS = 9.61e6, 400e-6, 9e-3, 1.5e-3, 21, 32
+ELECTRODES = {"open": "o", "connected": "+"}
+SCALES = (
+    1.0,
+    1.0075,
+    1.015,
+    1.0225,
+    1.03,
+    1.0375,
+)  # open strips reflect most at 1.028, connected ones at 1.015
+PATH = Unknown(name="power left after the path", taken=0.9, swept=(0.8, 1.0))
+READING = Unknown(name="20.5 V: peak over stated value", taken=1.0, swept=(0.5, 1.0))
+PLACES = 400  # distances looked at in half a wavelength, after which a reflection's phase repeats
+AGREEMENT = 0.15
+QUICK = {"scales": (1.0, 1.015), "electrodes": ("connected",), "tolerance": 0.3}
+PUBLISHED = {
+    "gain": ("KAKEN 22360101: reflectors put 1.7 times the power into the wave", 1.7, "", 1.0),
+    "share": ("KAKEN 22360101: 85 % of the electric power goes into the wave", 0.85, "", 1.0),
+    "load_ohm": ("KAKEN 22360101: the matched load has 70 ohm", 70.0, "ohm", 1.0),
+    "standing_wave_ratio": ("KAKEN 22360101: standing-wave ratio 1.2 before the second transducer", 1.2, "", 1.0),
+    "recovered": ("KAKEN 22360101: 65 % of the power is recovered", 0.65, "", 1.0),
+    "input_ratio": ("Asai and Kurosawa: 1/7 of the input power for the same wave", 1 / 7, "", 1.0),
+    "motion_m_per_V": ("KAKEN 15H03943: 20.5 V give 4.7 nm", 4.7e-9 / 20.5, "nm/V", 1e9),
+}  # fmt: skip
+
+
+def run(
+    *,
+    scales: tuple[float, ...] = SCALES,
+    electrodes: tuple[str, ...] = tuple(ELECTRODES),
+    pairs: int = PAIRS,
+    strip_pairs: int = STRIP_PAIRS,
+    tolerance: float = 2e-2,
+    progress: Callable[[str], None] | None = None,
+) -> StudyRecord:
+    """Return predictions with their bands beside what is published.
+
+    Parameters
+    ----------
+    scales : tuple of float
+        Period of the strips over that of the fingers.
+    electrodes : tuple of str
+        Of the strips, "open", "connected" or both.
+    pairs, strip_pairs : int
+        Of the transducer, and of the strips.
+    tolerance : float
+        Of the P-matrices.
+    progress : callable, optional
+        Told what is being done.
+    """
+    begun = time.perf_counter()
+    row, cases = _p_matrix(None, 1.0, pairs, tolerance), []
+    for kind, scale in product(electrodes, scales):
+        if progress is not None:
+            progress(f"strips {kind}, period {scale:g} of the fingers'")
+        strips = _p_matrix(ELECTRODES[kind], scale, strip_pairs, tolerance)
+        cases += [{"electrodes": kind, "scale": scale} | case for case in _one_sided(row, strips)]
+    columns = {key: [case[key] for case in cases] for key in cases[0]}
+    bands = {key: _band(key, columns) for key in PUBLISHED}
+    shared = (
+        f"swept: strips {' or '.join(electrodes)}, their period {min(scales):g} to {max(scales):g} of the fingers', "
+        "distance of the largest share or of the largest power"
+    )
+    extra = {
+        "load_ohm": "; resistance across a reactance or in series with it",
+        "recovered": f"; {PATH}",
+        "input_ratio": f"; {PATH}; transducers of the KAKEN stator, theirs are not known here",
+        "motion_m_per_V": f"; {READING}; not pressed on anything",
+    }
+    findings = []
+    for key, (low, high) in bands.items():
+        statement, published, unit, scale = PUBLISHED[key]
+        inside = low <= published <= high
+        findings.append(
+            Finding(
+                statement=statement,
+                quantity=f"nearest prediction{f' ({unit})' if unit else ''}",
+                expected=f"the published {published * scale:.3g} in the band {low * scale:.3g} to {high * scale:.3g}",
+                found=float(min(max(published, low), high) * scale),
+                confirmed=bool(inside),
+                remark=shared + extra.get(key, ""),
+            )
+        )
+    apart = [_deviation(case) for case in cases]
+    best = cases[apart.index(min(apart))]
+    findings.append(
+        Finding.judged(
+            "KAKEN 22360101: one layout has all five numbers",
+            "largest relative difference of the nearest layout",
+            min(apart),
+            high=AGREEMENT,
+            remark=f"strips {best['electrodes']}, period {best['scale']:g} of the fingers'; path and load free",
+        )
+    )
+    columns |= {"names": [row[0] for row in PUBLISHED.values()], "published": [row[1] for row in PUBLISHED.values()],
+                "low": [bands[key][0] for key in PUBLISHED], "high": [bands[key][1] for key in PUBLISHED]}  # fmt: skip
+    title = "Published stators; bands: what is not stated"
+    panel = Panel(name="published_stators", title=title, data=columns)
+    return StudyRecord(
+        name="published_stators",
+        panels=(panel,),
+        findings=tuple(findings),
+        seconds=time.perf_counter() - begun,
+    )
+
+
+@of_record
+def figure(panel: Panel, ax):
+    """Draw band and case by case over the published value."""
+    from studies.report.figures import COLOURS, legend_below
+
+    data, marks = panel.data, {"open": "o", "connected": "s"}
+    for at, key in enumerate(PUBLISHED):
+        published = data["published"][at]
+        ax.plot([data["low"][at] / published, data["high"][at] / published], [at, at],
+                color=COLOURS["stick"], linewidth=5, alpha=0.4, solid_capstyle="butt")  # fmt: skip
+        for kind, mark in marks.items():
+            values = [
+                value / published for value, own in zip(data[key], data["electrodes"], strict=True)
+                if own == kind
+            ]  # fmt: skip
+            label = f"strips {kind}" if at == 0 and values else None
+            ax.plot(values, [at] * len(values), mark, color=COLOURS["slip"], fillstyle="none", label=label)
+    ax.axvline(1.0, color=COLOURS["line"], linewidth=1)
+    names = [name.partition(": ")[2] for name in data["names"]]
+    ax.set_yticks(range(len(names)), names, fontsize="x-small")
+    ax.set_ylim(len(names) - 0.5, -0.5)
+    ax.set_xlabel("predicted over published")
+    ax.set_title(panel.title, fontsize="medium")
+    ax.grid(axis="x", alpha=0.3)
+    legend_below(ax, columns=2)
+    return ax
+
+
+def _p_matrix(electrodes: str | None, scale: float, pairs: int, tolerance: float):
+    """Return the P-matrix of fingers, or of strips of one kind of electrode."""
+    import fem
+
+    solid = fem.rotated(fem.material("LiNbO3 (Kovacs)"), "128YX")
+    stator = fem.Stator(solid=solid, length=1.0, thickness=THICKNESS, ends="absorbing")
+    transducer = fem.Transducer(
+        name="row", center=0.5, finger_pairs=pairs, period=PERIOD * scale, metallisation=0.5, aperture=APERTURE,
+        pattern=electrodes and electrodes * 2 * pairs,
+    )  # fmt: skip
+    try:
+        return fem.p_matrix(stator, transducer, frequency=FREQUENCY, tolerance=tolerance)
+    except fem.ConvergenceError as error:
+        raise RunError(str(error)) from None
+
+
+def _one_sided(row, strips) -> list[dict]:
+    """Return what fingers with strips to the left send and receive, at the distances of largest share and power."""
+    import numpy as np
+
+    far = len(row.wavenumbers)  # of the amplitudes at the left edge, the first is the upper face's wave
+    s, p = row.scattering[np.ix_([0, far], [0, far])], row.excitation[[0, far]]
+    distance = np.linspace(0, PERIOD / 2, PLACES, endpoint=False)
+    back = np.exp(-2j * row.wavenumbers[0] * distance) * strips.scattering[far, far]
+    # what arrives from the strips, over what the fingers send to the left
+    returned = back / (1 - s[0, 0] * back)
+    excitation = p[1] + s[1, 0] * returned * p[0]
+    admittance = row.admittance - 2 * p[0] * returned * p[0]
+    share = abs(excitation) ** 2 / admittance.real
+    # the conjugate load takes the share of what arrives
+    reflection = s[1, 1] + s[1, 0] * returned * s[0, 1] + excitation**2 / admittance.real
+    alone = abs(p[1]) ** 2 / row.admittance.real
+    numbers = {
+        "distance_m": distance,
+        "gain": share / alone,
+        "share": share,
+        "load_ohm": 1 / admittance.real,
+        "series_ohm": (1 / admittance).real,
+        "standing_wave_ratio": (1 + abs(reflection)) / (1 - abs(reflection)),
+        "recovered": PATH.taken * share**2,
+        "input_ratio": alone / share * (1 - PATH.taken * share**2),
+        "motion_m_per_V": abs(excitation) * row.surface_motion[0],
+        "alone": np.full(PLACES, alone),
+    }
+    best = (int(np.argmax(share)), int(np.argmax(abs(excitation))))
+    return [{key: float(values[at]) for key, values in numbers.items()} for at in best]
+
+
+def _deviation(case: dict) -> float:
+    """Return the largest relative difference of a layout from KAKEN 22360101, path and kind of resistance free."""
+    values = {key: [case[key]] for key in ("gain", "share", "standing_wave_ratio")}
+    values["load_ohm"] = [case["load_ohm"], case["series_ohm"]]
+    low, high = (path * case["share"] ** 2 for path in PATH.swept)
+    values["recovered"] = [min(max(PUBLISHED["recovered"][1], low), high)]
+    return max(min(abs(value / PUBLISHED[key][1] - 1) for value in each) for key, each in values.items())
+
+
+def _band(key: str, columns: dict) -> tuple[float, float]:
+    """Return the lowest and highest of all cases, with the unknowns that a case does not hold."""
+    values = columns[key]
+    if key == "load_ohm":
+        values = [*values, *columns["series_ohm"]]
+    if key == "recovered":
+        values = [path * share**2 for path in PATH.swept for share in columns["share"]]
+    if key == "input_ratio":
+        values = [
+            alone / share * (1 - path * share**2)
+            for path in PATH.swept
+            for alone, share in zip(columns["alone"], columns["share"], strict=True)
+        ]
+    if key == "motion_m_per_V":
+        values = [reading * each for reading in READING.swept for each in values]
+    return min(values), max(values)

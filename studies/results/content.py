@@ -1,0 +1,47 @@
+"""What the files of a result hold: values in terms of JSON, and the versions behind them.
+
+Complex numbers become ``[re, im]``; a number that is not finite never leaves: it is refused here, by its path.
+"""
+
+import math
+
+from studies.refusal import RunError
+
+__all__ = ["plain", "provenance"]
+
+PACKAGES = ("numpy", "scipy", "scikit-fem", "numba")
+
+
+def plain(path: str, value):
+    """Return a value in terms of JSON.
+
+    Examples
+    --------
+    >>> plain("admittance_S", 1 + 2j)
+    [1.0, 2.0]
+    """
+    if isinstance(value, dict):
+        return {key: plain(f"{path}.{key}", entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(f"{path}.{index}", entry) for index, entry in enumerate(value)]
+    if hasattr(value, "tolist"):
+        return plain(path, value.tolist())
+    if isinstance(value, complex):
+        return [plain(path, value.real), plain(path, value.imag)]
+    if isinstance(value, float) and not math.isfinite(value):
+        raise RunError(f"the run gave {value} for {path}: the scene lies beyond what the numbers can hold")
+    return value
+
+
+def provenance() -> dict:
+    """Return the versions behind a result."""
+    import platform
+    from importlib.metadata import PackageNotFoundError, version
+
+    found = {}
+    for package in ("sawmotor", *PACKAGES):
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "not installed"
+    return {"version": found.pop("sawmotor"), "python": platform.python_version(), **found}

@@ -1,0 +1,147 @@
+"""Tolerances of a scene's numbers: the block ``[uncertain]``, or ``"0.08 +- 0.02"`` at a key itself.
+
+A tolerance is the half width of the interval that holds a number with 95 % probability, normally distributed; of
+several at once, they are independent.
+"""
+
+import re
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from studies.refusal import SceneError, shown
+from studies.scene.quantity import NUMBER, si_value
+from studies.scene.rule import Choice, Count, Rule
+
+__all__ = ["Tolerance", "Uncertain", "half_width", "parted"]
+
+OPTIONS = {"method": Choice(("linear", "sampled")), "samples": Count(100_000)}
+DEFAULTS = {"method": "linear", "samples": 500}
+SIGN = r"(?:\+-|\+/-|±)"
+STATED = re.compile(rf"\s*([+-]?[\d.][^%]*?)\s*{SIGN}\s*([\d.].*?)\s*")
+ALONE = re.compile(rf"\s*{SIGN}?\s*([\d.].*?)\s*")
+
+
+class Tolerance(NamedTuple):
+    """A number of the scene in SI units and its tolerance; a level (voltage, amplitude) is 1, a common factor."""
+
+    key: str
+    value: float
+    half_width: float
+
+
+@dataclass(frozen=True)
+class Uncertain(Rule):
+    """Tolerances by key of the scene, with ``method`` and ``samples``."""
+
+    def read(self, path, value):
+        """Return pairs of key and option or text, in the order given."""
+        pairs = value if isinstance(value, tuple) else tuple(_flat(path, "", value))
+        for key, each in pairs:
+            if key in OPTIONS:
+                OPTIONS[key].read(f"{path}.{key}", each)
+            elif "." not in key:
+                rule = "must be a key of a scene, such as slider.preload, or method or samples"
+                raise SceneError(f"{path}.{key}", rule)
+            elif isinstance(each, bool) or not isinstance(each, (int, float, str)):
+                raise SceneError(f"{path}.{key}", f'must be such as "+- 0.02" or "+- 5 %", got {shown(each)}')
+        if not any("." in key for key, _ in pairs):
+            raise SceneError(path, "must hold a tolerance, such as slider.friction_coefficient = 0.02")
+        return tuple(pairs)
+
+    def written(self, value):
+        """Return the nested table."""
+        table = {}
+        for key, each in value:
+            *outer, last = key.split(".")
+            at = table
+            for name in outer:
+                at = at.setdefault(name, {})
+            at[last] = each
+        return table
+
+    @property
+    def expected(self):
+        """Keys with their tolerances."""
+        return 'keys of the scene with their tolerances, such as slider.preload = "+- 5 %"'
+
+    @property
+    def range(self):
+        """The same, in few words."""
+        return 'keys with "+- 0.2 mN" or "+- 5 %" or a number; method = "linear" or "sampled"; samples'
+
+    def schema(self):
+        """Return tables of numbers or texts, and the options."""
+        tolerances = {"type": "object", "additionalProperties": {"type": ["number", "string", "object"]}}
+        options = {name: rule.schema() | {"default": DEFAULTS[name]} for name, rule in OPTIONS.items()}
+        return {"type": "object", "properties": options, "additionalProperties": tolerances}
+
+
+def half_width(path: str, given: float | str, value: float, unit: str) -> float:
+    """Return a tolerance in the unit of its value: a number, ``"+- 0.2 mN"`` or ``"+- 5 %"`` of the value."""
+    found = ALONE.fullmatch(given) if isinstance(given, str) else None
+    text = given if found is None else found[1]
+    if isinstance(text, str) and text.endswith("%"):
+        size = si_value(path, _number(text[:-1].strip()), "") / 100 * abs(value)
+    else:
+        size = si_value(path, _number(text) if not unit else text, unit)
+    if size <= 0:
+        raise SceneError(path, f"must be positive, got {shown(given)} of {value:g} {unit}".rstrip())
+    return size
+
+
+def parted(table: dict) -> dict:
+    """Return a scene's table with every ``"VALUE +- TOLERANCE"`` as its value and an entry of [uncertain].
+
+    Examples
+    --------
+    >>> parted({"slider": {"preload": "5 +- 0.2 mN"}})
+    {'slider': {'preload': '5 mN'}, 'uncertain': {'slider': {'preload': '+- 0.2 mN'}}}
+    """
+    found = []
+
+    def visit(path, value):
+        if isinstance(value, dict):
+            return {key: visit([*path, str(key)], each) for key, each in value.items()}
+        if isinstance(value, list):
+            return [visit([*path, str(k)], each) for k, each in enumerate(value)]
+        match = STATED.fullmatch(value) if isinstance(value, str) else None
+        if match is None:
+            return value
+        number, size = match.groups()
+        units = [part[2] if (part := NUMBER.fullmatch(text)) else None for text in (number, size)]
+        if units[0] is None and units[1] not in (None, "%"):
+            number = f"{number} {units[1]}"
+        elif units[1] is None and units[0] is not None:
+            size = f"{size} {units[0]}"
+        found.append((".".join(path), f"+- {size}"))
+        return _number(number)
+
+    whole = {
+        key: value if key in ("title", "uncertain") else visit([key], value) for key, value in table.items()
+    }
+    if not found:
+        return table
+    given = whole.get("uncertain", {})
+    pairs = list(_flat("uncertain", "", given))
+    for key, _ in found:
+        if key in dict(pairs):
+            raise SceneError(f"uncertain.{key}", "is given twice: here and with the value itself")
+    return whole | {"uncertain": Uncertain().written((*pairs, *found))}
+
+
+def _flat(path: str, done: str, value):
+    if not isinstance(value, dict):
+        raise SceneError(path, f"must be a block of keys, got {shown(value)}")
+    for key, each in value.items():
+        here = f"{done}.{key}" if done else str(key)
+        if isinstance(each, dict):
+            yield from _flat(path, here, each)
+        else:
+            yield here, each
+
+
+def _number(text):
+    try:
+        return float(text)
+    except (TypeError, ValueError):
+        return text

@@ -1,0 +1,133 @@
+"""Tolerances in a scene: Hertz's release amplitude as the closed form of both bands, the level's, and refusals."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+from studies import Record, Scene, run
+from studies.__main__ import main
+from studies.refusal import SceneError
+from studies.report import figures
+from studies.report.answer import answer
+from studies.scene.toml import document
+from studies.view.surface_pictures import new_figure
+
+PRELOAD, MODULUS = 8e-4, 64e9
+
+
+def motor(levels=("5 nm",), **uncertain):
+    """Return the seed's slider at some amplitudes, with tolerances."""
+    return Scene.load("twente-contact").replace(
+        slider={"preload": PRELOAD, "effective_modulus": MODULUS}, wave={"normal_amplitude": list(levels)},
+        uncertain=uncertain,
+    )  # fmt: skip
+
+
+def test_linear_bands_of_the_release_are_hertz_s_in_quadrature():
+    """The release amplitude goes as (preload / E*)^(2/3)."""
+    record = run(motor(slider={"preload": "+- 10 %", "effective_modulus": "+- 4 GPa"}))
+    release, shares = record.summary["release_amplitude_m"], ((0.1, 1), (4e9 / MODULUS, -1))
+    halves = [((1 + t) ** (2 * s / 3) - (1 - t) ** (2 * s / 3)) / 2 for t, s in shares]
+    low, high = record.uncertainty["release_amplitude_m"]
+    assert (high - release, release - low) == pytest.approx((release * np.hypot(*halves),) * 2, rel=1e-6)
+    assert record.uncertainty["tolerances"] == pytest.approx(
+        {"slider.preload": 0.1 * PRELOAD, "slider.effective_modulus": 4e9}
+    )
+
+
+def test_sampled_bands_of_a_monotonic_answer_are_its_values_at_the_tolerances_ends():
+    """95 % of the preload lie within its tolerance, and so 95 % of the release amplitude between its ends."""
+    record = run(motor(slider={"preload": "+- 30 %"}, method="sampled", samples=400))
+    expected = record.summary["release_amplitude_m"] * np.array([0.7, 1.3]) ** (2 / 3)
+    assert record.uncertainty["release_amplitude_m"] == pytest.approx(expected, rel=5e-3)
+    assert record.uncertainty["samples"] == 400
+
+
+def test_both_methods_agree_for_small_tolerances():
+    tolerances = {"slider": {"preload": "0.5 %", "friction_coefficient": 0.001, "radius": "+- 2 um"}}
+    linear = run(motor(("6 nm", "15 nm"), **tolerances))
+    sampled = run(motor(("6 nm", "15 nm"), **tolerances, method="sampled", samples=1000))
+    for one, other in zip(linear.points, sampled.points, strict=True):
+        for key in ("velocity_low_m_per_s", "velocity_high_m_per_s"):
+            half = one[key] - one["velocity_m_per_s"]
+            assert other[key] - other["velocity_m_per_s"] == pytest.approx(half, rel=0.08)
+
+
+def test_a_tolerance_of_the_level_moves_along_the_curve():
+    """With 5 % on the amplitude alone the band is half the difference of the velocities 5 % above and below."""
+    record = run(motor(("5.7 nm", "6 nm", "6.3 nm"), wave={"normal_amplitude": "5 %"}))
+    below, point, above = record.velocity[0], record.points[1], record.velocity[2]
+    assert point["velocity_high_m_per_s"] - point["velocity_m_per_s"] == pytest.approx(
+        (above - below) / 2, rel=1e-6
+    )
+
+
+def test_a_value_with_its_tolerance_is_an_entry_of_the_block():
+    """The tolerance takes the value's unit and the value the tolerance's."""
+    text = {
+        "preload": "0.8 +- 0.02 mN",
+        "mass": "89 mg ± 2",
+        "friction_coefficient": "0.08 +/- 0.02",
+        "load": "0 N",
+    }
+    scene = Scene.load("twente-contact").replace(slider=text)
+    assert (scene.slider.preload, scene.slider.mass, scene.slider.friction_coefficient) == (
+        8e-4,
+        8.9e-5,
+        0.08,
+    )
+    assert dict(scene.uncertain) == {
+        "slider.preload": "+- 0.02 mN", "slider.mass": "+- 2 mg", "slider.friction_coefficient": "+- 0.02"
+    }  # fmt: skip
+    assert Scene.from_table("", scene.to_table()) == scene
+
+
+def test_a_run_shows_its_bands_everywhere(tmp_path, capsys):
+    file = tmp_path / "motor.toml"
+    text = Scene.load("twente-contact").replace(wave={"normal_amplitude": ["4 nm", "8 nm"]}).to_table()
+    text["slider"]["friction_coefficient"] = "0.08 +- 0.01"
+    file.write_text(document(text))
+    assert main(["run", str(file), "--no-plot", "--out", str(tmp_path / "out")]) == 0
+    assert "bands of 95 %: linear" in capsys.readouterr().out
+    whole = json.loads((tmp_path / "out" / "run.json").read_text())
+    rows = list(csv.DictReader((tmp_path / "out" / "velocity.csv").read_text().splitlines()))
+    for point, row in zip(whole["points"], rows, strict=True):
+        assert point["velocity_low_m_per_s"] < point["velocity_m_per_s"] < point["velocity_high_m_per_s"]
+        assert float(row["velocity_high_m_per_s"]) == point["velocity_high_m_per_s"]
+    record = Record.load(tmp_path / "out")
+    assert record.uncertainty == whole["uncertainty"]
+    again = run(tmp_path / "out" / "scene.toml")
+    assert again.uncertainty == record.uncertainty
+    assert "+- 0.01" in answer(again)
+    ax = new_figure(6.0, 4.0)[1]
+    figures.velocity(record, ax)
+    assert "95 % of the tolerances (linear)" in ax.get_legend_handles_labels()[1]
+
+
+@pytest.mark.parametrize(
+    ("tolerances", "words"),
+    [
+        ({"slider": {"friction": 0.01}}, "slider.friction is no key of a scene; did you mean friction_coefficient"),
+        ({"slider": {"preload": "+- 1 mm"}}, "uncertain.slider.preload must be a force"),
+        ({"slider": {"preload": "+- 1 N"}}, "an end of whose interval"),
+        ({"slider": {"preload": 0.0}}, "must be positive"),
+        ({"slider": {"law": 0.1}}, "must be the key of a number that this scene has"),
+        ({"slider": {"position": 0.1}}, "must be the key of a number that this scene has, got None"),
+        ({"wave": {"normal_amplitude": "1 nm"}}, "must be a percentage"),
+        ({"method": "linear"}, "must hold a tolerance"),
+        ({"slider": {"mass": "2 %"}, "method": "quick"}, 'uncertain.method must be "linear" or "sampled"'),
+        ({"preload": "2 %"}, "uncertain.preload must be a key of a scene"),
+    ],
+)  # fmt: skip
+def test_what_is_no_tolerance_is_refused(tolerances, words):
+    with pytest.raises(SceneError, match=words):
+        run(motor(**tolerances))
+
+
+def test_tolerances_without_a_slider_and_given_twice_are_refused():
+    with pytest.raises(SceneError, match="uncertain needs a"):
+        Scene.load("rayleigh").replace(uncertain={"stator": {"length": "1 %"}})
+    with pytest.raises(SceneError, match="given twice"):
+        motor(slider={"preload": "1 %"}).replace(slider={"preload": "1 +- 0.1 mN"})
