@@ -90,6 +90,14 @@ class CutSource:
         """The surface wave alone."""
         return replace(self, surface_only=True)
 
+    def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
+        """As of `LineSource`, for real lateral wavenumbers."""
+        sizes, which = np.unique(abs(np.asarray(lateral)), return_inverse=True)
+        poles = self._spectrum(sizes)
+        forward = np.array([np.mean(each.wavenumbers[each.surface & each.right]) for each in poles])
+        backward = np.array([np.mean(each.wavenumbers[each.surface & ~each.right]) for each in poles])
+        return np.where(np.asarray(lateral) < 0, -backward[which], forward[which])
+
     def branches(self, reach: float, distance: float, _resolved: float, mirror_width) -> Iterator[Branch]:
         """Waves to both sides at the nodes of a rule that serves points up to ``reach``."""
         rounded = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # so that few rules are needed

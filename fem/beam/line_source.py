@@ -84,6 +84,10 @@ class LineSource:
         fields = ("surface", "wavenumbers", "amplitudes", "tangential", "normal")
         return LineSource(**{name: getattr(self, name)[self.surface] for name in fields}, static=0.0)
 
+    def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
+        """Wavenumber along x of the surface wave at lateral wavenumbers, rad/m; in a plate the mean of its two."""
+        return np.sqrt(np.mean(self.wavenumbers[self.surface]) ** 2 - np.square(lateral))
+
     def branches(
         self, reach: float, distance: float, resolved: float, mirror_width: float | None
     ) -> Iterator[Branch]:

@@ -38,7 +38,8 @@ GROUPS = (
     8.0,
 )  # wavelengths from the charges between which points share a rule; nothing nearer is resolved in y
 RULE_GAIN = 1.5  # power of the coarse rule's error that bounds the fine one's; 1.8 measured, 2 in theory
-STATIC_CHUNK = 2000  # points at a time whose distances to all fingers are tabulated
+CHUNK = 2000  # points at a time whose distances to all fingers, or whose spectra, are tabulated
+FULL_GRID = 4  # points of the grid of all x and y per point asked for, up to which the whole grid is computed
 SAME_STEP = 1e-15  # m: steps from node to node that differ by less share their phases
 
 
@@ -138,6 +139,13 @@ class SurfaceBeam:
         """The part of the field that the surface wave alone carries."""
         return replace(self, source=self.source.surface_mode, complete=False)
 
+    def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
+        """Slowness curve: wavenumber along x of the surface wave, as it decays, at real lateral wavenumbers, rad/m.
+
+        Its slope at 0 is minus the tangent of the power-flow angle; -k times its second derivative is 1 + gamma.
+        """
+        return self.source.surface_wavenumbers(np.asarray(lateral, dtype=float))
+
     @cached_property
     def _nodes(self) -> "_Nodes":
         return _nodes_of(self.charges)
@@ -185,9 +193,14 @@ class SurfaceBeam:
                 phases = np.exp(-1j * sign * np.outer(lateral, lines))
                 for coarse, step in ((0, 1), (1, 1 if self.mirror_width is not None else 2)):
                     weighted = factors[:, None] * sent[..., ::step] * (step * weights[::step])
-                    for place in range(len(places)):
-                        here = np.flatnonzero(column == place)
-                        total[coarse][:, here] += weighted[place] @ phases[::step, row[here]]
+                    if len(places) * len(lines) <= FULL_GRID * len(x):
+                        total[coarse] += (weighted @ phases[::step])[column, :, row].T
+                    else:
+                        for start in range(0, len(x), CHUNK):
+                            some = slice(start, start + CHUNK)
+                            total[coarse][:, some] += np.einsum(
+                                "pcn,np->cp", weighted[column[some]], phases[::step, row[some]]
+                            )
         return total
 
     def _local(self, x, y) -> np.ndarray:
@@ -226,8 +239,8 @@ class SurfaceBeam:
             return out
         for charges, aperture in zip(self.charges, self.apertures, strict=True):
             nodes, charge = charges.pairs
-            for start in range(0, len(x), STATIC_CHUNK):
-                some = slice(start, start + STATIC_CHUNK)
+            for start in range(0, len(x), CHUNK):
+                some = slice(start, start + CHUNK)
                 distance = np.subtract.outer(x[some], nodes)
                 above, below = (aperture / 2 + sign * y[some, None] for sign in (1, -1))
                 inward = np.arctan2(above, abs(distance)) + np.arctan2(below, abs(distance))
@@ -266,24 +279,26 @@ def _nodes_of(charges: tuple[ElectrodeCharges, ...]) -> _Nodes:
 
 def _sent(nodes: _Nodes, branch: Branch, places, spectra) -> np.ndarray:
     """Spectra of u at places from the charges that send a branch there, shape (places, 3, n)."""
-    side, along = branch.side, branch.along
-    x, places = side * nodes.x[::side], side * places[::side]
-    counts = np.searchsorted(x, places, side="right" if side > 0 else "left")
+    side, along, count = branch.side, branch.along, len(nodes.x)
+    at = side * np.append(nodes.x, places)
+    is_place = np.arange(len(at)) >= count
     out = np.zeros((len(places), 3, len(spectra[0])), dtype=complex)
     arrived = np.zeros((len(along), len(spectra[0])), dtype=complex)
     steps: dict[int, np.ndarray] = {}
-    for number, (charge, owner) in enumerate(zip(nodes.charge[::side], nodes.owner[::side], strict=True)):
-        if number:
-            step = x[number] - x[number - 1]
-            key = round(step / SAME_STEP)
+    before, sends = 0.0, False
+    for number in np.lexsort((side * is_place, at)):  # a charge counts at its own place, once
+        if sends and at[number] != before:
+            key = round((at[number] - before) / SAME_STEP)
             if key not in steps:
-                steps[key] = np.exp(-1j * along * step)
+                steps[key] = np.exp(-1j * along * (at[number] - before))
             arrived *= steps[key]
-        arrived += charge * spectra[owner]
-        for place in np.flatnonzero(counts == number + 1):
-            further = np.exp(-1j * along * (places[place] - x[number]))
-            out[place] = np.sum(branch.motion * (arrived * further), axis=1)
-    return out[::side]
+        before = at[number]
+        if not is_place[number]:
+            arrived += nodes.charge[number] * spectra[nodes.owner[number]]
+            sends = True
+        elif sends:
+            out[number - count] = np.einsum("cmn,mn->cn", branch.motion, arrived)
+    return out
 
 
 def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> SurfaceBeam:

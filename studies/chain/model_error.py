@@ -3,15 +3,15 @@
 Each function takes the record of a run and yields effects; none where the effect does not arise or is not neglected.
 A size is a share of the quantity named with it, unless that has a unit.  Estimates hold to a factor of about 2.
 
-Sources: finite aperture and side faces: `fem.surface_beam`, elsewhere Fresnel's integral of a slit (Goodman,
-Introduction to Fourier Optics, 3rd ed. 2005, section 4.5).  Load of a contact on the wave, mass of the electrodes:
-reciprocity with the surface wave and perturbation (Auld, Acoustic Fields and Waves in Solids, vol. 2, 1973, chapters 10
-and 12).  Radiation of a contact: load on a half-space (Miller and Pursey, Proc. R. Soc. A 223 (1954) 521, nu = 1/4).
+Sources: side faces: `fem.surface_beam`; finite aperture: Fresnel's integral of a slit (Goodman, Introduction to Fourier
+Optics, 3rd ed. 2005, section 4.5).  Load of a contact on the wave, mass of the electrodes: reciprocity with the surface
+wave and perturbation (Auld, Acoustic Fields and Waves in Solids, vol. 2, 1973, chapters 10 and 12).
+Radiation of a contact: load on a half-space (Miller and Pursey, Proc. R. Soc. A 223 (1954) 521, nu = 1/4).
 """
 
 import math
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 from studies.chain import bridge
 from studies.record import Record
@@ -78,48 +78,34 @@ def _places(record: Record) -> list[tuple[float, float]]:
 
 
 def _aperture(record: Record) -> Iterator[NeglectedEffect]:
-    """Yield what the finite aperture and the side faces do to the amplitude, the worst over the contacts."""
-    import fem
-
+    """Yield what the finite aperture or, where it counts, the side faces do to u_z: the worst over the contacts."""
     motion, places = record.surface_motion, _places(record)
-    wave, (x, y) = motion.wave, zip(*places, strict=True)
-    if any(wave.covered(place) for place in x):
+    if any(motion.wave.covered(x) for x, _ in places):
         return
-    try:
-        if motion.beam is None and resolved.default_refusal(wave.solution.fields.stator):
-            raise fem.BeamError("no field in three dimensions without seconds of work")
-        block = record.scene.stator
-        beam = motion.beam or fem.surface_beam(wave, mirror_width=block.mirror_width)
-        with_aperture = beam.motion(x, y)
-        other_width = None if block.mirror_width else block.width
-        other = fem.surface_beam(wave, mirror_width=other_width).motion(x, y)
-    except fem.BeamError:
-        ratios = [fresnel_ratio(record, place) for place in x]
-        source = "Fresnel's integral on the axis of the driven aperture"
-    else:
-        ratios = [float(each) for each in abs(with_aperture[2] / wave.motion(x)[1])]
-        source = "charges of the section within the aperture, guided modes at every lateral wavenumber"
+    if motion.beam is None:
         yield NeglectedEffect(
-            effect="side faces",
+            effect="finite aperture",
             quantity="u_z",
-            size=max((float(each) - 1 for each in abs(other[2]) / abs(with_aperture[2])), key=abs),
-            source="the beam between side faces that reflect it as mirrors against none, or the other way round",
+            size=max((fresnel_ratio(record, *place) - 1 for place in places), key=abs),
+            source="Fresnel's integral of the driven aperture",
         )
-    if motion.beam is not None:
         return
+    block = record.scene.stator
+    other = replace(motion.beam, mirror_width=None if block.mirror_width else block.width)
+    ratios = abs(other.motion(*zip(*places, strict=True))[2] / motion.at(places)[2])
     yield NeglectedEffect(
-        effect="finite aperture",
+        effect="side faces",
         quantity="u_z",
-        size=max((ratio - 1 for ratio in ratios), key=abs),
-        source=source,
+        size=max((float(each) - 1 for each in ratios), key=abs),
+        source="the beam between side faces that reflect it as mirrors against none, or the other way round",
     )
 
 
-def fresnel_ratio(record: Record, place: float) -> float:
-    """Return `slit_ratio` on the axis of the driven transducer at a place in m from the stator's left end."""
+def fresnel_ratio(record: Record, x: float, y: float = 0.0) -> float:
+    """Return `slit_ratio` of the driven transducer at a place: m from the stator's left end, and from its axis."""
     driven = _driven(record)
     wavelength = record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
-    return slit_ratio(driven.aperture, wavelength, abs(place - driven.center))
+    return slit_ratio(driven.aperture, wavelength, abs(x - driven.center), y)
 
 
 def slit_ratio(aperture: float, wavelength: float, distance: float, lateral: float = 0.0) -> float:

@@ -1,7 +1,7 @@
 """What the stator's problem is solved without, and why: lines of ``left_out``."""
 
 import fem
-from studies.scene import Scene
+from studies.scene import Scene, resolved
 
 
 def driven_left_out(stator: "fem.Stator", frequency: float) -> tuple[str, ...]:
@@ -23,13 +23,24 @@ def driven_left_out(stator: "fem.Stator", frequency: float) -> tuple[str, ...]:
 
 
 def diffraction_left_out(scene: Scene, spreads: bool, reason: str) -> tuple[str, ...]:
-    """Return why the wave does not spread in the answer of a driven stator; nothing where it does."""
+    """Return where and why the wave does not spread in the answer of a driven stator."""
     if spreads:
-        return ()
+        return _of_the_section(scene)
     if reason:
         return (f"diffraction, the wave is that of the plane section: {reason}",)
     said = "is false" if scene.stator.diffraction is False else "is absent, and the scene has no slider"
     return (f"diffraction, the wave is that of the plane section: stator.diffraction {said}",)
+
+
+def _of_the_section(scene: Scene) -> tuple[str, ...]:
+    reasons = [
+        "diffraction in surface.csv and the interior field: of the plane section; --field adds surface_map.csv"
+    ]
+    if scene.burst is not None and scene.slider is not None:
+        reasons.append("diffraction in the shape of the burst's ring-up: that of the plane section")
+    if len(scene.transducer) > 1 and not fem.isotropic_about_normal(resolved.solid(scene.stator)):
+        reasons.append("spreading between the transducers: in this cut they receive as in the plane section")
+    return tuple(reasons)
 
 
 def free_left_out(stator: "fem.Stator") -> tuple[str, ...]:

@@ -1,10 +1,11 @@
 """How fast the slider runs at every place of the stator.
 
 Method: the slider of a scene (``twente`` when none is named) is put at many places between the driven transducer and
-the next one or the stator's end: the surface motion under each of its balls, of the finite aperture where it is known,
-and the steady velocity there, at up to three of the scene's voltages.  Dashed: a slider that starts at the scene's
-place and moves through the field for a while; it is heavy, and follows the mean of the fringes.  Expected: Fresnel's
-fringes of the aperture, and the standing wave of half a wavelength where waves come back.  Run time: about 10 s.
+the next one or the stator's end, and at each place at four points of half a wavelength, the period of the standing wave
+where waves come back: the surface motion under each of its balls, of the finite aperture where it is known, and the
+steady velocity there, at up to three of the scene's voltages.  Drawn are the mean and the range over half a wavelength.
+Dashed: a slider that starts at the scene's place and moves through the field for a while; it is heavy, and follows the
+mean.  Expected: Fresnel's fringes of the aperture.  Run time: about 30 s.
 """
 
 from collections.abc import Callable
@@ -17,9 +18,9 @@ from studies.study import Finding, Panel, StudyRecord, of_record, study
 __all__ = ["figure", "run"]
 
 TAKES_SCENE = True
-QUICK = {"count": 40, "duration": 2e-3}
-LINES = 3
-PER_WAVELENGTH = 8  # places; the standing wave has a period of half a wavelength
+QUICK = {"count": 10, "duration": 2e-3}
+LINES, COUNT = 3, 240
+WITHIN = 4  # points of half a wavelength about each place
 CLEAR = 0.5  # wavelengths from the fingers
 
 
@@ -27,7 +28,7 @@ CLEAR = 0.5  # wavelengths from the fingers
 def run(
     scene: str | Scene = "twente",
     *,
-    count: int | None = None,
+    count: int = COUNT,
     duration: float = 0.3,
     progress: Callable[[str], None] | None = None,
 ) -> StudyRecord:
@@ -37,8 +38,8 @@ def run(
     ----------
     scene : str or Scene
         A path, a shipped name or a scene with a slider and a driven stator.
-    count : int, optional
-        Places; eight per wavelength when absent.
+    count : int
+        Places.
     duration : float
         s, of the motion along the field.
     progress : callable, optional
@@ -55,8 +56,10 @@ def run(
     chosen, slider, motion = driven.scene, driven.slider, driven.record.surface_motion
     along, center = bridge.wave_along(motion, chosen.slider), chosen.slider.center[0]
     low, high = _span(chosen, along.wavelength)
-    number = count or int(np.ceil((high - low) / along.wavelength * PER_WAVELENGTH))
-    shifts = np.append(np.linspace(low, high, number), center) - center
+    half = along.wavelength / 2
+    at = np.linspace(low + half / 2, high - half / 2, count)
+    ripple = half * ((np.arange(WITHIN) + 0.5) / WITHIN - 0.5)
+    shifts = np.append(np.add.outer(at, ripple), center) - center
     progress("stroke: the field along the stator")
     orbits = along.orbits(shifts)
     moving = driven.above(1.05)
@@ -74,29 +77,33 @@ def run(
             wave_errors=[0.0] * len(which),
             threads=None,
         )
-        velocities[name] = found.velocity
-        path = travelled(slider, along, level, duration, duration * float(found.velocity[-1]))
+        velocities[name] = found.velocity[:-1].reshape(count, WITHIN)
+        here = float(found.velocity[-1])
+        path = travelled(slider, along, level, duration, duration * here)
         paths[name] = (center + path.place, path.velocity)
-    amplitude = np.array([np.mean([abs(each.normal) for each in row]) for row in orbits])
+    amplitude = np.array([np.mean([abs(each.normal) for each in row]) for row in orbits[:-1]])
     places = [(x, y) for x, y in chosen.slider.places]
     in_section = [
         np.mean([abs(motion.wave.motion(x + shift)[1]) for x, _ in places]) for shift in shifts[:-1]
     ]
-    at = center + shifts[:-1]
     panels = (
         Panel(name="velocity", title=f"{chosen.title}: velocity along the stator", data={
-            "position_m": at, "velocity_m_per_s": {key: each[:-1] for key, each in velocities.items()},
+            "position_m": at, "velocity_m_per_s": {key: each.mean(axis=1) for key, each in velocities.items()},
+            "slowest_m_per_s": {key: each.min(axis=1) for key, each in velocities.items()},
+            "fastest_m_per_s": {key: each.max(axis=1) for key, each in velocities.items()},
             "path_m": {key: x for key, (x, _) in paths.items()},
             "path_velocity_m_per_s": {key: v for key, (_, v) in paths.items()},
         }),
         Panel(name="amplitude", title=f"{chosen.title}: amplitude along the stator", data={
-            "position_m": at, "amplitude_m_per_V": amplitude[:-1], "section_m_per_V": np.array(in_section),
+            "position_m": at, "amplitude_m_per_V": amplitude.reshape(count, WITHIN).mean(axis=1),
+            "smallest_m_per_V": amplitude.reshape(count, WITHIN).min(axis=1),
+            "largest_m_per_V": amplitude.reshape(count, WITHIN).max(axis=1),
+            "section_m_per_V": np.reshape(in_section, (count, WITHIN)).mean(axis=1),
             "finite_aperture": motion.beam is not None,
         }),
     )  # fmt: skip
-    return panels, _findings(
-        driven, velocities[driven.named(picked[-1])], paths[driven.named(picked[-1])], picked[-1]
-    )
+    name = driven.named(picked[-1])
+    return panels, _findings(driven, velocities[name], here, paths[name], picked[-1])
 
 
 def _span(scene: Scene, wavelength: float) -> tuple[float, float]:
@@ -112,13 +119,13 @@ def _span(scene: Scene, wavelength: float) -> tuple[float, float]:
     return left - min(balls), right - max(balls)
 
 
-def _findings(driven, steady, path, level: float) -> tuple[Finding, ...]:
+def _findings(driven, steady, here: float, path, level: float) -> tuple[Finding, ...]:
     import numpy as np
 
     import contact
 
     expected = contact.steady(driven.slider, driven.at(level), tolerance=1e-4).velocity
-    error = abs(float(steady[-1]) / expected - 1)
+    error = abs(here / expected - 1)
     known = steady[np.isfinite(steady)]
     fastest = float(abs(path[1]).max())
     return (
@@ -152,12 +159,21 @@ def figure(record: Panel, ax):
             x, data["section_m_per_V"] * 1e9, "--", color=COLOURS["stick"], linewidth=1, label="plane section"
         )
         ax.plot(x, data["amplitude_m_per_V"] * 1e9, color=COLOURS["slip"], linewidth=1, label=label)
+        band = (data[key] * 1e9 for key in ("smallest_m_per_V", "largest_m_per_V"))
+        ax.fill_between(
+            x, *band, color=COLOURS["slip"], alpha=0.25, linewidth=0, label="range over half a wavelength"
+        )
         ax.set_ylim(bottom=0)
         return finished(ax, "place of the slider (mm)", "|u_z|, mean of the balls (nm per V)", record.title)
     palette = [COLOURS["slip"], COLOURS["intermittent"], COLOURS["second"]]
     for (name, velocity), colour in zip(data["velocity_m_per_s"].items(), palette, strict=False):
         ax.plot(x, velocity * 1e3, color=colour, linewidth=1, label=f"{name}, steady")
+        band = (data[key][name] * 1e3 for key in ("slowest_m_per_s", "fastest_m_per_s"))
+        ax.fill_between(x, *band, color=colour, alpha=0.25, linewidth=0)
         path = data["path_m"][name] * 1e3, data["path_velocity_m_per_s"][name] * 1e3
         ax.plot(*path, "--", color=COLOURS["line"], linewidth=1.2)
+    ax.fill_between(
+        [], [], color=COLOURS["line"], alpha=0.25, linewidth=0, label="range over half a wavelength"
+    )
     ax.plot([], [], "--", color=COLOURS["line"], linewidth=1.2, label="starting at the scene's place")
     return finished(ax, "place of the slider (mm)", "slider velocity (mm/s)", record.title)

@@ -258,7 +258,13 @@ def surface(record: Record, ax):
     """Draw |u_z| and |u_x| per volt along the surface, with transducers and slider."""
     columns = record.surface
     x = columns["x_m"] * 1e3
-    ax.plot(x, abs(columns["u_z_m_per_V"]) * 1e9, color=COLOURS["slip"], linewidth=0.8, label="|u_z|")
+    ax.plot(
+        x,
+        abs(columns["u_z_m_per_V"]) * 1e9,
+        color=COLOURS["slip"],
+        linewidth=0.8,
+        label="|u_z|, plane section",
+    )
     ax.plot(x, abs(columns["u_x_m_per_V"]) * 1e9, color=COLOURS["intermittent"], linewidth=0.8, label="|u_x|")
     for transducer in record.scene.transducer:
         half = transducer.finger_pairs * transducer.period / 2

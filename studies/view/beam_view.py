@@ -10,7 +10,7 @@ from studies.refusal import RunError, SceneError
 from studies.report.surface_map import draw_surface_map
 from studies.view.run_field import left_run, solved_again
 
-__all__ = ["show"]
+__all__ = ["drawn", "image", "show"]
 
 SIZE, DPI = (1600, 430), 110
 
@@ -41,10 +41,7 @@ def show(folder, wanted, written: Callable, *, progress: Callable[[str], None]) 
         draw_surface_map(beam, scene, pyplot.subplots(figsize=_inches(wanted), layout="constrained")[1])
         pyplot.show()
         return
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=_inches(wanted), dpi=DPI, layout="constrained")
-    draw_surface_map(beam, scene, figure.add_subplot())
+    figure = drawn(beam, scene, _inches(wanted))
     if wanted.screenshot is not None:
         written(wanted.screenshot, lambda: figure.savefig(wanted.screenshot))
     if wanted.html is not None:
@@ -53,16 +50,30 @@ def show(folder, wanted, written: Callable, *, progress: Callable[[str], None]) 
         )
 
 
+def drawn(beam, scene, inches=(SIZE[0] / DPI, SIZE[1] / DPI)):
+    """Return a figure of a `fem.SurfaceBeam` from above."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=inches, dpi=DPI, layout="constrained")
+    draw_surface_map(beam, scene, figure.add_subplot())
+    return figure
+
+
+def image(figure) -> str:
+    """Return a figure as an HTML element."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png")
+    picture = base64.b64encode(buffer.getvalue()).decode("ascii")
+    return f'<img alt="size of u_z over the surface" src="data:image/png;base64,{picture}" width="100%">'
+
+
 def _inches(wanted) -> tuple[float, float]:
     return tuple(each / DPI for each in wanted.size or SIZE)
 
 
 def _page(figure, title: str) -> str:
     """Return a page that holds the picture."""
-    buffer = io.BytesIO()
-    figure.savefig(buffer, format="png")
-    picture = base64.b64encode(buffer.getvalue()).decode("ascii")
     return (
         f'<!DOCTYPE html><html lang="en"><meta charset="utf-8"><title>{html.escape(title)}: beam</title>'
-        f'<img alt="size of u_z over the surface" src="data:image/png;base64,{picture}" width="100%"></html>\n'
+        f"{image(figure)}</html>\n"
     )

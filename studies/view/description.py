@@ -42,13 +42,14 @@ class Ball:
 
     Attributes
     ----------
-    place, radius : float
-        m.
+    place, lateral, radius : float
+        x and y of the contact, and the ball's own, m.
     crest : float
         |u_z| of the surface under it, m per V: it rides on the crests of the enlarged wave.
     """
 
     place: float
+    lateral: float
     radius: float
     crest: float
 
@@ -69,9 +70,18 @@ def shown_fingers(found: RunField, start: float, stop: float) -> str:
     return f"{shown} of {len(strips)} fingers" if shown else ""
 
 
-def balls(found: RunField) -> tuple[Ball, ...]:
-    """Return the balls of the slider."""
-    return tuple(Ball(place=place, radius=found.radius, crest=found.crest(place)) for place in found.balls)
+def balls(found: RunField, *, spreads: bool = False) -> tuple[Ball, ...]:
+    """Return the balls of the slider, on the crests of the section or of the beam."""
+    places = () if found.scene.slider is None else found.scene.slider.places
+    return tuple(
+        Ball(
+            place=x,
+            lateral=y,
+            radius=found.radius,
+            crest=abs(found.beam.motion(x, y)[2]) if spreads else found.crest(x),
+        )
+        for x, y in places
+    )
 
 
 def crystal_axes(found: RunField) -> tuple[tuple[str, float, float], ...]:

@@ -37,6 +37,8 @@ class RunField:
         Edges of the electrodes in m by sign: "+" and "-" the combs, "o" open strips.
     spans : tuple of (float, float)
         From end to end of each transducer, m.
+    wave : fem.SurfaceWave or None
+        Of a driven stator.
     """
 
     compute: Callable = field(repr=False)
@@ -45,6 +47,7 @@ class RunField:
     wavelength: float
     fingers: dict = field(repr=False)
     spans: tuple[tuple[float, float], ...]
+    wave: object = field(default=None, repr=False)
 
     @property
     def scene(self) -> Scene:
@@ -68,6 +71,15 @@ class RunField:
     def free(self) -> bool:
         """Whether it is a free wave, known but for its size."""
         return not self.scene.transducer
+
+    @cached_property
+    def beam(self):
+        """The `fem.SurfaceBeam` of a run whose wave spreads in three dimensions, or None."""
+        if self.wave is None or not self.scene.stator.diffraction:
+            return None
+        from fem import surface_beam
+
+        return surface_beam(self.wave, mirror_width=self.scene.stator.mirror_width)
 
     @property
     def balls(self) -> tuple[float, ...]:
@@ -177,6 +189,7 @@ def _driven(record: Record, progress) -> RunField:
         wavelength=record.wave["phase_velocity_m_per_s"] / scene.frequency,
         fingers={sign: [tuple(edges) for row in rows for edges in row.strips(sign)] for sign in "+-o"},
         spans=tuple(tuple(row.extent) for row in rows),
+        wave=wave,
     )
 
 

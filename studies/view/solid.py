@@ -1,18 +1,20 @@
 """The field in three dimensions by pyvista: the section to play and zoom, or the stator as a solid of its whole width.
 
-The model is a section: it holds, the same for every y, within the aperture of the transducers, as far as the beam does
-not spread.  There the field is extruded; beside it the solid is drawn bare, and the picture says so.  A free wave has
-no aperture and fills the width.  Lengths are in mm.
+Where the run computed the finite aperture the solid carries that field on its surface, over the whole width; nothing is
+drawn below it.  Otherwise the model is a section: it holds, the same for every y, within the aperture of the
+transducers, as far as the beam does not spread.  There the field is extruded; beside it the solid is drawn bare, and
+the picture says so.  A free wave has no aperture and fills the width.  Lengths are in mm.
 """
 
 import os
 import time
+from typing import NamedTuple
 
 import numpy as np
 
-from studies.refusal import RunError, needed
+from studies.refusal import RunError, SceneError, needed
 from studies.view import description
-from studies.view.quantities import present, shade
+from studies.view.quantities import QUANTITIES, Shade, present, shade
 from studies.view.run_field import RunField
 from studies.view.section import magnification, piece
 from studies.view.surface_pictures import MM
@@ -21,7 +23,19 @@ __all__ = ["Solid", "open_window", "refuse_without_display"]
 
 BARE, EDGE = "#D9D9D9", "#606060"
 LINES = 24  # per wavelength, of what is drawn
+BEAM_LINES, ACROSS = 12, 81  # of the surface of a beam: per wavelength along x, and across the width
+MOTIONS = ("u_x", "u_y", "u_z")
 CYCLE, TICK = 2.5, 40  # s that one period of the wave takes; ms between instants
+
+
+class _Moving(NamedTuple):
+    """A mesh, its points at rest (m) and their complex displacement (m), shape (points, 3), and parts of a shade."""
+
+    mesh: object
+    rest: np.ndarray
+    displacement: np.ndarray
+    mean: np.ndarray | None = None
+    amplitude: np.ndarray | None = None
 
 
 class Solid:
@@ -55,7 +69,8 @@ class Solid:
         self.pyvista = _pyvista()
         self.found, self.phase = found, phase
         self.factor = magnification(found) if factor is None else factor
-        self.beam, self._span = found.aperture, (0.0, found.length)
+        self.aperture, self._span = found.aperture, (0.0, found.length)
+        self.spreads = not section and found.beam is not None
         if section and span is not None:
             room = span[1] - span[0]
             self._span = max(span[0] - room, 0.0), min(span[1] + room, found.length)
@@ -73,91 +88,141 @@ class Solid:
             self.plotter.camera.azimuth, self.plotter.camera.elevation = 35, 28
             self.plotter.enable_parallel_projection()
             self.plotter.reset_camera()
-            self.plotter.camera.zoom(1.5)
+            self.plotter.camera.zoom(1.35)  # room for the colour bar
 
     def set_quantity(self, name: str) -> None:
         """Colour the field by a quantity."""
-        self.shade = shade(self.found, name)
-        spacing = min(self.found.wavelength / LINES, (self._span[1] - self._span[0]) / 1000)
-        self._piece = piece(
-            self.found, self.shade, span=self._span, bottom=self.found.field.z[0], spacing=spacing
-        )
-        edges = np.array([-0.5, 0.5]) * self.beam
-        n, m = len(self._piece.x), len(self._piece.z)
-        # the surface, the section in front, the right end: which lines and rows of the piece, at which y
-        self._faces = [
-            (np.s_[:, m - 1 :], self._grid(n, 1, edges)),
-            (np.s_[:, :], self._grid(n, m, edges[:1])),
-            (np.s_[n - 1 :, :], self._grid(1, m, edges)),
-        ]
-        for number, (_, grid) in enumerate(self._faces):
-            self.plotter.add_mesh(
-                grid, scalars="shade", cmap=self.shade.colour_map, clim=self.shade.limits, lighting=False,
-                show_scalar_bar=False, copy_mesh=False, name=("surface", "section", "end")[number],
-                reset_camera=False,
-            )  # fmt: skip
-        self._electrodes = []
+        self._moving: list[_Moving] = []
+        if self.spreads:
+            x, top = self._lay_beam(name)
+        else:
+            x, top = self._lay_section(name)
+        edges = np.array([-0.5, 0.5]) * self.aperture
         for electrode in description.electrodes(self.found):
             strips = np.array(electrode.strips)
-            corners = np.zeros((4 * len(strips), 3))
-            corners[:, 1] = MM * np.tile(edges[[0, 0, 1, 1]], len(strips))
-            mesh = self.pyvista.PolyData.from_regular_faces(corners, np.arange(len(corners)).reshape(-1, 4))
+            corners = strips[:, [0, 1, 1, 0]].ravel()
+            lift = np.full(len(corners), 0.02 * self.found.wavelength)
+            rest = np.stack([corners, np.tile(edges[[0, 0, 1, 1]], len(strips)), lift], axis=-1)
+            mesh = self.pyvista.PolyData.from_regular_faces(MM * rest, np.arange(len(corners)).reshape(-1, 4))
             self.plotter.add_mesh(
                 mesh, color=electrode.colour, lighting=False, copy_mesh=False, show_edges=True, line_width=3,
                 edge_color=electrode.colour, name=f"electrode {electrode.sign}", reset_camera=False,
             )  # fmt: skip
-            self._electrodes.append((strips[:, [0, 1, 1, 0]].ravel(), mesh))
+            moved = np.stack([np.interp(corners, x, each) for each in top.T], axis=-1)
+            self._moving.append(_Moving(mesh, rest, moved))
         for former in list(self.plotter.scalar_bars.keys()):
             self.plotter.remove_scalar_bar(former)
         self.plotter.add_scalar_bar(
             title=self.shade.label.replace(" (", "\n("),
-            mapper=self.plotter.actors["section"].mapper, vertical=True, position_x=0.9, position_y=0.25,
-            width=0.06, height=0.5, title_font_size=13, label_font_size=13, n_labels=3, fmt="%.3g",
+            mapper=self.plotter.actors["surface"].mapper, vertical=True, position_x=0.9, position_y=0.5,
+            width=0.06, height=0.35, title_font_size=13, label_font_size=13, n_labels=3, fmt="%.3g",
         )  # fmt: skip
         self.set_phase(self.phase)
 
     def set_phase(self, phase: float) -> None:
         """Move everything to another instant."""
         self.phase = phase
-        places, values = self._piece.places(phase, self.factor) * MM, self._piece.values(phase)
-        for part, grid in self._faces:
-            copies = grid.dimensions[2]
-            for axis, coordinate in ((0, 0), (1, 2)):
-                grid.points[:, coordinate] = np.tile(places[part][..., axis].ravel(order="F"), copies)
-            grid["shade"][:] = np.tile(values[part].ravel(order="F"), copies)
-        lift = 0.02 * self.found.wavelength * MM
-        for corners, mesh in self._electrodes:
-            for axis, coordinate in ((0, 0), (1, 2)):
-                mesh.points[:, coordinate] = np.interp(corners, self._piece.x, places[:, -1, axis])
-            mesh.points[:, 2] += lift
+        turned = np.exp(1j * phase)
+        for each in self._moving:
+            each.mesh.points[:] = MM * (each.rest + self.factor * (each.displacement * turned).real)
+            if each.amplitude is not None:
+                wave = (each.amplitude * turned**self.shade.quantity.turns).real
+                each.mesh["shade"][:] = each.mean + wave
 
-    def _grid(self, n: int, m: int, y: np.ndarray):
-        """Return a structured grid of n lines of m points at some places y in m."""
-        grid = self.pyvista.StructuredGrid(*np.zeros((3, n, m, len(y))))
-        grid.points[:, 1] = MM * np.repeat(y, n * m)
+    def _lay_section(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """Add the surface, the section in front and the right end; return x (m) and the surface's motion there."""
+        self.shade = shade(self.found, name)
+        spacing = min(self.found.wavelength / LINES, (self._span[1] - self._span[0]) / 1000)
+        self._piece = drawn = piece(
+            self.found, self.shade, span=self._span, bottom=self.found.field.z[0], spacing=spacing
+        )
+        moved = np.insert(drawn.displacement, 1, 0.0, axis=-1)
+        edges = np.array([-0.5, 0.5]) * self.aperture
+        for part, lines, rows, y in (
+            ("surface", slice(None), slice(-1, None), edges),
+            ("section", slice(None), slice(None), edges[:1]),
+            ("end", slice(-1, None), slice(None), edges),
+        ):
+            rest = np.stack(np.meshgrid(drawn.x[lines], drawn.z[rows], y, indexing="ij"), axis=-1)[
+                ..., [0, 2, 1]
+            ]
+            values = (each[lines, rows, None] for each in (drawn.mean, drawn.amplitude))
+            self._lay(part, rest, moved[lines, rows, None], *values)
+        return drawn.x, moved[:, -1]
+
+    def _lay_beam(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """Add the surface that the beam moves; return x (m) and its motion on the axis."""
+        found = self.found
+        if name not in MOTIONS:
+            raise SceneError(
+                "--quantity",
+                f"must be one of {', '.join(MOTIONS)} on the surface of the beam, got {name!r}: --show field has it in "
+                "the section",
+            )
+        count = int(found.length / found.wavelength * BEAM_LINES) + 1
+        x, half = np.linspace(0.0, found.length, count), found.scene.stator.width / 2
+        y = np.linspace(-half, half, ACROSS)
+        moved = found.beam.motion(x[:, None], y)
+        one, size = QUANTITIES[name], moved[MOTIONS.index(name)]
+        scale = one.scales[0]
+        self.shade = Shade(
+            quantity=one,
+            label=f"{one.title} ({one.units[0]})",
+            scale=scale,
+            reach=float(abs(size).max()) * scale,
+        )
+        rest = np.stack(np.meshgrid(x, y, 0.0, indexing="ij"), axis=-1)
+        amplitude = size[..., None] * scale
+        self._lay("surface", rest, np.moveaxis(moved, 0, -1)[:, :, None], 0.0 * amplitude.real, amplitude)
+        return x, moved[:, :, ACROSS // 2].T
+
+    def _lay(self, name: str, rest, displacement, mean, amplitude) -> None:
+        """Add a structured grid of points (n, m, copies, 3) and its shade."""
+        grid = self.pyvista.StructuredGrid(*np.moveaxis(MM * rest, -1, 0))
+
+        def flat(values, *last):
+            return np.broadcast_to(values, (*rest.shape[:3], *last)).reshape(-1, *last, order="F")
+
         grid["shade"] = np.zeros(grid.n_points)
-        return grid
+        self.plotter.add_mesh(
+            grid, scalars="shade", cmap=self.shade.colour_map, clim=self.shade.limits, lighting=False,
+            show_scalar_bar=False, copy_mesh=False, name=name, reset_camera=False,
+        )  # fmt: skip
+        self._moving.append(_Moving(grid, flat(rest, 3), flat(displacement, 3), flat(mean), flat(amplitude)))
 
     def _stand(self) -> None:
         """Put the balls of the slider on the crests of the enlarged wave."""
-        for ball in description.balls(self.found):
-            centre = ball.place * MM, 0.0, (ball.radius + self.factor * ball.crest) * MM
+        for ball in description.balls(self.found, spreads=self.spreads):
+            centre = ball.place * MM, ball.lateral * MM, (ball.radius + self.factor * ball.crest) * MM
             sphere = self.pyvista.Sphere(
                 radius=ball.radius * MM, center=centre, theta_resolution=90, phi_resolution=90
             )
             self.plotter.add_mesh(sphere, color=description.BALL_COLOUR, smooth_shading=True, ambient=0.5)
 
     def _bare(self) -> None:
-        """Draw the parts of the solid beside the beam."""
-        half, width = 0.5 * self.beam, 0.5 * self.found.scene.stator.width
-        if width - half < 1e-9:
+        """Draw the parts of the solid that carry no field: beside the aperture, or below the surface of a beam."""
+        half, width, depth = 0.5 * self.aperture, 0.5 * self.found.scene.stator.width, self.found.field.z[0]
+        parts = [(-width, -half, 0.25), (half, width, 1.0)]  # the half in front is seen through
+        if self.spreads:
+            parts = [(-width, width, 1.0)]
+        elif width - half < 1e-9:
             return
-        for low, high, opacity in ((-width, -half, 0.25), (half, width, 1.0)):
-            # the half in front is seen through: the field's section lies behind it
-            ends = (0.0, self.found.length, low, high, self.found.field.z[0], 0.0)
+        top = 0.0
+        if self.spreads:  # below the troughs
+            top = -self.factor * max(float(abs(each.displacement).max()) for each in self._moving)
+        for low, high, opacity in parts:
+            ends = (0.0, self.found.length, low, high, depth, top)
             box = self.pyvista.Box(tuple(MM * each for each in ends))
             self.plotter.add_mesh(box, color=BARE, opacity=opacity, lighting=False)
             self.plotter.add_mesh(box, style="wireframe", color=EDGE, line_width=1)
+        if not self.spreads:
+            return
+        for block in self.found.scene.transducer:
+            reach = 0.5 * block.finger_pairs * block.period
+            frame = (block.center - reach, block.center + reach, -block.aperture / 2, block.aperture / 2)
+            x, y = np.array(frame)[[0, 1, 1, 0, 0]], np.array(frame)[[2, 2, 3, 3, 2]]
+            outline = np.stack([x, y, np.full(5, 0.1 * self.found.wavelength)], axis=-1)
+            self.plotter.add_mesh(self.pyvista.lines_from_points(MM * outline), color="black", line_width=2)
 
     def _write(self, section: bool, size: tuple[int, int]) -> None:
         """Write the caption and the names of the electrodes; show the directions, or of the section the scale."""
@@ -197,9 +262,11 @@ class Solid:
 
 
 def said(found: RunField) -> str:
-    """Return where the extruded field is true."""
+    """Return where the drawn field is true."""
     if found.free:
         return "a straight-crested free wave: the same for every y"
+    if found.beam is not None:
+        return "field of the finite apertures (frames) on the surface; grey: not computed, --show field has the section"
     return (
         f"field drawn only within the {found.aperture * MM:g} mm aperture, where the model holds for every y "
         "(the beam does not spread in it); grey: not modelled"
@@ -210,7 +277,7 @@ class Controls:
     """Play and pause, instant and colour of a `Solid`, by pyvista's own widgets."""
 
     def __init__(self, solid: Solid):
-        self.solid, self.names = solid, present(solid.found)
+        self.solid, self.names = solid, list(MOTIONS) if solid.spreads else present(solid.found)
         self.playing, self._last, self._rested, self._ready = True, time.perf_counter(), 0.0, False
         plotter, given = solid.plotter, {"style": "modern", "color": "black"}
         self.play_button = plotter.add_checkbox_button_widget(

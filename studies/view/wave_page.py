@@ -1,7 +1,7 @@
 """The wave field of a run as one HTML page: it moves, colours, zooms, and needs no network and nothing installed.
 
 The page carries the field's nodes (16-bit parts of the largest value, compressed) and draws them by WebGL 2: deformed
-and coloured at any phase, as `studies.view.patch` does.
+and coloured at any phase.  A wave that spreads in three dimensions is shown from above too.
 """
 
 import base64
@@ -73,7 +73,19 @@ def page(
     }
     text = json.dumps(meta, allow_nan=False).replace("</", "<\\/")
     template = (files("studies.view") / "wave_page.html").read_text(encoding="utf-8")
-    return template.replace("@META@", text).replace("@DATA@", packed)
+    return template.replace("@META@", text).replace("@DATA@", packed).replace("@BEAM@", _beam(found))
+
+
+def _beam(found: RunField) -> str:
+    """Return the picture of a beam from above, and what the moving field is beside it; nothing without one."""
+    if found.beam is None:
+        return ""
+    from studies.view.beam_view import drawn, image
+
+    return (
+        "<p>The moving field is that of the plane section, which does not spread; over the whole surface the finite "
+        f"apertures give:</p>\n{image(drawn(found.beam, found.scene))}"
+    )
 
 
 class Widget:

@@ -38,24 +38,26 @@ def test_aperture_against_the_scalar_angular_spectrum(motor, distance, ratio):
 
 def test_aperture_and_side_faces_of_the_seed(motor):
     assert effect(motor, "finite aperture")["size"] == pytest.approx(SPECTRUM[65] - 1, abs=0.03)
+    assert "side faces" not in {each["effect"] for each in motor.model_error}
     beam, width = fem.surface_beam(motor.surface_wave), motor.scene.stator.width
+    spread = replace(motor, surface_motion=replace(motor.surface_motion, beam=beam))
+    found = {each["effect"]: each["size"] for each in model_error(spread)}
     images = sum(beam.motion(0.08, k * width)[2] for k in range(-4, 5))  # of an aperture between two mirrors
     expected = abs(images / beam.motion(0.08)[2]) - 1
-    assert effect(motor, "side faces")["size"] == pytest.approx(expected, rel=0.02)
+    assert found["side faces"] == pytest.approx(expected, rel=0.02)
+    assert "finite aperture" not in found
 
 
-def test_other_cuts_fall_back_to_the_slit(motor):
+def test_aperture_beside_the_axis(motor):
+    """At the edge of the beam half of the amplitude is left."""
+    slider = replace(motor.scene.slider, position=(0.08, 0.01))
+    beside = replace(motor, scene=replace(motor.scene, slider=slider))
+    found = {each["effect"]: each["size"] for each in model_error(beside)}
+    assert found["finite aperture"] == pytest.approx(-0.5, abs=0.05)
+
+
+def test_loads_are_left_out_where_the_amplitude_is_not_that_of_one_beam(motor):
     free = replace(motor.scene.stator, ends="free")
-    solid = fem.rotated(fem.material("LiNbO3 (Kovacs)"), "128YX")
-    fields = motor.surface_wave.solution.fields
-    stator = replace(fields.stator, solid=solid)
-    solution = replace(motor.surface_wave.solution, fields=replace(fields, stator=stator))
-    wave = replace(motor.surface_wave, solve=lambda: solution)
-    other = replace(motor, surface_motion=replace(motor.surface_motion, wave=wave))
-    found = {each["effect"]: each for each in model_error(other)}
-    assert found["finite aperture"]["size"] == pytest.approx(fresnel_ratio(motor, 0.08) - 1)
-    assert "Fresnel" in found["finite aperture"]["source"]
-    assert "side faces" not in found
     several = replace(motor, electrical=motor.electrical | {"sources": {"left": {}, "right": {}}})
     assert "load of the slider on the wave" not in {each["effect"] for each in model_error(several)}
     walls = replace(motor, scene=replace(motor.scene, stator=free))

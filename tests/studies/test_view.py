@@ -2,12 +2,14 @@
 
 import base64
 import gzip
+import io
 import json
 import re
 import shutil
 import subprocess
 import sys
 import tomllib
+from dataclasses import replace
 from html import unescape
 from pathlib import Path
 from xml.etree import ElementTree
@@ -327,8 +329,40 @@ def test_a_field_that_a_solid_does_not_have_is_refused(found, tmp_path):
         section_of(found, views(found), quantity="u_y")
 
 
-def test_the_solid_carries_field_within_the_aperture_only_and_says_so(found):
-    drawn = Solid(found, quantity="u_z", phase=0.0, factor=1.0, size=(600, 300), off_screen=True).plotter
+@pytest.fixture(scope="module")
+def plane(found):
+    """The same run as if the wave did not spread."""
+    scene = found.scene.replace(stator={"diffraction": False})
+    return replace(found, record=replace(found.record, scene=scene))
+
+
+def test_the_solid_carries_the_beam_over_its_whole_width(found):
+    """Surface and ball as `fem.surface_beam` has them; what the surface does not have is refused."""
+    given = {"factor": 1e5, "size": (600, 300), "off_screen": True}
+    drawn = Solid(found, quantity="u_z", phase=0.4, **given)
+    surface = drawn.plotter.actors["surface"].mapper.dataset
+    at = np.reshape(surface.points, (*surface.dimensions[:2][::-1], 3))
+    assert (surface.bounds.y_min, surface.bounds.y_max) == pytest.approx((-17.5, 17.5), abs=0.1)
+    rows = np.arange(0, at.shape[0], 10), np.arange(0, at.shape[1], 37)
+    x = np.linspace(0.0, found.length, at.shape[1])[rows[1]]
+    y = np.linspace(-17.5e-3, 17.5e-3, at.shape[0])[rows[0]]
+    expected = (found.beam.motion(x, y[:, None])[2] * np.exp(0.4j)).real
+    values = np.reshape(surface["shade"], at.shape[:2])[np.ix_(*rows)]
+    np.testing.assert_allclose(values, 1e9 * expected, atol=1e-6 * abs(values).max())
+    np.testing.assert_allclose(at[np.ix_(*rows)][..., 2], 1e8 * expected, atol=1e-6 * at[..., 2].max())
+    outer = abs(found.beam.motion(found.focus[1], 15e-3)[2])
+    assert 1e-3 * abs(values).max() < 1e9 * outer < 0.2 * abs(values).max()
+    assert "on the surface" in words_of(drawn.plotter)
+    assert np.asarray(drawn.plotter.screenshot(return_img=True)).std() > 5
+    drawn.plotter.close()
+    with pytest.raises(
+        SceneError, match="--quantity must be one of u_x, u_y, u_z on the surface of the beam"
+    ):
+        Solid(found, quantity="power_flow", phase=0.0, **given)
+
+
+def test_the_solid_carries_field_within_the_aperture_only_and_says_so(plane):
+    drawn = Solid(plane, quantity="u_z", phase=0.0, factor=1.0, size=(600, 300), off_screen=True).plotter
     bounds = drawn.actors["surface"].mapper.dataset.bounds
     assert (bounds.y_min, bounds.y_max) == pytest.approx((-10.0, 10.0))
     whole = drawn.bounds
@@ -339,7 +373,8 @@ def test_the_solid_carries_field_within_the_aperture_only_and_says_so(found):
     drawn.close()
 
 
-def test_surface_electrodes_and_balls_of_the_solid_move_as_the_section_does(found):
+def test_surface_electrodes_and_balls_of_the_solid_move_as_the_section_does(plane):
+    found = plane
     drawn = Solid(found, quantity="u_z", phase=0.4, factor=1e5, size=(600, 300), off_screen=True)
     surface = drawn.plotter.actors["surface"].mapper.dataset
     fingers = np.concatenate(
@@ -446,8 +481,18 @@ def page(found):
     return wave_page.page(found, quantity="potential", phase=0.5, factor=None, span=(0.012, 0.016))
 
 
+def test_the_page_shows_the_beam_beside_the_plane_section(page, plane):
+    """A picture of the size of u_z over the surface, wider than high; none where the wave does not spread."""
+    (picture,) = re.findall(r'<img alt="size of u_z over the surface[^>]*base64,([^"]*)"', page)
+    width, height = Image.open(io.BytesIO(base64.b64decode(picture))).size
+    assert width > 2 * height
+    assert "plane section" in page
+    without = wave_page.page(plane, quantity="u_z", phase=0.0, factor=None, span=None)
+    assert "<img" not in without
+
+
 def test_the_page_needs_nothing_from_elsewhere(page):
-    without_data = re.sub(r'<script id="data".*?</script>', "", page, flags=re.S)
+    without_data = re.sub(r'<script id="data".*?</script>|base64,[^"]*', "", page, flags=re.S)
     assert not re.search(r"(https?:)?//[a-z]", without_data)
     assert not re.search(r"\b(src|href)=(?!\"data:)", without_data)
     assert "@META@" not in page

@@ -30,6 +30,10 @@ def test_modes_at_each_lateral_wavenumber_are_the_rotated_ones():
     left = turned.charges[0].x[0] - 2.5e-3
     expected = turned.motion(left, y)
     np.testing.assert_allclose(solved.motion(left, y), expected, atol=5e-3 * abs(expected).max())
+    lateral = np.array([-0.3, 0.1, 0.3]) * turned.source.wavenumbers[turned.source.surface].mean().real
+    np.testing.assert_allclose(
+        solved.surface_wavenumbers(lateral), turned.surface_wavenumbers(lateral), rtol=1e-8
+    )
     expected = turned.surface_mode.motion(right, y)
     np.testing.assert_allclose(
         solved.surface_mode.motion(right, y), expected, atol=1e-3 * abs(expected).max()
@@ -62,6 +66,29 @@ def test_reciprocity_gives_the_opposite_lateral_wavenumber(name):
         assert there.wavenumbers[other] == pytest.approx(-here.wavenumbers[mode], rel=1e-9)
         scale = abs(there.column[other]).max()
         np.testing.assert_allclose(there.column[other], -here.row[mode], atol=1e-6 * scale)
+
+
+@pytest.mark.parametrize(("name", "gamma"), [("128YX", -0.34), ("YZ", -1.10), ("ST-X", 0.378)])
+def test_slowness_curvature_is_the_published_one(name, gamma):
+    """Of the free surface: slowness surfaces of surface waves in tables, to the spread of the constants."""
+    beam = beam_in(lossless(*CUTS[name]), thickness=np.inf, length=14.0, pairs=1, order=5)
+    k = beam.surface_wavenumbers(0.0).real
+    step = 0.02 * k
+    before, after = beam.surface_wavenumbers(np.array([-step, step])).real
+    found = -k * (before + after - 2 * k) / step**2 - 1
+    assert found == pytest.approx(gamma, abs=0.02)
+
+
+def test_slowness_curve_passes_smoothly_through_the_axis():
+    """A generic cut, whose power flows at an angle: the curve at -k_y is that of the waves to the other side."""
+    beam = beam_in(
+        lossless("LiNbO3 (Kovacs)", (10.0, 38.0, 15.0)), thickness=np.inf, length=14.0, pairs=1, order=5
+    )
+    step = 0.01 * beam.source.wavenumber
+    before, here, after, further = beam.surface_wavenumbers(step * np.arange(-1, 3)).real
+    slope = (after - before) / (2 * step)
+    assert abs(slope) > 0.02
+    assert (4 * after - 3 * here - further) / (2 * step) == pytest.approx(slope, abs=0.05 * slope)
 
 
 def fresnel_profile(k: float, distance: float, aperture: float, y: np.ndarray) -> np.ndarray:
