@@ -104,9 +104,13 @@ class Kernel:
     @cached_property
     def inner(self):
         """Numba's own, for calls from other kernels: without wrappers for Python."""
-        return _numba().njit(nogil=True, error_model="numpy", no_cpython_wrapper=True, no_cfunc_wrapper=True)(
-            self.function
-        )
+        return _numba().njit(
+            nogil=True,
+            error_model="numpy",
+            fastmath=self.freedom,
+            no_cpython_wrapper=True,
+            no_cfunc_wrapper=True,
+        )(self.function)
 
 
 class Formula(Kernel):

@@ -27,7 +27,7 @@ class CycleMeans:
     """Cycle means of the elastic law at constant height and velocity."""
 
     def __init__(self, problem: Problem):
-        self.problem, self.rule, self.work = problem, quadrature(12), cycle_room(1, forces=False)
+        self.problem, self.rule, self.work = problem, quadrature(12), cycle_room(1)
 
     def forces(self, height: float, speed: float) -> tuple[float, float]:
         """Return (<sum P>, <sum Q>)."""

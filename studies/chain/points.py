@@ -20,24 +20,13 @@ CONTACT_SHARE = 0.25  # of the tolerance, asked of the contact's solvers
 
 @dataclass(frozen=True, kw_only=True)
 class SliderAnswer:
-    """What the slider does at every level.
+    """What the slider does at every level."""
 
-    Attributes
-    ----------
-    points : tuple of dict
-        As in run.json.
-    parts : tuple of (float, float)
-        Errors of each point from the stator and from the contact, over the reference speed.
-    summary : dict
-        Threshold and release.
-    trajectories : tuple of (float, contact.Trajectory)
-        With a burst.
-    """
-
-    points: tuple[dict, ...]
+    points: tuple[dict, ...]  # as in run.json
+    # Errors of each point from the stator and from the contact, over the reference speed
     parts: tuple[tuple[float, float], ...]
-    summary: dict
-    trajectories: tuple
+    summary: dict  # threshold and release
+    trajectories: tuple  # with a burst
 
 
 def slider_answer(
