@@ -3,8 +3,9 @@
 Conventions: exp(+i omega t), complex peak amplitudes, SI; x along the propagation, z out of the surface, body at
 z < 0; Voigt order 11 22 33 23 13 12 with engineering shear.  The folders are the steps of the method: materials -
 geometry - analytic (answers without a mesh) - discretize (elements through the depth) - condense (superelements) -
-waveguide (guided modes, ends, network) - circuit - results - solve (error estimate, bands, bursts) - beam (a finite
-aperture in three dimensions).  A check stands beside them: direct (the whole stator as one sparse matrix).
+waveguide (guided modes, ends, network) - circuit - results - reduce (a band of frequencies) - beam (a finite aperture
+in three dimensions) - solve (answers with an error).  A check stands beside them: direct (the whole stator as one
+sparse matrix).
 """
 
 from importlib import import_module
@@ -41,8 +42,7 @@ _PUBLIC = {
     "results.files": "write_instant write_surface write_vtu",
     "solve.harmonic": "driven_wave",
     "solve.port_admittance": "port_admittance PortAdmittance",
-    "solve.band_setup": "frequency_band",
-    "solve.band": "Band",
+    "solve.band": "Band frequency_band",
     "solve.burst": "burst_response BurstEnvelope",
     "solve.guided": "free_wave guided_modes",
     "solve.passband": "best_frequency best_period",

@@ -53,7 +53,7 @@ class Work(NamedTuple):
 
 def room(harmonics: int, nodes: int = NODES, fine_nodes: int = FINE_NODES) -> Work:
     """Return work arrays for so many harmonics of the fast motion."""
-    first, second = cycle_room(1, forces=False), cycle_room(harmonics, forces=True)
+    first, second = cycle_room(1), cycle_room(harmonics, fine_nodes)
     return Work(quadrature(nodes), quadrature(fine_nodes), first, second)
 
 

@@ -155,25 +155,26 @@ def bounce(problem, state, span, work):
 
 
 @compiled
-def _rate(problem, h, v, work, most):
-    """Return (V', h) with height and fast motion settled at V."""
+def _rate(problem, h, v, rule, work, most):
+    """Return (V', h) at V; after so many rounds of settling height and fast motion, if any."""
     if most > 0:
-        h, _ = settled(problem, work.rule, h, v, work.second, most)
-    cycle(problem, h, v, work.rule, work.second)
-    return work.second.means[TANGENTIAL] - problem.tangential_damping * v - problem.load, h
+        h, _ = settled(problem, rule, h, v, work, most)
+    cycle(problem, h, v, rule, work)
+    return work.means[TANGENTIAL] - problem.tangential_damping * v - problem.load, h
 
 
 @compiled
 def accelerate(problem, state, phase, taken, span, work, k):
     """Follow the velocity with the bounce dead; return the reason for ending. `k`: (7,) room."""
     stop, at, rows, tolerance = span.stop, span.at, span.rows, 0.1 * span.tolerance
-    h, v = state[0], state[2]
-    most = 3 if span.corrected else 0
-    if not span.corrected:
-        h = riding(problem, work.rule)
+    h, v, rule = state[0], state[2], work.rule
+    means, most = work.first, 0
+    if span.corrected:
+        means, most = work.second, 3
+        _rate(problem, h, v, rule, means, 8)
     else:
-        _rate(problem, h, v, work, 8)
-    k[0], h = _rate(problem, h, v, work, most)
+        h = riding(problem, rule)
+    k[0], h = _rate(problem, h, v, rule, means, most)
     top = 0.0
     for i in range(problem.paths.height.size):
         top = max(top, tangential_amplitude(problem.paths, i))
@@ -187,12 +188,12 @@ def accelerate(problem, state, phase, taken, span, work, k):
             y = v
             for j in range(i):
                 y += d * _TABLE[i, j] * k[j]
-            k[i], h = _rate(problem, h, y, work, most)
+            k[i], h = _rate(problem, h, y, rule, means, most)
         error = 0.0
         for i in range(7):
             error += d * _ERROR[i] * k[i]
         error = abs(error) / tolerance
-        if work.second.counts[STUCK] > 0:
+        if means.counts[STUCK] > 0:
             return STICKS
         if error > 1.0 and rejected < 60:
             d *= max(0.2, 0.9 * error**-0.2)

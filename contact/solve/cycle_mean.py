@@ -42,6 +42,15 @@ class Harmonics(NamedTuple):
     tangential_sin: np.ndarray
 
 
+class Nodes(NamedTuple):
+    """Room for the nodes of a piece: cos and sin of the harmonics (K, n), z and x and then the forces (n,)."""
+
+    cos: np.ndarray
+    sin: np.ndarray
+    normal: np.ndarray
+    tangential: np.ndarray
+
+
 class Cycle(NamedTuple):
     """What a cycle is taken on, and what it gives.
 
@@ -53,6 +62,8 @@ class Cycle(NamedTuple):
         Room for that of a contact relative to the slider.
     force : Harmonics
         Of P (1 + chi z') and of Q; empty where only the means are wanted.
+    nodes : Nodes
+        As many as the quadrature has; empty likewise.
     means : (2,) array
         Of sum P and sum Q.
     counts : (4,) int array
@@ -62,6 +73,7 @@ class Cycle(NamedTuple):
     fast: Harmonics
     path: Harmonics
     force: Harmonics
+    nodes: Nodes
     means: np.ndarray
     counts: np.ndarray
 
@@ -81,10 +93,16 @@ class Anchor(NamedTuple):
     y: float
 
 
-def cycle_room(harmonics: int, *, forces: bool) -> Cycle:
-    """Return the arrays of a cycle of so many harmonics, the slider without fast motion."""
-    fast, path, force = (Harmonics(*np.zeros((4, n))) for n in (harmonics, harmonics, harmonics * forces))
-    return Cycle(fast, path, force, np.zeros(2), np.zeros(4, np.int64))
+def cycle_room(harmonics: int, nodes: int = 0) -> Cycle:
+    """Return the arrays of a cycle of so many harmonics, the slider without fast motion.
+
+    `nodes` of the quadrature, where the harmonics of the forces are wanted; else 0.
+    """
+    fast, path, force = (
+        Harmonics(*np.zeros((4, n))) for n in (harmonics, harmonics, harmonics * (nodes > 0))
+    )
+    room = Nodes(*np.zeros((2, harmonics, nodes)), *np.zeros((2, nodes)))
+    return Cycle(fast, path, force, room, np.zeros(2), np.zeros(4, np.int64))
 
 
 @compiled
@@ -109,26 +127,26 @@ def _place(path, phi):
 
 
 @compiled
-def _crossing(path, alpha, beta, anchor, low, high):
-    """Return the root of alpha z + beta x between `low` and `high`, where its signs differ (safeguarded Newton)."""
-    z, _, y, _ = _place(path, low)
-    f_low = alpha * z + beta * (anchor.x + y - anchor.y)
+def _crossing(path, alpha, beta, anchor, low, high, rises):
+    """Return the root of alpha z + beta x between `low` and `high` (safeguarded Newton).
+
+    `rises`: whether it is negative at `low` and positive at `high`; else the other way round.
+    """
     phi = 0.5 * (low + high)
     for _ in range(60):
         z, zr, y, yr = _place(path, phi)
         f, rate = alpha * z + beta * (anchor.x + y - anchor.y), alpha * zr + beta * yr
-        if (f > 0.0) == (f_low > 0.0):
-            low = phi
-        else:
+        if (f > 0.0) == rises:
             high = phi
-        step = -f / rate if rate != 0.0 else 0.0
-        new = phi + step
-        if not low < new < high:
-            new = 0.5 * (low + high)
-        # Newton's next step would be the square of this one, and the forces are continuous there
-        if abs(new - phi) < 1e-8 or high - low < 1e-8:
-            return new
-        phi = new
+        else:
+            low = phi
+        new = phi - f / rate if rate != 0.0 else low
+        # Newton's next step would be the square of this one, and the square of that the error of the integrals
+        if abs(new - phi) < 1e-5:
+            return min(max(new, low), high)
+        phi = new if low < new < high else 0.5 * (low + high)
+        if high - low < 1e-8:
+            break
     return phi
 
 
@@ -177,7 +195,7 @@ def _next_slip(path, c, s, window, anchor, start, stop):
         z, _, y, _ = _place(path, b)
         # below rounding: a spring that comes back to its limit after a whole cycle of stick has not slipped
         if b > a and c * z - s * (anchor.x + y - anchor.y) < -1e-14:
-            return _crossing(path, c, -s, anchor, a, b)
+            return _crossing(path, c, -s, anchor, a, b, False)
         low, high = low + TURN, high + TURN
     return stop
 
@@ -201,39 +219,80 @@ def _gather(problem, path, rule, work, start, stop, slip, offset):
 @compiled
 def _piece(problem, path, rule, work, start, width, slip, offset):
     """Add the integrals of the forces over one smooth piece."""
-    kappa, mu, c = problem.stiffness, problem.friction, problem.limit_slope
-    force = work.force
-    if path.wave.normal_cos.size == 1 and force.normal_cos.size == 0:
+    kappa = problem.stiffness
+    if path.wave.normal_cos.size == 1 and work.force.normal_cos.size == 0:
         push, pull = _plain(problem, path, rule, start, width, slip, offset)
-        work.means[NORMAL] += push
-        work.means[TANGENTIAL] += pull
-        return
-    for j in range(rule.weight.size):
+    else:
+        _follow(path, rule, work.nodes, start, width, offset)
+        push, pull = _load(problem, rule, work.nodes, slip)
+        _project(problem, path, rule, work, kappa * width)
+    work.means[NORMAL] += kappa * width * push
+    work.means[TANGENTIAL] += kappa * width * pull
+
+
+@summed
+def _follow(path, rule, nodes, start, width, offset):
+    """Fill the harmonics' cosines and sines, the approach and the deformation at the nodes of a piece."""
+    h, v, wave, n = path.h, path.v, path.wave, rule.place.size
+    cos, sin, z, x = nodes.cos, nodes.sin, nodes.normal, nodes.tangential
+    for j in range(n):
         phi = start + width * rule.place[j]
-        z, z_rate, y, _ = _place(path, phi)
-        if z <= 0.0:
-            continue
-        weight = kappa * width * rule.weight[j]
-        elastic = weight * load(z, problem.shape)
-        if slip != 0.0:
-            pull = slip * mu * elastic
-        else:
-            x = offset + y
-            pull = mu * weight * friction_load(z, z - abs(x) / c, problem.shape)
-            if x < 0.0:
-                pull = -pull
-        # P z' is a total derivative, so that the damper's mean over a cycle is zero
-        work.means[NORMAL] += elastic
-        work.means[TANGENTIAL] += pull
-        push = elastic * (1.0 + problem.contact_damping * z_rate)
-        co, si = np.cos(phi), np.sin(phi)
-        cos, sin = co, si
-        for k in range(force.normal_cos.size):
-            force.normal_cos[k] += push * cos
-            force.normal_sin[k] += push * sin
-            force.tangential_cos[k] += pull * cos
-            force.tangential_sin[k] += pull * sin
-            cos, sin = cos * co - sin * si, sin * co + cos * si
+        cos[0, j], sin[0, j] = circle(phi)
+        z[j] = h
+        x[j] = offset - v * phi
+    for k in range(wave.normal_cos.size):
+        a, b, d, e = wave.normal_cos[k], wave.normal_sin[k], wave.tangential_cos[k], wave.tangential_sin[k]
+        if k > 0:
+            for j in range(n):
+                cos[k, j] = cos[k - 1, j] * cos[0, j] - sin[k - 1, j] * sin[0, j]
+            for j in range(n):
+                sin[k, j] = sin[k - 1, j] * cos[0, j] + cos[k - 1, j] * sin[0, j]
+        for j in range(n):
+            z[j] += a * cos[k, j] + b * sin[k, j]
+        for j in range(n):
+            x[j] += d * cos[k, j] + e * sin[k, j]
+
+
+@summed
+def _load(problem, rule, nodes, slip):
+    """Turn approach and deformation at the nodes into weighted forces over kappa times the width; return their sums."""
+    mu, shape, near = problem.friction, problem.shape, 1.0 / problem.limit_slope
+    z, x = nodes.normal, nodes.tangential
+    push = pull = 0.0
+    for j in range(rule.weight.size):
+        power = load(z[j], shape)
+        stuck = friction_load(z[j], z[j] - abs(x[j]) * near, shape)
+        stuck = -stuck if x[j] < 0.0 else stuck
+        z[j] = rule.weight[j] * power
+        x[j] = rule.weight[j] * mu * (stuck if slip == 0.0 else slip * power)
+        push += z[j]
+        pull += x[j]
+    return push, pull
+
+
+@summed
+def _project(problem, path, rule, work, scale):
+    """Add the harmonics of the forces at the nodes, the damper's with them."""
+    wave, force, nodes = path.wave, work.force, work.nodes
+    cos, sin, normal, tangential = nodes.cos, nodes.sin, nodes.normal, nodes.tangential
+    # P z' is a total derivative, so that the damper's mean over a cycle is zero
+    if problem.contact_damping > 0.0:
+        for j in range(rule.weight.size):
+            rate = 0.0
+            for k in range(wave.normal_cos.size):
+                rate += (k + 1) * (wave.normal_sin[k] * cos[k, j] - wave.normal_cos[k] * sin[k, j])
+            normal[j] *= 1.0 + problem.contact_damping * rate
+    for k in range(force.normal_cos.size):
+        a = b = d = e = 0.0
+        for j in range(rule.weight.size):
+            a += normal[j] * cos[k, j]
+            b += normal[j] * sin[k, j]
+            d += tangential[j] * cos[k, j]
+            e += tangential[j] * sin[k, j]
+        force.normal_cos[k] += scale * a
+        force.normal_sin[k] += scale * b
+        force.tangential_cos[k] += scale * d
+        force.tangential_sin[k] += scale * e
 
 
 @summed
@@ -248,13 +307,12 @@ def _plain(problem, path, rule, start, width, slip, offset):
         co, si = circle(phi)
         z = h + a * co + b * si
         power = load(z, shape)
-        weight = width * rule.weight[j]
-        push += weight * power
+        push += rule.weight[j] * power
         x = offset + d * co + e * si - v * phi
         stuck = friction_load(z, z - abs(x) * near, shape)
         stuck = -stuck if x < 0.0 else stuck
-        pull += weight * (stuck if slip == 0.0 else slip * power)
-    return problem.stiffness * push, mu * problem.stiffness * pull
+        pull += rule.weight[j] * (stuck if slip == 0.0 else slip * power)
+    return push, mu * pull
 
 
 @compiled
@@ -278,7 +336,7 @@ def _stick(problem, path, rule, work, start, stop, anchor):
                 break
         after = offset + _place(path, right)[2]
         if before * after < 0.0:
-            root = _crossing(path, 0.0, 1.0, anchor, left, right)
+            root = _crossing(path, 0.0, 1.0, anchor, left, right, after > 0.0)
             _gather(problem, path, rule, work, begin, root, 0.0, offset)
             begin = root
             work.counts[REVERSALS] += 1
@@ -334,12 +392,11 @@ def _contact(problem, path, rule, work):
         else:
             anchor = Anchor(x, _place(path, phi)[2])
             up = _next_slip(path, c, 1.0, windows[0], anchor, phi, stop)
-            down = _next_slip(path, c, -1.0, windows[1], anchor, phi, stop)
-            end = min(up, down)
+            end = _next_slip(path, c, -1.0, windows[1], anchor, phi, up)
             _stick(problem, path, rule, work, phi, end, anchor)
             x, phi = x + _place(path, end)[2] - anchor.y, end
             if end < stop:
-                slip = 1.0 if up < down else -1.0
+                slip = 1.0 if end == up else -1.0
                 slips += 1
         if phi >= stop:
             break
@@ -354,7 +411,7 @@ def _contact(problem, path, rule, work):
     {
         "problem.paths.height": "n", "problem.paths.normal_cos": "n", "rule.place": "q", "rule.weight": "q",
         "work.fast.normal_cos": "k", "work.path.normal_cos": "k", "work.force.normal_cos": "0 | k", "work.means": "2",
-        "work.counts": "4",
+        "work.counts": "4", "work.nodes.cos": "k q | 1 0",
     },
 )  # fmt: skip
 def cycle(problem, h, v, rule, work):

@@ -27,7 +27,7 @@ FIELD_COLUMN = {"ux": 0, "uy": 1, "uz": 2, "phi": 3}
 class LineSpace(Protocol):
     """Unknowns of a vertical line, as guided modes, networks and results use them.
 
-    `Section` has all of them; `fem.solve.reduced_basis.ReducedSection` those of a basis of fields, which `lift` takes
+    `Section` has all of them; `fem.reduce.basis.ReducedSection` those of a basis of fields, which `lift` takes
     back to the lines of the ``full`` section.
     """
 

@@ -1,4 +1,10 @@
-"""A stator prepared for a band of frequencies: a reduced model with its error, asked at one frequency after another."""
+"""A band of frequencies: full solutions at a few of them, a reduced model, and its error at the worst frequency.
+
+Two errors add: that of the discretisation, from two levels at one frequency, and that of the reduction, against full
+solutions of the same discretisation between and at the nodes.  Between reflecting ends both grow with the resonances:
+small errors have 1 / |1 - mu| times the effect, mu an eigenvalue of the segments' coupling (port_fields.py), so that
+what is seen at the frequencies of the check is scaled to the sharpest resonance that the band can hold.
+"""
 
 import time
 from collections.abc import Callable
@@ -8,11 +14,28 @@ import numpy as np
 
 from fem.circuit import Drive
 from fem.convergence import ConvergenceError
-from fem.results.solution import driven_solution
+from fem.discretize.refinement import LEVELS, first_level
+from fem.geometry import Stator, Transducer, outer_gaps
+from fem.reduce.model import ReducedModel
+from fem.reduce.projection import BandProblem, NodeSolutions, project, solve_at_nodes
+from fem.results.evaluation import surface_of
+from fem.results.solution import Solution, driven_solution
 from fem.results.surface_wave import SurfaceWave, surface_wave
-from fem.solve.reduced_model import ReducedModel
-from fem.threads import side_by_side
+from fem.solve.harmonic import check_driven, driven_wave, solution_differences
+from fem.threads import one_blas_thread, side_by_side
 from fem.waveguide.port_fields import PortFields, solve_ports
+
+# Shares of the tolerance below which a singular value of the lines' fields is left out: at first, at last, and from
+# one attempt to the next.
+FIRST_TRUNCATION, LAST_TRUNCATION, TRUNCATION_STEP = 5e-2, 2e-3, 0.5
+MAX_TRUNCATION = 1e-4  # whatever the tolerance
+REDUCTION_SHARE = 0.5  # of the tolerance
+REDUCTION_SAFETY = (
+    2.0  # least ratio of the reduction's error elsewhere in the band to that where it is checked
+)
+# Stated over true error of two levels where they are checked, at least: a level divides by 11 to 25, not by GAIN.
+ESTIMATE_EXCESS = 2.0
+MAX_ROUNDS = 3  # discretisations that are tried
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,3 +105,169 @@ class Band:
             return (adapted(found) if adapted else found).admittances
 
         return np.array(side_by_side(at, frequencies))
+
+
+@one_blas_thread
+def frequency_band(
+    stator: Stator,
+    transducers: tuple[Transducer, ...],
+    *,
+    lowest: float,
+    highest: float,
+    drive: str | Drive,
+    tolerance: float,
+    places: tuple[float, ...] = (),
+) -> Band:
+    """Prepare a driven stator for the frequencies of a band.
+
+    Parameters
+    ----------
+    stator : Stator
+    transducers : tuple of Transducer
+        Their outer gaps must be whole: half a gap of bare surface on either side.
+    lowest, highest : float
+        Hz.
+    drive : str or Drive
+        What the error is estimated with; any other drive may be asked for later.
+    tolerance : float
+        Relative, of the surface motion at ``places`` at every frequency of the band.
+    places : tuple of float
+        m; mid-stator if empty.
+
+    Returns
+    -------
+    Band
+
+    Raises
+    ------
+    ConvergenceError
+        If the tolerance is not met; the band comes with it, with the error that it has.
+    """
+    begun = time.perf_counter()
+    if not 0 < lowest < highest < np.inf:
+        raise ValueError(
+            f"the band must run from a lower to a higher frequency, got {lowest!r} to {highest!r} Hz"
+        )
+    check_driven(stator, transducers, highest, tolerance)
+    transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
+    for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
+        if min(gaps) < (1 - 1e-9) * transducer.half_gap:
+            raise ValueError(
+                f"a band takes transducers with half a gap of bare surface on either side, "
+                f"{transducer.half_gap:g} m; {transducer.name!r} has {min(gaps):g} m"
+            )
+    problem = BandProblem(
+        stator=stator,
+        transducers=transducers,
+        limits=(lowest, highest),
+        drive=drive,
+        tolerance=tolerance,
+        places=np.array(places or (stator.length / 2,)),
+    )
+    share = (1 - REDUCTION_SHARE) * tolerance  # of the discretisation
+    asked = tolerance
+    for _ in range(MAX_ROUNDS):
+        band, of_levels = _attempt(problem, asked, begun)
+        if band.relative_error <= tolerance:
+            return band
+        if of_levels <= share:
+            break  # no finer discretisation would help
+        asked *= share / of_levels
+    raise ConvergenceError(
+        f"the stator's surface motion in the band is known to {band.relative_error:.1e} only, {tolerance:.1e} was "
+        "asked for: ask for less, give the solid a lower mechanical_quality, or solve one frequency at a time",
+        reached=band,
+    )
+
+
+def _attempt(problem: BandProblem, asked: float, begun: float) -> tuple[Band, float]:
+    """A band whose discretisation is good to ``asked`` where it is checked, and the discretisation's part of its error.
+
+    The set-up began at ``begun``, s.
+    """
+    expected = LEVELS[first_level(asked) + 1]
+
+    def reference():
+        return driven_wave(
+            problem.stator,
+            problem.transducers,
+            frequency=problem.between_nodes,
+            drive=problem.drive,
+            tolerance=asked,
+            places=tuple(problem.places),
+        )
+
+    wave, nodes = side_by_side(lambda work: work(), (reference, lambda: solve_at_nodes(problem, expected)))
+    resolution = wave.solution.fields.resolution
+    if resolution != expected:
+        nodes = solve_at_nodes(problem, resolution)
+    checks = [_Check.of(problem, solution) for solution in (wave.solution, *nodes.solutions)]
+    worst = max(check.worst for check in checks)
+    growth = max(1.0, worst / checks[0].here / ESTIMATE_EXCESS)
+    of_levels = growth * wave.relative_error
+    model, of_motion, of_admittance = _reduced(problem, nodes, checks, worst, problem.tolerance - of_levels)
+    band = Band(
+        model=model,
+        relative_error=of_levels + of_motion,
+        admittance_error=growth * wave.admittance_error + of_admittance,
+        seconds=time.perf_counter() - begun,
+    )
+    return band, of_levels
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Check:
+    """A full solution that the reduced model must give again.
+
+    ``here`` and ``worst``: resonant amplification at its frequency and at the worst one near it.
+    """
+
+    solution: Solution
+    motion: np.ndarray
+    here: float
+    worst: float
+
+    @classmethod
+    def of(cls, problem: BandProblem, solution: Solution) -> "_Check":
+        surface, (low, high) = surface_of(solution), problem.limits
+        # Checks stand in the middle and near both ends of the band, none farther from a frequency than a third of it.
+        swing = 2 * np.pi * (high - low) / 3 * problem.stator.length / surface.phase_velocity
+        here, worst = solution.fields.amplification(min(swing, np.pi))
+        return cls(solution=solution, motion=surface.motion(problem.places), here=here, worst=worst)
+
+
+def _reduced(
+    problem: BandProblem, nodes: NodeSolutions, checks: list[_Check], worst: float, left: float
+) -> tuple[ReducedModel, float, float]:
+    """Project on as few fields as give the full solutions again; the errors of motion and admittance that it leaves.
+
+    ``left``: what the discretisation leaves of the tolerance; if nothing, another discretisation will follow.
+    """
+    share = REDUCTION_SHARE * problem.tolerance
+    enough = np.array([left if left > 0 else share, share])
+    truncation = min(FIRST_TRUNCATION * problem.tolerance, MAX_TRUNCATION)
+    while True:
+        last = truncation <= LAST_TRUNCATION * min(problem.tolerance, 1e-3)
+        model = project(problem, nodes, truncation)
+        try:
+            errors = _errors(model, problem, checks, worst)
+        except ConvergenceError:  # too few fields to close the ends with
+            if last:
+                raise
+            errors = np.inf, np.inf
+        if last or np.all(errors <= enough):
+            return model, *errors
+        truncation *= TRUNCATION_STEP
+
+
+def _errors(
+    model: ReducedModel, problem: BandProblem, checks: list[_Check], worst: float
+) -> tuple[float, float]:
+    """Errors of a reduced model's motion and admittance at the worst frequency of the band."""
+    seen = []
+    for check in checks:
+        solution = model.solution(check.solution.fields.frequency, problem.drive)
+        own = solution, surface_of(solution).motion(problem.places)
+        differences = solution_differences(own, (check.solution, check.motion))
+        seen.append([difference / min(check.here, worst / REDUCTION_SAFETY) for difference in differences])
+    return tuple(float(worst * error) for error in np.max(seen, axis=0))

@@ -10,7 +10,7 @@ from fem.circuit import Drive
 from fem.convergence import ConvergenceError
 from fem.discretize.refinement import refine_stator
 from fem.geometry import Stator, Transducer
-from fem.solve.band_setup import frequency_band
+from fem.solve.band import frequency_band
 from fem.solve.harmonic import check_driven
 from fem.threads import one_blas_thread
 from fem.waveguide.port_fields import PortFields, solve_ports

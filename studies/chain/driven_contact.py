@@ -12,41 +12,27 @@ from studies.record import Record
 from studies.scene import Scene
 from studies.scene.resolved import resolved
 
-__all__ = ["DrivenContact", "driven_contact"]
+__all__ = ["DrivenContact", "driven_contact", "given_contact"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class DrivenContact:
-    """A slider and the surface motion that drives it.
+    """A slider and the surface motion that drives it."""
 
-    Attributes
-    ----------
-    scene : Scene
-        As resolved.
-    slider : contact.Slider
-    orbits : tuple of contact.Orbit
-        Under the balls for a level of 1: 1 V of the source, or 1 m of given amplitude.
-    amplitude : float
-        Normal amplitude |u_z| under the slider's centre for a level of 1, m.
-    stator_error : float
-        Relative error of the orbits; 0 for a given wave.
-    record : studies.record.Record or None
-        Of the run that solved the stator; None where none was needed.
-    """
-
-    scene: Scene
+    scene: Scene  # as resolved
     slider: object = field(repr=False)
+    # Under the balls for a level of 1: 1 V of the source, or 1 m of given amplitude
     orbits: tuple = field(repr=False)
-    amplitude: float
-    stator_error: float
-    record: Record | None = field(repr=False)
+    amplitude: float  # normal amplitude |u_z| under the slider's centre for a level of 1, m
+    stator_error: float  # relative error of the orbits; 0 for a given wave
+    record: Record | None = field(repr=False)  # of the run that solved the stator; None where none was needed
 
     @classmethod
     def of_run(cls, record: Record) -> "DrivenContact":
         """Return the contact of a run that has a slider."""
         scene = record.scene
         if scene.wave is not None:
-            return _given(scene, record)
+            return given_contact(scene, record)
         return cls(
             scene=scene,
             slider=bridge.contact_slider(scene.slider),
@@ -125,7 +111,7 @@ def driven_contact(
     if chosen.slider is None:
         chosen.refuse("slider", "is missing: this study needs a slider")
     if chosen.wave is not None:
-        return _given(chosen, None)
+        return given_contact(chosen)
     if not chosen.transducer:
         chosen.refuse("transducer", "is missing: this study needs a driven stator or a given [wave]")
     from studies.chain import run
@@ -136,7 +122,8 @@ def driven_contact(
     return replace(found, scene=replace(chosen, drive=replace(chosen.drive, frequency=found.scene.frequency)))
 
 
-def _given(scene: Scene, record: Record | None) -> DrivenContact:
+def given_contact(scene: Scene, record: Record | None = None) -> DrivenContact:
+    """Return the contact of a resolved scene with a given wave."""
     return DrivenContact(
         scene=scene,
         slider=bridge.contact_slider(scene.slider),

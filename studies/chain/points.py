@@ -20,24 +20,13 @@ CONTACT_SHARE = 0.25  # of the tolerance, asked of the contact's solvers
 
 @dataclass(frozen=True, kw_only=True)
 class SliderAnswer:
-    """What the slider does at every level.
+    """What the slider does at every level."""
 
-    Attributes
-    ----------
-    points : tuple of dict
-        As in run.json.
-    parts : tuple of (float, float)
-        Errors of each point from the stator and from the contact, over the reference speed.
-    summary : dict
-        Threshold and release.
-    trajectories : tuple of (float, contact.Trajectory)
-        With a burst.
-    """
-
-    points: tuple[dict, ...]
+    points: tuple[dict, ...]  # as in run.json
+    # Errors of each point from the stator and from the contact, over the reference speed
     parts: tuple[tuple[float, float], ...]
-    summary: dict
-    trajectories: tuple
+    summary: dict  # threshold and release
+    trajectories: tuple  # with a burst
 
 
 def slider_answer(
@@ -169,16 +158,16 @@ def _burst(scene: Scene, slider, orbits: tuple, velocity: float, tolerance: floa
     rings = 0.0 if ringing is None or ringing.ring_down is None else float(ringing.ring_down.time[-1])
 
     def followed(shape, fading=None):
+        after = min(1.2 * stopping + after_ring, 10 * scene.burst)
         return contact.burst(
             slider,
             orbits,
             duration=scene.burst,
-            after=min(1.2 * stopping + after_ring, 10 * scene.burst) + (rings if fading is not None else 0.0),
+            after=after if fading is None else (after + rings, fading),
             tolerance=tolerance,
             samples=SAMPLES,
             method=method,
             envelope=shape,
-            ring_down=fading,
         )
 
     if ringing is None or ringing.envelope is None or method not in SHAPED_METHODS:

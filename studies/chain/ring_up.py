@@ -21,23 +21,14 @@ MOST = 1024  # frequencies: half a minute; what rings longer is left out and cou
 
 @dataclass(frozen=True, kw_only=True)
 class RingUp:
-    """What a burst does under the slider.
+    """What a burst does under the slider."""
 
-    Attributes
-    ----------
-    envelope : contact.Envelope or None
-        Factor on the steady orbits; None where the stator rings for too long to be followed.
-    ring_down : contact.Envelope or None
-        The same from the end of the burst on, time from there.
-    found : fem.BurstEnvelope or None
-    error : float
-        Of a velocity at the burst's end: the envelope's error for as long as it rings up, over the burst's length;
-        without an envelope, how long it certainly rings over the burst's length.
-    """
-
+    # Factor on the steady orbits; None where the stator rings for too long to be followed
     envelope: object = field(repr=False)
-    ring_down: object = field(repr=False)
+    ring_down: object = field(repr=False)  # the same from the end of the burst on, time from there
     found: object = field(repr=False)
+    # Of a velocity at the burst's end: the envelope's error for as long as it rings up, over the burst's
+    # length; without an envelope, how long it certainly rings over the burst's length
     error: float
 
     @property

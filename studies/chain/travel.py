@@ -29,45 +29,23 @@ MARGIN = 1.3  # the table's reach over the travel at one place, at first
 
 @dataclass(frozen=True, kw_only=True)
 class WaveAlong:
-    """Orbits under a slider's balls when it has moved along x.
+    """Orbits under a slider's balls when it has moved along x."""
 
-    Attributes
-    ----------
-    wavelength : float
-        m.
-    limits : tuple of float
-        Displacements in m between which all balls stay on the stator.
-    orbits : callable
-        Displacements in m, (k,), to k tuples of `contact.Orbit` per volt.
-    """
-
-    wavelength: float
-    limits: tuple[float, float]
-    orbits: Callable = field(repr=False)
+    wavelength: float  # m
+    limits: tuple[float, float]  # displacements in m between which all balls stay on the stator
+    orbits: Callable = field(repr=False)  # displacements in m, (k,), to k tuples of `contact.Orbit` per volt
 
 
 @dataclass(frozen=True, kw_only=True)
 class Travel:
-    """Motion along the field.
+    """Motion along the field."""
 
-    Attributes
-    ----------
-    time, velocity, place : ndarray, shape (k,)
-        s; m/s along +x; displacement from the beginning in m.
-    held_velocity : ndarray, shape (k,)
-        Of the same equation at one place, m/s.
-    ended : bool
-        Whether a ball reached the stator's end, where the motion stops being followed.
-    error : float
-        Of the change of velocity at the end, m/s: from half as many places, speeds and steps.
-    """
-
-    time: np.ndarray
-    velocity: np.ndarray
-    place: np.ndarray
-    held_velocity: np.ndarray
-    ended: bool
-    error: float
+    time: np.ndarray  # s; m/s along +x; displacement from the beginning in m
+    velocity: np.ndarray  # s; m/s along +x; displacement from the beginning in m
+    place: np.ndarray  # s; m/s along +x; displacement from the beginning in m
+    held_velocity: np.ndarray  # of the same equation at one place, m/s
+    ended: bool  # whether a ball reached the stator's end, where the motion stops being followed
+    error: float  # of the change of velocity at the end, m/s: from half as many places, speeds and steps
 
     @property
     def change(self) -> float:

@@ -36,21 +36,15 @@ def run(arguments: argparse.Namespace) -> int:
         from studies.report.figures import refuse_without_toolkit, show
 
         refuse_without_toolkit("--plot", "without it the same pictures are files in the result directory")
-    origin = _origin("run", arguments.scene)
-    out = arguments.out
-    if out is None and not arguments.json:
-        out = Path("results") / origin.name
     for option in ("report", "field"):
-        if getattr(arguments, option) and out is None:
+        if getattr(arguments, option) and arguments.json and arguments.out is None:
             raise SceneError(f"--{option}", "needs a directory to go to: give --out, or leave --json out")
     if arguments.field and not scene.transducer:
         raise SceneError(
             "--field", "keeps the field of a driven stator, and this scene has no [[transducer]]"
         )
     with ExitStack() as stack:
-        result = None
-        if out is not None:
-            result = stack.enter_context(result_directory(out, origin, chosen=arguments.out is not None))
+        result, out = stack.enter_context(_results(arguments, "run", ""))
         plotted = result is not None and not (arguments.json or arguments.no_plot)
         drawing = stack.enter_context(Drawing()) if plotted else None
         with Progress() as progress:
@@ -92,6 +86,18 @@ def _origin(kind: str, scene: str) -> Origin:
 
 
 @contextmanager
+def _results(arguments: argparse.Namespace, kind: str, ending: str) -> Iterator[tuple]:
+    """Hold the directory that a call's results go to, and its path as given; None with --json alone."""
+    origin, out = _origin(kind, arguments.scene), arguments.out
+    if out is None and arguments.json:
+        yield None, None
+        return
+    folder = out or Path("results") / f"{origin.name}{ending}"
+    with result_directory(folder, origin, chosen=out is not None) as result:
+        yield result, folder
+
+
+@contextmanager
 def _pictures(result: ResultDirectory) -> Iterator[None]:
     """Commit what is drawn; what cannot be drawn is a warning, for the numbers are in place already."""
     try:
@@ -128,22 +134,14 @@ def datasheet(arguments: argparse.Namespace) -> int:
     from studies.report.datasheet_page import page, table
 
     wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
-    origin = _origin("datasheet", arguments.scene)
-    out = arguments.out
-    if out is None and not arguments.json:
-        out = Path("results") / f"{origin.name}-datasheet"
-    with ExitStack() as stack:
-        result = None
-        if out is not None:
-            result = stack.enter_context(result_directory(out, origin, chosen=arguments.out is not None))
-        with Progress() as progress:
-            sheet = computed(scene, tolerance=wanted, progress=progress)
-            text = json.dumps(sheet.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
-            if result is not None:
-                (result.folder / "datasheet.json").write_text(text + "\n", encoding="utf-8")
-                result.commit()
-                with _pictures(result):
-                    (result.folder / "datasheet.html").write_text(page(sheet), encoding="utf-8")
+    with _results(arguments, "datasheet", "-datasheet") as (result, out), Progress() as progress:
+        sheet = computed(scene, tolerance=wanted, progress=progress)
+        text = json.dumps(sheet.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
+        if result is not None:
+            (result.folder / "datasheet.json").write_text(text + "\n", encoding="utf-8")
+            result.commit()
+            with _pictures(result):
+                (result.folder / "datasheet.html").write_text(page(sheet), encoding="utf-8")
     print(text if arguments.json else table(sheet))
     if result is not None and not arguments.json:
         print(f"results  {out}")
@@ -300,21 +298,18 @@ def fit(arguments: argparse.Namespace) -> int:
     wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
     measurements = [read_measurement(file, tuple(settings)) for file, *settings in arguments.data]
     parameters = [read_parameter(text) for text in arguments.free]
-    origin, out = _origin("fit", arguments.scene), arguments.out
-    if out is None and not arguments.json:
-        out = Path("results") / f"{origin.name}-fit"
-    with ExitStack() as stack:
-        result = None
-        if out is not None:
-            result = stack.enter_context(result_directory(out, origin, chosen=arguments.out is not None))
-        with Progress() as progress, blas_on_one_thread():
-            found = fitted(scene, measurements, parameters, tolerance=wanted, progress=progress)
-            if result is not None:
-                write_fit(found, result.folder)
-                result.commit()
-                if not (arguments.no_plot or arguments.json):
-                    with _pictures(result):
-                        draw_fit(found, result.folder / "fit.png")
+    with (
+        _results(arguments, "fit", "-fit") as (result, out),
+        Progress() as progress,
+        blas_on_one_thread(),
+    ):
+        found = fitted(scene, measurements, parameters, tolerance=wanted, progress=progress)
+        if result is not None:
+            write_fit(found, result.folder)
+            result.commit()
+            if not (arguments.no_plot or arguments.json):
+                with _pictures(result):
+                    draw_fit(found, result.folder / "fit.png")
     if arguments.json:
         print_json(found.to_dict())
     else:

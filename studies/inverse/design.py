@@ -31,32 +31,16 @@ CHANGE = 0.05  # of each variable, for the robustness
 
 @dataclass(frozen=True, kw_only=True)
 class Design:
-    """What a search found.
-
-    Attributes
-    ----------
-    goals : tuple of str
-    optimum : dict
-        Row of the best point (of two goals: of the middle of the front): keys and outcomes.
-    front : list of dict
-        Rows that no other beats in both goals; the optimum alone with one goal.
-    robustness : dict
-        By key: smallest share of the goal that is left and whether all constraints hold, 5 % either way.
-    rows : list of dict
-        Evaluations of the search, in their order.
-    evaluations : int
-        With those of the robustness.
-    table : dict
-        TOML document of the scene at the optimum.
-    """
+    """What a search found."""
 
     goals: tuple[str, ...]
-    optimum: dict
-    front: list[dict]
+    optimum: dict  # row of the best point (of two goals: of the middle of the front): keys and outcomes
+    front: list[dict]  # rows that no other beats in both goals; the optimum alone with one goal
+    # By key: smallest share of the goal that is left and whether all constraints hold, 5 % either way
     robustness: dict
-    rows: list[dict] = field(repr=False)
-    evaluations: int
-    table: dict = field(repr=False)
+    rows: list[dict] = field(repr=False)  # evaluations of the search, in their order
+    evaluations: int  # with those of the robustness
+    table: dict = field(repr=False)  # TOML document of the scene at the optimum
 
     def to_dict(self) -> dict:
         """Return what design.json holds."""

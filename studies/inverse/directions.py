@@ -22,18 +22,12 @@ SMALL = 0.1  # components that are left out, over the largest
 
 @dataclass(frozen=True, kw_only=True)
 class Direction:
-    """A direction of no effect.
+    """A direction of no effect."""
 
-    Attributes
-    ----------
-    components : dict of str to float
-        By key; of the logarithm, or of the number itself over its range where that may be zero. The largest is 1.
-    exact : bool
-        Whether the measurements do not change at all along it, to first order.
-    """
-
+    # By key; of the logarithm, or of the number itself over its range where that may be zero. The largest is
+    # 1
     components: dict[str, float]
-    exact: bool
+    exact: bool  # whether the measurements do not change at all along it, to first order
 
     @property
     def sentence(self) -> str:

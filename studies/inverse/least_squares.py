@@ -28,22 +28,12 @@ CLEARLY = 1e-3  # lower, relative: what is no other minimum but the same one alo
 
 @dataclass(frozen=True, kw_only=True)
 class Problem:
-    """What is to be minimised: a function of x, the inner values of the parameters, then one b per systematic error.
-
-    Attributes
-    ----------
-    predictor : Predictor
-    parameters : tuple of Parameter
-    measurements : tuple of Measurement
-        With deviations.
-    signs : tuple of float
-        -1 for a measurement of speeds without a sign of a motor that runs towards -x.
-    """
+    """What is to be minimised: a function of x, the inner values of the parameters, then one b per systematic error."""
 
     predictor: Predictor = field(repr=False)
     parameters: tuple[Parameter, ...]
-    measurements: tuple[Measurement, ...]
-    signs: tuple[float, ...]
+    measurements: tuple[Measurement, ...]  # with deviations
+    signs: tuple[float, ...]  # -1 for a measurement of speeds without a sign of a motor that runs towards -x
 
     @property
     def systematic(self) -> list[int]:
@@ -100,7 +90,10 @@ class Problem:
 
     def jacobian(self, x, free=None) -> np.ndarray:
         """Return the derivatives of the residuals by some components of x, all when absent, (n, p)."""
-        free = range(len(x)) if free is None else free
+        return self.slopes(self.residuals, x, range(len(x)) if free is None else free)
+
+    def slopes(self, function, x, free) -> np.ndarray:
+        """Return the derivatives by components of x of what a function makes of several x, (n, p)."""
         pairs, widths = [], []
         for j in free:
             up, down = np.array(x, float), np.array(x, float)
@@ -108,7 +101,7 @@ class Problem:
             up[j], down[j] = min(x[j] + step, self.high[j]), max(x[j] - step, self.low[j])
             pairs += [up, down]
             widths.append(up[j] - down[j])
-        rows = self.residuals(pairs)
+        rows = function(pairs)
         return np.array([(rows[2 * k] - rows[2 * k + 1]) / width for k, width in enumerate(widths)]).T
 
     def minimum(self, start, fixed: int | None = None) -> tuple[np.ndarray, float]:

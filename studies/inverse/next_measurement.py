@@ -22,22 +22,12 @@ INSTANTS = 40
 
 @dataclass(frozen=True, kw_only=True)
 class Candidate:
-    """What a measurement would do.
+    """What a measurement would do."""
 
-    Attributes
-    ----------
-    name : str
-        What to measure.
-    key : str
-        The number that it narrows most.
-    before, after : float
-        Standard deviation of that number, relative (of a number that may be zero: in its unit).
-    """
-
-    name: str
-    key: str
-    before: float
-    after: float
+    name: str  # what to measure
+    key: str  # the number that it narrows most
+    before: float  # standard deviation of that number, relative (of a number that may be zero: in its unit)
+    after: float  # standard deviation of that number, relative (of a number that may be zero: in its unit)
 
     @property
     def narrowing(self) -> float:
@@ -125,19 +115,13 @@ def _slopes(problem: Problem, best, imagined: Measurement, spread: float):
     deviation = relative * np.maximum(np.abs(centre), 0.1 * np.max(np.abs(centre)))
     if not np.all(np.isfinite(centre)) or np.max(deviation) == 0.0:
         return None
+    count = len(problem.parameters)
     slopes = np.zeros((len(centre), len(best)))
-    pairs, widths = [], []
-    for j in range(len(problem.parameters)):
-        up, down = best.copy(), best.copy()
-        up[j], down[j] = min(best[j] + 1e-3, problem.high[j]), max(best[j] - 1e-3, problem.low[j])
-        if not problem.parameters[j].logarithmic:
-            step = 1e-3 * (problem.high[j] - problem.low[j])
-            up[j], down[j] = min(best[j] + step, problem.high[j]), max(best[j] - step, problem.low[j])
-        pairs += [up, down]
-        widths.append(up[j] - down[j])
-    rows = [found[0] for found in problem.predictions(pairs, (imagined,))]
-    for j, width in enumerate(widths):
-        slopes[:, j] = (rows[2 * j] - rows[2 * j + 1]) / width / deviation
+
+    def predicted(xs):
+        return [found[0] / deviation for found in problem.predictions(xs, (imagined,))]
+
+    slopes[:, :count] = problem.slopes(predicted, best, range(count))
     return slopes if np.all(np.isfinite(slopes)) else None
 
 

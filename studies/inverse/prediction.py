@@ -8,12 +8,12 @@ that averaging does not know is solved by itself (`contact.steady`).
 import json
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from studies.chain import bridge
-from studies.chain.driven_contact import DrivenContact
+from studies.chain.driven_contact import DrivenContact, given_contact
 from studies.chain.surface_motion import surface_motion
 from studies.inverse.data import Measurement
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
@@ -22,23 +22,13 @@ from studies.scene import Scene
 from studies.scene.override import replaced, value_at
 from studies.scene.resolved import resolved
 
-__all__ = ["Contact", "Predictor"]
+__all__ = ["Predictor"]
 
 SHARE = 0.25  # of the tolerance, for the stator
 TRUSTED = 1e-2  # error of an averaged steady state up to which it is taken
 ALONE = 1e-5  # tolerance of the others
 BURST_TOLERANCE, SAMPLES = 1e-3, 400
 PLACES = ("slider.position", "slider.contacts")
-
-
-@dataclass(frozen=True)
-class Contact:
-    """A slider on the motion of a surface for a drive of 1 V, or for a normal amplitude of 1 m of a given wave."""
-
-    scene: Scene
-    slider: object
-    orbits: tuple
-    amplitude: float
 
 
 class Predictor:
@@ -73,7 +63,7 @@ class Predictor:
         if not self.given_wave:
             self._driven["{}"] = DrivenContact.of_run(record)
 
-    def contact(self, numbers: dict) -> Contact:
+    def contact(self, numbers: dict) -> DrivenContact:
         """Return slider and surface motion with some keys of the scene changed."""
         known = tuple(sorted((key, str(value)) for key, value in numbers.items()))
         if known not in self._kept:
@@ -115,7 +105,7 @@ class Predictor:
             answers[k] = found
         return answers
 
-    def _contact(self, numbers: dict) -> Contact:
+    def _contact(self, numbers: dict) -> DrivenContact:
         table = self.table
         for key, value in numbers.items():
             if "." in key:
@@ -123,16 +113,18 @@ class Predictor:
         scene = resolved(Scene.from_table("", table))
         factor = numbers.get(AMPLITUDE_FACTOR, 1.0)
         if self.given_wave:
-            return Contact(scene, bridge.contact_slider(scene.slider), bridge.given_orbits(scene.wave), 1.0)
+            return given_contact(scene)
         keys = {key: value for key, value in numbers.items() if self.needs_stator(key)}
         name = json.dumps(keys, default=str, sort_keys=True)
         if name not in self._driven:
             self.progress(f"stator {len(self._driven) + 1}")
             self._driven[name] = self._solved(scene)
         driven = self._driven[name]
-        orbits = bridge.scaled(driven.orbits, factor)
-        scene = replace(scene, drive=replace(scene.drive, frequency=driven.scene.frequency))
-        return Contact(scene, bridge.contact_slider(scene.slider), orbits, driven.amplitude * factor)
+        return replace(
+            driven, scene=replace(scene, drive=replace(scene.drive, frequency=driven.scene.frequency)),
+            slider=bridge.contact_slider(scene.slider), orbits=bridge.scaled(driven.orbits, factor),
+            amplitude=driven.amplitude * factor,
+        )  # fmt: skip
 
     def _solved(self, scene: Scene) -> DrivenContact:
         """Solve the stator for the motion under the slider."""
@@ -154,7 +146,7 @@ class Predictor:
             record=None,
         )  # fmt: skip
 
-    def _factors(self, measurement: Measurement, numbers: dict, contact: Contact) -> np.ndarray:
+    def _factors(self, measurement: Measurement, numbers: dict, contact: DrivenContact) -> np.ndarray:
         """Return the factors on the contact's orbits at the levels of a measurement."""
         if not measurement.levels:
             return np.array([max(contact.scene.levels)])
@@ -199,7 +191,7 @@ class Predictor:
                 first += len(own)
         return answers
 
-    def _burst(self, measurement: Measurement, contact: Contact, level: float) -> np.ndarray:
+    def _burst(self, measurement: Measurement, contact: DrivenContact, level: float) -> np.ndarray:
         """Return v at the instants of a burst."""
         import contact as library
 
@@ -233,7 +225,7 @@ class Predictor:
         return found.envelope
 
 
-def _alone(contact: Contact, factor: float) -> float:
+def _alone(contact: DrivenContact, factor: float) -> float:
     import contact as library
 
     try:

@@ -25,24 +25,12 @@ BETTER = 1e-3  # a sum of squares lower by more than this is a better minimum
 
 @dataclass(frozen=True)
 class End:
-    """One end of an interval.
+    """One end of an interval."""
 
-    Attributes
-    ----------
-    x : ndarray
-        All inner values there.
-    excess : float
-        Of the sum of squares.
-    closed : bool
-        Whether the data make this end.
-    because : str
-        Why it is open.
-    """
-
-    x: np.ndarray
-    excess: float
-    closed: bool
-    because: str = ""
+    x: np.ndarray  # all inner values there
+    excess: float  # of the sum of squares
+    closed: bool  # whether the data make this end
+    because: str = ""  # why it is open
 
 
 class BetterMinimumError(Exception):

@@ -13,7 +13,8 @@ from dataclasses import replace
 from itertools import pairwise
 
 from studies.chain import bridge
-from studies.inverse.prediction import Contact, Predictor
+from studies.chain.driven_contact import DrivenContact
+from studies.inverse.prediction import Predictor
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord, of_record, study
@@ -149,7 +150,7 @@ def elasticities(
     return found
 
 
-def _answers(outcome: str, asked: list[tuple[Contact, float]], duration: float) -> list[float]:
+def _answers(outcome: str, asked: list[tuple[DrivenContact, float]], duration: float) -> list[float]:
     """Return an answer for each (contact, level)."""
     import numpy as np
 
@@ -178,7 +179,7 @@ def _answers(outcome: str, asked: list[tuple[Contact, float]], duration: float) 
     ]
 
 
-def _efficiency(contact: Contact, level: float, thrust: float) -> float:
+def _efficiency(contact: DrivenContact, level: float, thrust: float) -> float:
     """Return the efficiency of the contact at half the blocked thrust."""
     import contact as library
 
@@ -191,14 +192,14 @@ def _efficiency(contact: Contact, level: float, thrust: float) -> float:
     return 0.5 * thrust * abs(state.velocity) / (state.ledger.wave * orbits[0].frequency)
 
 
-def _start_up_span(contact: Contact, level: float) -> float:
+def _start_up_span(contact: DrivenContact, level: float) -> float:
     """Return a burst that certainly reaches the start-up time, s: velocity over the friction's acceleration."""
     velocity = abs(_answers("velocity", [(contact, level)], 0.0)[0])
     thrust = _answers("thrust", [(contact, level)], 0.0)[0]
     return 4.0 * contact.scene.slider.mass * velocity / thrust if thrust > 0.0 else 0.0
 
 
-def _start_up(contact: Contact, level: float, duration: float) -> float:
+def _start_up(contact: DrivenContact, level: float, duration: float) -> float:
     """Return the time from rest to 63 % of the steady velocity, s; NaN where a burst does not reach it."""
     import numpy as np
     from scipy.interpolate import CubicSpline

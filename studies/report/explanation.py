@@ -22,7 +22,7 @@ __all__ = ["MEMORY_WITHIN", "TIME_WITHIN", "Plan", "explanation", "plan"]
 
 TIME_WITHIN, MEMORY_WITHIN = 3.0, 2.0  # factors within which the predictions have been seen to hold
 SPEED = 2.5e10  # real operations per second of the stator's algebra: one core of an x86_64 machine of 2026
-START, COMPILE = 0.3, 15.0  # s: imports and the contact's points; its kernels when they are not there yet
+START, COMPILE = 0.5, 15.0  # s: imports and the contact's points; its kernels when they are not there yet
 BEAM, CUT_BEAM = 0.6, 4.0  # s: the spreading beam under the slider; where the lateral direction matters
 JOIN, MODES = 51, 100  # real operations over n^3 of joining two pieces, and of n guided modes
 BAND = 10  # solutions that a band of frequencies is worth
@@ -149,7 +149,9 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[Part], list[str], floa
     from fem import LEVELS, planned_levels, stator_size
 
     stator, row = resolved.stator(scene.stator), resolved.transducers(scene)
-    planned = planned_levels(stator, tolerance if scene.slider is None else tolerance * SHARE)
+    planned = [*planned_levels(stator, tolerance if scene.slider is None else tolerance * SHARE)]
+    if scene.stator.ends != "absorbing" and planned[-1] + 1 < len(LEVELS):
+        planned.append(planned[-1] + 1)  # resonances of the block multiply the error
     sizes = {
         k: stator_size(stator, row, frequency=scene.frequency, resolution=LEVELS[k]) for k in {*planned, 1}
     }

@@ -18,26 +18,13 @@ __all__ = ["Block", "Blocks", "Key", "OneOf", "Within", "block_schema", "keys_of
 
 @dataclass(frozen=True)
 class Key:
-    """One key of a block.
-
-    Attributes
-    ----------
-    name : str
-    rule : Rule
-        How it is read.
-    meaning : str
-        One sentence.
-    required : bool
-        Whether it must be given when its block is.
-    default : object
-        Its value when absent; None where absence means something of its own.
-    """
+    """One key of a block."""
 
     name: str
-    rule: Rule
-    meaning: str
-    required: bool
-    default: object
+    rule: Rule  # how it is read
+    meaning: str  # one sentence
+    required: bool  # whether it must be given when its block is
+    default: object  # its value when absent; None where absence means something of its own
 
 
 @cache
@@ -184,16 +171,13 @@ class Within(Rule):
         return value if isinstance(value, self.kind) else self.kind.from_table(path, value)
 
     def written(self, value):
-        """Return its table."""
         return value.to_table()
 
     @property
     def expected(self):
-        """A block, by its header."""
         return f"the block [{self.kind.block}]"
 
     def schema(self):
-        """Return the block as an object."""
         return block_schema(self.kind)
 
 
@@ -210,16 +194,13 @@ class Blocks(Rule):
         return self.read_each(Within(self.kind), path, value)
 
     def written(self, value):
-        """Return the list of their tables."""
         return [block.to_table() for block in value]
 
     @property
     def expected(self):
-        """Blocks, by their header."""
         return f"one or more blocks [[{self.kind.block}]]"
 
     def schema(self):
-        """Return the list of objects."""
         return {"type": "array", "items": block_schema(self.kind)}
 
 
@@ -240,12 +221,10 @@ class OneOf(Rule):
         return self.kinds[matches.index(max(matches))].from_table(path, value)
 
     def written(self, value):
-        """Return the text or the table."""
         return value.to_table() if isinstance(value, Block) else value
 
     @property
     def expected(self):
-        """The text, or the table by its keys."""
         tables = " or ".join(
             ", ".join(name for name, key in keys_of(kind).items() if key.required) for kind in self.kinds
         )
@@ -253,9 +232,7 @@ class OneOf(Rule):
 
     @property
     def range(self):
-        """The text, or a table."""
         return f"{self.text.range}, or a table"
 
     def schema(self):
-        """Return the text or one of the objects."""
         return {"anyOf": [self.text.schema(), *map(block_schema, self.kinds)]}

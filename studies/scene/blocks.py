@@ -96,16 +96,13 @@ class Orientation(Rule):
         return value
 
     def written(self, value):
-        """Return a list of angles."""
         return list(value) if isinstance(value, tuple) else value
 
     @property
     def expected(self):
-        """The cuts, or the angles."""
         return f"{', '.join(ORIENTATIONS)} or three angles [phi, theta, psi] in degrees"
 
     def schema(self):
-        """Return the words or three numbers."""
         angles = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
         return {"anyOf": [{"enum": list(ORIENTATIONS)}, angles]}
 

@@ -19,23 +19,12 @@ SHIPPED = Path(__file__).parents[1] / "scenes"
 
 @dataclass(frozen=True, kw_only=True)
 class SceneFile:
-    """The TOML document of a scene, not yet checked.
+    """The TOML document of a scene, not yet checked."""
 
-    Attributes
-    ----------
-    path : Path
-        Where it was read.
-    table : dict
-        Its keys and values.
-    lines : dict of str to int
-        Line of every dotted key.
-    changed : tuple of str
-        Keys that the command line changed: what is wrong with them is not in the file.
-    """
-
-    path: Path
-    table: dict = field(repr=False)
-    lines: dict[str, int] = field(repr=False)
+    path: Path  # where it was read
+    table: dict = field(repr=False)  # its keys and values
+    lines: dict[str, int] = field(repr=False)  # line of every dotted key
+    # Keys that the command line changed: what is wrong with them is not in the file
     changed: tuple[str, ...] = ()
 
     @classmethod

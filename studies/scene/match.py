@@ -29,21 +29,17 @@ class Match(Rule):
         return tuple(elements)
 
     def written(self, value):
-        """Return the list of tables."""
         return value if isinstance(value, str) else [dict(element) for element in value]
 
     @property
     def expected(self):
-        """The words, or a ladder."""
         return '"none", "auto" or a ladder such as [{ series_L = "2.6 uH", Q = 80 }, { shunt_C = "1 nF" }]'
 
     @property
     def range(self):
-        """The same, in few words."""
         return f'"none", "auto", or tables of one of {", ".join(ELEMENTS)} each, with Q'
 
     def schema(self):
-        """Return the words or the list of tables."""
         keys = {name: Quantity(unit).schema() for name, unit in ELEMENTS.items()} | {"Q": Quantity().schema()}
         element = {"type": "object", "properties": keys, "additionalProperties": False}
         return {"anyOf": [{"enum": ["none", "auto"]}, {"type": "array", "minItems": 1, "items": element}]}

@@ -35,7 +35,6 @@ class Sources(Rule):
         return tuple(pairs)
 
     def written(self, value):
-        """Return a table; a complex amplitude as the pair of its parts."""
         return {
             name: [amplitude.real, amplitude.imag] if amplitude.imag else amplitude.real
             for name, amplitude in value
@@ -43,16 +42,13 @@ class Sources(Rule):
 
     @property
     def expected(self):
-        """The table and its values."""
         return 'a table of transducers such as { left = 1, right = "0.5 at 90 deg" }'
 
     @property
     def range(self):
-        """The values."""
         return 'by transducer: a number, "0.5 at 90 deg" (or rad), or [real, imaginary]'
 
     def schema(self):
-        """Return a table of numbers, texts or pairs."""
         number = {"type": "number", "minimum": -MAX_SIZE, "maximum": MAX_SIZE}
         either = [
             number,

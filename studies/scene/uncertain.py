@@ -49,7 +49,6 @@ class Uncertain(Rule):
         return tuple(pairs)
 
     def written(self, value):
-        """Return the nested table."""
         table = {}
         for key, each in value:
             *outer, last = key.split(".")
@@ -61,16 +60,13 @@ class Uncertain(Rule):
 
     @property
     def expected(self):
-        """Keys with their tolerances."""
         return 'keys of the scene with their tolerances, such as slider.preload = "+- 5 %"'
 
     @property
     def range(self):
-        """The same, in few words."""
         return 'keys with "+- 0.2 mN" or "+- 5 %" or a number; method = "linear" or "sampled"; samples'
 
     def schema(self):
-        """Return tables of numbers or texts, and the options."""
         tolerances = {"type": "object", "additionalProperties": {"type": ["number", "string", "object"]}}
         options = {name: rule.schema() | {"default": DEFAULTS[name]} for name, rule in OPTIONS.items()}
         return {"type": "object", "properties": options, "additionalProperties": tolerances}

@@ -27,18 +27,10 @@ MOST = 10_000_000  # values of one axis
 
 @dataclass(frozen=True)
 class Axis:
-    """Keys that move together.
+    """Keys that move together."""
 
-    Attributes
-    ----------
-    keys : tuple of str
-        Dotted, as in a scene.
-    columns : tuple of list
-        The values of each key, equally many.
-    """
-
-    keys: tuple[str, ...]
-    columns: tuple[list, ...]
+    keys: tuple[str, ...]  # dotted, as in a scene
+    columns: tuple[list, ...]  # the values of each key, equally many
 
     def __len__(self):
         return len(self.columns[0])

@@ -26,34 +26,17 @@ PLACE_KEYS = ("slider.position", "slider.contacts")
 
 @dataclass(frozen=True, kw_only=True)
 class Question:
-    """What is asked at every point: all that a worker needs beside a point's own values.
+    """What is asked at every point: all that a worker needs beside a point's own values."""
 
-    Attributes
-    ----------
-    table : dict
-        TOML document of the scene.
-    keys : tuple of str
-        Of the point's values.
-    tolerance : float
-    also : tuple of str
-        More than the velocity: of ``ALSO``.
-    source_keys : tuple of str
-        Those keys that the stator's answer depends on.
-    places : tuple of (float, float)
-        Of all contacts of all points, x and y in m; empty where each point has its own.
-    frequencies : tuple of float
-        Lowest and highest in Hz, where there are enough of them for a band.
-    coarse : bool
-        Whether the stator's coarsest discretisation will do: for a search, whose best points are computed again.
-    """
-
-    table: dict
-    keys: tuple[str, ...]
+    table: dict  # TOML document of the scene
+    keys: tuple[str, ...]  # of the point's values
     tolerance: float
-    also: tuple[str, ...] = ()
-    source_keys: tuple[str, ...] = ()
+    also: tuple[str, ...] = ()  # more than the velocity: of ``ALSO``
+    source_keys: tuple[str, ...] = ()  # those keys that the stator's answer depends on
+    # Of all contacts of all points, x and y in m; empty where each point has its own
     places: tuple[tuple[float, float], ...] = ()
-    frequencies: tuple[float, ...] = ()
+    frequencies: tuple[float, ...] = ()  # lowest and highest in Hz, where there are enough of them for a band
+    # Whether the stator's coarsest discretisation will do: for a search, whose best points are computed again
     coarse: bool = False
 
     @property
@@ -101,13 +84,7 @@ class Question:
 
 @dataclass(frozen=True, kw_only=True)
 class Design:
-    """The points of a sweep.
-
-    Attributes
-    ----------
-    question : Question
-    axes : tuple of Axis
-    """
+    """The points of a sweep."""
 
     question: Question
     axes: tuple[Axis, ...] = field(repr=False)

@@ -23,41 +23,19 @@ def reason(error: Exception) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Source:
-    """Surface motion per volt where contacts may be.
+    """Surface motion per volt where contacts may be."""
 
-    Attributes
-    ----------
-    name : str
-        The values that it depends on, as JSON.
-    step : int
-        0 to ``STEPS - 1``.
-    frequency : float
-        Hz.
-    places : tuple of (float, float)
-        x and y in m.
-    tangential, normal : tuple of complex
-        m per V.
-    errors : tuple of float
-        Relative, at each place; None where there is no answer.
-    covered : tuple of bool
-        Whether the place lies under a transducer.
-    admittance, comb_voltage : complex
-        S, and V per V of the source.
-    reason : str
-        Why there is no answer; empty where there is one.
-    """
-
-    name: str
-    step: int
-    frequency: float = 0.0
-    places: tuple[tuple[float, float], ...] = ()
-    tangential: tuple[complex, ...] = ()
-    normal: tuple[complex, ...] = ()
-    errors: tuple[float | None, ...] = ()
-    covered: tuple[bool, ...] = ()
-    admittance: complex = 0.0
-    comb_voltage: complex = 1.0
-    reason: str = ""
+    name: str  # the values that it depends on, as JSON
+    step: int  # 0 to ``STEPS - 1``
+    frequency: float = 0.0  # Hz
+    places: tuple[tuple[float, float], ...] = ()  # x and y in m
+    tangential: tuple[complex, ...] = ()  # m per V
+    normal: tuple[complex, ...] = ()  # m per V
+    errors: tuple[float | None, ...] = ()  # relative, at each place; None where there is no answer
+    covered: tuple[bool, ...] = ()  # whether the place lies under a transducer
+    admittance: complex = 0.0  # S
+    comb_voltage: complex = 1.0  # V per V of the source
+    reason: str = ""  # why there is no answer; empty where there is one
 
     def index(self, place: tuple[float, float]) -> int:
         """Return which of the places this one is."""

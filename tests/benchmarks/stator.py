@@ -23,7 +23,7 @@ from fem.geometry import Stator, Transducer
 from fem.materials import material
 from fem.results.evaluation import surface_of
 from fem.results.solution import solve_driven
-from fem.solve.band_setup import frequency_band
+from fem.solve.band import frequency_band
 from fem.solve.harmonic import motion_difference
 
 FREQUENCY, PLACE = 2.2e6, np.array([0.08])

@@ -12,7 +12,7 @@ from tests.contact.motors import orbit, slider
 
 
 def means(problem, h, v, nodes=20):
-    work = cycle_room(1, forces=False)
+    work = cycle_room(1)
     cycle(problem, h, v, quadrature(nodes), work)
     return work.means, work.counts
 
@@ -70,7 +70,7 @@ def test_the_slope_of_the_mean_push_is_its_derivative():
 
 def test_the_fast_motion_obeys_its_equation():
     # Property: z'' + d z' = F harmonic by harmonic, and the same for the travel
-    work = cycle_room(3, forces=True)
+    work = cycle_room(3, 1)
     for number, amplitudes in enumerate(work.force):
         amplitudes[:] = np.arange(1.0, 13.0)[number::4]
     problem = balanced(slider(), (orbit(3e-9),)).problem._replace(normal_damping=0.3, tangential_damping=0.07)

@@ -52,7 +52,8 @@ def check(name, tolerance, *settings):
             break
     assert 1 / TIME_WITHIN < slowness < TIME_WITHIN
     assert 1 / MEMORY_WITHIN < used["bytes"] / planned.bytes < MEMORY_WITHIN
-    assert list(planned.left_out) == used["left_out"]
+    # only the run knows whether the beam is good enough
+    assert list(planned.left_out) == [each for each in used["left_out"] if "the beam's own error" not in each]
     if used["unknowns"] is not None:
         levels = [level for part in planned.parts for level in part.levels]
         at_its_order = [level["unknowns"] for level in levels if level["order"] == used["order"]]

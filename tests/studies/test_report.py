@@ -1,13 +1,12 @@
 """The page of a run: complete, self-contained, safe with any title, its numbers those of the run and of theory."""
 
 import re
-import subprocess
-import sys
 from html.parser import HTMLParser
 
 import pytest
 
 import fem
+from studies.__main__ import main
 from studies.chain import run
 from studies.report.energies import balances
 from studies.report.intermediate import intermediate_numbers, si
@@ -29,6 +28,11 @@ def driven():
     return run(changed("twente-left", "stator.thickness=2 mm", "slider.position=50 mm",
                        'drive.voltage=["30 V"]', f"transducer.0.name={EVIL}",
                        f"drive.transducer={EVIL}"), tolerance=1e-2)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def pages(contact, driven):
+    return {"contact": report(contact), "driven": report(driven)}
 
 
 class Page(HTMLParser):
@@ -55,8 +59,8 @@ class Page(HTMLParser):
 
 
 @pytest.mark.parametrize("name", ["contact", "driven"])
-def test_a_page_is_self_contained_and_runs_nothing(name, request):
-    page = Page(report(request.getfixturevalue(name)))
+def test_a_page_is_self_contained_and_runs_nothing(name, pages):
+    page = Page(pages[name])
     assert "script" not in page.tags
     assert EVIL in " ".join(page.words)
     assert page.sources
@@ -64,16 +68,16 @@ def test_a_page_is_self_contained_and_runs_nothing(name, request):
     assert {"link", "iframe", "object", "embed", "base"}.isdisjoint(page.tags)
 
 
-def test_a_page_says_everything(contact, driven):
-    for record, sections in ((contact, ["Ledger of the contact"]), (driven, ["Ledger of the contact"])):
-        page = Page(report(record)).text
+def test_a_page_says_everything(contact, driven, pages):
+    for name, record in (("contact", contact), ("driven", driven)):
+        page = Page(pages[name]).text
         for word in [
             "Points",
             "The chain, number by number",
             "Left out",
             "Limits of the model",
             "Provenance",
-            *sections,
+            "Ledger of the contact",
         ]:
             assert word in page
         assert all(reason in page for reason in record.left_out)
@@ -83,15 +87,14 @@ def test_a_page_says_everything(contact, driven):
         assert f"sawmotor run scene.toml --tolerance {record.tolerance}" in page
 
 
-def test_the_scene_on_the_page_runs_again(contact, tmp_path):
+def test_the_scene_on_the_page_runs_again(contact, pages, tmp_path, capsys):
     import html
     import json
 
-    text = re.findall(r"<pre>(.*?)</pre>", report(contact), re.S)[-1]
+    text = re.findall(r"<pre>(.*?)</pre>", pages["contact"], re.S)[-1]
     (tmp_path / "scene.toml").write_text(html.unescape(text), encoding="utf-8")
-    command = [sys.executable, "-m", "studies", "run", str(tmp_path / "scene.toml"), "--json"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
-    assert json.loads(done.stdout)["points"] == list(contact.points)
+    assert main(["run", str(tmp_path / "scene.toml"), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["points"] == list(contact.points)
 
 
 def test_a_run_without_an_answer_says_so():
@@ -151,8 +154,6 @@ def test_the_ledger_closes_and_drops_what_rests(contact):
 
 
 def test_a_report_without_a_place_is_refused(capsys):
-    from studies.__main__ import main
-
     assert main(["run", "twente-contact", "--json", "--report"]) == 2
     assert capsys.readouterr().err.count("\n") == 1
 

@@ -34,30 +34,25 @@ class Listed(Rule):
         return values
 
     def written(self, value):
-        """Return a list."""
         return [self.each.written(each) for each in value] if isinstance(value, tuple) else value
 
     @property
     def expected(self):
-        """The single value, and the list."""
         if self.alone is None:
             return f"{self.each.expected}; one or a list"
         return f"{self.alone.expected}; or a list, each {self.each.expected}"
 
     @property
     def range(self):
-        """The single value, and the list."""
         if self.alone is None:
             return f"{self.each.range}; one or a list"
         return f"{self.alone.range}; or a list, {self.each.range}{', all different' if self.distinct else ''}"
 
     @property
     def unit_name(self):
-        """Of an entry."""
         return self.each.unit_name
 
     def schema(self):
-        """Return the single value or the list."""
         several = {"type": "array", "items": self.each.schema(), "minItems": 1}
         if self.distinct:
             several["uniqueItems"] = True

@@ -44,7 +44,6 @@ class Quantity(Rule):
 
     @property
     def expected(self):
-        """Dimension, unit, range and words."""
         noun, example = DIMENSIONS[self.unit]
         number = f"{noun} in {self.unit}" if self.unit else noun
         sign = (
@@ -55,7 +54,6 @@ class Quantity(Rule):
 
     @property
     def range(self):
-        """The sign, the upper bound and the words."""
         sign = "any" if self.negative else ">= 0" if self.zero else "> 0"
         below = "" if self.below is None else f"{', ' if sign != 'any' else ''}< {self.below:g}"
         return ", or ".join(
@@ -63,7 +61,6 @@ class Quantity(Rule):
         )
 
     def schema(self):
-        """Return a number or a text with one of the usual units."""
         number = {"type": "number", "maximum": MAX_SIZE}
         if self.negative:
             number["minimum"] = -MAX_SIZE
@@ -100,11 +97,9 @@ class Count(Rule):
 
     @property
     def expected(self):
-        """The range."""
         return f"an integer from 1 to {self.maximum}"
 
     def schema(self):
-        """Return an integer of this range."""
         return {"type": "integer", "minimum": 1, "maximum": self.maximum}
 
 
@@ -131,28 +126,23 @@ class Impedance(Rule):
         return Quantity("ohm", zero=True).read(path, value)
 
     def written(self, value):
-        """Return the pair of a complex value."""
         return [value.real, value.imag] if isinstance(value, complex) else value
 
     @property
     def expected(self):
-        """Resistance, pair or word."""
         words = "".join(f' or "{word}"' for word in self.words)
         return f'a resistance in ohm, a string such as "50 ohm", [resistance, reactance] in ohm{words}'
 
     @property
     def range(self):
-        """Resistance, pair or word."""
         words = "".join(f', or "{word}"' for word in self.words)
         return f"resistance >= 0, or [resistance, reactance]{words}"
 
     @property
     def unit_name(self):
-        """Of both numbers."""
         return "ohm"
 
     def schema(self):
-        """Return the resistance, the pair or the words."""
         resistance = Quantity("ohm", zero=True, words=self.words).schema()["anyOf"]
         pair = [Quantity("ohm", zero=True).schema(), Quantity("ohm", negative=True).schema()]
         return {"anyOf": [*resistance, {"type": "array", "prefixItems": pair, "minItems": 2, "maxItems": 2}]}
@@ -177,26 +167,21 @@ class Place(Rule):
         return (x, y) if y else x
 
     def written(self, value):
-        """Return the list of a pair."""
         return list(value) if isinstance(value, tuple) else value
 
     @property
     def expected(self):
-        """The length, or the pair."""
         return f"{self.along.expected}, or [x, y]"
 
     @property
     def range(self):
-        """The length's, or the pair."""
         return f"{self.along.range}, or [x, y]"
 
     @property
     def unit_name(self):
-        """Of both numbers."""
         return self.along.unit
 
     def schema(self):
-        """Return the length or the pair."""
         along, lateral = self.along.schema(), Quantity(self.along.unit, negative=True).schema()
         pair = {"type": "array", "prefixItems": [along, lateral], "minItems": 2, "maxItems": 2}
         return {"anyOf": [along, pair]}
@@ -226,16 +211,13 @@ class Matrix(Rule):
         return self.read_each(Row(), path, value)
 
     def written(self, value):
-        """Return lists."""
         return [list(row) for row in value]
 
     @property
     def expected(self):
-        """The shape."""
         return f"a {self.rows}x{self.columns} table of numbers"
 
     def schema(self):
-        """Return lists of numbers of this shape."""
         row = {
             "type": "array",
             "items": {"type": "number"},

@@ -25,11 +25,9 @@ class Choice(Rule):
 
     @property
     def expected(self):
-        """The words."""
         return " or ".join(f'"{word}"' for word in self.words)
 
     def schema(self):
-        """Return the words."""
         return {"enum": list(self.words)}
 
 
@@ -45,11 +43,9 @@ class Text(Rule):
 
     @property
     def expected(self):
-        """Any text."""
         return "text on one line"
 
     def schema(self):
-        """Return a string."""
         return {"type": "string"}
 
 
@@ -68,11 +64,9 @@ class Signs(Rule):
 
     @property
     def expected(self):
-        """The signs."""
         return f"a text of the signs {' '.join(self.allowed)}"
 
     def schema(self):
-        """Return a string of these signs."""
         return {"type": "string", "pattern": f"^[{re.escape(self.allowed)}]+$"}
 
 
@@ -88,9 +82,7 @@ class Flag(Rule):
 
     @property
     def expected(self):
-        """The two words."""
         return "true or false"
 
     def schema(self):
-        """Return a boolean."""
         return {"type": "boolean"}

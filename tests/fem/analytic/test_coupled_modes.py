@@ -47,11 +47,10 @@ def test_the_frequency_and_the_height_of_the_largest_wave_are_those_of_the_drive
     assert best == pytest.approx(9.81e6, rel=2e-3)
 
     def meshed(frequency):
-        wave = fem.driven_wave(
-            stator, (transducer,), frequency=frequency, drive="a", tolerance=0.2,
-            places=(13e-3,),
-        )  # fmt: skip
-        return abs(wave.rayleigh_motion(13e-3)[1])
+        solution = fem.solve_driven(
+            stator, (transducer,), frequency=frequency, drive="a", resolution=fem.LEVELS[0]
+        )
+        return abs(fem.surface_of(solution).rayleigh_motion(13e-3)[1])
 
     peak, middle = (meshed(frequency) for frequency in (best, 10e6))
     sizes = np.interp([best, 10e6], frequencies, estimate)

@@ -9,12 +9,12 @@ from fem.convergence import ConvergenceError
 from fem.discretize.refinement import LEVELS
 from fem.geometry import Stator, Transducer
 from fem.materials import material, rotated
+from fem.reduce.projection import BandProblem, project, solve_at_nodes
 from fem.results.evaluation import surface_of
 from fem.results.field import wave_field
 from fem.results.solution import solve_driven
-from fem.solve.band_setup import _reduced, frequency_band
+from fem.solve.band import _reduced, frequency_band
 from fem.solve.harmonic import motion_difference
-from fem.solve.reduction import BandProblem, project, solve_at_nodes
 from tests.fem.stators import FREQUENCY, comb, cut, plate, wave_of
 
 PLACES = np.array([0.011])
@@ -28,7 +28,7 @@ CASES = {
 
 def made(case):
     name, cut, ends, middle, period = CASES[case]
-    block = Stator(solid=rotated(material(name), cut), length=0.02, thickness=2e-3, ends=ends)
+    block = Stator(solid=rotated(material(name), cut), length=0.02, thickness=1e-3, ends=ends)
     first = Transducer(name="a", center=5e-3, finger_pairs=3, period=period, metallisation=0.5, aperture=0.02)
     pair = (first, replace(first, name="b", center=0.0165, finger_pairs=2, pattern="+-o-"))
     return block, pair, middle
@@ -44,7 +44,7 @@ def test_band_follows_the_full_solution(case):
     )
     model = project(problem, solve_at_nodes(problem, LEVELS[1]), 5e-6)
     assert model.section.size < 0.8 * model.section.full.size
-    for frequency in (low, 0.993 * middle, 1.017 * middle, high):
+    for frequency in (low, 1.017 * middle):
         full = solve_driven(block, pair, frequency=frequency, drive="a", resolution=LEVELS[1])
         reduced = model.solution(frequency, "a")
         assert reduced.circuit.admittance == pytest.approx(full.circuit.admittance, rel=3e-4)
@@ -75,9 +75,9 @@ def test_a_reduced_basis_holds_the_constant_potential():
 @pytest.mark.parametrize(("of_levels", "projections"), [(1e-4, 1), (8e-4, 3), (2e-3, 2)])
 def test_the_reduction_takes_what_the_discretisation_leaves(monkeypatch, of_levels, projections):
     """At a tolerance of 1e-3: no smaller error than is left, no second discretisation where more fields would do."""
-    monkeypatch.setattr("fem.solve.band_setup.project", lambda problem, nodes, truncation: truncation)
+    monkeypatch.setattr("fem.solve.band.project", lambda problem, nodes, truncation: truncation)
     reached = iter([(7e-4, 0.0), (4e-4, 0.0), (1.5e-4, 0.0), (1e-5, 0.0)])
-    monkeypatch.setattr("fem.solve.band_setup._errors", lambda *rest: next(reached))
+    monkeypatch.setattr("fem.solve.band._errors", lambda *rest: next(reached))
     problem = BandProblem(
         stator=None, transducers=(), limits=(1.0, 2.0), drive="a", tolerance=1e-3, places=PLACES
     )
@@ -87,7 +87,7 @@ def test_the_reduction_takes_what_the_discretisation_leaves(monkeypatch, of_leve
 
 
 STATED = {
-    "absorbing ends": (plate(cut("PZT-8", "Z"), length=10.0, thickness=1.0), 1e-3),
+    "absorbing ends": (plate(cut("PZT-8", "Z"), length=10.0, thickness=0.7), 1e-3),
     "resonant, free ends": (
         plate(cut("PZT-8", "Z", quality=5000.0, loss=1e-3), length=20.0, thickness=1.0, ends="free"),
         1e-2,
@@ -99,7 +99,7 @@ STATED = {
     "name", ["absorbing ends", pytest.param("resonant, free ends", marks=pytest.mark.slow)]
 )
 def test_stated_errors_hold_at_the_worst_frequency(name):
-    """Against a finer level at nine frequencies of an 8 % band: at most twice the stated error, nor far below it."""
+    """Against a finer level at five frequencies of an 8 % band: at most twice the stated error, nor far below it."""
     stator, tolerance = STATED[name]
     row, at = (comb(stator, "a", 2.0, finger_pairs=3, period=1.02),), np.array([0.7 * stator.length])
     low, high = 0.96 * FREQUENCY, 1.04 * FREQUENCY
@@ -108,7 +108,7 @@ def test_stated_errors_hold_at_the_worst_frequency(name):
     )
     finer = LEVELS[LEVELS.index(band.model.resolution) + 1]
     errors = []
-    for frequency in np.linspace(low, high, 9):
+    for frequency in np.linspace(low, high, 5):
         full = solve_driven(stator, row, frequency=frequency, drive="a", resolution=finer)
         wave = band.wave(frequency, "a")
         motion = motion_difference(wave.motion(at), surface_of(full).motion(at))
@@ -123,7 +123,7 @@ def test_stated_errors_hold_at_the_worst_frequency(name):
 
 def test_a_band_that_misses_its_tolerance_says_so(monkeypatch):
     """With what it reached; one round instead of three, to be quick."""
-    monkeypatch.setattr("fem.solve.band_setup.MAX_ROUNDS", 1)
+    monkeypatch.setattr("fem.solve.band.MAX_ROUNDS", 1)
     stator = plate(cut("PZT-8", "Z", quality=5000.0, loss=1e-3), length=8.0, thickness=0.6, ends="free")
     row = (comb(stator, "a", 2.0, finger_pairs=2),)
     with pytest.raises(

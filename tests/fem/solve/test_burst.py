@@ -7,7 +7,7 @@ import pytest
 
 from fem.circuit import Drive
 from fem.convergence import ConvergenceError
-from fem.solve.band_setup import frequency_band
+from fem.solve.band import frequency_band
 from fem.solve.burst import burst_response
 from tests.fem.stators import FREQUENCY, comb, cut, plate
 
@@ -174,7 +174,7 @@ def stators():
     """A short block with one comb of 5 pairs, its ends absorbing and free, prepared for a band."""
     found = {}
     for ends in ("absorbing", "free"):
-        stator = plate(cut("PZT-8", "Z", quality=100.0), length=24.0, thickness=2.0, ends=ends)
+        stator = plate(cut("PZT-8", "Z", quality=100.0), length=24.0, thickness=1.0, ends=ends)
         row = comb(stator, "a", 6.0, finger_pairs=5, period=1.01)
         band = frequency_band(
             stator, (row,), lowest=0.8 * FREQUENCY, highest=1.25 * FREQUENCY, drive="a", tolerance=0.1

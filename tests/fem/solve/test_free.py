@@ -24,7 +24,7 @@ def test_thick_section_has_the_half_spaces_wave(name, orientation):
     """Velocity and ellipse of the half-space under D_n = 0; nothing comes back from below, nothing is lost."""
     solid = lossless(name, orientation)
     expected = rayleigh(solid, "open")
-    stator = plate(solid, thickness=4.0, bottom="absorbing")
+    stator = plate(solid, thickness=2.0, bottom="absorbing")
     wave = free_wave(stator, frequency=FREQUENCY, tolerance=1e-8)
     assert wave.velocity == pytest.approx(expected.velocity, rel=5e-8)
     assert wave.surface_ratio == pytest.approx(expected.surface_ratio, rel=1e-5)

@@ -20,8 +20,8 @@ from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.discretize.grading import Resolution
 from fem.discretize.spectral import lagrange_weights
 from fem.geometry import Stator, Transducer
+from fem.reduce.basis import WALL_WIDTH, ReducedSection, even_rows
 from fem.results.solution import Solution, driven_solution
-from fem.solve.reduced_basis import WALL_WIDTH, ReducedSection, even_rows
 from fem.waveguide.ends import EndPieces, Walls, end_pieces
 from fem.waveguide.modes import guided_modes
 from fem.waveguide.port_fields import PortFields, joined_fields

@@ -13,8 +13,7 @@ from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes
 from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
-from fem.results.solution import Solution
-from fem.solve.reduced_basis import (
+from fem.reduce.basis import (
     WALL_WIDTH,
     ReducedSection,
     bases_of,
@@ -22,7 +21,8 @@ from fem.solve.reduced_basis import (
     parity_groups,
     snapshots,
 )
-from fem.solve.reduced_model import HalfCell, ReducedModel
+from fem.reduce.model import HalfCell, ReducedModel
+from fem.results.solution import Solution
 from fem.threads import side_by_side
 from fem.waveguide.ends import end_pieces
 
