@@ -81,23 +81,22 @@ class Grating:
     resolution: Resolution
     middle: float  # frequency in Hz about which cells are interpolated
 
-    def _make(self, frequency: float) -> Condensation:
-        return Condensation(self.section, frequency)
-
     @cached_property
     def _halves(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Nodes in omega^2 and the matrices of both half cells there, shape (nodes, 2 n + 2, 2 n + 2)."""
         low, high = ((2 * np.pi * self.middle * (1 + side * REACH)) ** 2 for side in (-1, 1))
         squares = chebyshev_nodes(low, high, NODES)
         pairs = [
-            half_cells(self._make(float(np.sqrt(square)) / (2 * np.pi)), self.shape, self.resolution)
+            half_cells(
+                Condensation(self.section, float(np.sqrt(square)) / (2 * np.pi)), self.shape, self.resolution
+            )
             for square in squares
         ]
         return squares, *(np.stack([pair[side].matrix for pair in pairs]) for side in (0, 1))
 
     def cell(self, frequency: float, *, open_fingers: bool) -> Superelement:
         """Condensed cell at a frequency in Hz."""
-        make = self._make(frequency)
+        make = Condensation(self.section, frequency)
         if abs(frequency / self.middle - 1) > REACH:
             whole = finger_cell(make, self.shape, self.resolution)
         else:
