@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contact.codes import Status
 from contact.convergence import ConvergenceError
 from contact.drive import reference_speed
 from contact.orbit import Orbit
@@ -94,19 +95,19 @@ class _Transient:
 
     def follow(self, harmonics, allowed, per_period, nodes):
         """Return (state at the end, rows) of one run: v to `allowed` of the unit, so many steps per bounce."""
-        from contact.solve import averaged, averaged_transient
+        from contact.solve import averaged_transient
 
         state, rows = self.start.copy(), np.zeros((self.phases.size, 2))
         span = averaged_transient.Span(
             self.stop, allowed * self.unit, per_period, int(harmonics > 0), self.phases, rows, self.work
         )
         why = averaged_transient.response(self.problem, state, span, nodes, max(harmonics, HARMONICS))
-        if why == averaged.STICKS:
+        if why == Status.STICKS:
             raise ConvergenceError(
                 "not applicable",
                 "the averaged way does not apply: a contact sticks through whole cycles; use method stepped or exact",
             )
-        if why != averaged.DONE:
+        if why != Status.DONE:
             raise ConvergenceError("not converged", "the averaged motion was not finite; use method exact")
         return state, rows
 

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contact.codes import Status
 from contact.jit.compiled import compiled, formula, native
 from contact.kinematics import normal_amplitude, tangential_amplitude
 from contact.problem import changed
@@ -21,9 +22,6 @@ from contact.solve.cycle_mean import MADE, NORMAL, SLIPS, STUCK, TANGENTIAL, Cyc
 from contact.solve.riding import Rule, mean_push, quadrature, riding
 from contact.solve.roots import narrowed, trial
 
-# why a computation ended: reached; a contact sticks through whole cycles; not reached; no velocity balances the load;
-# held, but so near the threshold that averaging cannot tell
-DONE, STICKS, UNSETTLED, RUNAWAY, NEAR_THRESHOLD = 0, 1, 2, 3, 4
 # columns of an equilibrium: mean velocity, of first order, of first order by the coarse rule; mean approach, residual
 # velocity, held (1 or 0), contacts made, slips begun, error of the velocity by harmonics left out and by quadrature,
 # mean tangential forces of a cycle at rest (least and largest), sign of the load
@@ -141,13 +139,13 @@ def balance_row(problem, harmonics, work, out):
     out[LOAD_SIGN] = -1.0 if force < 0.0 else 1.0
     if way == 0.0:
         out[IS_HELD] = 1.0
-        return DONE
+        return Status.DONE
     top = full_slip_speed(problem)
     a, fa, b = 0.0, (least if way > 0.0 else largest) - problem.load, way * top
     fb = excess(problem, rule, h, b, work)
     if fb * way >= 0.0:  # full friction does not balance the load: the damper has to
         if problem.tangential_damping == 0.0:
-            return RUNAWAY
+            return Status.RUNAWAY
         b += 1.000001 * fb / problem.tangential_damping
         fb = excess(problem, rule, h, b, work)
     v, top, close = b, abs(b), 1e-11 if harmonics == 0 else 1e-5
@@ -172,7 +170,7 @@ def balance_row(problem, harmonics, work, out):
     out[V], out[FIRST] = v, v
     out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = counts[MADE], counts[SLIPS]
     if harmonics == 0 or not slope < 0.0:
-        return DONE
+        return Status.DONE
     v_old, f_old, change = v, 0.0, np.inf
     for count in range(40):
         h, change = settled(problem, fine, h, v, work.second, 1)
@@ -192,8 +190,8 @@ def balance_row(problem, harmonics, work, out):
     # the coefficients fall as n^-4.5 and the tail enters the mean with its own small share of the force
     out[TAIL] = np.hypot(force.tangential_cos[last], force.tangential_sin[last]) / (harmonics + 1.0) ** 2
     if sticks and abs(v) < 1e-6 * top:
-        return STICKS
-    return DONE if change < 1e-7 else UNSETTLED
+        return Status.STICKS
+    return Status.DONE if change < 1e-7 else Status.UNSETTLED
 
 
 @native("t i t f1")

@@ -10,9 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contact.codes import Status
 from contact.jit.compiled import compiled, native
 from contact.kinematics import tangential_amplitude
-from contact.solve.averaged import DONE, STICKS, UNSETTLED, rest, room, settled
+from contact.solve.averaged import rest, room, settled
 from contact.solve.cycle_mean import NORMAL, STUCK, TANGENTIAL, cycle, respond
 from contact.solve.riding import mean_push, riding
 
@@ -127,12 +128,12 @@ def bounce(problem, state, span, work):
                 pull, stuck = work.first.means[TANGENTIAL], work.first.counts[STUCK]
             v_middle = v + 0.5 * d * (pull - problem.tangential_damping * v_middle - problem.load)
         if stuck > 0:
-            return phase, taken, STICKS
+            return phase, taken, Status.STICKS
         v = (v * (1.0 - 0.5 * d * problem.tangential_damping) + d * (pull - problem.load)) / (
             1.0 + 0.5 * d * problem.tangential_damping
         )
         if not np.isfinite(h + w + v):
-            return phase, taken, UNSETTLED
+            return phase, taken, Status.UNSETTLED
         while taken < at.size and at[taken] <= phase + d * (1.0 + 1e-12):
             s = (at[taken] - phase) / d
             rows[taken, 0] = v0 + s * (v - v0)
@@ -151,7 +152,7 @@ def bounce(problem, state, span, work):
             largest = 0.0
     state[0], state[1], state[2] = h, w, v
     span.steps[0] += steps
-    return phase, taken, DONE
+    return phase, taken, Status.DONE
 
 
 @compiled
@@ -194,7 +195,7 @@ def accelerate(problem, state, phase, taken, span, work, k):
             error += d * _ERROR[i] * k[i]
         error = abs(error) / tolerance
         if means.counts[STUCK] > 0:
-            return STICKS
+            return Status.STICKS
         if error > 1.0 and rejected < 60:
             d *= max(0.2, 0.9 * error**-0.2)
             rejected += 1
@@ -217,7 +218,7 @@ def accelerate(problem, state, phase, taken, span, work, k):
         span.steps[1] += 1
         d *= min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
     state[0], state[1], state[2] = h, 0.0, v
-    return DONE
+    return Status.DONE
 
 
 @native("t f1 t t f1")
@@ -228,13 +229,13 @@ def _response(problem, state, span, work, k):
     for _ in range(3):
         cycle(problem, h, v, rule, second)
         if second.counts[STUCK] > 0:
-            return STICKS
+            return Status.STICKS
         respond(problem, second)
         height, climb, wiggle = ripple(second.fast)
         h, w, v = height - state[0], climb - state[1], speed - wiggle
     state[0], state[1], state[2] = h, w, v
     phase, taken, why = bounce(problem, state, span, work)
-    if why == DONE and phase < span.stop:
+    if why == Status.DONE and phase < span.stop:
         why = accelerate(problem, state, phase, taken, span, work, k)
     if not span.corrected:
         rest(second.fast)
