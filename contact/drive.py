@@ -1,7 +1,6 @@
 """What drives a slider, which way, and how its velocity's error is measured."""
 
 from contact.orbit import Orbit
-from contact.slider import Slider
 
 
 def reference_speed(velocity: float, orbits: tuple[Orbit, ...]) -> float:
@@ -27,11 +26,3 @@ def towards_plus(orbits: tuple[Orbit, ...]) -> tuple[float, tuple[Orbit, ...]]:
     """
     side = drive_direction(orbits)
     return side, orbits if side > 0.0 else tuple(orbit.mirrored() for orbit in orbits)
-
-
-def available(slider: Slider) -> None:
-    """Refuse a slider whose parameters do not go together."""
-    if slider.law == "hysteretic" and slider.stick_band > 0.0:
-        raise ValueError(
-            f"slider.stick_band must be 0 m/s with the hysteretic law, got {slider.stick_band} m/s"
-        )

@@ -13,6 +13,11 @@ from contact import bounds
 from contact.law import elastic, normal
 
 LAWS = ("elastic", "hysteretic")
+POSITIVE = {"radius": "m", "mass": "kg", "effective_modulus": "Pa", "tangential_modulus": "Pa"}
+NON_NEGATIVE = {
+    "preload": "N", "load": "N", "friction_coefficient": "", "stick_band": "m/s", "contact_damping": "s/m",
+    "normal_damping": "N s/m", "tangential_damping": "N s/m",
+}  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,23 +71,9 @@ class Slider:
     heights: tuple[float, ...] = ()
 
     def __post_init__(self):
-        for name, unit in (
-            ("radius", "m"),
-            ("mass", "kg"),
-            ("effective_modulus", "Pa"),
-            ("tangential_modulus", "Pa"),
-        ):
-            object.__setattr__(self, name, bounds.positive(f"slider.{name}", getattr(self, name), unit))
-        for name, unit in (
-            ("preload", "N"),
-            ("load", "N"),
-            ("friction_coefficient", ""),
-            ("stick_band", "m/s"),
-            ("contact_damping", "s/m"),
-            ("normal_damping", "N s/m"),
-            ("tangential_damping", "N s/m"),
-        ):
-            object.__setattr__(self, name, bounds.non_negative(f"slider.{name}", getattr(self, name), unit))
+        for rule, units in (bounds.positive, POSITIVE), (bounds.non_negative, NON_NEGATIVE):
+            for name, unit in units.items():
+                object.__setattr__(self, name, rule(f"slider.{name}", getattr(self, name), unit))
         bounds.choice("slider.law", self.law, LAWS)
         bounds.choice("slider.shape", self.shape, normal.SHAPES)
         if np.ndim(self.heights) != 1:
@@ -92,6 +83,10 @@ class Slider:
         if self.shape == "punch" and self.law == "hysteretic":
             raise ValueError(
                 'slider.law must be "elastic" for a punch, which slips as a whole, got "hysteretic"'
+            )
+        if self.stick_band > 0.0 and self.law == "hysteretic":
+            raise ValueError(
+                f"slider.stick_band must be 0 m/s with the hysteretic law, got {self.stick_band} m/s"
             )
         if not isinstance(self.reciprocal, bool):
             raise ValueError(f"slider.reciprocal must be true or false, got {self.reciprocal!r}")

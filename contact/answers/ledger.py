@@ -14,6 +14,13 @@ import numpy as np
 
 from contact.slider import Slider
 
+# where `solve.energy` sums what a ledger names
+PLACES = {
+    "wave_normal": "WAVE_NORMAL", "wave_tangential": "WAVE_TANGENTIAL", "slip": "SLIP_LOSS",
+    "contact_damper": "CONTACT_LOSS", "normal_damper": "NORMAL_LOSS", "tangential_damper": "TANGENTIAL_LOSS",
+    "load": "LOAD_WORK", "leak": "LEAK",
+}  # fmt: skip
+
 
 @dataclass(frozen=True, kw_only=True)
 class Ledger:
@@ -85,32 +92,17 @@ def together(*ledgers: Ledger) -> Ledger:
 
 
 def ledger(slider: Slider, motion, before: np.ndarray, spans: int = 1) -> Ledger:
-    """Return the ledger of what a `motion.Motion` has done since its sums were cleared.
+    """Return the ledger of what a `motion.Motion` has done since its sums were cleared, shared among some spans.
 
-    Parameters
-    ----------
-    slider : Slider
-        Whose motion it is.
-    motion : motion.Motion
-        The motion; its sums cover the span.
-    before : (3,) array
-        `Motion.energy` when the sums were cleared.
-    spans : int
-        Cycles to share among, for a ledger of one.
+    `before` is `Motion.energy` when the sums were cleared.
     """
     from contact.solve import energy
 
     unit = slider.mass * motion.problem.speed**2 / spans
     sums, gained = unit * motion.sums, unit * (motion.energy() - before)
+    lost = {name: float(sums[getattr(energy, place)]) for name, place in PLACES.items()}
     return Ledger(
-        wave_normal=float(sums[energy.WAVE_NORMAL]),
-        wave_tangential=float(sums[energy.WAVE_TANGENTIAL]),
-        slip=float(sums[energy.SLIP_LOSS]),
-        contact_damper=float(sums[energy.CONTACT_LOSS]),
-        normal_damper=float(sums[energy.NORMAL_LOSS]),
-        tangential_damper=float(sums[energy.TANGENTIAL_LOSS]),
-        load=float(sums[energy.LOAD_WORK]),
-        leak=float(sums[energy.LEAK]),
+        **lost,
         stored=float(gained[0]),
         lifted=float(gained[1]),
         slider=float(gained[2]),

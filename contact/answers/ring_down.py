@@ -13,25 +13,11 @@ SPENT, WANTED = 1e-3, 64
 
 
 def ring_down(slider, problem, motion, envelope: Envelope, *, frequency: float, longest: float, rows: int):
-    """Move a slider through the ring-down; return (times in s from its start, rows (v, z_s, mean v)).
+    """Move a slider through the ring-down; return (times in s from its start, about `rows` rows (v, z_s, mean v)).
 
-    Parameters
-    ----------
-    slider, problem : Slider, Problem
-        The slider, and the problem of the burst that has ended at phase 0.
-    motion : motion.Motion
-        At the end of the burst; its state is moved.
-    envelope : Envelope
-        Factor on the orbits, time from the end of the burst.
-    frequency, longest : float
-        Of the wave, Hz; most of the ring-down to follow, s.
-    rows : int
-        About how many to return.
-
-    Raises
-    ------
-    ConvergenceError
-        Status "not applicable" where fixed steps do not apply.
+    `motion` stands at the end of the burst of the problem, at phase 0, and its state is moved; the time of the
+    envelope starts there. `frequency` of the wave in Hz, `longest` the most to follow, s. Where fixed steps do not
+    apply, a ConvergenceError has the status "not applicable".
     """
     from contact.solve.time_stepping import steps
 

@@ -22,7 +22,7 @@ from contact.answers.closed_forms import closed_form
 from contact.answers.ledger import Ledger, ledger
 from contact.answers.sweep import MeanMotion, mean_motion
 from contact.convergence import ConvergenceError
-from contact.drive import available, reference_speed, relative_to_reference, towards_plus
+from contact.drive import reference_speed, relative_to_reference, towards_plus
 from contact.orbit import Orbit, as_orbits
 from contact.problem import scaled
 from contact.slider import Slider
@@ -120,7 +120,6 @@ def steady(
     listed = as_orbits(orbits)
     bounds.positive("tolerance", tolerance, "")
     bounds.choice("method", method, METHODS)
-    available(slider)
     found = _closed(slider, listed) or _searched(slider, listed, tolerance, method)
     return SteadyState(slider=slider, orbits=listed, seconds=time.perf_counter() - begun, **found)
 

@@ -13,7 +13,7 @@ import numpy as np
 from contact import bounds
 from contact.answers.methods import EXACT_CYCLES, rest, rest_problem, silence, why_not_stepped
 from contact.convergence import ConvergenceError
-from contact.drive import available, towards_plus
+from contact.drive import towards_plus
 from contact.envelope import Envelope
 from contact.law.normal import slope
 from contact.orbit import Orbit, as_orbits
@@ -124,7 +124,6 @@ def cycles_for(
 
 def _steps(slider, orbits, numbers, envelope):
     """Yield the step of each number of cycles."""
-    available(slider)
     if slider.friction_coefficient * slider.preload <= slider.load:
         raise ConvergenceError(
             "runaway", "friction cannot hold the load, so the slider never stops; lower slider.load"

@@ -20,7 +20,7 @@ from contact import bounds
 from contact.answers.ledger import Ledger, ledger, together
 from contact.answers.methods import METHODS, Burst, rest_problem, run, silence
 from contact.answers.ring_down import ring_down as ringing_down
-from contact.drive import available, relative_to_reference, towards_plus
+from contact.drive import relative_to_reference, towards_plus
 from contact.envelope import Envelope
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
@@ -87,12 +87,11 @@ def burst(
     orbits: Orbit | tuple[Orbit, ...],
     *,
     duration: float,
-    after: float,
+    after: float | tuple[float, Envelope],
     tolerance: float,
     samples: int,
     method: str = "auto",
     envelope: Envelope | None = None,
-    ring_down: Envelope | None = None,
 ) -> Trajectory:
     """Return the motion over a burst from rest and for a while after it.
 
@@ -102,8 +101,11 @@ def burst(
         The slider.
     orbits : Orbit or tuple of Orbit
         Motion of the surface under each contact while the burst lasts.
-    duration, after : float
-        s; the burst is rounded to whole cycles of the wave, at least one.
+    duration : float
+        s; rounded to whole cycles of the wave, at least one.
+    after : float or (float, Envelope)
+        s to follow after the burst, on a surface that stands still; or with the factor on the orbits while the surface
+        rings down, time from the end of the burst.
     tolerance : float
         Error allowed in the velocity at the end of the burst, relative to max(|v|, omega |u_x|/10).
     samples : int
@@ -111,9 +113,7 @@ def burst(
     method : str
         "exact", "stepped", "averaged" or "auto".
     envelope : Envelope, optional
-        Factor on the orbits over time; only the stepped way takes one.
-    ring_down : Envelope, optional
-        Factor on the orbits after the burst, time from its end; it takes its time from `after`.
+        Factor on the orbits during the burst; only the stepped way takes one.
 
     Returns
     -------
@@ -126,12 +126,12 @@ def burst(
     """
     begun = clock.perf_counter()
     listed = as_orbits(orbits)
+    after, ring_down = after if isinstance(after, tuple) else (after, None)
     bounds.positive("duration", duration, "s")
     bounds.non_negative("after", after, "s")
     bounds.positive("tolerance", tolerance, "")
     bounds.count("samples", samples, 2)
     bounds.choice("method", method, METHODS)
-    available(slider)
     frequency = listed[0].frequency
     cycles = max(1, round(duration * frequency))
     share = cycles / frequency / (cycles / frequency + after)

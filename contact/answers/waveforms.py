@@ -12,7 +12,7 @@ import numpy as np
 from contact import bounds
 from contact.answers.methods import rest, rest_problem, silence
 from contact.convergence import ConvergenceError
-from contact.drive import available, towards_plus
+from contact.drive import towards_plus
 from contact.kinematics import at_phase
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
@@ -94,7 +94,6 @@ def contact_history(
     bounds.non_negative("skip", skip, "cycles")
     bounds.positive("cycles", cycles, "cycles")
     bounds.positive("points_per_cycle", points_per_cycle, "")
-    available(slider)
     side, driven = towards_plus(listed)
     turn = 2.0 * math.pi
     if stage == "start":

@@ -22,9 +22,12 @@ import stat
 import struct
 import tempfile
 import threading
+import time
 import weakref
 from collections.abc import Mapping
+from contextlib import ExitStack, contextmanager
 from functools import cache, cached_property
+from importlib.util import find_spec
 from pathlib import Path
 
 from numpy import ndarray
@@ -39,6 +42,8 @@ _PLAIN = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 _LOCK = threading.RLock()
 # shapes of calls that a kernel remembers as fitting
 MAX_KEPT_SHAPES = 1000
+# s that a process waits for another that compiles the same kernel, which takes 10 to 20 s
+MAX_WAIT = 120.0
 _CODES = {"<f8": "f", "<i8": "i", "<c16": "c"}
 
 
@@ -172,8 +177,7 @@ class Native(Kernel):
             if words in self._loaded:  # by another thread
                 return
             try:
-                code = lambda: _machine_code(self, words.split(), arguments)  # noqa: E731
-                self._loaded[words] = _kept(name) or _made(name, code)
+                self._loaded[words] = _kept(name) or _made(name, self, words.split(), arguments)
             except Exception as failed:
                 ORDINARY[self.__name__] = f"{type(failed).__name__}: {failed}"
                 self._loaded[words] = None
@@ -197,14 +201,44 @@ def _kept(name):
     return None
 
 
-def _made(name, compiled_now):
-    """Return the function compiled now, and keep its machine code where that is possible."""
-    code = compiled_now()
-    entry = _entry(code)
+def _made(name, kernel, words, arguments):
+    """Return the function compiled now, and keep its machine code where that is possible.
+
+    A process that finds another at work on the same file waits for it.
+    """
+    from contact.jit.compiler import machine_code
+
     folder = _folder()
-    if folder is not None:
-        _write(Path(folder) / name, code)
+    if folder is None:
+        return _entry(machine_code(kernel, words, arguments, _numba()))
+    path = Path(folder) / name
+    with _alone(path.with_suffix(".lock")):
+        entry = _kept(name)
+        if entry is None:
+            code = machine_code(kernel, words, arguments, _numba())
+            entry = _entry(code)
+            _write(path, code)
     return entry
+
+
+@contextmanager
+def _alone(path):
+    """Hold a lock that ends with the process, or go on without one: after MAX_WAIT, or where there are no locks."""
+    with ExitStack() as stack:
+        try:
+            import fcntl
+
+            lock = stack.enter_context(path.open("w"))
+            until = time.monotonic() + MAX_WAIT
+            while time.monotonic() < until:
+                try:
+                    fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                    break
+                except BlockingIOError:
+                    time.sleep(0.05)
+        except (ImportError, OSError):
+            pass
+        yield
 
 
 def _packed(name, kind, argument):
@@ -365,16 +399,17 @@ def _is_own(folder):
 
 
 def _digest():
-    from importlib.metadata import version
+    import llvmlite
 
-    llvm = _llvm()
-    digest = hashlib.sha256()
+    llvm, digest = _llvm(), hashlib.sha256()
     for path in sorted(HERE.rglob("*.py")):
         text = path.read_bytes()
         if any(mark in text for mark in _MARKS) or path.name in _FROZEN:
             digest.update(text)
-    digest.update(f"{version('numba')} {version('llvmlite')} {llvm.get_host_cpu_name()}".encode())
-    digest.update(llvm.get_host_cpu_features().flatten().encode())
+    # numba's version from its folder: importlib.metadata and numba itself cost more than the kernels
+    places = Path(find_spec("numba").origin).parents[1].glob("numba-*.dist-info")
+    parts = llvmlite.__version__, *sorted(place.name for place in places), llvm.get_host_cpu_name()
+    digest.update(" ".join((*parts, llvm.get_host_cpu_features().flatten())).encode())
     return digest.hexdigest()[:16]
 
 
@@ -390,9 +425,3 @@ def _numba():
         return types.Dispatcher(kernel.inner)
 
     return numba
-
-
-def _machine_code(kernel, words, arguments):
-    from contact.jit.compiler import machine_code
-
-    return machine_code(kernel, words, arguments, _numba())

@@ -11,21 +11,9 @@ _LENGTH = re.compile(r"(?:(\d+)\+)?(\d*)([a-z]?)")
 
 
 def check_shapes(kernel: str, declared: Mapping[str, str], arguments: Mapping[str, object]) -> None:
-    """Refuse arrays that do not have the shapes that a kernel declares.
+    """Raise a ValueError for arrays that do not have the shapes that a kernel declares.
 
-    Parameters
-    ----------
-    kernel : str
-        Its name, for the sentence.
-    declared : mapping of str to str
-        Shapes by argument; a field of a named tuple is "argument.field".
-    arguments : mapping of str to object
-        Arrays, named tuples of arrays, or None, which has no shape.
-
-    Raises
-    ------
-    ValueError
-        With kernel, argument, shape and the shape that is expected.
+    `declared` are shapes by argument, a field of a named tuple as "argument.field"; None has no shape.
     """
     lengths: dict[str, int] = {}
     for name, shapes in declared.items():

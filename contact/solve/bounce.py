@@ -36,23 +36,10 @@ class CycleMeans:
 
 
 def speed_lost(problem: Problem, heights: tuple[float, float], ratio: float, near: float) -> float:
-    """Return by how much a bounce from rest that goes on for ever changes the mean velocity, scaled.
+    """Return by how much a bounce from rest that goes on for ever changes the mean velocity, scaled, or NaN.
 
-    Parameters
-    ----------
-    problem : Problem
-        The elastic law.
-    heights : (float, float)
-        Approach at rest, where the bounce begins, and mean approach of the periodic motion; scaled.
-    ratio : float
-        Contact resonance over the frequency of the wave.
-    near : float
-        Velocity of the periodic motion, scaled.
-
-    Returns
-    -------
-    float
-        NaN if no velocity balances the tangential forces.
+    `heights`: approach at rest, where the bounce begins, and mean approach of the periodic motion; `ratio`: contact
+    resonance over the frequency of the wave; `near`: velocity of the periodic motion. The law is the elastic one.
     """
     means = CycleMeans(problem)
     steady = _balanced_speed(means, [heights[1]], [1.0], near)

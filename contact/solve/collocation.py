@@ -18,31 +18,16 @@ SMOOTH, ROOT_AT_START, ROOT_AT_END = 0, 1, 2
 
 
 class Collocation(NamedTuple):
-    """Nodes and matrices of one order; every array is read-only, first axis the map where there are three.
+    """Nodes and matrices of one order; every array is read-only, first axis the map where there are three."""
 
-    Attributes
-    ----------
-    sigma : (n,) array
-        Chebyshev-Lobatto points, rising from -1 to 1.
-    bary : (n,) array
-        Barycentric weights in sigma.
-    tau : (3, n) array
-        Fraction of the segment at each node, 0 to 1.
-    integrals : (3, 2, n, n) array
-        Matrices of the integral in tau from 0, and of a second integral, transposed, for the kernels add up along rows:
-        int_0^tau_j f dtau = sum_k integrals[map, 0, k, j] f_k.
-    rates : (n, n) array
-        Derivatives in sigma at the nodes.
-    tail : (2, n) array
-        Rows that return the two highest Chebyshev coefficients of the integrand: the truncation gauge.
-    """
-
-    sigma: np.ndarray
-    bary: np.ndarray
-    tau: np.ndarray
+    sigma: np.ndarray  # (n,): Chebyshev-Lobatto points, rising from -1 to 1
+    bary: np.ndarray  # (n,): barycentric weights in sigma
+    tau: np.ndarray  # (3, n): fraction of the segment at each node, 0 to 1
+    # (3, 2, n, n): of the integral in tau from 0, and of a second integral, transposed, for the kernels add up along
+    # rows: int_0^tau_j f dtau = sum_k integrals[map, 0, k, j] f_k
     integrals: np.ndarray
-    rates: np.ndarray
-    tail: np.ndarray
+    rates: np.ndarray  # (n, n): derivatives in sigma at the nodes
+    tail: np.ndarray  # (2, n): rows that return the two highest Chebyshev coefficients: the truncation gauge
 
 
 @cache

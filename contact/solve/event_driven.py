@@ -28,6 +28,9 @@ from contact.solve.segment import (
     NORMAL_VELOCITY,
     PLANES,
     POSITION,
+    ROW_MEAN_VELOCITY,
+    ROW_POSITION,
+    ROW_VELOCITY,
     ROWS,
     SPEED,
     TANGENTIAL_ACCELERATION,
@@ -56,42 +59,25 @@ DONE, NOT_FINITE, TOO_MANY, STIFF, FULL = 0, 1, 2, 3, 4
 STRETCHES, HALVINGS, SWEEPS, CYCLES, CHATTER, TALLY = 6, 7, 8, 9, 10, 12
 # what became of an attempt at a segment
 ACCEPTED, TOO_ROUGH, NOT_CONVERGED, EVENT_AT_START = 0, 1, 2, 3
-# columns of `Task.samples` and of `Task.rows`
+# columns of `Task.samples`
 APPROACH, DEFORMATION, NORMAL_FORCE, TANGENTIAL_FORCE, REGIME, SLIDER_VELOCITY, SAMPLED = range(7)
-ROW_VELOCITY, ROW_POSITION, ROW_MEAN_VELOCITY, ROW = 0, 1, 2, 3
 
 
 class Task(NamedTuple):
-    """What a run is to do and to record.
+    """What a run is to do and to record."""
 
-    Attributes
-    ----------
-    start, stop : float
-        Phases; with a wave, within one cycle (rounding).
-    number : int
-        How many times; more than once over a whole cycle only.
-    mobile : int
-        0: the slider's velocity stays as it is whatever the forces (a body of infinite mass).
-    tolerance : float
-        Truncation allowed per segment, relative to the friction and preload impulse of a radian.
-    limit : int
-        Largest number of segments each time.
-    at, samples : (k,), (k, contacts, SAMPLED) arrays
-        Where to record z, x, P, Q, regime and v; rising, in (start, stop]. Recording alters nothing else.
-    stride, rows : int, (number // stride, ROW) array
-        Every `stride` cycles a row (v, z_s, mean v of the last cycle) is recorded; stride 0 records nothing.
-    """
-
-    start: float
+    start: float  # phases; with a wave, within one cycle (rounding)
     stop: float
-    number: int
-    mobile: int
-    tolerance: float
-    limit: int
-    at: np.ndarray
-    samples: np.ndarray
-    stride: int
-    rows: np.ndarray
+    number: int  # how many times; more than once over a whole cycle only
+    mobile: int  # 0: the slider's velocity stays as it is whatever the forces (a body of infinite mass)
+    tolerance: (
+        float  # truncation allowed per segment, relative to the friction and preload impulse of a radian
+    )
+    limit: int  # largest number of segments each time
+    at: np.ndarray  # (k,): where to record; rising, in (start, stop]. Recording alters nothing else
+    samples: np.ndarray  # (k, contacts, SAMPLED): z, x, P, Q, regime and v there
+    stride: int  # a row every so many cycles; 0 records nothing
+    rows: np.ndarray  # (number // stride, ROW): v, z_s, mean v of the last cycle
 
 
 class Work(NamedTuple):
@@ -413,17 +399,7 @@ def advance(problem, grid, state, work, task, memory, cycle):
 def travel(problem, grid, state, work, task, memory):
     """Move the state from one phase to another, or again and again over the same cycle; return the reason for ending.
 
-    Parameters
-    ----------
-    problem : Problem
-    grid : Collocation
-    state : segment.State
-        Changed in place.
-    work : Work
-        Work.
-    task : Task
-    memory : memory.Memory or None
-        Of the hysteretic law; None for the elastic one, and then nothing of it is compiled.
+    `memory` is None for the elastic law, and then nothing of the hysteretic one is compiled.
     """
     work.pattern.count[:], work.nodes.slider[:], work.nodes.contact[:] = 0, 0.0, 0.0
     for k in range(task.number):

@@ -36,19 +36,8 @@ _SENTENCES = {
 class Motion:
     """State of a slider on a wave, moved along by segments between events.
 
-    Parameters
-    ----------
-    problem : Problem
-        The dimensionless problem.
-    grid : Collocation
-        Points and matrices of a segment.
-    truncation : float
-        Allowed per segment, relative to the friction and preload impulse of a radian.
-
-    Attributes
-    ----------
-    state : (3 + contacts,) array
-        z_s, z_s', v and the deformations.
+    `state` (3 + contacts,) holds z_s, z_s', v and the deformations. `truncation` is that allowed per segment, relative
+    to the friction and preload impulse of a radian.
     """
 
     def __init__(self, problem: Problem, *, grid: Collocation, truncation: float):
@@ -95,7 +84,7 @@ class Motion:
 
     def turn(self, number: int, *, mobile: bool = True, stride: int = 0) -> np.ndarray:
         """Move through `number` whole cycles; return rows (v, z_s, mean v) every `stride` cycles."""
-        rows = np.empty((number // stride if stride else 0, event_driven.ROW))
+        rows = np.empty((number // stride if stride else 0, segment.ROW))
         nothing = np.empty((0, self.regime.size, event_driven.SAMPLED))
         self._travel(0.0, 2.0 * np.pi, number, mobile, nothing[:, 0, 0], nothing, stride, rows)
         return rows
@@ -104,7 +93,7 @@ class Motion:
         """Move from one phase to another; return (k, contacts, 6) samples z, x, P, Q, regime, v at the phases `at`."""
         samples = np.zeros((at.size, self.regime.size, event_driven.SAMPLED))
         cycles = self.tally[event_driven.CYCLES]
-        self._travel(start, stop, 1, True, at, samples, 0, np.empty((0, event_driven.ROW)))
+        self._travel(start, stop, 1, True, at, samples, 0, np.empty((0, segment.ROW)))
         self.tally[event_driven.CYCLES] = cycles
         return samples
 
@@ -144,12 +133,9 @@ class Motion:
             stored += mu * kappa * c * np.sum(elastic.friction_energy(z, stick, problem.shape))
         elif self.memory is not None:
             for i in range(z.size):
+                x = state.deformation[i]
                 stored += (
-                    mu
-                    * kappa
-                    * energy.chain_energy(
-                        self.memory, i, self.regime[i], self.sign[i], z[i], state.deformation[i], c
-                    )
+                    mu * kappa * energy.chain_energy(self.memory, i, self.regime[i], self.sign[i], z[i], x, c)
                 )
         return np.array([stored, problem.preload * height, 0.5 * (climb**2 + speed**2)])
 

@@ -17,22 +17,13 @@ from contact.law.normal import load
 from contact.problem import RECIPROCAL
 from contact.solve.riding import short_sine
 
-# what `State.slider` holds
-POSITION, NORMAL_VELOCITY, VELOCITY = 0, 1, 2
+# what `State.slider` holds, and where the deformations begin behind it in the state of a whole motion
+POSITION, NORMAL_VELOCITY, VELOCITY, DEFORMATIONS = range(4)
+# columns of the rows that a run records
+ROW_VELOCITY, ROW_POSITION, ROW_MEAN_VELOCITY, ROW = range(4)
 # rows of `Nodes.slider`: the motion, its accelerations, and the integrals of these, once and twice
-(
-    HEIGHT,
-    CLIMB,
-    TRAVEL,
-    SPEED,
-    NORMAL_ACCELERATION,
-    TANGENTIAL_ACCELERATION,
-    NORMAL_ONCE,
-    NORMAL_TWICE,
-    TANGENTIAL_ONCE,
-    TANGENTIAL_TWICE,
-    ROWS,
-) = range(11)
+HEIGHT, CLIMB, TRAVEL, SPEED, NORMAL_ACCELERATION, TANGENTIAL_ACCELERATION = range(6)
+NORMAL_ONCE, NORMAL_TWICE, TANGENTIAL_ONCE, TANGENTIAL_TWICE, ROWS = range(6, 11)
 # planes of `Nodes.contact`
 U_Z, U_X, U_Z_RATE, U_X_RATE, Z, X, P, Q, BACK, FRONT, LEVEL, PLANES = range(12)
 # sweeps of Picard's iteration
@@ -40,26 +31,14 @@ MAX_SWEEPS = 25
 
 
 class State(NamedTuple):
-    """What a slider carries from one segment to the next, and what has been counted on the way.
+    """What a slider carries from one segment to the next, and what has been counted on the way."""
 
-    Attributes
-    ----------
-    slider : (3,) array
-        z_s, z_s' and v.
-    deformation, sign : (contacts,) arrays
-        x and the sign of deformation or slip.
-    regime : (contacts,) int array
-        See `law.elastic`.
-    tally, sums : (TALLY,) int array, (SUMS,) array
-        Events and work, see `event_driven`; integrals, see `energy`.
-    """
-
-    slider: np.ndarray
-    deformation: np.ndarray
-    sign: np.ndarray
-    regime: np.ndarray
-    tally: np.ndarray
-    sums: np.ndarray
+    slider: np.ndarray  # (3,): z_s, z_s' and v
+    deformation: np.ndarray  # (contacts,): x
+    sign: np.ndarray  # (contacts,): of deformation or slip
+    regime: np.ndarray  # (contacts,) int: see `law.elastic`
+    tally: np.ndarray  # (TALLY,) int: events and work, see `event_driven`
+    sums: np.ndarray  # (SUMS,): integrals, see `energy`
 
 
 class Nodes(NamedTuple):
@@ -71,29 +50,15 @@ class Nodes(NamedTuple):
 
 
 class Segment(NamedTuple):
-    """Where a segment lies and how it ends.
+    """Where a segment lies and how it ends."""
 
-    Attributes
-    ----------
-    phase, length : float
-        Its start, and its length so far; 0 where an event falls on its start.
-    longest : float
-        The length that it had before an event was found on it.
-    map : int
-        Of the collocation.
-    contact, guard : int
-        Whose guard, and which, vanishes at its end; -1 without an event.
-    last : int
-        Whether it ends where the run ends.
-    """
-
-    phase: float
-    length: float
-    longest: float
-    map: int
-    contact: int
-    guard: int
-    last: int
+    phase: float  # of its start
+    length: float  # so far; 0 where an event falls on its start
+    longest: float  # the length that it had before an event was found on it
+    map: int  # of the collocation
+    contact: int  # whose guard vanishes at its end, -1 without an event
+    guard: int  # and which
+    last: int  # whether it ends where the run ends
 
 
 @compiled
@@ -224,12 +189,8 @@ def integrate(grid, state, nodes, segment):
         travel = length * (v * tau + length * slider[TANGENTIAL_TWICE, j])
         moved = max(abs(height - slider[HEIGHT, j]), abs(travel - slider[TRAVEL, j]))
         moved = max(moved, abs(climb - slider[CLIMB, j]), abs(speed - slider[SPEED, j]))
-        slider[HEIGHT, j], slider[CLIMB, j], slider[TRAVEL, j], slider[SPEED, j] = (
-            height,
-            climb,
-            travel,
-            speed,
-        )
+        slider[HEIGHT, j], slider[CLIMB, j] = height, climb
+        slider[TRAVEL, j], slider[SPEED, j] = travel, speed
         # a motion that is not finite must not pass for one that does not change
         change = max(change, moved if moved < 1e100 else 1e300)
     return change

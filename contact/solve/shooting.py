@@ -25,36 +25,16 @@ MULTIPLIER_ERROR = 1e-6
 
 @dataclass(frozen=True, kw_only=True)
 class Periodic:
-    """Periodic motion, in the units of the balance's problem.
+    """Periodic motion, in the units of the balance's problem."""
 
-    Attributes
-    ----------
-    speed : float
-        Mean of v over the cycle.
-    support : float
-        Mean of the normal forces without the contact's damper.
-    state : (3 + n,) array
-        z_s, z_s', v and the deformations x_i at phase 0.
-    jacobian : (3 + n, 3 + n) array
-        Derivative of the cycle map with respect to `state`; its eigenvalues are the multipliers.
-    step : float
-        Last Newton step: how far the fixed point may still be.
-    motion : Motion
-        After the last cycle, its tally of that cycle.
-    before : (3,) array
-        `Motion.energy` at the start of that cycle.
-    work : (11,) int array
-        As in `Balance`.
-    """
-
-    speed: float
-    support: float
-    state: np.ndarray
-    jacobian: np.ndarray
-    step: float
-    motion: Motion
-    before: np.ndarray
-    work: np.ndarray
+    speed: float  # mean of v over the cycle
+    support: float  # mean of the normal forces without the contact's damper
+    state: np.ndarray  # (3 + n,): z_s, z_s', v and the deformations x_i at phase 0
+    jacobian: np.ndarray  # (3 + n, 3 + n): of the cycle map; its eigenvalues are the multipliers
+    step: float  # last Newton step: how far the fixed point may still be
+    motion: Motion  # after the last cycle, its tally of that cycle
+    before: np.ndarray  # (3,): `Motion.energy` at the start of that cycle
+    work: np.ndarray  # (TALLY,) int: of all cycles computed
 
     @property
     def growth(self) -> float:
@@ -76,29 +56,9 @@ class Periodic:
 def periodic(
     balance: Balance, *, nodes: int, truncation: float, near: Periodic | None = None, settle: int = 0
 ) -> Periodic:
-    """Return the periodic motion at one order of collocation.
+    """Return the periodic motion at one order of collocation, from a balance or from the motion `near` it.
 
-    Parameters
-    ----------
-    balance : Balance
-        The averaged steady state: where to start.
-    nodes : int
-        Collocation points per segment.
-    truncation : float
-        Allowed per segment, see `Motion`.
-    near : Periodic, optional
-        Start from this motion instead, with its Jacobian.
-    settle : int
-        Cycles to follow the motion from the balance before the search.
-
-    Returns
-    -------
-    Periodic
-
-    Raises
-    ------
-    ConvergenceError
-        If the fixed point is not reached to 1e-6.
+    `truncation` as in `Motion`; `settle`: cycles to follow the motion from the balance before the search.
     """
     cycle = _CycleMap(balance.problem, nodes, truncation)
     if near is None:

@@ -31,6 +31,16 @@ from contact.solve.end_corrections import (
     rising_root,
     slip_edge,
 )
+from contact.solve.segment import (
+    DEFORMATIONS,
+    NORMAL_VELOCITY,
+    POSITION,
+    ROW,
+    ROW_MEAN_VELOCITY,
+    ROW_POSITION,
+    ROW_VELOCITY,
+    VELOCITY,
+)
 
 # rows of `Work.slider`, one column per run: motion, contact forces, distance within the cycle, what a step is made of
 HEIGHT, CLIMB, SPEED, NORMAL, TANGENTIAL, TRAVELLED, STEP, DAMP_N, DAMP_T, INVERSE, ROWS = range(11)
@@ -126,12 +136,8 @@ def _release(problem, passage, x, slip):
     if slip == 0.0:  # it must have slipped before
         sign, tangential = _leave_stick(problem, passage, x)
     normal = edge_excess(s, h, first * (1.0 - problem.contact_damping * rate), second, problem.shape)
-    return (
-        0.0,
-        0.0,
-        normal,
-        tangential + sign * problem.friction * edge_excess(s, h, first, second, problem.shape),
-    )
+    tangential += sign * problem.friction * edge_excess(s, h, first, second, problem.shape)
+    return 0.0, 0.0, normal, tangential
 
 
 @compiled
@@ -139,10 +145,8 @@ def _stick(problem, passage, x, sticks):
     """Return (x, slip, excess of Q) of a contact that sticks at the start of the step, or `sticks` all along."""
     limit, deformation = problem.limit_slope * passage.z_new, x + passage.along
     if sticks:  # past x = 0
-        force, x_rate = (
-            problem.friction * problem.stiffness * load(passage.z_new, problem.shape),
-            passage.x_rate_new,
-        )
+        x_rate = passage.x_rate_new
+        force = problem.friction * problem.stiffness * load(passage.z_new, problem.shape)
         bend = curvature(problem.shape) * force * x_rate * abs(x_rate) / (limit * limit)
         return deformation, 0.0, passage_excess(x / (x - deformation), passage.h, bend)
     sign, excess = _leave_stick(problem, passage, x)
@@ -252,11 +256,8 @@ def _step(problem, k, table, own, slider, m):
                 pull += force if x > 0.0 else -force
     climb = climb_half + 0.5 * h * (push - problem.preload) - push_excess
     speed = speed_half + 0.5 * h * (pull - problem.load) - pull_excess
-    slider[HEIGHT, m], slider[CLIMB, m], slider[SPEED, m] = (
-        height,
-        climb * slider[DAMP_N, m],
-        speed * slider[DAMP_T, m],
-    )
+    slider[HEIGHT, m], slider[CLIMB, m] = height, climb * slider[DAMP_N, m]
+    slider[SPEED, m] = speed * slider[DAMP_T, m]
     slider[NORMAL, m], slider[TANGENTIAL, m] = push, pull
     slider[TRAVELLED, m] += travel
 
@@ -283,9 +284,8 @@ def _abreast(runs, states, task, work):
         for m in range(per_cycle.size):
             slider[TRAVELLED, m] = 0.0
             if shaped:
-                _tabulate(
-                    of_run(runs.paths, m), per_cycle[m], envelope[cycle], envelope[cycle + 1], work.table[m]
-                )
+                before, after = envelope[cycle], envelope[cycle + 1]
+                _tabulate(of_run(runs.paths, m), per_cycle[m], before, after, work.table[m])
         # runs do not wait for each other: the processor works at several at once
         for k in range(most):
             for m in range(per_cycle.size):
@@ -297,16 +297,13 @@ def _abreast(runs, states, task, work):
                 return False
             if task.stride > 0 and (cycle + 1) % task.stride == 0:
                 row = task.rows[m, (cycle + 1) // task.stride - 1]
-                row[0], row[1], row[2] = (
-                    slider[SPEED, m],
-                    slider[HEIGHT, m],
-                    slider[TRAVELLED, m] / (2.0 * np.pi),
-                )
+                row[ROW_VELOCITY], row[ROW_POSITION] = slider[SPEED, m], slider[HEIGHT, m]
+                row[ROW_MEAN_VELOCITY] = slider[TRAVELLED, m] / (2.0 * np.pi)
     for m in range(per_cycle.size):
-        for row in (HEIGHT, CLIMB, SPEED):
-            states[m, row] = slider[row, m]
+        states[m, POSITION], states[m, NORMAL_VELOCITY] = slider[HEIGHT, m], slider[CLIMB, m]
+        states[m, VELOCITY] = slider[SPEED, m]
         for i in range(work.contact.shape[2]):
-            states[m, 3 + i] = work.contact[m, X, i]
+            states[m, DEFORMATIONS + i] = work.contact[m, X, i]
     return True
 
 
@@ -318,11 +315,11 @@ def _begin(problem, state, per_cycle, work, m):
     slider[STEP, m], slider[INVERSE, m] = h, 1.0 / problem.limit_slope
     slider[DAMP_N, m] = 1.0 / (1.0 + 0.5 * h * problem.normal_damping)
     slider[DAMP_T, m] = 1.0 / (1.0 + 0.5 * h * problem.tangential_damping)
-    for row in (HEIGHT, CLIMB, SPEED):
-        slider[row, m] = state[row]
+    slider[HEIGHT, m], slider[CLIMB, m] = state[POSITION], state[NORMAL_VELOCITY]
+    slider[SPEED, m] = state[VELOCITY]
     push, pull = 0.0, 0.0
     for i in range(own.shape[1]):
-        x, z, slip = state[3 + i], table[U_Z, 0, i] - slider[HEIGHT, m], 0.0
+        x, z, slip = state[DEFORMATIONS + i], table[U_Z, 0, i] - slider[HEIGHT, m], 0.0
         if z > 0.0:
             elastic = problem.stiffness * load(z, problem.shape)
             push += elastic * (1.0 + problem.contact_damping * (table[W_Z, 0, i] - slider[CLIMB, m]))
@@ -334,27 +331,11 @@ def _begin(problem, state, per_cycle, work, m):
 
 
 def abreast(problems, states, number, per_cycle, stride, envelope) -> np.ndarray:
-    """Move several runs through whole cycles, side by side; return rows (runs, number // stride, 3) (v, z_s, mean v).
+    """Move several runs of n contacts through whole cycles, side by side; return rows (runs, number // stride, ROW).
 
-    Parameters
-    ----------
-    problems : list of Problem
-        One per run, all of n contacts.
-    states : (k, 3 + n) array
-        z_s, z_s', v, x_1..x_n; changed in place.
-    number : int
-        Cycles.
-    per_cycle : (k,) int array
-        Steps in each cycle.
-    stride : int
-        Cycles per row; the mean v is that of the last one. 0 records nothing.
-    envelope : (0,) or (number + 1,) complex array
-        Factor on the waves at the ends of the cycles; empty: the waves as they are.
-
-    Raises
-    ------
-    ConvergenceError
-        Status "not finite" if a motion overflows.
+    `states` (k, 3 + n) hold z_s, z_s', v, x_1..x_n and are changed in place; `per_cycle` (k,) are the steps in each
+    cycle; `envelope` (number + 1,) is the factor on the waves at the ends of the cycles, empty for none. A row every
+    `stride` cycles (0: none) has v, z_s and the mean v of the last one.
     """
     paths = Paths(*(np.array(rows) for rows in zip(*(each.paths for each in problems), strict=True)))
     count, n = paths.height.shape
@@ -363,7 +344,7 @@ def abreast(problems, states, number, per_cycle, stride, envelope) -> np.ndarray
         np.empty((count, CONTACT, n)),
         np.zeros((ROWS, count)),
     )
-    task = Task(number, stride, np.empty((count, number // stride if stride else 0, 3)), envelope)
+    task = Task(number, stride, np.empty((count, number // stride if stride else 0, ROW)), envelope)
     if not _abreast(Runs(np.array([each.row for each in problems]), paths, per_cycle), states, task, work):
         raise ConvergenceError("not finite", "the stepped motion overflowed; use method exact")
     return task.rows

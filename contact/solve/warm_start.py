@@ -20,31 +20,17 @@ _NEAR = 0.3
 
 
 class Pattern(NamedTuple):
-    """Segments of two cycles, the last and this; work.
+    """Segments of two cycles, the last and this."""
 
-    Attributes
-    ----------
-    count : (2,) int array
-        Segments that are kept.
-    begin, end : (2, K) arrays
-        Phases.
-    map, contact, guard : (2, K) int arrays
-        As in `segment.Segment`.
-    regime, sign : (2, K, contacts) arrays
-        Of the contacts.
-    acceleration : (2, K, 2, nodes) array
-        Of the slider, normal and tangential.
-    """
-
-    count: np.ndarray
-    begin: np.ndarray
+    count: np.ndarray  # (2,) int: segments that are kept
+    begin: np.ndarray  # (2, K): phases
     end: np.ndarray
-    map: np.ndarray
+    map: np.ndarray  # (2, K) int: as in `segment.Segment`
     contact: np.ndarray
     guard: np.ndarray
-    regime: np.ndarray
+    regime: np.ndarray  # (2, K, contacts): of the contacts
     sign: np.ndarray
-    acceleration: np.ndarray
+    acceleration: np.ndarray  # (2, K, 2, nodes): of the slider, normal and tangential
 
 
 def blank(contacts: int, nodes: int) -> Pattern:

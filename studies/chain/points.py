@@ -158,16 +158,16 @@ def _burst(scene: Scene, slider, orbits: tuple, velocity: float, tolerance: floa
     rings = 0.0 if ringing is None or ringing.ring_down is None else float(ringing.ring_down.time[-1])
 
     def followed(shape, fading=None):
+        after = min(1.2 * stopping + after_ring, 10 * scene.burst)
         return contact.burst(
             slider,
             orbits,
             duration=scene.burst,
-            after=min(1.2 * stopping + after_ring, 10 * scene.burst) + (rings if fading is not None else 0.0),
+            after=after if fading is None else (after + rings, fading),
             tolerance=tolerance,
             samples=SAMPLES,
             method=method,
             envelope=shape,
-            ring_down=fading,
         )
 
     if ringing is None or ringing.envelope is None or method not in SHAPED_METHODS:

@@ -66,11 +66,7 @@ def test_held_below_the_threshold():
 # Oracle: the event-exact way
 @pytest.mark.parametrize(
     ("A", "first", "second"),
-    [
-        pytest.param(2e-9, 2e-5, 2e-6, marks=pytest.mark.slow),
-        (5e-9, 4e-5, 5e-7),
-        (20e-9, 6e-5, 5e-7),
-    ],
+    [pytest.param(2e-9, 2e-5, 2e-6, marks=pytest.mark.slow), (5e-9, 4e-5, 5e-7), (20e-9, 6e-5, 5e-7)],
 )
 def test_velocity_through_the_bounce(A, first, second):
     exact = burst(slider(), orbit(A), duration=2e-3, after=0.0, tolerance=1e-7, samples=2, method="exact")

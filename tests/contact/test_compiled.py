@@ -8,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
+import llvmlite
 import numpy as np
 import pytest
 
@@ -142,14 +143,9 @@ def test_a_file_that_cannot_be_used_is_made_anew(places, tmp_path, damage):
 
 
 def test_another_version_of_the_compiler_has_its_own_folder(places, tmp_path):
-    import importlib.metadata
-
     places.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     assert answer()[0] == RIGHT
-    version = importlib.metadata.version
-    places.setattr(
-        importlib.metadata, "version", lambda name: version(name) + ("9" if name == "llvmlite" else "")
-    )
+    places.setattr(llvmlite, "__version__", llvmlite.__version__ + "9")
     compiled._folders.cache_clear()
     compiled._folder.cache_clear()
     assert not kernels.ready()
@@ -195,6 +191,38 @@ def test_threads_do_not_try_again_what_cannot_be_kept(places):
     assert len(tried) == 1
 
 
+def test_a_process_waits_for_another_that_compiles_the_same_kernel(places, tmp_path):
+    fcntl = pytest.importorskip("fcntl")
+    places.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    assert answer()[0] == RIGHT
+    (file,) = files(tmp_path)
+    content = file.read_bytes()
+    file.unlink()
+    places.setattr(compiler, "machine_code", None)  # another process compiles
+    with file.with_suffix(".lock").open("w") as lock, ThreadPoolExecutor(1) as pool:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        waiting = pool.submit(answer)
+        time.sleep(0.2)
+        assert not waiting.done()
+        file.write_bytes(content)
+        fcntl.flock(lock, fcntl.LOCK_UN)
+        assert waiting.result()[0] == RIGHT
+    assert not compiled.ORDINARY
+
+
+def test_a_process_does_not_wait_for_ever(places, tmp_path):
+    fcntl = pytest.importorskip("fcntl")
+    places.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    places.setattr(compiled, "MAX_WAIT", 0.1)
+    assert answer()[0] == RIGHT
+    (file,) = files(tmp_path)
+    file.unlink()
+    with file.with_suffix(".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        assert answer()[0] == RIGHT
+    assert files(tmp_path) == [file]
+
+
 class Weights(NamedTuple):
     values: np.ndarray
 
@@ -236,6 +264,20 @@ def test_kernels_that_call_others_are_the_same_by_numbas_ordinary_compiler(place
     assert interpolate.inner is not lowered, "what was made for the machine code is not used again"
     assert found[0] == pytest.approx(np.cos(0.3), rel=1e-10)  # truncation of twelve points
     assert found[1] == pytest.approx(found[0], rel=1e-13)
+
+
+def larger(values, limit):
+    """Replace the first value by the largest of three numbers: a function of numba's own."""
+    values[0] = max(values[0], limit, 2.0 * limit)
+    return 0
+
+
+def test_what_numba_compiles_for_the_machine_code_serves_other_functions(places):
+    for kernel in (compiled.Native(larger, ("f1", "f")), compiled.Kernel(larger)):
+        values = np.array([1.0])
+        kernel(values, 0.75)
+        assert values == [1.5]
+    assert not compiled.ORDINARY
 
 
 def test_shapes_that_a_kernel_declares_are_looked_at_before_it_runs(places):

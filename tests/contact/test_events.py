@@ -82,11 +82,7 @@ def test_grazing_bounces_do_not_gain_energy():
     # Published trap: a slider falling on a resting stator, undamped, many impacts
     s = slider(normal_damping=0.0, tangential_damping=0.0)
     motion = rest(
-        s,
-        (orbit(0.0),),
-        scaled(s, (orbit(0.0),), direction=1.0, start=0.0),
-        nodes=16,
-        truncation=1e-13,
+        s, (orbit(0.0),), scaled(s, (orbit(0.0),), direction=1.0, start=0.0), nodes=16, truncation=1e-13
     )
     kappa, p = motion.problem.stiffness, motion.problem.preload
 
@@ -134,9 +130,7 @@ def test_the_deformation_is_bounded_and_forgotten_in_flight():
 
 def test_overflow_is_said_not_returned():
     motion = Motion(
-        scaled(slider(), (orbit(1e-9),), direction=1.0, start=0.0),
-        grid=collocation(8),
-        truncation=1e-8,
+        scaled(slider(), (orbit(1e-9),), direction=1.0, start=0.0), grid=collocation(8), truncation=1e-8
     )
     motion.place(np.nan, 0.0, 0.0)
     with pytest.raises(ConvergenceError) as caught:

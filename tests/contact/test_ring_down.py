@@ -15,8 +15,14 @@ def fading(time_constant, longest, points=400):
 
 
 def after(shape, s=None, cycles=400, **changed):
-    asked = {"duration": cycles / F, "after": 2e-3, "tolerance": 1e-4, "samples": 400, "method": "stepped"}
-    return burst(s or slider(), orbit(5e-9), ring_down=shape, **(asked | changed))
+    asked = {
+        "duration": cycles / F,
+        "after": 2e-3 if shape is None else (2e-3, shape),
+        "tolerance": 1e-4,
+        "samples": 400,
+        "method": "stepped",
+    }
+    return burst(s or slider(), orbit(5e-9), **(asked | changed))
 
 
 def test_a_wave_that_goes_on_is_a_longer_burst():

@@ -144,7 +144,7 @@ def test_modes_that_travel_carry_power_and_do_not_exchange_it():
 
 
 @pytest.mark.parametrize("name", ["YZ", "128YX"])
-@pytest.mark.parametrize("degrees", [4.0, 17.0])
+@pytest.mark.parametrize("degrees", [17.0])
 def test_surface_wave_at_an_angle_is_the_one_of_the_rotated_half_space(name, degrees):
     solid, angle = CUTS[name], np.radians(degrees)
     truth = rayleigh(rotated(solid, (degrees, 0.0, 0.0)), "open")
@@ -171,7 +171,7 @@ def curvature(solid) -> float:
 
     k_x = k - (1 + gamma) k_y^2 / (2 k) + O(k_y^4): with two values of k_y the fourth order is eliminated.
     """
-    depth = line(solid, thickness=2.5, bottom="absorbing", above="vacuum")
+    depth = line(solid, order=6, thickness=2.0, bottom="absorbing", above="vacuum")
     lateral = np.array([0.0, 0.015, 0.03]) * 2 * np.pi
     along = []
     for each in lateral:

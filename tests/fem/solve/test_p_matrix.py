@@ -126,35 +126,67 @@ def test_a_weak_comb_is_sinc_squared_and_its_hilbert_partner():
     assert max(abs(each.scattering[0, 0]) for each in found) < 1e-2
 
 
+FEWER = 1.15  # connected strips: N of them exchange charge across N - 1 gaps, and the step in velocity reflects too
+
+
+@pytest.fixture(scope="module")
+def strips():
+    """Bloch waves of open and connected strips on 128YX, and |S11| and |S21| of a number of them on a thick plate."""
+    thick = plate("LiNbO3 (Kovacs)", "128YX", thickness=2e-3)
+    cell = cell_parameters(
+        replace(thick, thickness=np.inf).solid, period=0.4e-3, metallisation=0.5, tolerance=5e-2
+    )
+
+    def sizes(kind, number, frequency):
+        row = replace(ROW, period=0.4e-3, finger_pairs=number // 2, pattern=kind * number)
+        found = lone(thick, row, frequency, 1)
+        return abs(found.scattering[0, [0, len(found.wavenumbers)]])
+
+    return {"o": cell.open, "+": cell.shorted}, sizes
+
+
 @pytest.mark.slow
-def test_a_grating_is_that_of_coupled_modes():
-    """Open strips on 128YX: |S11| = tanh(N r) in mid-band, zeros at pi^2 D^2 = r^2 + (pi/N)^2; r from Bloch waves."""
+@pytest.mark.parametrize("number", [20, 60])
+def test_open_strips_reflect_as_coupled_modes(strips, number):
+    """|S11| = tanh(N r) in mid-band."""
+    cell, sizes = strips
+    reflected, _ = sizes("o", number, cell["o"].middle)
+    assert reflected == pytest.approx(np.tanh(number * cell["o"].reflectivity), rel=1e-2)
+
+
+@pytest.mark.slow
+def test_connected_strips_reflect_as_about_one_fewer(strips):
+    """|S11 / S21| = sinh((N - c) r), c = 1.15: |S11| lies 6 % below tanh(N r) at 20 strips."""
+    cell, sizes = strips
+    r, numbers, found = cell["+"].reflectivity, (12, 40), []
+    for number in numbers:
+        reflected, passed = sizes("+", number, cell["+"].middle)
+        found.append(np.arcsinh(reflected / passed))
+    assert (found[1] - found[0]) / (numbers[1] - numbers[0]) == pytest.approx(r, rel=1e-2)
+    assert numbers[0] - found[0] / r == pytest.approx(FEWER, abs=0.1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "number", "fewer"), [("o", 200, 0.0), ("+", 120, FEWER)])
+def test_the_stop_band_of_a_grating_is_that_of_coupled_modes(strips, kind, number, fewer):
+    """Zeros of S11 at pi^2 D^2 = r^2 + (pi / N)^2 of the relative detuning D; without c 2 % off at 120 strips."""
     from scipy.optimize import minimize_scalar
 
-    stator = plate("LiNbO3 (Kovacs)", "128YX", thickness=np.inf)
-    cell = cell_parameters(stator.solid, period=0.4e-3, metallisation=0.5, tolerance=1e-2)
-    strip, middle = cell.open.reflectivity, (cell.open.lower + cell.open.upper) / 2
-
-    def reflection(strips, frequency, level=0):
-        row = replace(ROW, period=0.4e-3, finger_pairs=strips // 2, pattern="o" * strips)
-        return abs(lone(stator, row, frequency, level).scattering[0, 0])
-
-    for strips in (20, 60):
-        assert reflection(strips, middle, 1) == pytest.approx(np.tanh(strips * strip), rel=1e-2)
-    strips = 200
-    near = np.hypot(strip / np.pi, 1 / strips)
+    cell, sizes = strips
+    r, middle = cell[kind].reflectivity, cell[kind].middle
+    near = np.hypot(r / np.pi, 1 / (number - fewer))
     zeros = [
         minimize_scalar(
-            lambda x, side=side: reflection(strips, middle * (1 + side * x)) ** 2,
-            bounds=(0.88 * near, 1.12 * near),
+            lambda x, side=side: sizes(kind, number, middle * (1 + side * x))[0] ** 2,
+            bounds=(0.94 * near, 1.06 * near),
             method="bounded",
-            options={"xatol": 2e-6},
-        ).x
+            options={"xatol": 3e-6},
+        )
         for side in (-1, 1)
     ]
-    apart = sum(zeros) / 2
-    stop_band = 2 * np.sqrt(apart**2 - 1 / strips**2)
-    assert stop_band == pytest.approx(2 * strip / np.pi, rel=1e-2)
+    assert max(each.fun for each in zeros) < 1e-4
+    apart = sum(each.x for each in zeros) / 2
+    assert 2 * np.sqrt(apart**2 - 1 / (number - fewer) ** 2) == pytest.approx(2 * r / np.pi, rel=1e-2)
 
 
 def test_the_error_is_that_of_a_finer_solution():

@@ -88,8 +88,8 @@ def test_no_other_period_radiates_more(cut, pairs):
     )
     row = replace(ROW, finger_pairs=pairs)
     found = best_period(stator, row, frequency)
-    near = found * (1 + np.array([0.0, -0.15, -0.08, -0.04, -0.02, 0.02, 0.04, 0.08, 0.15]) / pairs)
-    far = found * (1 + np.array([-0.4, -0.2, 0.2, 0.4]) * min(1.0, 10 / pairs))
+    near = found * (1 + np.array([0.0, -0.15, -0.04, 0.04, 0.15]) / pairs)
+    far = found * (1 + np.array([-0.3, 0.3]) * min(1.0, 10 / pairs))
     power, whole = powers(stator, row, frequency, [*near, *far])
     assert power[0] >= 0.999 * power.max()
     if pairs >= 10:
@@ -102,11 +102,25 @@ def test_length_and_aperture_of_the_stator_do_not_matter():
     assert best_period(replace(KUROSAWA, length=1.0, ends="free"), other, 9.61e6) == period
 
 
-def test_the_best_frequency_of_the_best_period_is_the_frequency():
-    """At a fixed period the power also grows as the frequency: the maximum lies above by about 1/N^2 at most."""
-    period = best_period(KUROSAWA, ROW, 9.61e6)
-    found = best_frequency(KUROSAWA, replace(ROW, period=period))
-    assert 0 <= found / 9.61e6 - 1 < 1 / ROW.finger_pairs**2
+@pytest.mark.parametrize(("solid", "cut", "pairs"), [("LiNbO3 (Kovacs)", "128YX", 8), ("PZT-8", "Z", 10)])
+def test_no_other_frequency_radiates_more(solid, cut, pairs):
+    """A scan a level finer at a fixed period, and the way back: the period of that frequency is a little shorter.
+
+    At a fixed period the power goes as the frequency times the squared spectrum of the charges, at a fixed frequency as
+    the spectrum alone: maxima of f sinc^2 X and sinc^2 X lie 3 / (2 pi^2 N^2) = 0.15 / N^2 apart (0.09 to 0.20 seen).
+    """
+    stator = replace(KUROSAWA, solid=rotated(material(solid), cut))
+    row = replace(ROW, finger_pairs=pairs)
+    found = best_frequency(stator, row)
+    scan = found * (1 + np.array([0.0, -0.2, -0.05, 0.05, 0.2]) / pairs)
+    length = (pairs + 4) * row.period
+    alone = replace(stator, length=length)
+    own = replace(row, center=length / 2, aperture=1.0)
+    power = [
+        surface_power(solve_ports(alone, (own,), frequency=float(f), resolution=LEVELS[1])) for f in scan
+    ]
+    assert power[0] >= 0.9999 * max(power)
+    assert 0.05 < pairs**2 * (1 - best_period(stator, row, found) / row.period) < 0.3
 
 
 def test_split_fingers_and_patterns_are_followed_too():

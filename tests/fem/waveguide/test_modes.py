@@ -135,7 +135,7 @@ def test_symmetry_only_saves_time(solid):
     assert np.abs(slow[0] - slow[1]).max() < 1e-6
 
 
-@pytest.mark.parametrize("order", [6, 7, 8, 9, 10, 11, 12])
+@pytest.mark.parametrize("order", [6, 7, 9])
 @pytest.mark.parametrize(("name", "orientation"), [("PZT-4", "Z"), ("LiNbO3 (Kovacs)", "128YX")])
 def test_absorber_does_not_turn_the_surface_wave_round(name, orientation, order):
     """Its error of 1e-7 in k may look like growth: the mode still goes where it carries power."""
