@@ -57,21 +57,13 @@ def direct_solution(
     ----------
     stator : Stator
         Bottom free, grounded or clamped; nothing above.
-    transducers : tuple of Transducer
-    frequency : float
-        Hz.
-    resolution : Resolution
-        Of the section and the transducers.
+    transducers, frequency, resolution
+        As in `solve_driven`.
     wavelength : float
         Length unit in m, the slowest bulk wave's.
-    segment_size : float
-        Largest element in the uniform segments, wavelengths.
-    segment_layers : int
-        Geometric layers towards both ends of every segment, where evanescent fields vary fast.
-
-    Returns
-    -------
-    DirectSolution
+    segment_size, segment_layers : float, int
+        Largest element in the uniform segments, wavelengths, and geometric layers towards both ends of each, where
+        evanescent fields vary fast.
     """
     from skfem import Basis, ElementQuadP, MeshQuad
 

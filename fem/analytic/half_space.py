@@ -110,10 +110,6 @@ def rayleigh(solid: Solid, surface: str = "vacuum") -> HalfSpaceWave:
     surface : str
         "vacuum" (or "free"), "open" (D_n = 0), "metallised" (phi = 0).
 
-    Returns
-    -------
-    HalfSpaceWave
-
     Raises
     ------
     ValueError

@@ -30,19 +30,10 @@ NODES = 64  # of the capacitance's integral over s from 0 to 1, which is smooth 
 
 
 def surface_permittivity(solid: Solid, surface: str = "vacuum") -> float:
-    """Static permittivity that a charge pattern of short wavelength sees, in F/m.
+    """Static permittivity in F/m for short charge patterns: D_n over k phi without traction.
 
-    Parameters
-    ----------
-    solid : Solid
-        In the stator's frame, piezoelectric; its losses are ignored.
-    surface : str
-        "vacuum": with the vacuum above; "open": the solid alone.
-
-    Returns
-    -------
-    float
-        D_n over k phi on a surface without traction, for k -> infinity.
+    ``solid``: piezoelectric, in the stator's frame, its losses ignored; ``surface``: "vacuum", with the vacuum above,
+    or "open", the solid alone.
     """
     body = medium(solid, fields(solid), lossy=False)
     impedance = SurfaceImpedance(body, "vacuum")
@@ -139,10 +130,6 @@ def transducer_estimate(solid: Solid, transducer: Transducer, surface: str = "va
     transducer : Transducer
     surface : str
         Of the bare parts: "vacuum" or "open" (D_n = 0).
-
-    Returns
-    -------
-    TransducerEstimate
 
     Raises
     ------

@@ -37,8 +37,6 @@ def discretise(
 
     Parameters
     ----------
-    stator : Stator
-    resolution : Resolution
     wavelength : float
         Of the slowest bulk wave at the drive frequency, in m: it sets the largest element.
     surface_scale : float
@@ -46,10 +44,6 @@ def discretise(
         where there is no electrode.
     lateral : bool
         The fields will have a lateral wavenumber: all displacements, and phi of a piezoelectric solid, take part.
-
-    Returns
-    -------
-    Section
     """
     names = lateral_fields(stator.solid) if lateral else coupled_fields(stator.solid)
     body = medium(stator.solid, names)

@@ -1,11 +1,7 @@
-"""Weak form of time-harmonic piezoelectricity in the sagittal section, element by element.
+"""Weak form of time-harmonic piezoelectricity (medium.py), element by element.
 
-    int S(v):T + grad psi . D - rho omega^2 v . u = boundary and charge terms,
-
-symmetric in (u, phi), complex symmetric with loss (Auld, *Acoustic Fields and Waves in Solids*, vol. 1, 1973, section
-8; Allik and Hughes 1970).  With d/dy = 0 a medium is the three tables C_xx, C_xz and C_zz of medium.py.  On a tensor
-grid of a homogeneous medium an element's matrix is a sum of Kronecker products of the matrices of a line (spectral.py);
-the same form for a general mesh is written for scikit-fem.
+On a tensor grid of a homogeneous medium an element's matrix is a sum of Kronecker products of the matrices of a line
+(spectral.py); the same form for a general mesh is written for scikit-fem.
 """
 
 from functools import lru_cache

@@ -25,20 +25,9 @@ LEVELS = (
     Resolution(order=10, edge_layers=5, lossy_elements=14),
 )
 
-
-EXPECTED = (
-    np.inf,
-    5e-3,
-    2e-4,
-    2e-5,
-    2e-6,
-    3e-7,
-)  # estimate at each level on an ordinary motor: where to begin
-
-
+# Estimate at each level on an ordinary motor: where to begin.
+EXPECTED = (np.inf, 5e-3, 2e-4, 2e-5, 2e-6, 3e-7)
 GAIN = 8.0  # a level divides the error by more: 6.7 per edge layer, and more by the order (11 to 25 seen)
-
-
 LOSSY_GAIN = 1.5  # where a lossy layer stands for the half-space its thickness decides, squared
 
 

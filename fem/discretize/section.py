@@ -81,7 +81,7 @@ class Section(LineSpace):
         return self
 
     def lift(self, lines: np.ndarray) -> np.ndarray:
-        """Unknowns of the full section on lines, shape (size, ...)."""
+        """Return the lines themselves: they are full."""
         return lines
 
     @property
@@ -125,7 +125,7 @@ class Section(LineSpace):
         return rows
 
     def surface_share(self, shapes: np.ndarray) -> np.ndarray:
-        """Squared motion at the surface over its integral through the depth; shapes (size, m) -> (m,)."""
+        """Squared motion at the surface over its integral through the depth."""
         inside = self._motion_weights @ abs(shapes) ** 2
         above = np.sum(abs(self.surface_rows @ shapes) ** 2, axis=0)
         return np.divide(
@@ -191,7 +191,7 @@ class Section(LineSpace):
         return dofs, dofs >= 0
 
     def matrices(self, frequency: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """K2, K1 and K0 - omega^2 M of a uniform segment at a frequency in Hz, each (size, size), scaled."""
+        """K2, K1 and K0 - omega^2 M of a uniform segment at a frequency in Hz, scaled."""
         reference = reference_matrices(self.order)
         factor = (2 * np.pi * frequency * self.length_unit) ** 2
 

@@ -55,16 +55,11 @@ def lagrange_weights(nodes: np.ndarray, at: float) -> np.ndarray:
 
 @dataclass(frozen=True, kw_only=True)
 class LineMatrices:
-    """Matrices of the reference element [0, 1], each of shape (order + 1, order + 1).
+    """Matrices of the reference element [0, 1], each of shape (order + 1, order + 1)."""
 
-    ``mass`` int N_i N_j, ``stiffness`` int N_i' N_j', ``advection`` int N_i' N_j.  For an element of length h
-    they become h, 1/h and 1 times themselves.
-    """
-
-    order: int
-    mass: np.ndarray
-    stiffness: np.ndarray
-    advection: np.ndarray
+    mass: np.ndarray  # int N_i N_j; times h for an element of length h
+    stiffness: np.ndarray  # int N_i' N_j'; over h
+    advection: np.ndarray  # int N_i' N_j
 
 
 @lru_cache(maxsize=32)
@@ -74,7 +69,6 @@ def reference_matrices(order: int) -> LineMatrices:
     values, slopes = lagrange(order, (points + 1.0) / 2.0)
     weights = weights / 2.0
     return LineMatrices(
-        order=order,
         mass=_frozen(np.einsum("q,qi,qj->ij", weights, values, values)),
         stiffness=_frozen(np.einsum("q,qi,qj->ij", weights, slopes, slopes)),
         advection=_frozen(np.einsum("q,qi,qj->ij", weights, slopes, values)),

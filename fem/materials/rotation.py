@@ -31,22 +31,12 @@ _SAGITTAL, _TRANSVERSE = [0, 2, 4], [3, 5]  # Voigt strains of (ux, uz) and of u
 
 
 def rotation_matrix(orientation: Orientation) -> np.ndarray:
-    """Return the new axes in crystal coordinates, one per row.
+    """Return the new axes in crystal coordinates, one per row: orthogonal, determinant 1, shape (3, 3).
 
     Parameters
     ----------
     orientation : str or sequence of 3 floats
-        A name of `ORIENTATIONS` or Euler angles [phi, theta, psi] in degrees.
-
-    Returns
-    -------
-    ndarray, shape (3, 3)
-        Orthogonal, determinant 1.
-
-    Raises
-    ------
-    ValueError
-        For an unknown name or anything but three finite angles.
+        A name of `ORIENTATIONS` or Euler angles [phi, theta, psi] in degrees; a ValueError for anything else.
     """
     if isinstance(orientation, str):
         if orientation not in ORIENTATIONS:
@@ -66,7 +56,7 @@ def rotation_matrix(orientation: Orientation) -> np.ndarray:
 
 
 def rotated(solid: Solid, orientation: Orientation) -> Solid:
-    """Return the solid in the frame of a cut.
+    """Return the solid in the frame of a cut, whose ``frame`` is the orientation's text.
 
     Parameters
     ----------
@@ -74,11 +64,6 @@ def rotated(solid: Solid, orientation: Orientation) -> Solid:
         In the crystal frame (or any other: the rotation is relative to its frame).
     orientation : str or sequence of 3 floats
         As in `rotation_matrix`.
-
-    Returns
-    -------
-    Solid
-        Its ``frame`` is the orientation's text.
     """
     a = rotation_matrix(orientation)
     bond = bond_matrix(a)

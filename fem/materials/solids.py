@@ -114,22 +114,10 @@ def anisotropic(
 
     Parameters
     ----------
-    name, source : str
-        Of the set of constants.
-    stiffness : array_like, shape (6, 6)
-        c^E in Pa.
-    coupling : array_like, shape (3, 6)
-        e in C/m2.
+    name, stiffness, coupling, density, mechanical_quality, dielectric_loss, source
+        As in `Solid`.
     permittivity : array_like, shape (3, 3)
         eps^S relative to vacuum.
-    density : float
-        kg/m3.
-    mechanical_quality, dielectric_loss : float
-        Q_m and tan delta.
-
-    Returns
-    -------
-    Solid
 
     Raises
     ------
@@ -158,26 +146,17 @@ def isotropic(
     mechanical_quality: float = float("inf"),
     source: str = "user's table",
 ) -> Solid:
-    """Return an isotropic solid: c12 = lambda, c44 = mu, c11 = lambda + 2 mu, no coupling.
+    """Return an isotropic solid: c12 = lambda, c44 = mu, c11 = lambda + 2 mu, no coupling, the permittivity of vacuum.
 
     Parameters
     ----------
-    name, source : str
-        Of the set of constants.
+    name, density, mechanical_quality, source
+        As in `Solid`.
     youngs_modulus : float
         Pa.
     poisson_ratio : float
         Between -1 and 0.5, both excluded.  Towards 0.5 a stiffness in floating point forgets mu =
         (c11 - c12)/2: what follows from it is good to about 1e-16/(1 - 2 nu).
-    density : float
-        kg/m3.
-    mechanical_quality : float
-        Q_m.
-
-    Returns
-    -------
-    Solid
-        With the permittivity of vacuum, which nothing couples to.
 
     Raises
     ------

@@ -150,23 +150,7 @@ def catalogue() -> dict[str, Solid]:
 
 
 def material(name: str) -> Solid:
-    """Return a solid of the catalogue.
-
-    Parameters
-    ----------
-    name : str
-        As in `catalogue`.
-
-    Returns
-    -------
-    Solid
-        In the crystal frame.
-
-    Raises
-    ------
-    ValueError
-        If there is none of that name; the message offers the nearest and lists the others.
-    """
+    """Return a solid of the catalogue in the crystal frame; a ValueError for another name offers the nearest."""
     solids = _solids()
     if name in solids:
         return solids[name]

@@ -20,9 +20,8 @@ from fem.waveguide.ends import end_reflection
 from fem.waveguide.modes import GuidedModes, guided_modes
 from fem.waveguide.port_fields import joined_fields
 
-WALL_WIDTH = (
-    0.2  # wavelengths of a free or clamped end that are condensed: too narrow for a resonance in the band
-)
+# Wavelengths of a free or clamped end that are condensed: too narrow for a resonance in the band
+WALL_WIDTH = 0.2
 WALL_DISTANCES = (1.0, 1.5, 3.0)  # in wall widths, where the fields sent back feed the basis
 # Share, in ``kept``, of its amplitude that a mode must keep to count among those that arrive: at a transducer over the
 # shortest segment; at a wall, where an error of the basis counts less, after a wavelength.
@@ -39,7 +38,7 @@ class ReducedSection(LineSpace):
     odd: np.ndarray | None = field(repr=False)  # Parity of the columns
 
     def lift(self, lines: np.ndarray) -> np.ndarray:
-        """Unknowns of the full section on lines, shape (full size, ...)."""
+        """Unknowns of the full section on lines."""
         return self.basis @ lines
 
     @property
@@ -69,7 +68,7 @@ class ReducedSection(LineSpace):
         return np.flatnonzero(moves > 0.5)
 
     def surface_share(self, shapes: np.ndarray) -> np.ndarray:
-        """Motion at the surface, squared, over its integral through the depth."""
+        """Squared motion at the surface over its integral through the depth."""
         return self.full.surface_share(self.basis @ shapes)
 
     @cached_property
@@ -131,9 +130,7 @@ def bases_of(
     for group in groups:
         found = []
         for part in fields_seen:
-            own = group[
-                np.any(part[group], axis=1)
-            ]  # a finger's potential is its electrode's, not the line's
+            own = group[np.any(part[group], axis=1)]  # without a finger's potential, which is its electrode's
             here = part[own] / abs(part).max()
             values, vectors = np.linalg.eigh(np.real(here @ np.conj(here.T)))
             found.append((own, vectors[:, ::-1], np.sqrt(np.maximum(values[::-1], 0.0))))

@@ -26,9 +26,8 @@ from fem.results.solution import Solution
 from fem.threads import side_by_side
 from fem.waveguide.ends import end_pieces
 
-ARRIVING = (
-    1e-2  # share of the tolerance that a mode must keep over a segment to count among those that arrive
-)
+# Share of the tolerance that a mode must keep over a segment to count among those that arrive
+ARRIVING = 1e-2
 # Relative width of the band up to which so many nodes serve: to 1e-6.
 NODES = ((0.12, 4), (0.25, 5), (0.5, 7))
 LOOSE = 3e-4  # tolerance from which a node less serves: to 1e-4

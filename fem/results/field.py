@@ -83,10 +83,6 @@ def wave_field(
         m from the left end: only lines between these places.
     energies : bool
         Whether strain energy and power flow are wanted too.
-
-    Returns
-    -------
-    WaveField
     """
     solution = wave.solution
     section = solution.fields.section.full

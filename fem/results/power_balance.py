@@ -23,28 +23,18 @@ class PowerBalance:
     """Power of a solution in W per V^2 of the drive (peak).
 
     Over the aperture of the (first) driven transducer or, where beams are received, of each transducer's own.
-
-    Attributes
-    ----------
-    input : float
-        From the sources' circuit into the driven transducers.
-    solid : float
-        Lost in the solid and an absorbing bottom, under the fingers, between the transducers and before reflecting
-        ends; with finite apertures also what passes beside the next transducer.
-    loads : float
-        Taken by the other transducers' terminations.
-    left, right : float
-        Radiated through the absorbing ends.
-    residual : float
-        Worst over the transducers of |power in - flux out - power lost between the lines|, over the sources' apparent
-        power |V I| / 2.
     """
 
-    input: float
+    input: float  # from the sources' circuit into the driven transducers
+    # lost in the solid and an absorbing bottom, under the fingers, between the transducers and before
+    # reflecting ends; with finite apertures also what passes beside the next transducer
     solid: float
-    loads: float
+    loads: float  # taken by the other transducers' terminations
+    # left, right: radiated through the absorbing ends
     left: float
     right: float
+    # worst over the transducers of |power in - flux out - power lost between the lines|, over the sources'
+    # apparent power |V I| / 2
     residual: float
 
     @property

@@ -88,7 +88,6 @@ class FreeWave:
     relative_error : float
         Of the velocity, from two orders.
     unknowns : int
-    seconds : float
     """
 
     frequency: float
@@ -101,4 +100,3 @@ class FreeWave:
     solid: Solid = field(repr=False)
     relative_error: float
     unknowns: int
-    seconds: float

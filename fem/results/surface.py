@@ -15,9 +15,8 @@ from fem.convergence import ConvergenceError
 from fem.discretize.spectral import lagrange
 
 MAX_SAMPLES = 50_000  # along the whole surface
-MAX_MOTION_PER_VOLT = (
-    1e-6  # m per V; a resonant PZT stator reaches 1e-8: beyond this an answer is a numerical artefact
-)
+# M per V; a resonant PZT stator reaches 1e-8: beyond this an answer is a numerical artefact
+MAX_MOTION_PER_VOLT = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -28,7 +28,6 @@ class SurfaceWave(Surface):
     unknowns : int
         Of the discretised problem that was condensed.
     resolution : str
-    seconds : float
     solve : callable
         Returns the `Solution` that the interior is evaluated from.
     balance : callable
@@ -40,7 +39,6 @@ class SurfaceWave(Surface):
     admittance_error: float
     unknowns: int
     resolution: str
-    seconds: float
     solve: Callable[[], Solution] = field(repr=False, compare=False)
     balance: Callable[[], PowerBalance] = field(repr=False, compare=False)
 
@@ -90,11 +88,10 @@ def surface_wave(
     *,
     relative_error: float,
     admittance_error: float,
-    seconds: float,
     solve: Callable[[], Solution] | None = None,
     balance: Callable[[], PowerBalance] | None = None,
 ) -> SurfaceWave:
-    """Return the answer of a solution whose motion and admittance have known errors; ``seconds`` were spent on it.
+    """Return the answer of a solution whose motion and admittance have known errors.
 
     ``solve`` returns the solution again, where keeping it would take too much memory; ``balance`` its power balance,
     where that is known.
@@ -109,7 +106,6 @@ def surface_wave(
         admittance_error=admittance_error,
         unknowns=solution.fields.unknowns,
         resolution=f"order {resolution.order}, {resolution.edge_layers} edge layers",
-        seconds=seconds,
         solve=again,
         balance=balance or (lambda: power_balance(again())),
     )

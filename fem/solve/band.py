@@ -6,7 +6,6 @@ small errors have 1 / |1 - mu| times the effect, mu an eigenvalue of the segment
 what is seen at the frequencies of the check is scaled to the sharpest resonance that the band can hold.
 """
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -30,9 +29,8 @@ from fem.waveguide.port_fields import PortFields, solve_ports
 FIRST_TRUNCATION, LAST_TRUNCATION, TRUNCATION_STEP = 5e-2, 2e-3, 0.5
 MAX_TRUNCATION = 1e-4  # whatever the tolerance
 REDUCTION_SHARE = 0.5  # of the tolerance
-REDUCTION_SAFETY = (
-    2.0  # least ratio of the reduction's error elsewhere in the band to that where it is checked
-)
+# Least ratio of the reduction's error elsewhere in the band to that where it is checked
+REDUCTION_SAFETY = 2.0
 # Stated over true error of two levels where they are checked, at least: a level divides by 11 to 25, not by GAIN.
 ESTIMATE_EXCESS = 2.0
 MAX_ROUNDS = 3  # discretisations that are tried
@@ -47,14 +45,11 @@ class Band:
     model : ReducedModel
     relative_error, admittance_error : float
         Of the surface motion at the places asked for and of the admittance, at the worst frequency of the band.
-    seconds : float
-        Set-up.
     """
 
     model: ReducedModel = field(repr=False)
     relative_error: float
     admittance_error: float
-    seconds: float
 
     @property
     def limits(self) -> tuple[float, float]:
@@ -72,13 +67,11 @@ class Band:
         Places under a transducer and beside a free or clamped end, the interior and the power balance take the time
         of a condensation when they are first asked for.
         """
-        begun = time.perf_counter()
         solution = driven_solution(self.model.port_fields(frequency), drive)
         return surface_wave(
             solution,
             relative_error=self.relative_error,
             admittance_error=self.admittance_error,
-            seconds=time.perf_counter() - begun,
             solve=lambda: self.model.solution(frequency, drive),
         )
 
@@ -134,16 +127,11 @@ def frequency_band(
     places : tuple of float
         m; mid-stator if empty.
 
-    Returns
-    -------
-    Band
-
     Raises
     ------
     ConvergenceError
         If the tolerance is not met; the band comes with it, with the error that it has.
     """
-    begun = time.perf_counter()
     if not 0 < lowest < highest < np.inf:
         raise ValueError(
             f"the band must run from a lower to a higher frequency, got {lowest!r} to {highest!r} Hz"
@@ -167,7 +155,7 @@ def frequency_band(
     share = (1 - REDUCTION_SHARE) * tolerance  # of the discretisation
     asked = tolerance
     for _ in range(MAX_ROUNDS):
-        band, of_levels = _attempt(problem, asked, begun)
+        band, of_levels = _attempt(problem, asked)
         if band.relative_error <= tolerance:
             return band
         if of_levels <= share:
@@ -180,11 +168,8 @@ def frequency_band(
     )
 
 
-def _attempt(problem: BandProblem, asked: float, begun: float) -> tuple[Band, float]:
-    """A band whose discretisation is good to ``asked`` where it is checked, and the discretisation's part of its error.
-
-    The set-up began at ``begun``, s.
-    """
+def _attempt(problem: BandProblem, asked: float) -> tuple[Band, float]:
+    """A band whose discretisation is good to ``asked`` where it is checked, and that discretisation's error."""
     expected = LEVELS[first_level(asked) + 1]
 
     def reference():
@@ -210,7 +195,6 @@ def _attempt(problem: BandProblem, asked: float, begun: float) -> tuple[Band, fl
         model=model,
         relative_error=of_levels + of_motion,
         admittance_error=growth * wave.admittance_error + of_admittance,
-        seconds=time.perf_counter() - begun,
     )
     return band, of_levels
 

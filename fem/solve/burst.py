@@ -36,7 +36,7 @@ PER_BAND = 4  # instants in one over the band's width
 
 
 class Response(Protocol):
-    """What gives the surface's motion at any frequency of a range: `fem.Band`, or anything like it."""
+    """What gives the surface's motion at any frequency of a range in Hz: `fem.Band`, or anything like it."""
 
     limits: tuple[float, float]
 
@@ -156,24 +156,18 @@ def burst_response(
     ----------
     band : Response
         For instance of `fem.frequency_band`; the wider, the sharper the corners.
-    place : float
-        m from the left end.
+    place, duration : float
+        m from the left end; s.
     drive : str or Drive
         Name of the driven transducer, or sources at several.
     frequency : float
         Hz, well inside the band.
-    duration : float
-        s.
     tolerance : float
         Of what is folded back in time, over the steady amplitude.
     phase : float
         Of the voltage's cosine at the beginning, rad.
     max_frequencies : int
         About how many frequencies to solve before giving up.
-
-    Returns
-    -------
-    BurstEnvelope
 
     Raises
     ------

@@ -10,7 +10,6 @@ Limits: a bare surface.  Whether an absorbing bottom is a perfectly matched or a
 waves of the sagittal plane: at a large lateral wavenumber other modes than the surface wave may be reflected there.
 """
 
-import time
 from functools import cache
 
 import numpy as np
@@ -103,16 +102,11 @@ def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave
     tolerance : float
         Relative, of the velocity.
 
-    Returns
-    -------
-    FreeWave
-
     Raises
     ------
     ConvergenceError
         If the highest order does not reach the tolerance.
     """
-    begun = time.perf_counter()
     modes, _, error = _refined_modes(stator, frequency, 0.0, tolerance, FREE_ORDERS, _velocities_apart)
     section, wavenumber = modes.section, _surface_wavenumber(modes)
     shape = _at_the_upper_face(modes.right[:, modes.rayleigh], section)
@@ -129,7 +123,6 @@ def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave
         solid=stator.solid,
         relative_error=float(error),
         unknowns=section.size,
-        seconds=time.perf_counter() - begun,
     )
 
 
@@ -168,10 +161,6 @@ def guided_modes(
         Of the surface wave's k_x, relative to its sqrt(k_x^2 + k_y^2).
     propagating : bool
         The tolerance bounds the error of every mode that propagates, not of the surface wave alone.
-
-    Returns
-    -------
-    SegmentModes
 
     Raises
     ------

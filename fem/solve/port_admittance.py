@@ -74,10 +74,6 @@ def port_admittance(
     mirror_width : float, optional
         Of the beams' two reflecting side faces, m.
 
-    Returns
-    -------
-    PortAdmittance
-
     Raises
     ------
     ValueError

@@ -74,10 +74,6 @@ def cell_parameters(
     tolerance : float
         Of the stop bands' edges, relative to their width.
 
-    Returns
-    -------
-    CellParameters
-
     Raises
     ------
     ConvergenceError

@@ -31,7 +31,7 @@ from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes, lagrange_weights
-from fem.geometry import Stator
+from fem.geometry import Stator, Transducer
 from fem.materials import Solid, fields
 from fem.materials.christoffel import slowest_wavelength
 
@@ -81,23 +81,22 @@ class Grating:
     resolution: Resolution
     middle: float  # frequency in Hz about which cells are interpolated
 
-    def _make(self, frequency: float) -> Condensation:
-        return Condensation(self.section, frequency)
-
     @cached_property
     def _halves(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Nodes in omega^2 and the matrices of both half cells there, shape (nodes, 2 n + 2, 2 n + 2)."""
         low, high = ((2 * np.pi * self.middle * (1 + side * REACH)) ** 2 for side in (-1, 1))
         squares = chebyshev_nodes(low, high, NODES)
         pairs = [
-            half_cells(self._make(float(np.sqrt(square)) / (2 * np.pi)), self.shape, self.resolution)
+            half_cells(
+                Condensation(self.section, float(np.sqrt(square)) / (2 * np.pi)), self.shape, self.resolution
+            )
             for square in squares
         ]
         return squares, *(np.stack([pair[side].matrix for pair in pairs]) for side in (0, 1))
 
     def cell(self, frequency: float, *, open_fingers: bool) -> Superelement:
         """Condensed cell at a frequency in Hz."""
-        make = self._make(frequency)
+        make = Condensation(self.section, frequency)
         if abs(frequency / self.middle - 1) > REACH:
             whole = finger_cell(make, self.shape, self.resolution)
         else:
@@ -224,16 +223,13 @@ def grating(
     """
     if "phi" not in fields(solid):
         raise ValueError(f"a grating of fingers needs a piezoelectric solid, and {solid.name} is not one")
-    if not (np.isfinite(period) and period > 0):
-        raise ValueError(f"grating.period must be positive and finite, got {period!r} m")
-    if not 0 < metallisation < 1:
-        raise ValueError(f"grating.metallisation must lie between 0 and 1, got {metallisation!r}")
+    row = Transducer(
+        name="grating", center=0.0, finger_pairs=1, period=period, metallisation=metallisation, aperture=1.0
+    )
     bare = replace(solid, mechanical_quality=np.inf, dielectric_loss=0.0)
     middle = automatic_period(bare, 1.0, metallisation) / period
     unit = slowest_wavelength(bare, middle)
     stator = Stator(solid=bare, length=period, thickness=np.inf, ends="absorbing", above=above)
-    pitch = period / 2
-    half_finger, half_gap = metallisation * pitch / 2, (1 - metallisation) * pitch / 2
-    section = discretise(stator, resolution, wavelength=unit, surface_scale=half_finger)
-    shape = FingerShape(half_finger=half_finger / unit, half_gaps=(half_gap / unit,) * 2)
-    return Grating(section=section, shape=shape, pitch=pitch, resolution=resolution, middle=middle)
+    section = discretise(stator, resolution, wavelength=unit, surface_scale=row.finger_width / 2)
+    shape = FingerShape.of(row, unit)
+    return Grating(section=section, shape=shape, pitch=row.pitch, resolution=resolution, middle=middle)

@@ -28,9 +28,8 @@ RICCATI_TOLERANCE = 5e-11  # ordinary sections reach 1e-15; at 1e-10 the motion 
 PROPAGATING = 0.3  # a mode whose |Im k| is below this share of |Re k| counts as propagating
 # Relative distance of k from the half-space's at which a mode's localisation counts half.
 NEAR_HALF_SPACE = 0.02
-NEARLY_REAL = (
-    3e-3  # |Im k| / |Re k| below which the power flux decides the direction of a mode that carries power
-)
+# |Im k| / |Re k| below which the power flux decides the direction of a mode that carries power
+NEARLY_REAL = 3e-3
 # Relative distance of k within which two modes are one surface wave: whatever their shapes, and if both are localised.
 ONE_WAVE, TWIN_MODES = 1e-3, 3e-2
 

@@ -126,25 +126,28 @@ class Network:
             count = scatterer.potentials.shape[1]
             mine = slice(port, port + count)
             port += count
-            incoming = np.zeros((2 * n, len(arrive_left) + len(arrive_right) + count), dtype=complex)
-            incoming[:n, : len(arrive_left)] = modes.right[:, arrive_left] * self._half_way(
-                "right", arrive_left, lengths[index]
-            )
-            incoming[n:, len(arrive_left) : len(arrive_left) + len(arrive_right)] = modes.left[
-                :, arrive_right
-            ] * self._half_way("left", arrive_right, lengths[index + 1])
-            potentials = np.zeros((PORTS, incoming.shape[1]))
-            potentials[:, len(arrive_left) + len(arrive_right) :] = scatterer.potentials
+            # columns: what arrives from the left, from the right, and the ports
+            left = slice(0, len(arrive_left))
+            right = slice(left.stop, left.stop + len(arrive_right))
+            own = slice(right.stop, right.stop + count)
+            way = self._half_way("right", arrive_left, lengths[index])
+            back = self._half_way("left", arrive_right, lengths[index + 1])
+            incoming = np.zeros((2 * n, own.stop), dtype=complex)
+            incoming[:n, left] = modes.right[:, arrive_left] * way
+            incoming[n:, right] = modes.left[:, arrive_right] * back
+            potentials = np.zeros((PORTS, own.stop))
+            potentials[:, own] = scatterer.potentials
             sides = scatterer.sides(incoming, potentials)
             out = sides - incoming
             for slot, rows in (
                 (to_left, self._sent("left", arrive_left, lengths[index], out[:n])),
                 (to_right, self._sent("right", arrive_right, lengths[index + 1], out[n:])),
             ):
-                system[slot, from_left] -= rows[:, : len(arrive_left)]
-                system[slot, from_right] -= rows[:, len(arrive_left) : len(arrive_left) + len(arrive_right)]
-                load[slot, mine] += rows[:, len(arrive_left) + len(arrive_right) :]
-            answers.append((sides, potentials, incoming, mine, from_left, from_right))
+                system[slot, from_left] -= rows[:, left]
+                system[slot, from_right] -= rows[:, right]
+                load[slot, mine] += rows[:, own]
+            sources = [(left, from_left), (right, from_right)]
+            answers.append((sides, potentials, incoming, sources, own, mine))
         if walls:
             self._reflect(system, slots, kept, lengths)
         amplitudes = np.linalg.solve(system, load) if total else load
@@ -197,16 +200,14 @@ class Network:
     def _gathered(self, amplitudes, answers, coupling, waves) -> "PortSolution":
         ports = self.ports
         sides, incoming, charges = [], [], np.zeros((ports, ports), dtype=complex)
-        for scatterer, (own, potentials, arriving, mine, from_left, from_right) in zip(
+        for scatterer, (lines, potentials, arriving, sources, own, mine) in zip(
             self.scatterers, answers, strict=True
         ):
-            weights = np.zeros((own.shape[1], ports), dtype=complex)
-            count = mine.stop - mine.start
-            reach = from_left.stop - from_left.start
-            weights[:reach] = amplitudes[from_left]
-            weights[reach : weights.shape[0] - count] = amplitudes[from_right]
-            weights[len(weights) - count :, mine] = np.eye(count)
-            sides.append(own @ weights)
+            weights = np.zeros((lines.shape[1], ports), dtype=complex)
+            for columns, slot in sources:
+                weights[columns] = amplitudes[slot]
+            weights[own, mine] = np.eye(own.stop - own.start)
+            sides.append(lines @ weights)
             incoming.append(arriving @ weights)
             charges[mine] = scatterer.charge(sides[-1], potentials @ weights)
         return PortSolution(

@@ -215,7 +215,6 @@ def solved_again(record: Record, *, progress):
         found,
         relative_error=record.error["relative"],
         admittance_error=record.electrical["admittance_relative_error"],
-        seconds=0.0,
     )
 
 

@@ -83,4 +83,4 @@ def solution(
 
 def wave_of(solution: Solution) -> SurfaceWave:
     """The answer of one discretisation, whose error nobody knows."""
-    return surface_wave(solution, relative_error=np.inf, admittance_error=np.inf, seconds=0.0)
+    return surface_wave(solution, relative_error=np.inf, admittance_error=np.inf)

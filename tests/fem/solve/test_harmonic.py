@@ -56,7 +56,6 @@ def test_answer_carries_its_error_cost_and_power():
     assert wave.power_input == pytest.approx(0.5 * wave.admittance.real, rel=1e-9)
     assert wave.power_dissipated == pytest.approx(wave.power_input, rel=1e-9)
     assert wave.power_radiated == 0
-    assert wave.seconds > 0
     assert len(told) >= 2
     assert wave.comb_voltage_per_volt == 1
     assert wave.frequency == FREQUENCY
