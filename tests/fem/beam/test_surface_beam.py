@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.special import hankel2
+from scipy.special import hankel2, j0
 
 from fem.beam.charges import electrode_charges
 from fem.beam.surface_beam import BeamError, surface_beam
@@ -150,6 +150,20 @@ def test_between_and_under_the_fingers():
     x = np.array([0.5 * (fingers[0][-1] + fingers[1][0]), fingers[1].mean(), beam.charges[1].x.mean()])
     section = beam.wave.motion(x)
     np.testing.assert_allclose(beam.motion(x)[[0, 2]], section, atol=1e-7 * abs(section).max())
+
+
+def test_radiated_share_is_a_double_integral_of_a_bessel_function(lossy):
+    """The power of two charges is the real part of k H0(k r) / 2 between them; over the section's, exp(-i k x)."""
+    beam = replace(lossy, apertures=(3e-3,))
+    k = float(beam.surface_wavenumbers(0.0).real)
+    places, charge = beam.charges[0].pairs
+    nodes, weights = (each * beam.apertures[0] / 2 for each in np.polynomial.legendre.leggauss(80))
+    x, y = np.subtract.outer(places, places), np.subtract.outer(nodes, nodes)
+    between = np.hypot(x[..., None, None], y)
+    spread = k / 2 * np.einsum("ijyz,y,z->ij", j0(k * between), weights, weights) / beam.apertures[0]
+    power = [(charge.conj() @ each @ charge).real for each in (spread, np.cos(k * x))]
+    assert beam.radiated_share(0) == pytest.approx(power[0] / power[1], abs=1e-4)
+    assert abs(beam.radiated_share(0) - 1) > 0.01
 
 
 @pytest.mark.parametrize("width", [None, 7e-3])
