@@ -86,7 +86,7 @@ class FreeWave:
     solid : Solid
         The section's, in the frame of the cut.
     relative_error : float
-        Of the wavenumber, from two orders.
+        Of the velocity, from two orders.
     unknowns : int
     """
 

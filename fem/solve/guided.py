@@ -71,6 +71,11 @@ def _surface_wavenumber(modes: GuidedModes) -> complex:
     return complex(np.mean(modes.wavenumbers[modes.rayleigh]) / modes.section.length_unit)
 
 
+def _velocities_apart(fine: GuidedModes, coarse: GuidedModes) -> float:
+    """Relative difference of the surface waves' velocities."""
+    return abs(_surface_wavenumber(coarse).real / _surface_wavenumber(fine).real - 1)
+
+
 def _surface_waves_apart(fine: GuidedModes, coarse: GuidedModes) -> float:
     """Difference of the surface waves' k_x over the wavenumber."""
     k, before = _surface_wavenumber(fine), _surface_wavenumber(coarse)
@@ -95,14 +100,14 @@ def free_wave(stator: Stator, *, frequency: float, tolerance: float) -> FreeWave
     frequency : float
         Hz.
     tolerance : float
-        Relative, of the wavenumber.
+        Relative, of the velocity.
 
     Raises
     ------
     ConvergenceError
         If the highest order does not reach the tolerance.
     """
-    modes, _, error = _refined_modes(stator, frequency, 0.0, tolerance, FREE_ORDERS, _surface_waves_apart)
+    modes, _, error = _refined_modes(stator, frequency, 0.0, tolerance, FREE_ORDERS, _velocities_apart)
     section, wavenumber = modes.section, _surface_wavenumber(modes)
     shape = _at_the_upper_face(modes.right[:, modes.rayleigh], section)
     profile = section.on_nodes(shape[:, None])[0] * section.field_units
