@@ -171,12 +171,11 @@ def _rate(problem, h, v, rule, work, most):
 def accelerate(problem, state, phase, taken, span, work, k):
     """Follow the velocity with the bounce dead; return the reason for ending. `k`: (7,) room."""
     stop, at, rows, tolerance = span.stop, span.at, span.rows, 0.1 * span.tolerance
-    h, v, rule = state[0], state[2], span.rule
-    means, most = work.first, 0
+    h, v, rule, means = state[0], state[2], span.rule, work.second
+    most = 3 if span.corrected else 0
     if span.corrected:
-        means, most = work.second, 3
         _rate(problem, h, v, rule, means, 8)
-    else:
+    else:  # the fast motion stays that of the start
         h = riding(problem, rule)
     k[0], h = _rate(problem, h, v, rule, means, most)
     top = 0.0
