@@ -79,38 +79,48 @@ def motional_model(frequency: np.ndarray, admittance: np.ndarray, branches: int 
     from scipy.optimize import least_squares
 
     f, y = np.asarray(frequency, dtype=float), np.asarray(admittance, dtype=complex)
-    scale, middle = abs(y).max(), float(f[np.argmax(y.real)])
+    omega, scale, middle = 2 * np.pi * f, abs(y).max(), float(f[np.argmax(y.real)])
     width = _half_width(f, y.real)
 
-    def model(parameters: np.ndarray) -> MotionalModel:
+    def parts(parameters: np.ndarray):
+        """Static capacitance's and leak's admittances at the middle; conductance, place and rate of each branch."""
         static, across = np.exp(parameters[:2])
-        peak, wide = (
-            np.exp(parameters[2::3]),
-            np.exp(parameters[4::3]),
-        )  # conductance, full width at half of it
-        omega = 2 * np.pi * middle * (1 + parameters[3::3] * width / middle)
-        r, rate = 1 / peak, 2 * np.pi * width * wide
-        inductance = r / rate
-        elements = np.stack([r, inductance, 1 / (inductance * omega**2)], axis=1)
-        return MotionalModel(
-            capacitance=float(static / (2 * np.pi * middle)),
-            resistance=float(1 / across),
-            branches=elements,
-            limits=(float(f[0]), float(f[-1])),
-            error=0.0,
-        )
+        peak, rate = np.exp(parameters[2::3]), 2 * np.pi * width * np.exp(parameters[4::3])
+        return static, across, peak, 2 * np.pi * (middle + parameters[3::3] * width), rate
+
+    def columns(parameters: np.ndarray) -> np.ndarray:
+        """Y as a sum, and its derivatives: shape (2 + 3 branches, frequencies); a branch is peak / (1 + i q)."""
+        static, across, peak, resonance, rate = (np.reshape(each, (-1, 1)) for each in parts(parameters))
+        q = (omega - resonance**2 / omega) / rate
+        one = peak / (1 + 1j * q)
+        steep = -1j * one / (1 + 1j * q)  # dY/dq
+        moved = -2 * resonance / (omega * rate) * 2 * np.pi * width
+        branches = np.stack([one, steep * moved, -steep * q], axis=1).reshape(-1, len(f))
+        return np.concatenate([1j * omega * static / (2 * np.pi * middle), across + 0j * f, branches])
 
     def residual(parameters: np.ndarray) -> np.ndarray:
-        apart = (model(parameters).admittance(f) - y) / scale
+        own = columns(parameters)
+        apart = (own[0] + own[1] + own[2::3].sum(axis=0) - y) / scale
         return np.concatenate([apart.real, apart.imag])
+
+    def slope(parameters: np.ndarray) -> np.ndarray:
+        own = columns(parameters).T / scale
+        return np.concatenate([own.real, own.imag])
 
     places = np.linspace(-1.0, 1.0, branches) if branches > 1 else np.zeros(1)
     start = [np.log(abs(np.median(y.imag))), np.log(1e-3 * scale)]
     for place in places:
         start += [np.log(y.real.max() / branches), place, np.log(1.0 / branches)]
-    found = model(least_squares(residual, start, method="trf", max_nfev=400).x)
-    error = float(abs(found.admittance(f) - y).max() / scale)
-    return MotionalModel(**{**vars(found), "error": error})
+    found = least_squares(residual, start, jac=slope, method="trf", max_nfev=400)
+    static, across, peak, resonance, rate = parts(found.x)
+    inductance = 1 / (peak * rate)
+    return MotionalModel(
+        capacitance=float(static / (2 * np.pi * middle)),
+        resistance=float(1 / across),
+        branches=np.stack([1 / peak, inductance, 1 / (inductance * resonance**2)], axis=1),
+        limits=(float(f[0]), float(f[-1])),
+        error=float(np.hypot(*found.fun.reshape(2, -1)).max()),
+    )
 
 
 def _half_width(frequency: np.ndarray, conductance: np.ndarray) -> float:

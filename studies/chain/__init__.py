@@ -153,7 +153,7 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
                 raise RunError(str(error)) from None
             wave = error.reached  # it is recorded with its error, which says whether it is good enough
         try:
-            return surface_motion(wave, scene.stator, places, tolerance, slider=slider is not None)
+            return surface_motion(wave, scene.stator, places, slider=slider is not None)
         except fem.BeamError as error:
             scene.refuse("stator.diffraction", f"must be false or absent: {error}")
 

@@ -154,14 +154,14 @@ def _finger_ends(record: Record) -> Iterator[NeglectedEffect]:
 def _vacuum(record: Record) -> Iterator[NeglectedEffect]:
     if record.scene.stator.above != "none":
         return
-    from scipy.constants import epsilon_0
+    from fem import VACUUM_PERMITTIVITY
 
     permittivity = resolved.solid(record.scene.stator).permittivity
     within = permittivity[0, 0] * permittivity[2, 2] - permittivity[0, 2] ** 2
     yield NeglectedEffect(
         effect="vacuum above the surface",
         quantity="the capacitance",
-        size=epsilon_0 / math.sqrt(within),
+        size=VACUUM_PERMITTIVITY / math.sqrt(within),
         source="strips on a half-space: capacitance in proportion to eps_0 + eps_p",
     )
 

@@ -209,12 +209,7 @@ def _along(scene: Scene, slider, trajectory, along, level: float):
 def contact_load(slider, orbits: tuple, threshold: float) -> dict:
     """Return the pressure under a contact on the highest crest, and how far the amplitude is below the threshold.
 
-    Parameters
-    ----------
-    slider : contact.Slider
-    orbits : tuple of contact.Orbit
-    threshold : float
-        Factor on the orbits at which the slider starts to move; infinite where it never does.
+    ``threshold``: factor on the orbits at which the slider starts to move; infinite where it never does.
     """
     from contact import riding_height
 

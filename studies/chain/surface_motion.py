@@ -64,6 +64,14 @@ class SurfaceMotion:
         """Return the largest of these errors."""
         return float(max(self.errors(places)))
 
+    def change(self, places) -> float:
+        """Return by how much the motion differs from the section's, over max(|u_x|, |u_z|), the largest at places."""
+        import numpy as np
+
+        here = self.at(places)[[0, 2]]
+        there = self.wave.motion(np.array([x for x, _ in places]))
+        return float((abs(here - there).max(axis=0) / abs(here).max(axis=0)).max())
+
     def _known_at(self, places) -> list:
         """Return motion and error at each place; those that are new are computed together."""
         new = [place for place in dict.fromkeys(places) if place not in self._known]
@@ -101,7 +109,7 @@ class SurfaceMotion:
         return float(size.max() / size.min())
 
 
-def surface_motion(wave, block: Stator, places, tolerance: float, *, slider: bool = True) -> SurfaceMotion:
+def surface_motion(wave, block: Stator, places, *, slider: bool = True) -> SurfaceMotion:
     """Return what stands for the motion of a solved stator.
 
     Parameters
@@ -109,12 +117,10 @@ def surface_motion(wave, block: Stator, places, tolerance: float, *, slider: boo
     wave : fem.SurfaceWave
     block : Stator
         Of the scene.  Its ``diffraction`` is True: the finite aperture; False: the plane section; None: the finite
-        aperture under a slider, where `resolved.default_refusal` has nothing against it and it adds less than the
-        tolerance to the section's error.  Its ``sides`` count with the finite aperture alone.
+        aperture under a slider, where `resolved.default_refusal` has nothing against it and the error that it adds to
+        the section's is smaller than what it changes.  Its ``sides`` count with the finite aperture alone.
     places : sequence of (float, float)
         x and y in m, where it is needed.
-    tolerance : float
-        Relative, of the answer.
     slider : bool
         Whether a slider is to be driven.
 
@@ -132,10 +138,13 @@ def surface_motion(wave, block: Stator, places, tolerance: float, *, slider: boo
     if refusal:
         return SurfaceMotion(wave=wave, reason=refusal)
     found = SurfaceMotion(wave=wave, beam=fem.surface_beam(wave, mirror_width=block.mirror_width))
-    added = found.relative_error(places) - wave.relative_error
-    if diffraction is None and added > tolerance:
-        reason = f"the beam's own error would be {added:.1e}, {tolerance:.1e} is asked for; true takes it all the same"
-        return SurfaceMotion(wave=wave, reason=f"stator.diffraction is absent and {reason}")
+    if diffraction is None:
+        added, changed = found.relative_error(places) - wave.relative_error, found.change(places)
+        if added > changed:
+            reason = f"the beam's own error, {added:.1e}, would exceed what it changes, {changed:.1e}"
+            return SurfaceMotion(
+                wave=wave, reason=f"stator.diffraction is absent and {reason}; true takes it"
+            )
     return found
 
 

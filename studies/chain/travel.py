@@ -125,16 +125,7 @@ def _followed(table: _Table, duration: float, steps: int, moves: bool, reach) ->
 def travelled(slider, wave: WaveAlong, level: float, duration: float, expected: float) -> Travel:
     """Return the motion of a slider along the field during a burst from rest.
 
-    Parameters
-    ----------
-    slider : contact.Slider
-    wave : WaveAlong
-    level : float
-        V.
-    duration : float
-        s.
-    expected : float
-        Travel in m at one place, with its sign.
+    ``level``: V; ``duration``: s; ``expected``: travel in m at one place, with its sign.
 
     Raises
     ------

@@ -28,27 +28,23 @@ def draw_design(found: Design, path: Path) -> None:
     ]
     rows = [row for row in found.rows if all(row.get(name) is not None for name in columns)]
 
-    def one(ax):
-        ax.plot(range(len(rows)), [abs(row[columns[0]]) for row in rows], ".", color=COLOURS["stick"],
-                label="evaluations")  # fmt: skip
-        ax.plot([rows.index(found.optimum)], [abs(found.optimum[columns[0]])], "o", color=COLOURS["intermittent"],
-                label="best that keeps the constraints")  # fmt: skip
-        ax.set_xlabel("evaluation")
-        ax.set_ylabel(columns[0])
+    single = len(columns) == 1
+    best, label = [found.optimum], "best that keeps the constraints"
+    if not single:
+        best, label = found.front, "front: no evaluation beats these in both"
+
+    def drawn(ax):
+        looks = ((rows, ".", "stick", "evaluations"), (best, "o-", "intermittent", label))
+        for some, marks, colour, name in looks:
+            values = [[abs(row[column]) for row in some] for column in columns]
+            at = [[rows.index(row) for row in some], *values] if single else values
+            ax.plot(*at, marks, color=COLOURS[colour], markersize=4, label=name)
+        ax.set_xlabel("evaluation" if single else columns[0])
+        ax.set_ylabel(columns[-1])
         ax.grid(alpha=0.3)
         ax.legend(frameon=False, fontsize="small")
 
-    def two(ax):
-        ax.plot(*([abs(row[name]) for row in rows] for name in columns), ".", color=COLOURS["stick"],
-                label="evaluations")  # fmt: skip
-        ax.plot(*([abs(row[name]) for row in found.front] for name in columns), "o-", color=COLOURS["slip"],
-                markersize=4, label="front: no evaluation beats these in both")  # fmt: skip
-        ax.set_xlabel(columns[0])
-        ax.set_ylabel(columns[1])
-        ax.grid(alpha=0.3)
-        ax.legend(frameon=False, fontsize="small")
-
-    saved(path, one if len(columns) == 1 else two)
+    saved(path, drawn)
 
 
 def design_answer(found: Design, variables: list[Parameter]) -> str:

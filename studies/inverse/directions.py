@@ -61,13 +61,8 @@ def undetermined(
 ) -> list[Direction]:
     """Return the directions of the free numbers that the measurements leave undetermined.
 
-    Parameters
-    ----------
-    jacobian : (n, p) array
-        Of the residuals in standard deviations, with columns of systematic errors at the end.
-    parameters : tuple of Parameter
-    half_width : (p,) array
-        Half the range of each x.
+    ``jacobian``: of the residuals in standard deviations, with columns of systematic errors at the end;
+    ``half_width``: half the range of each x.
     """
     count = len(parameters)
     scaled = jacobian * half_width

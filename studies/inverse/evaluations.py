@@ -149,4 +149,5 @@ class Evaluations:
             self.rows.append(found)
 
     def _tell(self, points: int, kept: int, failed: int, cost: float) -> None:
-        self.progress(f"{kept} evaluations, {failed} without an answer")
+        failures = "" if self.question.coarse else f", {failed} without an answer within the tolerance"
+        self.progress(f"{kept} {'coarse ' if self.question.coarse else ''}evaluations{failures}")

@@ -78,14 +78,8 @@ def candidates(problem: Problem) -> list[Measurement]:
 def ranked(problem: Problem, best: np.ndarray, information: np.ndarray, spread: float) -> list[Candidate]:
     """Return the candidates, each with the number that it narrows most, the most useful first.
 
-    Parameters
-    ----------
-    problem : Problem
-    best : ndarray
-    information : (p, p) array
-        Fisher information of the data and the ranges, over x.
-    spread : float
-        Relative standard deviation of a velocity in the data.
+    ``information``: Fisher information of the data and the ranges, over x; ``spread``: relative standard deviation of
+    a velocity in the data.
     """
     before = np.sqrt(np.diag(np.linalg.inv(information)))
     count, found = len(problem.parameters), []

@@ -135,7 +135,7 @@ class Predictor:
             wave = bridge.driven_section(
                 scene, tolerance=SHARE * self.tolerance, places=[x for x, _ in places]
             )
-            motion = surface_motion(wave, scene.stator, places, self.tolerance)
+            motion = surface_motion(wave, scene.stator, places)
         except fem.BeamError as error:
             scene.refuse("stator.diffraction", f"must be false or absent: {error}")
         except fem.ConvergenceError as error:

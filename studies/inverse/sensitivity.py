@@ -101,13 +101,7 @@ def elasticities(
 ) -> dict[str, tuple[float, float]]:
     """Return {key: (d ln outcome / d ln number, its error)}, the level itself as "level".
 
-    Parameters
-    ----------
-    predictor : Predictor
-    outcome : str
-    level : float
-        Voltage in V or given normal amplitude in m.
-    progress : callable
+    ``level``: voltage in V or given normal amplitude in m.
     """
     import numpy as np
 

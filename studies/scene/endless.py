@@ -13,12 +13,7 @@ CYCLE = {"hysteretic": 6e-4, "exact": 1.4e-4, "stepped": 4.5e-6, "averaged": 5e-
 def refuse_endless_burst(scene: Scene, frequency: float) -> None:
     """Refuse a burst that takes longer than an hour to follow.
 
-    Parameters
-    ----------
-    scene : Scene
-        With a slider and a burst.
-    frequency : float
-        Hz; near it where the scene asks for the centre frequency.
+    ``scene``: with a slider and a burst; ``frequency``: Hz; near it where the scene asks for the centre frequency.
 
     Raises
     ------

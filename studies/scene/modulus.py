@@ -21,12 +21,7 @@ ISOTROPY = 1e-6  # relative; a catalogue's digits keep the symmetry far better
 def pair_moduli(ball: str, solid) -> tuple[float, float]:
     """Return E* and G* of a ball on a stator.
 
-    Parameters
-    ----------
-    ball : str
-        Name of an isotropic solid of the catalogue.
-    solid : fem.Solid
-        Of the stator, rotated to its axes.
+    ``ball``: name of an isotropic solid of the catalogue; ``solid``: of the stator, rotated to its axes.
 
     Returns
     -------

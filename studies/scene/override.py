@@ -27,12 +27,8 @@ def toml_value(text: str):
 def assigned(table: dict, setting: str) -> dict:
     """Return a scene's table with one key changed.
 
-    Parameters
-    ----------
-    table : dict
-        TOML document of a scene; it is left as it is.
-    setting : str
-        ``KEY=VALUE``, the key a dotted path in which lists are numbered from 0.
+    ``table``: TOML document of a scene; it is left as it is; ``setting``: ``KEY=VALUE``, the key a dotted path in
+    which lists are numbered from 0.
 
     Raises
     ------

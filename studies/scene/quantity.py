@@ -72,14 +72,8 @@ UNIT = re.compile(rf"{_POWER}(?:[ */·]{_POWER}){{0,5}}")
 def si_value(path: str, value, unit: str) -> float:
     """Return a quantity in its SI unit.
 
-    Parameters
-    ----------
-    path : str
-        Key of the quantity, for the error.
-    value : float or str
-        A number in the SI unit, or text such as ``"2.2 MHz"``.
-    unit : str
-        The SI unit, a key of ``DIMENSIONS``; "" for a plain number.
+    ``path``: key of the quantity, for the error; ``value``: a number in the SI unit, or text such as ``"2.2 MHz"``;
+    ``unit``: the SI unit, a key of ``DIMENSIONS``; "" for a plain number.
 
     Returns
     -------

@@ -13,12 +13,7 @@ CURLY = "\N{LEFT DOUBLE QUOTATION MARK}\N{RIGHT DOUBLE QUOTATION MARK}\N{DOUBLE 
 def explained(text: str, error: Exception) -> tuple[int, str]:
     """Return the line of a syntax error (from 1) and a sentence that says what to write.
 
-    Parameters
-    ----------
-    text : str
-        The document.
-    error : tomllib.TOMLDecodeError
-        What the parser said.
+    ``text``: the document; ``error``: what the parser said.
 
     Examples
     --------

@@ -8,12 +8,7 @@ __all__ = ["document"]
 def document(table: dict, *, remarks: tuple[str, ...] = ()) -> str:
     """Return the TOML text of a table; every number is written so that it is read back bit for bit.
 
-    Parameters
-    ----------
-    table : dict
-        Of text, numbers, booleans, lists, tables and lists of tables.
-    remarks : tuple of str
-        Comment lines at the top.
+    ``table``: of text, numbers, booleans, lists, tables and lists of tables; ``remarks``: comment lines at the top.
     """
     lines = [f"# {remark}" for remark in remarks]
     return "\n".join(lines + _block((), table)) + "\n"

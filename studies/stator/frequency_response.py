@@ -105,7 +105,7 @@ def _aperture(scene: Scene, place: float, tolerance: float, progress) -> tuple[F
     progress("stator: the beam at the drive's frequency")
     at = (place, 0.0) if scene.slider is None else scene.slider.center
     section = bridge.driven_section(scene, tolerance=tolerance, places=(place,))
-    motion = surface_motion(section, scene.stator, [at], tolerance)
+    motion = surface_motion(section, scene.stator, [at])
     ratio = abs(motion.at([at])[2, 0] / section.motion(place)[1])
     return (
         Finding.judged(

@@ -68,14 +68,15 @@ def run(
     if not reference > 0:
         raise SceneError("--z0", f"must be a positive resistance, got {z0!r} ohm")
     at = passband.frequencies(chosen, count) if band is None else _band(band)
-    ports = port_admittances(chosen, at, tolerance, progress)
-    names = [each.name for each in chosen.transducer if each.name in ports.names]
-    order = [ports.names.index(name) for name in names]
-    scattering = ports.scattering(reference)[np.ix_(range(len(at)), order, order)]
-    shared = {"frequency_Hz": at, "ports": names, "reference_ohm": reference, "scattering": scattering}
+    names = [each.name for each in chosen.transducer if each.has_two_combs]
+    shared = {"frequency_Hz": at, "ports": names, "reference_ohm": reference}
     if measured is not None:
         f, s = _measured(Path(measured), len(names), reference)
         shared |= {"measured_frequency_Hz": f, "measured_scattering": s, "measured_file": Path(measured).name}
+    ports = port_admittances(chosen, at, tolerance, progress)
+    order = [ports.names.index(name) for name in names]
+    scattering = ports.scattering(reference)[np.ix_(range(len(at)), order, order)]
+    shared["scattering"] = scattering
     panels = [
         Panel(name="smith", title=f"{chosen.title}: reflection, {reference:g} ohm", data=shared),
         Panel(name="magnitude", title=f"{chosen.title}: S-parameters, {reference:g} ohm", data=shared),

@@ -39,12 +39,7 @@ class Axis:
 def axis(key: str, values) -> Axis | tuple:
     """Return the axis of a key, or its (lowest, highest, logarithmic) as a side of a Latin hypercube.
 
-    Parameters
-    ----------
-    key : str
-        Dotted.
-    values : str or sequence or number
-        A text as in this module's docstring, or the values themselves.
+    ``key``: dotted; ``values``: a text as in this module's docstring, or the values themselves.
 
     Raises
     ------

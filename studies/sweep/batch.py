@@ -211,7 +211,7 @@ def _along(question, driven: Driven):
 
 @lru_cache(4)  # the same for every slider and voltage
 def _motion(scene: Scene, place: tuple[float, float], tolerance: float):
-    return surface_motion(section_alone(scene, (place[0],), tolerance), scene.stator, (place,), tolerance)
+    return surface_motion(section_alone(scene, (place[0],), tolerance), scene.stator, (place,))
 
 
 @lru_cache(8)  # the same for every slider and voltage

@@ -200,7 +200,7 @@ def _motion(question: Question, scene: Scene, places, step: int) -> SurfaceMotio
 
     wave = _wave(question, scene, tuple(dict.fromkeys(x for x, _ in places)), step)
     try:
-        return surface_motion(wave, scene.stator, places, question.tolerance, slider=question.has_slider)
+        return surface_motion(wave, scene.stator, places, slider=question.has_slider)
     except fem.BeamError as error:
         raise SceneError("stator.diffraction", f"must be false or absent: {error}") from None
 

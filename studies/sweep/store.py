@@ -37,11 +37,7 @@ create table if not exists batches (finished text default current_timestamp, poi
 class Store:
     """The points of one sweep; a context manager, which holds the lock.
 
-    Parameters
-    ----------
-    folder : Path or None
-        None: in memory, for as long as the object lives.
-    design : Design
+    ``folder`` is None for a store in memory, for as long as the object lives.
 
     Raises
     ------

@@ -17,12 +17,7 @@ KEPT = 10_000  # blocks of a kind in memory
 
 
 class Variation:
-    """Scenes by the values of a question's keys.
-
-    Parameters
-    ----------
-    question : Question
-    """
+    """Scenes by the values of a question's keys."""
 
     def __init__(self, question: Question):
         self.question = question
@@ -70,10 +65,7 @@ class Variation:
     def source(self, values: dict) -> Scene:
         """Return the resolved scene of a stator's answer: without slider, at one volt.
 
-        Parameters
-        ----------
-        values : dict
-            Of the keys that the answer depends on; those of the slider are left out.
+        ``values``: of the keys that the answer depends on; those of the slider are left out.
         """
         table = {name: part for name, part in self.question.table.items() if name != "slider"}
         for key, value in values.items():

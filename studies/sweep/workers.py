@@ -43,12 +43,7 @@ class Here(Executor):
 
 
 class Processes:
-    """Worker processes of this machine, which end with the driver however it ends.
-
-    Parameters
-    ----------
-    size : int
-    """
+    """Worker processes of this machine, which end with the driver however it ends."""
 
     threads = 1
     lost = (BrokenProcessPool,)
@@ -98,10 +93,7 @@ class Processes:
 class OnDask:
     """The workers of a Dask scheduler.
 
-    Parameters
-    ----------
-    address : str
-        Such as ``tcp://127.0.0.1:8786``.
+    ``address``: such as ``tcp://127.0.0.1:8786``.
     """
 
     threads = 1

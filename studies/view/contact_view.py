@@ -68,7 +68,7 @@ def contact_moments(record: Record, *, level: float | None, progress: Callable[[
     else:
         progress("solving the stator")
         wave = solved_again(record, progress=progress)
-        motion = surface_motion(wave, scene.stator, scene.slider.places, record.tolerance)
+        motion = surface_motion(wave, scene.stator, scene.slider.places)
         orbits, named = bridge.orbits_per_volt(motion, scene.slider), f"{level:.4g} V"
     progress("following the contact")
     slider, orbits = bridge.contact_slider(scene.slider), bridge.scaled(orbits, level)

@@ -210,8 +210,6 @@ def test_circulation_changes_the_source_not_the_motion(recovered):
 
 def test_a_loop_of_gain_one_is_refused(recovered):
     limit = 1 / recovered.electrical["recovery_ratio"]
-    near = run(recovering(circulation=True, efficiency=0.999 * limit), tolerance=3e-2).electrical
-    assert near["power_net_W_per_V2"] == pytest.approx(1e-3 * near["power_W_per_V2"], rel=1e-6)
     with pytest.raises(SceneError, match=rf"efficiency must be below {limit:.4g} .*oscillates from 1 on"):
         run(recovering(circulation=True, efficiency=1.001 * limit), tolerance=3e-2)
 

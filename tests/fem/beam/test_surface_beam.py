@@ -49,6 +49,15 @@ def test_infinite_aperture_is_the_section(bottom):
     np.testing.assert_allclose(abs(wider - section[0]), left / 2, rtol=1e-3, atol=3e-8 * abs(section).max())
 
 
+def test_the_two_surface_waves_of_a_thick_plate():
+    """One part in 1e8 apart, so that the eigensolver mixes them by 1e-4: together they are the section's wave."""
+    beam = beam_of(cut("PZT-8", "Z"), thickness=5.5, order=8, layers=3)
+    x = beam.charges[0].x[-1] + np.array([5e-3, 8e-3])
+    twins = beam.source.wavenumbers[beam.source.surface].real
+    assert 0 < np.ptp(twins) < 1e-7 * twins[0]
+    assert abs(beam._beyond_the_modes(x)).max() < 1e-7 * abs(beam.wave.motion(x)).max()
+
+
 def test_two_transducers_add_up_to_the_section():
     """Massless fingers scatter by their charges alone: before, between and behind them, with the second one shorted."""
     stator = plate(cut("PZT-8", "Z", quality=60.0), length=24.0, thickness=1.3, bottom="grounded")
