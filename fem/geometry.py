@@ -9,7 +9,7 @@ weighting), "o" an open strip, at whatever potential leaves it without charge.  
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -18,11 +18,8 @@ from fem.materials import Solid
 Bottom = Literal["free", "grounded", "clamped", "absorbing"]
 Ends = Literal["absorbing", "free", "clamped"]
 Above = Literal["none", "vacuum"]
-BOTTOMS: tuple[str, ...] = ("free", "grounded", "clamped", "absorbing")
 SIGNS = "+-0o"
-ENDS: tuple[str, ...] = ("absorbing", "free", "clamped")
 CLEARANCE = 0.45  # of the bare surface between two transducers that one of them may take for its outer gap
-ABOVES: tuple[str, ...] = ("none", "vacuum")
 
 
 def _require_positive(owner: str, unit: str, **values: float) -> None:
@@ -58,10 +55,10 @@ class Stator:
         _require_positive("stator", "m", length=self.length)
         if not self.thickness > 0:
             raise ValueError(f"stator.thickness must be positive, got {self.thickness!r} m")
-        for name, allowed in (("bottom", BOTTOMS), ("ends", ENDS), ("above", ABOVES)):
-            if getattr(self, name) not in allowed:
+        for name, allowed in (("bottom", Bottom), ("ends", Ends), ("above", Above)):
+            if getattr(self, name) not in get_args(allowed):
                 raise ValueError(
-                    f"stator.{name} must be one of {', '.join(allowed)}, got {getattr(self, name)!r}"
+                    f"stator.{name} must be one of {', '.join(get_args(allowed))}, got {getattr(self, name)!r}"
                 )
 
     @property

@@ -44,10 +44,10 @@ class Densities:
 def densities(
     solid: Solid, frequency: float, values: np.ndarray, along: np.ndarray, upward: np.ndarray
 ) -> Densities:
-    """Return energy and power of a field that does not vary along y.
+    """Return energy and power of a field that does not vary along y; ``solid`` with its losses, frequency in Hz.
 
     ``values``, ``along``, ``upward``: u_x, u_y, u_z in m and phi in V, and their derivatives with respect to x and z,
-    shape (nx, nz, 4); the solid in the frame of the cut, with its losses; frequency in Hz.
+    shape (nx, nz, 4).
     """
     blocks = [slice(first, first + _LINES) for first in range(0, len(values), _LINES)]
     parts = [_densities(solid, frequency, values[b], along[b], upward[b]) for b in blocks]

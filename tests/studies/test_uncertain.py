@@ -39,12 +39,13 @@ def test_linear_bands_of_the_release_are_hertz_s_in_quadrature():
 
 def test_sampled_bands_of_a_monotonic_answer_are_its_values_at_the_tolerances_ends():
     """95 % of the preload lie within its tolerance, and so 95 % of the release amplitude between its ends."""
-    record = run(motor(slider={"preload": "+- 30 %"}, method="sampled", samples=400))
+    record = run(motor(slider={"preload": "+- 30 %"}, method="sampled", samples=100))
     expected = record.summary["release_amplitude_m"] * np.array([0.7, 1.3]) ** (2 / 3)
-    assert record.uncertainty["release_amplitude_m"] == pytest.approx(expected, rel=5e-3)
-    assert record.uncertainty["samples"] == 400
+    assert record.uncertainty["release_amplitude_m"] == pytest.approx(expected, rel=2e-2)
+    assert record.uncertainty["samples"] == 100
 
 
+@pytest.mark.slow
 def test_both_methods_agree_for_small_tolerances():
     tolerances = {"slider": {"preload": "0.5 %", "friction_coefficient": 0.001, "radius": "+- 2 um"}}
     linear = run(motor(("6 nm", "15 nm"), **tolerances))

