@@ -21,6 +21,7 @@ from contact.drive import reference_speed
 from contact.orbit import Orbit
 from contact.problem import Problem
 from contact.slider import Slider
+from contact.solve.riding import quadrature
 
 # largest ratio of bounce to wave frequency, for v(t) and for the corrected steady state
 STIFFEST, STIFFEST_STEADY = 0.1, 0.3
@@ -99,9 +100,16 @@ class _Transient:
 
         state, rows = self.start.copy(), np.zeros((self.phases.size, 2))
         span = averaged_transient.Span(
-            self.stop, allowed * self.unit, per_period, int(harmonics > 0), self.phases, rows, self.work
+            self.stop,
+            allowed * self.unit,
+            per_period,
+            quadrature(nodes),
+            int(harmonics > 0),
+            self.phases,
+            rows,
+            self.work,
         )
-        why = averaged_transient.response(self.problem, state, span, nodes, max(harmonics, HARMONICS))
+        why = averaged_transient.response(self.problem, state, span, HARMONICS)
         if why == Status.STICKS:
             raise ConvergenceError(
                 "not applicable",
