@@ -52,13 +52,15 @@ def transient():
 
 
 CASES = {
-    "events": lambda: events(3),
-    "events, two contacts": lambda: events(3, contacts=2),
+    "events": lambda: events(2),
+    "events, two contacts": lambda: events(2, contacts=2),
     "events, stick band": lambda: events(2, stick_band=1e-3),
     "events, reciprocal force": lambda: events(2, reciprocal=True),
     "events, hysteretic": lambda: events(2, law="hysteretic"),
     "events, punch": lambda: events(2, **PUNCH),
+    "events, heights": lambda: events(1, contacts=2, heights=(0.0, -2e-9)),
     "stepped": stepped,
+    "stepped, heights": lambda: stepped(heights=(0.0, -2e-9)),
     "stepped, punch": lambda: stepped(**PUNCH),
     "averaged": averaged,
     "averaged, punch": lambda: averaged(**PUNCH),
