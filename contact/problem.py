@@ -13,14 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contact.codes import Law
 from contact.jit.compiled import compiled
 from contact.kinematics import Paths
 from contact.law import normal
 from contact.orbit import Orbit
 from contact.slider import Slider
-
-# values of `law`: the hysteretic one has a potential, so that a reciprocal force would add nothing
-ELASTIC, RECIPROCAL, HYSTERETIC = 0, 1, 2
 
 
 class Problem(NamedTuple):
@@ -45,9 +43,9 @@ class Problem(NamedTuple):
     longest : float
         Longest segment of the event-driven solver.
     law : int
-        ELASTIC, RECIPROCAL or HYSTERETIC.
+        One of `codes.Law`.
     shape : int
-        Of each contact, SPHERE or PUNCH of `law.normal`.
+        Of each contact, one of `codes.Shape`.
     paths : Paths
         Of the contacts.
     length : float
@@ -132,7 +130,9 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
     turn = np.exp(1j * start) / length
     u_z, u_x = np.array([o.normal * turn for o in orbits]), np.array([o.tangential * turn for o in orbits])
     viscous = max(slider.normal_damping, slider.tangential_damping) / (slider.mass * omega)
-    law = HYSTERETIC if slider.law == "hysteretic" else RECIPROCAL if slider.reciprocal else ELASTIC
+    law = (
+        Law.HYSTERETIC if slider.law == "hysteretic" else Law.RECIPROCAL if slider.reciprocal else Law.ELASTIC
+    )
     return Problem(
         stiffness=kappa,
         contact_damping=slider.contact_damping * omega * length,

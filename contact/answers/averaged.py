@@ -15,11 +15,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contact.codes import Status
 from contact.convergence import ConvergenceError
 from contact.drive import reference_speed
 from contact.orbit import Orbit
 from contact.problem import Problem
 from contact.slider import Slider
+from contact.solve.riding import quadrature
 
 # largest ratio of bounce to wave frequency, for v(t) and for the corrected steady state
 STIFFEST, STIFFEST_STEADY = 0.1, 0.3
@@ -94,19 +96,26 @@ class _Transient:
 
     def follow(self, harmonics, allowed, per_period, nodes):
         """Return (state at the end, rows) of one run: v to `allowed` of the unit, so many steps per bounce."""
-        from contact.solve import averaged, averaged_transient
+        from contact.solve import averaged_transient
 
         state, rows = self.start.copy(), np.zeros((self.phases.size, 2))
         span = averaged_transient.Span(
-            self.stop, allowed * self.unit, per_period, int(harmonics > 0), self.phases, rows, self.work
+            self.stop,
+            allowed * self.unit,
+            per_period,
+            quadrature(nodes),
+            int(harmonics > 0),
+            self.phases,
+            rows,
+            self.work,
         )
-        why = averaged_transient.response(self.problem, state, span, nodes, max(harmonics, HARMONICS))
-        if why == averaged.STICKS:
+        why = averaged_transient.response(self.problem, state, span, HARMONICS)
+        if why == Status.STICKS:
             raise ConvergenceError(
                 "not applicable",
                 "the averaged way does not apply: a contact sticks through whole cycles; use method stepped or exact",
             )
-        if why != averaged.DONE:
+        if why != Status.DONE:
             raise ConvergenceError("not converged", "the averaged motion was not finite; use method exact")
         return state, rows
 

@@ -157,7 +157,7 @@ def _drive(slider, problem, motion, cycles, envelope, frequency):
 
 def _stopped(slider, problem, motion, travelled, side, cycles):
     """Follow the slider until it has slipped for the last time; return the step."""
-    from contact.law.elastic import SEPARATED, STICK
+    from contact.codes import Regime
     from contact.solve.energy import DISPLACEMENT
 
     speed, contacts = float(motion.state[2]), problem.contacts
@@ -179,7 +179,7 @@ def _stopped(slider, problem, motion, travelled, side, cycles):
         samples = still.move(phase, float(at[-1]) * (1.0 + 1e-14), at)
         phase = float(at[-1])
         _, deformation, _, _, regime, _ = np.moveaxis(samples, -1, 0)
-        apart, sticks = regime == SEPARATED, regime == STICK
+        apart, sticks = regime == Regime.SEPARATED, regime == Regime.STICK
         # a contact that does not touch at rest holds nothing
         slipping = np.any(~sticks & ~(apart & (share == 0.0)), axis=1)
         if np.any(slipping):

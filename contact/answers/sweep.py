@@ -20,13 +20,14 @@ import numpy as np
 from contact import bounds
 from contact.answers.averaged import HARMONICS, STIFFEST_STEADY, refuse_unless_applicable, why_not
 from contact.answers.closed_forms import closed_form
+from contact.codes import Status, Steady
 from contact.convergence import ConvergenceError
 from contact.drive import reference_speed, towards_plus
 from contact.kinematics import Paths
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
 
-REGIMES = np.array(["unknown", "stick", "slip", "intermittent"])
+REGIMES = np.array([regime.name.lower() for regime in Steady])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -176,7 +177,7 @@ def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion
     ConvergenceError
         Status "not applicable", "runaway" or "not converged".
     """
-    from contact.solve import averaged, averaged_sweep
+    from contact.solve import averaged_sweep
 
     listed = as_orbits(orbits)
     row = _rows([slider], [listed], np.zeros((1, 2), np.int64), np.ones(1), np.zeros(1), 1)[0]
@@ -184,18 +185,18 @@ def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion
     if math.isnan(status):
         closed_form(slider, listed)  # says so if it runs away
         refuse_unless_applicable(slider, listed, STIFFEST_STEADY)
-    if status == averaged.RUNAWAY:
+    if status == Status.RUNAWAY:
         raise ConvergenceError(
             "runaway",
             "friction cannot balance the load at any speed and no tangential damping bounds it; "
             "lower slider.load or give slider.damping.tangential",
         )
-    if status == averaged.NEAR_THRESHOLD:
+    if status == Status.NEAR_THRESHOLD:
         raise ConvergenceError(
             "not applicable",
             "the slider is held, but so near the threshold that averaging cannot tell; use method exact",
         )
-    if status != averaged.DONE or row[averaged_sweep.REGIME] == averaged_sweep.UNKNOWN:
+    if status != Status.DONE or row[averaged_sweep.REGIME] == Steady.UNKNOWN:
         raise ConvergenceError("not converged", "the averaged motion was not reached; use method exact")
     velocity, relative = float(row[averaged_sweep.VELOCITY]), float(row[averaged_sweep.ERROR])
     return MeanMotion(
@@ -211,7 +212,7 @@ def _sweep(rows, shape):
     from contact.solve import averaged_sweep as columns
 
     regime = np.nan_to_num(rows[:, columns.REGIME]).astype(int)
-    rows[regime == columns.UNKNOWN] = math.nan
+    rows[regime == Steady.UNKNOWN] = math.nan
     column = {
         name: rows[:, getattr(columns, name)].reshape(shape)
         for name in ("VELOCITY", "FIRST_ORDER", "HEIGHT", "HELD", "ERROR", "FROM_WAVE", "THRUST")
@@ -241,7 +242,7 @@ def _rows(sliders, waves, which, factors, wave_errors, threads):
     resonances = np.array([slider.normal_resonance(contacts) for slider in sliders])
     ratios = resonances[which[:, 0]] * 2.0 * math.pi / omegas[which[:, 1]]
     out = np.full((number, columns.ANSWER), math.nan)
-    out[:, columns.REGIME] = columns.UNKNOWN
+    out[:, columns.REGIME] = Steady.UNKNOWN
     apply, known = factors > 0.0, {}
     for k, pair in enumerate(map(tuple, which.tolist())):
         if pair not in known:

@@ -37,7 +37,7 @@ from contact.jit.shapes import check_shapes
 HERE = Path(__file__).parents[1]  # the package, with all its kernels
 PACKAGE_CACHE = HERE / "__pycache__"
 _MARKS = (b"@compiled", b"@formula", b"@native", b"@summed")
-_FROZEN = ("collocation.py", "problem.py", "compiled.py", "compiler.py")
+_FROZEN = ("codes.py", "collocation.py", "problem.py", "compiled.py", "compiler.py")
 _PLAIN = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
 _LOCK = threading.RLock()
 # shapes of calls that a kernel remembers as fitting

@@ -28,20 +28,13 @@ Every transition lands on its far side: the state is set to the new regime's sid
 
 import numpy as np
 
+from contact.codes import Event, Regime
 from contact.jit.compiled import formula
 from contact.kinematics import slip_speed
 from contact.law.normal import energy, load, slope
 
-SEPARATED, STICK, SLIP, CREEP = 0, 1, 2, 3
-# of the hysteretic law, instead of stick: slip of an outer annulus, and an edge that grows without slip (`memory`)
-ANNULUS, GROW = 4, 5
 # how far past its root a guard is accepted, in units of the scaled problem: above rounding, below everything else
 FAR_SIDE = 1e-15
-# kinds of event
-CONTACT, RELEASE, STICK_TO_SLIP, SLIP_TO_STICK, REVERSAL, GRAZE = 0, 1, 2, 3, 4, 5
-# and, in the tally behind the figures of the work, a piece of memory wiped out
-WIPE_OUT = 11
-NAMES = ("contact", "release", "stick_to_slip", "slip_to_stick", "reversal", "graze")
 
 
 def limit_slope(friction_coefficient, effective_modulus, tangential_modulus):
@@ -80,12 +73,12 @@ def guard(regime, which, sign, point, c, band):
     """Return guard number `which` (0, 1, 2) of a regime; 1.0 where the regime has no such guard."""
     z, x, z_rate, x_rate = point
     if which == 0:
-        return FAR_SIDE - z if regime == SEPARATED else FAR_SIDE + z
-    if regime == STICK:
+        return FAR_SIDE - z if regime == Regime.SEPARATED else FAR_SIDE + z
+    if regime == Regime.STICK:
         return FAR_SIDE + c * z - sign * x if which == 1 else FAR_SIDE + sign * x
-    if regime == SLIP and which == 1:
+    if regime == Regime.SLIP and which == 1:
         return FAR_SIDE + slip_speed(sign, z_rate, x_rate, c) - band
-    if regime == CREEP:
+    if regime == Regime.CREEP:
         return FAR_SIDE + (band - slip_speed(sign, z_rate, x_rate, c) if which == 1 else sign * x - c * z)
     return 1.0
 
@@ -96,24 +89,24 @@ def follow(regime, which, sign, point, c, band):
     z, _, z_rate, x_rate = point
     speed = slip_speed(sign, z_rate, x_rate, c)
     if which == 0:
-        if regime != SEPARATED:
-            return SEPARATED, sign, 0.0, RELEASE
+        if regime != Regime.SEPARATED:
+            return Regime.SEPARATED, sign, 0.0, Event.RELEASE
         sign = -1.0 if x_rate < 0.0 else 1.0
         speed = slip_speed(sign, z_rate, x_rate, c)
         if speed > band:
-            return SLIP, sign, 0.0, CONTACT
-        return (CREEP if speed > 0.0 else STICK), sign, 0.0, CONTACT
-    if regime == STICK:
+            return Regime.SLIP, sign, 0.0, Event.CONTACT
+        return (Regime.CREEP if speed > 0.0 else Regime.STICK), sign, 0.0, Event.CONTACT
+    if regime == Regime.STICK:
         if which == 2:
-            return STICK, -sign, 0.0, REVERSAL
+            return Regime.STICK, -sign, 0.0, Event.REVERSAL
         if speed > band:
-            return SLIP, sign, sign * c * z, STICK_TO_SLIP
-        return (CREEP if band > 0.0 else STICK), sign, sign * c * z, STICK_TO_SLIP
-    if regime == SLIP:
-        return (CREEP if band > 0.0 else STICK), sign, sign * c * z, SLIP_TO_STICK
+            return Regime.SLIP, sign, sign * c * z, Event.STICK_TO_SLIP
+        return (Regime.CREEP if band > 0.0 else Regime.STICK), sign, sign * c * z, Event.STICK_TO_SLIP
+    if regime == Regime.SLIP:
+        return (Regime.CREEP if band > 0.0 else Regime.STICK), sign, sign * c * z, Event.SLIP_TO_STICK
     if which == 1:
-        return SLIP, sign, sign * c * z, STICK_TO_SLIP
-    return STICK, sign, sign * c * z, SLIP_TO_STICK
+        return Regime.SLIP, sign, sign * c * z, Event.STICK_TO_SLIP
+    return Regime.STICK, sign, sign * c * z, Event.SLIP_TO_STICK
 
 
 @formula
@@ -121,7 +114,7 @@ def opening(point, c, band):
     """Return (regime, sign, x) of a contact that is found with approach z and deformation x."""
     z, x, z_rate, x_rate = point
     if z < 0.0 or (z == 0.0 and z_rate <= 0.0):
-        return SEPARATED, 1.0, 0.0
+        return Regime.SEPARATED, 1.0, 0.0
     sign = 1.0
     if x < 0.0 or (x == 0.0 and x_rate < 0.0):
         sign = -1.0
@@ -129,10 +122,10 @@ def opening(point, c, band):
         x = sign * c * z
         speed = slip_speed(sign, z_rate, x_rate, c)
         if speed > band:
-            return SLIP, sign, x
+            return Regime.SLIP, sign, x
         if speed > 0.0 and band > 0.0:
-            return CREEP, sign, x
-    return STICK, sign, x
+            return Regime.CREEP, sign, x
+    return Regime.STICK, sign, x
 
 
 @formula
@@ -141,15 +134,15 @@ def traction(regime, sign, z, x, friction, c, shape):
 
     `friction` is mu K.
     """
-    if regime == SEPARATED or z <= 0.0 or c <= 0.0:
+    if regime == Regime.SEPARATED or z <= 0.0 or c <= 0.0:
         return 0.0
-    return sign * friction * friction_load(z, z - sign * x / c if regime == STICK else 0.0, shape)
+    return sign * friction * friction_load(z, z - sign * x / c if regime == Regime.STICK else 0.0, shape)
 
 
 @formula
 def back_force(regime, sign, z, x, friction, c, shape):
     """Return dW/dz at constant x, W the energy of the tangential spring; mu P c/2 for a sphere at the slip limit."""
-    if regime == SEPARATED or z <= 0.0 or c == 0.0:
+    if regime == Regime.SEPARATED or z <= 0.0 or c == 0.0:
         return 0.0
-    stick = max(z - sign * x / c, 0.0) if regime == STICK else 0.0
+    stick = max(z - sign * x / c, 0.0) if regime == Regime.STICK else 0.0
     return friction * c * back_load(z, stick, shape)

@@ -23,22 +23,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contact.codes import Event, Regime, Shape
 from contact.interpolation import interpolate
 from contact.jit.compiled import compiled, formula
-from contact.law.elastic import (
-    ANNULUS,
-    CONTACT,
-    FAR_SIDE,
-    GROW,
-    RELEASE,
-    REVERSAL,
-    SEPARATED,
-    SLIP,
-    SLIP_TO_STICK,
-    STICK_TO_SLIP,
-    WIPE_OUT,
-)  # fmt: skip
-from contact.law.normal import SPHERE, load
+from contact.law.elastic import FAR_SIDE
+from contact.law.normal import load
 
 # corner: eta, u, w and the moment M at the inner end of a piece; curve: u, w, M and the rates of u, w in sigma
 ETA, U, W, MOMENT = 0, 1, 2, 3
@@ -92,7 +81,7 @@ def front(memory, i, s, z, x, c):
     own, other = (U, W) if s > 0.0 else (W, U)
     if kind != 0:
         eta = min(max(s * (corner[other] - level) / (2.0 * c), 0.0), z)
-        return eta, corner[MOMENT] + kind * (load(eta, SPHERE) - load(corner[ETA], SPHERE))
+        return eta, corner[MOMENT] + kind * (load(eta, Shape.SPHERE) - load(corner[ETA], Shape.SPHERE))
     curve = memory.curve[i, k]
     values, rates = curve[own - 1], curve[own + 2]
     if s * (values[0] - level) <= 0.0:
@@ -126,21 +115,21 @@ def front(memory, i, s, z, x, c):
 @compiled
 def moment(memory, i, regime, s, z, x, c):
     """Return (M, eta_f) of a contact with approach z and deformation x: Q = mu K M."""
-    if regime == SEPARATED or z <= 0.0:
+    if regime == Regime.SEPARATED or z <= 0.0:
         return 0.0, 0.0
-    power = load(z, SPHERE)
-    if regime == SLIP:
+    power = load(z, Shape.SPHERE)
+    if regime == Regime.SLIP:
         return s * power, 0.0
-    if regime == GROW:
+    if regime == Regime.GROW:
         return memory.level[i], z
     eta, below = front(memory, i, s, z, x, c)
-    return below + s * (power - load(eta, SPHERE)), eta
+    return below + s * (power - load(eta, Shape.SPHERE)), eta
 
 
 @formula
 def annulus_slip(z, eta):
     """Return the force of the slipping springs over mu K and their share of the slip speed: eta to z, eta the front."""
-    return load(z, SPHERE) - 1.5 * z * np.sqrt(eta) + 0.5 * load(eta, SPHERE)
+    return load(z, Shape.SPHERE) - 1.5 * z * np.sqrt(eta) + 0.5 * load(eta, Shape.SPHERE)
 
 
 @compiled
@@ -171,20 +160,20 @@ def write_curve(memory, i, z, x, level, c):
 @compiled
 def freeze(memory, i, regime, s, z, x, c):
     """Append the open line of annular or gross slip to the chain; False if there is no room."""
-    if regime != ANNULUS and regime != SLIP:
+    if regime != Regime.ANNULUS and regime != Regime.SLIP:
         return True
     k = memory.count[i]
     if k >= memory.kind.shape[1]:
         return False
     eta, below = 0.0, 0.0
-    if regime == ANNULUS:
+    if regime == Regime.ANNULUS:
         eta, below = front(memory, i, s, z, x, c)
     y = x - s * c * (z - eta)
     corner = memory.corner[i, k]
     corner[ETA], corner[U], corner[W], corner[MOMENT] = eta, y - c * eta, y + c * eta, below
     memory.kind[i, k] = 1 if s > 0.0 else -1
     memory.count[i] = k + 1
-    memory.level[i] = below + s * (load(z, SPHERE) - load(eta, SPHERE))
+    memory.level[i] = below + s * (load(z, Shape.SPHERE) - load(eta, Shape.SPHERE))
     return True
 
 
@@ -193,7 +182,7 @@ def _annulus(memory, i, s):
     """Return the regime that slip of sign s opens: lines of its own sign are taken up again."""
     while memory.count[i] > 0 and memory.kind[i, memory.count[i] - 1] * s > 0.0:
         memory.count[i] -= 1
-    return ANNULUS if memory.count[i] > 0 else SLIP
+    return Regime.ANNULUS if memory.count[i] > 0 else Regime.SLIP
 
 
 @compiled
@@ -203,29 +192,29 @@ def recall(memory, i, regime, which, s, point, c):
     if which == 0:
         memory.count[i] = 0
         memory.level[i] = 0.0
-        if regime != SEPARATED:
-            return SEPARATED, s, 0.0, RELEASE
+        if regime != Regime.SEPARATED:
+            return Regime.SEPARATED, s, 0.0, Event.RELEASE
         s = -1.0 if x_rate < 0.0 else 1.0
-        return (SLIP if s * x_rate > c * z_rate else GROW), s, 0.0, CONTACT
-    if regime == GROW:
+        return (Regime.SLIP if s * x_rate > c * z_rate else Regime.GROW), s, 0.0, Event.CONTACT
+    if regime == Regime.GROW:
         s = 1.0 if which == 1 else -1.0
         regime = _annulus(memory, i, s)
-        return regime, s, (s * c * z if regime == SLIP else x), REVERSAL
+        return regime, s, (s * c * z if regime == Regime.SLIP else x), Event.REVERSAL
     if which == 1:  # slip of this sign ends: the contact grows, or slips back from the edge
-        kind = SLIP_TO_STICK if regime == SLIP else REVERSAL
-        if regime == SLIP:
+        kind = Event.SLIP_TO_STICK if regime == Regime.SLIP else Event.REVERSAL
+        if regime == Regime.SLIP:
             x = s * c * z
         freeze(memory, i, regime, s, z, x, c)
         if z_rate > 0.0:
-            return GROW, s, x, kind
+            return Regime.GROW, s, x, kind
         return _annulus(memory, i, -s), -s, x, kind
     if which == 2:  # a piece is wiped out
         memory.count[i] -= 1
-        if _annulus(memory, i, s) == SLIP:
-            return SLIP, s, s * c * z, STICK_TO_SLIP
-        return ANNULUS, s, x, WIPE_OUT
+        if _annulus(memory, i, s) == Regime.SLIP:
+            return Regime.SLIP, s, s * c * z, Event.STICK_TO_SLIP
+        return Regime.ANNULUS, s, x, Event.WIPE_OUT
     regime = _annulus(memory, i, -s)  # the shrinking edge has met the front
-    return regime, -s, (-s * c * z if regime == SLIP else x), WIPE_OUT
+    return regime, -s, (-s * c * z if regime == Regime.SLIP else x), Event.WIPE_OUT
 
 
 @compiled
@@ -238,7 +227,7 @@ def memory_guard(memory, i, regime, which, s, point, eta, c):
     z, x, z_rate, x_rate = point
     if which == 0:
         return FAR_SIDE + z, z_rate
-    if regime == GROW:
+    if regime == Regime.GROW:
         if which == 3:
             return 1.0, 0.0
         return FAR_SIDE + c * z_rate + (-x_rate if which == 1 else x_rate), 0.0
@@ -268,25 +257,25 @@ def jump(memory, i, regime, s, old, new, c):
     if z <= 0.0:
         memory.count[i] = 0
         memory.level[i] = 0.0
-        return SEPARATED, 1.0, 0.0
-    if regime == SEPARATED:  # pressed on first, as if it had always been so
+        return Regime.SEPARATED, 1.0, 0.0
+    if regime == Regime.SEPARATED:  # pressed on first, as if it had always been so
         memory.count[i] = 0
         line = 0.25 * (sigma + 1.0) ** 2 * z
         write_curve(memory, i, line, 0.0 * line, 0.0 * line, c)
-        regime, old_z, old_x = GROW, z, 0.0
+        regime, old_z, old_x = Regime.GROW, z, 0.0
     freeze(memory, i, regime, s, old_z, old_x, c)
     if abs(x) >= c * z * (1.0 - 1e-13):
         memory.count[i] = 0
         s = 1.0 if x > 0.0 else -1.0
-        return SLIP, s, s * c * z
+        return Regime.SLIP, s, s * c * z
     dz, dx = z - old_z, x - old_x
     if abs(dx) <= c * dz:
         if dz > 0.0:
             root = np.sqrt(old_z) + 0.5 * (sigma + 1.0) * (np.sqrt(z) - np.sqrt(old_z))
             line = root**2  # so that M is a polynomial
-            level = memory.level[i] + dx / (c * dz) * (line * root - load(old_z, SPHERE))
+            level = memory.level[i] + dx / (c * dz) * (line * root - load(old_z, Shape.SPHERE))
             write_curve(memory, i, line, old_x + dx / dz * (line - old_z), level, c)
-        return GROW, s, x
+        return Regime.GROW, s, x
     s = 1.0 if dx > 0.0 else -1.0
     if dz < 0.0:
         s = 1.0 if x > anchor(memory, i, z, c) else -1.0
@@ -294,7 +283,7 @@ def jump(memory, i, regime, s, old, new, c):
     while memory.count[i] > 0 and s * (memory.corner[i, memory.count[i] - 1, own] - x) + c * z <= 0.0:
         memory.count[i] -= 1
     regime = _annulus(memory, i, s)
-    return regime, s, (s * c * z if regime == SLIP else x)
+    return regime, s, (s * c * z if regime == Regime.SLIP else x)
 
 
 @compiled

@@ -12,47 +12,47 @@ punch has a kink: whoever integrates it must stop there. The functions take numb
 
 import numpy as np
 
+from contact.codes import Shape
 from contact.jit.compiled import formula
 
 SHAPES = ("sphere", "punch")
-SPHERE, PUNCH = 0, 1
 
 
 @formula
 def load(z, shape):
     """Return p(z) = P/K, zero when separated."""
     up = 0.5 * (z + abs(z))
-    return up * np.sqrt(up) if shape == SPHERE else up
+    return up * np.sqrt(up) if shape == Shape.SPHERE else up
 
 
 @formula
 def slope(z, shape):
     """Return dp/dz, zero when separated."""
-    return 1.5 * np.sqrt(0.5 * (z + abs(z))) if shape == SPHERE else 1.0 * (z > 0.0)
+    return 1.5 * np.sqrt(0.5 * (z + abs(z))) if shape == Shape.SPHERE else 1.0 * (z > 0.0)
 
 
 @formula
 def energy(z, shape):
     """Return the integral of p from 0 to z."""
     up = 0.5 * (z + abs(z))
-    return 0.4 * up * up * np.sqrt(up) if shape == SPHERE else 0.5 * up * up
+    return 0.4 * up * up * np.sqrt(up) if shape == Shape.SPHERE else 0.5 * up * up
 
 
 @formula
 def approach(p, shape):
     """Return z >= 0 with p(z) = p."""
-    return p ** (2.0 / 3.0) if shape == SPHERE else p
+    return p ** (2.0 / 3.0) if shape == Shape.SPHERE else p
 
 
 def stiffness(radius, effective_modulus, shape):
     """Return K in N/m^1.5 (sphere) or N/m (punch)."""
     return (
         4.0 / 3.0 * effective_modulus * np.sqrt(radius)
-        if shape == SPHERE
+        if shape == Shape.SPHERE
         else 2.0 * effective_modulus * radius
     )
 
 
 def contact_radius(z, radius, shape):
     """Return the radius a of the contact circle in m, zero when separated."""
-    return np.sqrt(radius * np.maximum(z, 0.0)) if shape == SPHERE else radius * (np.asarray(z) > 0.0)
+    return np.sqrt(radius * np.maximum(z, 0.0)) if shape == Shape.SPHERE else radius * (np.asarray(z) > 0.0)

@@ -10,10 +10,12 @@ slider's own motion, the answer to the harmonics of the forces, back into the cy
 height and velocity its fixed point is the full periodic motion but for the harmonics left out.
 """
 
+import threading
 from typing import NamedTuple
 
 import numpy as np
 
+from contact.codes import Status
 from contact.jit.compiled import compiled, formula, native
 from contact.kinematics import normal_amplitude, tangential_amplitude
 from contact.problem import changed
@@ -21,9 +23,6 @@ from contact.solve.cycle_mean import MADE, NORMAL, SLIPS, STUCK, TANGENTIAL, Cyc
 from contact.solve.riding import Rule, mean_push, quadrature, riding
 from contact.solve.roots import narrowed, trial
 
-# why a computation ended: reached; a contact sticks through whole cycles; not reached; no velocity balances the load;
-# held, but so near the threshold that averaging cannot tell
-DONE, STICKS, UNSETTLED, RUNAWAY, NEAR_THRESHOLD = 0, 1, 2, 3, 4
 # columns of an equilibrium: mean velocity, of first order, of first order by the coarse rule; mean approach, residual
 # velocity, held (1 or 0), contacts made, slips begun, error of the velocity by harmonics left out and by quadrature,
 # mean tangential forces of a cycle at rest (least and largest), sign of the load
@@ -51,10 +50,16 @@ class Work(NamedTuple):
     second: Cycle
 
 
-def room(harmonics: int, nodes: int = NODES, fine_nodes: int = FINE_NODES) -> Work:
-    """Return work arrays for so many harmonics of the fast motion."""
-    first, second = cycle_room(1), cycle_room(harmonics, fine_nodes)
-    return Work(quadrature(nodes), quadrature(fine_nodes), first, second)
+_ROOMS = threading.local()  # by harmonics: a kernel finds the same arrays again, and has them packed
+
+
+def room(harmonics: int) -> Work:
+    """Return this thread's work arrays for so many harmonics of the fast motion."""
+    rooms = vars(_ROOMS)
+    if harmonics not in rooms:
+        second = cycle_room(harmonics, FINE_NODES)
+        rooms[harmonics] = Work(quadrature(NODES), quadrature(FINE_NODES), cycle_room(1), second)
+    return rooms[harmonics]
 
 
 @compiled
@@ -118,40 +123,59 @@ def way_out(least, largest, load, friction):
 
 @compiled
 def balance_row(problem, harmonics, work, out):
-    """Fill the answer of `balance`; return the reason for ending.
+    """Fill an equilibrium, its columns by the names of this module; return the reason for ending.
 
-    The load is taken with the sign with which it opposes the unloaded motion.
+    `harmonics` of the fast motion; 0: first order. The load is taken with the sign with which it opposes the unloaded
+    motion.
     """
-    rest(work.second.fast)
-    rule, fine, counts = work.rule, work.fine, work.first.counts
-    h = riding(problem, rule)
-    friction = problem.friction * problem.preload
     for k in range(out.size):
         out[k] = 0.0
+    h = riding(problem, work.rule)
     out[H] = h
-    least = excess(problem, fine, h, 0.0, work) + problem.load
-    out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = counts[MADE], counts[SLIPS]
-    sticks = counts[STUCK] > 0
-    largest = least
-    if least - max(problem.load, 0.0) <= 1e-13 * friction:
-        largest = excess(problem, fine, h, -1e-300, work) + problem.load
-    out[LEAST_AT_REST], out[LARGEST_AT_REST] = least, largest
-    way, force = way_out(least, largest, problem.load, friction)
+    way, force = _at_rest(problem, h, work, out)
+    sticks = work.first.counts[STUCK] > 0
     problem = changed(problem, force, problem.paths)
     out[LOAD_SIGN] = -1.0 if force < 0.0 else 1.0
     if way == 0.0:
         out[IS_HELD] = 1.0
-        return DONE
-    top = full_slip_speed(problem)
-    a, fa, b = 0.0, (least if way > 0.0 else largest) - problem.load, way * top
+        return Status.DONE
+    status, top, slope = _first_order(problem, h, way, 1e-11 if harmonics == 0 else 1e-5, work, out)
+    if status != Status.DONE or harmonics == 0 or not slope < 0.0:
+        return status
+    status = _second_order(problem, slope, top, work, out)
+    return Status.STICKS if sticks and abs(out[V]) < 1e-6 * top else status
+
+
+@compiled
+def _at_rest(problem, h, work, out):
+    """Fill the least and the largest tangential force of a cycle at rest; return `way_out`."""
+    counts, friction = work.first.counts, problem.friction * problem.preload
+    least = largest = excess(problem, work.fine, h, 0.0, work) + problem.load
+    stuck = counts[STUCK]
+    out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = counts[MADE], counts[SLIPS]
+    if least - max(problem.load, 0.0) <= 1e-13 * friction:
+        largest = excess(problem, work.fine, h, -1e-300, work) + problem.load
+    counts[STUCK] = stuck
+    out[LEAST_AT_REST], out[LARGEST_AT_REST] = least, largest
+    return way_out(least, largest, problem.load, friction)
+
+
+@compiled
+def _first_order(problem, h, way, close, work, out):
+    """Fill the velocity of first order and its errors; return (reason, range of the search, slope of the force in v).
+
+    The search ends where a step is below `close` of its range.
+    """
+    rule, friction = work.rule, problem.friction * problem.preload
+    a, fa = 0.0, (out[LEAST_AT_REST] if way > 0.0 else out[LARGEST_AT_REST]) - problem.load
+    b = way * full_slip_speed(problem)
     fb = excess(problem, rule, h, b, work)
     if fb * way >= 0.0:  # full friction does not balance the load: the damper has to
         if problem.tangential_damping == 0.0:
-            return RUNAWAY
+            return Status.RUNAWAY, 0.0, 0.0
         b += 1.000001 * fb / problem.tangential_damping
         fb = excess(problem, rule, h, b, work)
-    v, top, close = b, abs(b), 1e-11 if harmonics == 0 else 1e-5
-    v_old, f_old = a, fa
+    v, top, v_old, f_old = b, abs(b), a, fa
     slope = (fb - fa) / (b - a)
     for count in range(100):
         v = trial(a, fa, b, fb, count)
@@ -165,18 +189,24 @@ def balance_row(problem, harmonics, work, out):
             break
     # where the search stops early, Newton's step from there errs by the square of the last one
     out[COARSE], out[RESIDUAL] = (v - f_old / slope if slope < 0.0 else v), abs(f_old / slope)
-    f = excess(problem, fine, h, v, work)
+    f = excess(problem, work.fine, h, v, work)
     out[QUADRATURE] = RULE_ERROR * abs((f - f_old) / slope)
     if slope < 0.0:
         v -= f / slope
     out[V], out[FIRST] = v, v
-    out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = counts[MADE], counts[SLIPS]
-    if harmonics == 0 or not slope < 0.0:
-        return DONE
-    v_old, f_old, change = v, 0.0, np.inf
+    out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = work.first.counts[MADE], work.first.counts[SLIPS]
+    return Status.DONE, top, slope
+
+
+@compiled
+def _second_order(problem, slope, top, work, out):
+    """Correct the equilibrium by the slider's fast motion; return the reason for ending."""
+    second = work.second
+    rest(second.fast)
+    h, v, v_old, f_old, change = out[H], out[V], out[V], 0.0, np.inf
     for count in range(40):
-        h, change = settled(problem, fine, h, v, work.second, 1)
-        f = work.second.means[TANGENTIAL] - problem.tangential_damping * v - problem.load
+        h, change = settled(problem, work.fine, h, v, second, 1)
+        f = second.means[TANGENTIAL] - problem.tangential_damping * v - problem.load
         if count > 1 and abs(v - v_old) > 1e-9 * top:
             new = (f - f_old) / (v - v_old)
             if 0.5 * slope > new > 2.0 * slope:
@@ -187,37 +217,12 @@ def balance_row(problem, harmonics, work, out):
         if change < 1e-12:
             break
     out[V], out[H], out[RESIDUAL] = v, h, change
-    counts, force, last = work.second.counts, work.second.force, harmonics - 1
-    out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = counts[MADE], counts[SLIPS]
+    out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = second.counts[MADE], second.counts[SLIPS]
     # the coefficients fall as n^-4.5 and the tail enters the mean with its own small share of the force
-    out[TAIL] = np.hypot(force.tangential_cos[last], force.tangential_sin[last]) / (harmonics + 1.0) ** 2
-    if sticks and abs(v) < 1e-6 * top:
-        return STICKS
-    return DONE if change < 1e-7 else UNSETTLED
-
-
-@native("t i t f1")
-def _balance(problem, harmonics, work, out):
-    """Fill the answer of `balance`; return the reason for ending."""
-    return balance_row(problem, harmonics, work, out)
-
-
-def balance(problem, harmonics):
-    """Return (reason for ending, equilibrium) of one scaled problem.
-
-    Parameters
-    ----------
-    problem : Problem
-    harmonics : int
-        Of the fast motion; 0: first order.
-
-    Returns
-    -------
-    int, (COLUMNS,) array
-        By the names of this module.
-    """
-    out = np.zeros(COLUMNS)
-    return _balance(problem, harmonics, room(max(harmonics, 1)), out), out
+    last = second.force.tangential_cos.size - 1
+    tail = np.hypot(second.force.tangential_cos[last], second.force.tangential_sin[last])
+    out[TAIL] = tail / (last + 2.0) ** 2
+    return Status.DONE if change < 1e-7 else Status.UNSETTLED
 
 
 @native("t f1 t f1")
@@ -237,17 +242,7 @@ def tractions(problem, speeds):
     return out
 
 
-@native("t t f1")
-def _rest_forces(problem, work, answer):
-    """Fill the answer of `rest_tractions`; return 0."""
-    h = riding(problem, work.rule)
-    answer[0] = excess(problem, work.fine, h, 0.0, work) + problem.load
-    answer[1] = excess(problem, work.fine, h, -1e-300, work) + problem.load
-    return 0
-
-
 def rest_tractions(problem):
     """Return the least and the largest mean tangential force of a cycle at rest; they differ where a contact sticks."""
-    answer = np.zeros(2)
-    _rest_forces(problem, room(1), answer)
-    return float(answer[0]), float(answer[1])
+    least, largest = tractions(problem, np.array([0.0, -1e-300]))
+    return float(least), float(largest)

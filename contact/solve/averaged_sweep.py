@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contact.codes import Status, Steady
 from contact.jit.compiled import compiled, native
 from contact.kinematics import Paths, at_phase, normal_amplitude, of_run, tangential_amplitude
 from contact.law.normal import load
@@ -21,14 +22,12 @@ from contact.problem import Problem, changed
 from contact.solve.averaged import (
     COARSE,
     COLUMNS,
-    DONE,
     FIRST,
     IS_HELD,
     LARGEST_AT_REST,
     LEAST_AT_REST,
     LOAD_SIGN,
     MADE_PER_CYCLE,
-    NEAR_THRESHOLD,
     QUADRATURE,
     RESIDUAL,
     SLIPS_PER_CYCLE,
@@ -49,7 +48,6 @@ SHAPE, REST = 9, 10
 VELOCITY, FIRST_ORDER, HEIGHT, REGIME, HELD, ERROR, FROM_WAVE, THRUST, SIGN_OF_LOAD, STATUS, ANSWER = range(
     11
 )
-UNKNOWN, STICK, SLIP, INTERMITTENT = 0, 1, 2, 3
 # Relative error of the threshold amplitude over (f_n/f)^2: at 0.75 nm, just above the seed's threshold, first order
 # errs by 12 (f_n/f)^2 in velocity (`tests/benchmarks/contact_ways.py`). At most half the amplitude is added.
 THRESHOLD_ERROR, MAX_THRESHOLD_ERROR = 12.0, 0.5
@@ -159,8 +157,9 @@ def _states(given, out, todo, harmonics, first, stride, room):
 def _state(problem, ratio, wave_error, harmonics, room, row):
     """Fill the scaled answer of one problem."""
     state, tried, work, spare = room.answers[0], room.answers[1], room.work, room.spare
-    row[STATUS] = balance_row(problem, harmonics, work, state)
-    if row[STATUS] != DONE:
+    status = balance_row(problem, harmonics, work, state)
+    row[STATUS] = status.value
+    if status != Status.DONE:
         return
     problem = changed(problem, state[LOAD_SIGN] * abs(problem.load), problem.paths)
     along = 0.0
@@ -172,11 +171,12 @@ def _state(problem, ratio, wave_error, harmonics, room, row):
     error = max(error, CORRECTION_ERROR * abs(v - state[FIRST]))
     if state[IS_HELD] == 1.0 or abs(v) < EDGE * reference:
         larger = 1.0 + min(THRESHOLD_ERROR * ratio**2, MAX_THRESHOLD_ERROR)
-        row[STATUS] = balance_row(_with_error(problem, larger, 0.0, 0.0, spare), 0, work, tried)
+        status = balance_row(_with_error(problem, larger, 0.0, 0.0, spare), 0, work, tried)
         beyond = abs(tried[V] - state[FIRST])
-        if row[STATUS] == DONE and beyond > 0.0 and ratio > MAX_RATIO_HELD:
-            row[STATUS] = NEAR_THRESHOLD
-        if row[STATUS] != DONE:
+        if status == Status.DONE and beyond > 0.0 and ratio > MAX_RATIO_HELD:
+            status = Status.NEAR_THRESHOLD
+        row[STATUS] = status.value
+        if status != Status.DONE:
             return
         error = max(error, beyond)
         reference = max(reference, beyond) if reference == 0.0 else reference
@@ -187,11 +187,11 @@ def _state(problem, ratio, wave_error, harmonics, room, row):
     if state[LARGEST_AT_REST] <= -stall:  # driven against its crests
         stall = -state[LARGEST_AT_REST]
     row[VELOCITY], row[FIRST_ORDER], row[HEIGHT] = v, state[FIRST], state[H]
-    row[REGIME] = STICK
+    row[REGIME] = Steady.STICK.value
     if state[MADE_PER_CYCLE] > 0.0:
-        row[REGIME] = INTERMITTENT
+        row[REGIME] = Steady.INTERMITTENT.value
     elif state[SLIPS_PER_CYCLE] > 0.0:
-        row[REGIME] = SLIP
+        row[REGIME] = Steady.SLIP.value
     row[HELD] = state[IS_HELD]
     row[ERROR] = error / reference if reference > 0.0 else 0.0
     row[FROM_WAVE] = lost / reference if reference > 0.0 else 0.0
@@ -277,7 +277,7 @@ def _moved(problem, base, slope, work, tried):
                 last = v - g * (v - before) / (g - f)
                 if abs(last - v) < 0.1 * abs(v - base):
                     return last
-    return tried[COARSE] if balance_row(problem, 0, work, tried) == DONE else np.inf
+    return tried[COARSE] if balance_row(problem, 0, work, tried) == Status.DONE else np.inf
 
 
 @compiled

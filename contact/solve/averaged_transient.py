@@ -10,11 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contact.codes import Status
 from contact.jit.compiled import compiled, native
 from contact.kinematics import tangential_amplitude
-from contact.solve.averaged import DONE, STICKS, UNSETTLED, rest, room, settled
+from contact.solve.averaged import rest, room, settled
 from contact.solve.cycle_mean import NORMAL, STUCK, TANGENTIAL, cycle, respond
-from contact.solve.riding import mean_push, riding
+from contact.solve.riding import Rule, mean_push, riding
 
 _NODES = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
 _TABLE = np.array(
@@ -66,6 +67,8 @@ class Span(NamedTuple):
         In V; also the largest squared bounce that counts as dead.
     per_period : int
         Steps per period of the bounce.
+    rule : Rule
+        Quadrature of a smooth piece, of at most `averaged.FINE_NODES` nodes.
     corrected : int
         1: with the correction of second order.
     at, rows : (k,), (k, 2) arrays
@@ -77,6 +80,7 @@ class Span(NamedTuple):
     stop: float
     tolerance: float
     per_period: int
+    rule: Rule
     corrected: int
     at: np.ndarray
     rows: np.ndarray
@@ -89,7 +93,7 @@ def bounce(problem, state, span, work):
 
     state (h, h', V) is changed in place.
     """
-    rule = work.rule
+    rule = span.rule
     stop, per_period, at, rows = span.stop, span.per_period, span.at, span.rows
     h_end = riding(problem, rule)
     _, slope = mean_push(problem, max(h_end, state[0]), rule)
@@ -127,12 +131,12 @@ def bounce(problem, state, span, work):
                 pull, stuck = work.first.means[TANGENTIAL], work.first.counts[STUCK]
             v_middle = v + 0.5 * d * (pull - problem.tangential_damping * v_middle - problem.load)
         if stuck > 0:
-            return phase, taken, STICKS
+            return phase, taken, Status.STICKS
         v = (v * (1.0 - 0.5 * d * problem.tangential_damping) + d * (pull - problem.load)) / (
             1.0 + 0.5 * d * problem.tangential_damping
         )
         if not np.isfinite(h + w + v):
-            return phase, taken, UNSETTLED
+            return phase, taken, Status.UNSETTLED
         while taken < at.size and at[taken] <= phase + d * (1.0 + 1e-12):
             s = (at[taken] - phase) / d
             rows[taken, 0] = v0 + s * (v - v0)
@@ -151,7 +155,7 @@ def bounce(problem, state, span, work):
             largest = 0.0
     state[0], state[1], state[2] = h, w, v
     span.steps[0] += steps
-    return phase, taken, DONE
+    return phase, taken, Status.DONE
 
 
 @compiled
@@ -167,12 +171,11 @@ def _rate(problem, h, v, rule, work, most):
 def accelerate(problem, state, phase, taken, span, work, k):
     """Follow the velocity with the bounce dead; return the reason for ending. `k`: (7,) room."""
     stop, at, rows, tolerance = span.stop, span.at, span.rows, 0.1 * span.tolerance
-    h, v, rule = state[0], state[2], work.rule
-    means, most = work.first, 0
+    h, v, rule, means = state[0], state[2], span.rule, work.second
+    most = 3 if span.corrected else 0
     if span.corrected:
-        means, most = work.second, 3
         _rate(problem, h, v, rule, means, 8)
-    else:
+    else:  # the fast motion stays that of the start
         h = riding(problem, rule)
     k[0], h = _rate(problem, h, v, rule, means, most)
     top = 0.0
@@ -194,7 +197,7 @@ def accelerate(problem, state, phase, taken, span, work, k):
             error += d * _ERROR[i] * k[i]
         error = abs(error) / tolerance
         if means.counts[STUCK] > 0:
-            return STICKS
+            return Status.STICKS
         if error > 1.0 and rejected < 60:
             d *= max(0.2, 0.9 * error**-0.2)
             rejected += 1
@@ -217,24 +220,25 @@ def accelerate(problem, state, phase, taken, span, work, k):
         span.steps[1] += 1
         d *= min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
     state[0], state[1], state[2] = h, 0.0, v
-    return DONE
+    return Status.DONE
 
 
 @native("t f1 t t f1")
 def _response(problem, state, span, work, k):
     """Fill the answer of `response`; return the reason for ending."""
-    rule, second, speed = work.rule, work.second, state[2]
+    rule, second, speed = span.rule, work.second, state[2]
+    rest(second.fast)
     h, w, v = -state[0], -state[1], speed
     for _ in range(3):
         cycle(problem, h, v, rule, second)
         if second.counts[STUCK] > 0:
-            return STICKS
+            return Status.STICKS
         respond(problem, second)
         height, climb, wiggle = ripple(second.fast)
         h, w, v = height - state[0], climb - state[1], speed - wiggle
     state[0], state[1], state[2] = h, w, v
     phase, taken, why = bounce(problem, state, span, work)
-    if why == DONE and phase < span.stop:
+    if why == Status.DONE and phase < span.stop:
         why = accelerate(problem, state, phase, taken, span, work, k)
     if not span.corrected:
         rest(second.fast)
@@ -247,7 +251,7 @@ def _response(problem, state, span, work, k):
     return why
 
 
-def response(problem, state, span: Span, nodes: int, harmonics: int) -> int:
+def response(problem, state, span: Span, harmonics: int) -> int:
     """Follow the slider from phase 0 on; return the reason for ending.
 
     Parameters
@@ -256,9 +260,7 @@ def response(problem, state, span: Span, nodes: int, harmonics: int) -> int:
     state : (3,) array
         Slider position, its rate and velocity at phase 0; changed to those at the end.
     span : Span
-    nodes : int
-        Of the quadrature of a smooth piece.
     harmonics : int
         Of the fast motion.
     """
-    return _response(problem, state, span, room(harmonics, nodes, nodes), np.zeros(7))
+    return _response(problem, state, span, room(harmonics), np.zeros(7))

@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contact.codes import Slips
 from contact.jit.compiled import compiled, native, summed
 from contact.kinematics import slip_speed
 from contact.law.elastic import friction_load
@@ -29,8 +30,6 @@ TURN = 2.0 * np.pi
 NORMAL, TANGENTIAL = 0, 1
 # places in the counts: contacts made, slips begun, reversals, contacts that stick on with their memory
 MADE, SLIPS, REVERSALS, STUCK = 0, 1, 2, 3
-# slip towards a side: never, in a window of the cycle, always
-NEVER, WINDOW, ALWAYS = 0, 1, 2
 
 
 class Harmonics(NamedTuple):
@@ -158,11 +157,11 @@ def _window(path, c, s):
     along = c * wave.normal_cos[0] - s * wave.tangential_cos[0]
     size = np.hypot(across, along)
     if s * path.v >= size:
-        return 0.0, 0.0, NEVER
+        return 0.0, 0.0, Slips.NEVER
     if s * path.v <= -size:
-        return 0.0, 0.0, ALWAYS
+        return 0.0, 0.0, Slips.ALWAYS
     centre, half = np.arctan2(along, across), np.arccos(s * path.v / size)
-    return _edge(path, c, s, centre, -half, size), _edge(path, c, s, centre, half, size), WINDOW
+    return _edge(path, c, s, centre, -half, size), _edge(path, c, s, centre, half, size), Slips.WINDOW
 
 
 @compiled
@@ -183,9 +182,9 @@ def _edge(path, c, s, centre, half, size):
 def _next_slip(path, c, s, window, anchor, start, stop):
     """Return the first phase in (start, stop) at which stick ends by slip towards s; stop if none."""
     low, high, kind = window
-    if kind == NEVER:
+    if kind == Slips.NEVER:
         return stop
-    if kind == ALWAYS:
+    if kind == Slips.ALWAYS:
         low, high = start, stop
     else:
         shift = TURN * np.ceil((start + 1e-9 - high) / TURN)
@@ -353,7 +352,7 @@ def _start(path, c, windows, counts):
         # a cycle with v > 0 stretches every contact backwards, so it must slip that way, up to the window's end
         back = 1.0 if path.v < 0.0 else -1.0
         _, start, kind = windows[0] if path.v < 0.0 else windows[1]
-        if kind == ALWAYS:
+        if kind == Slips.ALWAYS:
             return 0.0, TURN, back, 0.0
         return start, start + TURN, 0.0, back * c * _place(path, start)[0]
     half = np.arccos(-path.h / reach)
@@ -383,9 +382,9 @@ def _contact(problem, path, rule, work):
     for _ in range(40):
         if slip != 0.0:
             _, end, kind = windows[0] if slip > 0.0 else windows[1]
-            if kind == WINDOW:
+            if kind == Slips.WINDOW:
                 end += TURN * np.ceil((phi + 1e-12 - end) / TURN)
-            if kind != WINDOW or end > stop - 1e-12:
+            if kind != Slips.WINDOW or end > stop - 1e-12:
                 end = stop
             _gather(problem, path, rule, work, phi, end, slip, 0.0)
             x, slip, phi = slip * c * max(_place(path, end)[0], 0.0), 0.0, end

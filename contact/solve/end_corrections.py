@@ -7,8 +7,9 @@ on both sides. Subtracting the terms a = 3/2 and 5/2 leaves the rule its accurac
 punch a = 1 and 2, and x = 0 is no edge.
 """
 
+from contact.codes import Shape
 from contact.jit.compiled import compiled
-from contact.law.normal import PUNCH, load, slope
+from contact.law.normal import load, slope
 
 
 @compiled
@@ -32,7 +33,7 @@ def zeta_five_halves(theta):
 @compiled
 def edge_excess(theta, h, first, second, shape):
     """Return what the rule's sum has too much for first p(t) + second t p(t), the nearest sample at theta h."""
-    if shape == PUNCH:  # zeta(-1, theta) and zeta(-2, theta): Bernoulli's polynomials
+    if shape == Shape.PUNCH:  # zeta(-1, theta) and zeta(-2, theta): Bernoulli's polynomials
         b2, b3 = theta * (theta - 1.0) + 1.0 / 6.0, theta * (theta - 0.5) * (theta - 1.0)
         return -h * h * (0.5 * first * b2 + h * second * b3 / 3.0)
     root = h**0.5

@@ -9,12 +9,12 @@ potential. All in the scaled problem's unit of energy, m omega^2 ell^2.
 
 import numpy as np
 
+from contact.codes import Law, Regime
 from contact.interpolation import interpolate
 from contact.jit.compiled import compiled
 from contact.kinematics import slip_speed
-from contact.law.elastic import ANNULUS, CREEP, SEPARATED, SLIP, back_force
+from contact.law.elastic import back_force
 from contact.law.hysteretic import annulus_slip, front, place_on
-from contact.problem import ELASTIC
 from contact.solve.segment import BACK, CLIMB, FRONT, SPEED, TRAVEL, U_X_RATE, U_Z_RATE, P, Q, point_at
 
 # places in the sums: integrals over phase of sum Q, of the sum of normal forces without damper, slider displacement
@@ -40,7 +40,7 @@ def account(problem, grid, state, nodes, segment):
         sums[LOAD_WORK] += weight * problem.load * v
         for i in range(state.regime.size):
             regime, sign = state.regime[i], state.sign[i]
-            if regime == SEPARATED:
+            if regime == Regime.SEPARATED:
                 continue
             (z, x, z_rate, x_rate), tangential = point_at(nodes, i, k), own[Q, i, k]
             spring = own[P, i, k] + own[BACK, i, k]
@@ -51,11 +51,11 @@ def account(problem, grid, state, nodes, segment):
             sums[WAVE_TANGENTIAL] += weight * tangential * own[U_X_RATE, i, k]
             sums[CONTACT_LOSS] += weight * damper * z_rate
             slip = slip_speed(sign, z_rate, x_rate, c)
-            if regime == SLIP or regime == CREEP:
+            if regime == Regime.SLIP or regime == Regime.CREEP:
                 sums[SLIP_LOSS] += weight * tangential * sign * slip
-            elif regime == ANNULUS:
+            elif regime == Regime.ANNULUS:
                 sums[SLIP_LOSS] += weight * friction * annulus_slip(z, own[FRONT, i, k]) * slip
-            if problem.law == ELASTIC:
+            if problem.law == Law.ELASTIC:
                 sums[LEAK] -= weight * back_force(regime, sign, z, x, friction, c, shape) * z_rate
     sums[DISPLACEMENT] += slider[TRAVEL, last]
     if sums[SINCE] > 0.0:
@@ -76,12 +76,12 @@ def chain_energy(memory, i, regime, s, z, x, c):
     On a line y is linear in eta; on a curve sqrt(eta) dy = (2c/3) dM, so that by parts the integral is
     [2 sqrt(eta) (x - y)^2] + (8c/3) int (x - y) dM, by Gauss's rule on its polynomials.
     """
-    if regime == SEPARATED or z <= 0.0:
+    if regime == Regime.SEPARATED or z <= 0.0:
         return 0.0
     pieces = [(memory.kind[i, k], *memory.corner[i, k, :3], k) for k in range(memory.count[i])]
-    if regime == SLIP:
+    if regime == Regime.SLIP:
         pieces = [(int(s), 0.0, 0.0, 0.0, -1)]
-    elif regime == ANNULUS:
+    elif regime == Regime.ANNULUS:
         eta, _ = front(memory, i, s, z, x, c)
         y = x - s * c * (z - eta)
         pieces.append((int(s), eta, y - c * eta, y + c * eta, -1))

@@ -16,10 +16,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contact.codes import Law
 from contact.convergence import ConvergenceError
 from contact.kinematics import normal_amplitude
 from contact.orbit import Orbit
-from contact.problem import RECIPROCAL, Problem, immobile, scaled
+from contact.problem import Problem, immobile, scaled
 from contact.slider import Slider
 from contact.solve.averaged import full_slip_speed, way_out
 from contact.solve.collocation import collocation
@@ -75,7 +76,7 @@ def balanced(slider: Slider, orbits: tuple[Orbit, ...]) -> Balance:
     start = trough(orbits)
     problem = scaled(slider, orbits, direction=1.0, start=start)
     high, work = riding_approach(problem), np.zeros(TALLY, np.int64)
-    if problem.law != RECIPROCAL:
+    if problem.law != Law.RECIPROCAL:
         return _at_height(slider, orbits, problem, start, high, work)
     # the back force only adds to the support, so the slider rides higher: mean approach below `high`
     every, preload = np.arange(problem.contacts), problem.preload

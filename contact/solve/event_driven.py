@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contact.codes import Regime, Status
 from contact.interpolation import interpolate
 from contact.jit.compiled import compiled, native
-from contact.law.elastic import ANNULUS, GROW, SEPARATED, STICK
 from contact.law.hysteretic import write_curve
 from contact.solve.collocation import ROOT_AT_END, ROOT_AT_START, SMOOTH
 from contact.solve.energy import DISPLACEMENT, account, mark
@@ -52,8 +52,6 @@ from contact.solve.segment import (
 )
 from contact.solve.warm_start import Pattern, blank, keep, matching, recalled
 
-# why a run ended
-DONE, NOT_FINITE, TOO_MANY, STIFF, FULL = 0, 1, 2, 3, 4
 # places in the tally after the kinds of event: segments, halvings, sweeps, cycles
 # and, after them, events at one instant beyond one per contact
 STRETCHES, HALVINGS, SWEEPS, CYCLES, CHATTER, TALLY = 6, 7, 8, 9, 10, 12
@@ -175,8 +173,8 @@ def _cold_started(problem, grid, state, nodes, task, segment, memory):
 def _is_sharp(which, regime):
     """Return whether a guard's root is one at which the force has a square root."""
     if which == 0:
-        return regime != SEPARATED
-    return (which == 1 and regime == STICK) or (which == 2 and regime == ANNULUS)
+        return regime != Regime.SEPARATED
+    return (which == 1 and regime == Regime.STICK) or (which == 2 and regime == Regime.ANNULUS)
 
 
 @compiled
@@ -269,7 +267,7 @@ def _move_to_end(problem, state, nodes, memory):
     for i in range(state.regime.size):
         state.deformation[i] = own[X, i, end]
         if memory is not None:
-            if state.regime[i] == GROW:
+            if state.regime[i] == Regime.GROW:
                 write_curve(memory, i, own[Z, i], own[X, i], own[LEVEL, i], problem.limit_slope)
     _begin_with(nodes, slider[NORMAL_ACCELERATION, end], slider[TANGENTIAL_ACCELERATION, end])
 
@@ -349,11 +347,11 @@ def advance(problem, grid, state, work, task, memory, cycle):
     while phase < task.stop:
         spent += 1
         if spent > task.limit:
-            return TOO_MANY
+            return Status.TOO_MANY
         if _is_full(state, memory):
-            return FULL
+            return Status.FULL
         if not np.isfinite(state.slider[POSITION] + state.slider[NORMAL_VELOCITY] + state.slider[VELOCITY]):
-            return NOT_FINITE
+            return Status.NOT_FINITE
         match = matching(work.pattern, 1 - new, first, phase, state) if warm else -1
         first = max(first, match + 1)
         course = Course(phase, min(length, problem.longest), entered, match, 1 - new)
@@ -361,7 +359,7 @@ def advance(problem, grid, state, work, task, memory, cycle):
         if outcome == NOT_CONVERGED or outcome == TOO_ROUGH:
             tally[HALVINGS] += 1
             if outcome == NOT_CONVERGED and length < 1e-9 * problem.longest:
-                return STIFF
+                return Status.STIFF
             warm = warm and outcome == NOT_CONVERGED
             continue
         if outcome == ACCEPTED:
@@ -376,12 +374,12 @@ def advance(problem, grid, state, work, task, memory, cycle):
             idle += 1
             tally[CHATTER] += idle > contacts
             if idle > 20 * contacts + 20:
-                return TOO_MANY
+                return Status.TOO_MANY
         if segment.contact >= 0:
             made = transit(problem, state, nodes, segment, phase, memory)
             mark(state.sums)
             entered = entered or made
-    return DONE
+    return Status.DONE
 
 
 @native(
@@ -406,11 +404,11 @@ def travel(problem, grid, state, work, task, memory):
         before = state.sums[DISPLACEMENT]
         _begin_with(work.nodes, 0.0, 0.0)
         why = advance(problem, grid, state, work, task, memory, k)
-        if why != DONE:
+        if why != Status.DONE:
             return why
         state.tally[CYCLES] += 1
         if task.stride > 0 and (k + 1) % task.stride == 0:
             row = task.rows[(k + 1) // task.stride - 1]
             row[ROW_VELOCITY], row[ROW_POSITION] = state.slider[VELOCITY], state.slider[POSITION]
             row[ROW_MEAN_VELOCITY] = (state.sums[DISPLACEMENT] - before) / (2.0 * np.pi)
-    return DONE
+    return Status.DONE

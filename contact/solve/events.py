@@ -2,21 +2,10 @@ r"""Events at the end of a segment: which guard vanishes first, how fast, and wh
 
 import numpy as np
 
+from contact.codes import Event, Regime
 from contact.jit.compiled import compiled
 from contact.kinematics import Point, at_phase, slip_speed
-from contact.law.elastic import (
-    ANNULUS,
-    CONTACT,
-    CREEP,
-    FAR_SIDE,
-    GRAZE,
-    GROW,
-    SEPARATED,
-    SLIP,
-    follow,
-    guard,
-    opening,
-)  # fmt: skip
+from contact.law.elastic import FAR_SIDE, follow, guard, opening
 from contact.law.hysteretic import memory_guard, recall
 from contact.solve.roots import first_root
 from contact.solve.segment import (
@@ -50,7 +39,7 @@ def earliest(problem, grid, state, nodes, memory):
     for i in range(state.regime.size):
         regime = state.regime[i]
         for k in range(4):
-            if (k > 0 and regime == SEPARATED) or k > _LAST[regime]:
+            if (k > 0 and regime == Regime.SEPARATED) or k > _LAST[regime]:
                 continue
             if k == 3 and first < 1.0 - 1e-6 and memory is not None:
                 if memory.kind[i, memory.count[i] - 1] == 0:
@@ -70,17 +59,21 @@ def end_guard(problem, state, nodes, i, which, phase, memory):
     u_z, _, u_x, _ = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
     z_second = -u_z - nodes.slider[NORMAL_ACCELERATION, n]
     x_second = -u_x - nodes.slider[TANGENTIAL_ACCELERATION, n]
-    if memory is not None and regime >= ANNULUS:
+    if memory is not None and regime >= Regime.ANNULUS:
         value, rate = memory_guard(memory, i, regime, which, sign, point, nodes.contact[FRONT, i, n], c)
         if which == 1:
-            rate = slip_speed(sign, z_second, x_second, c) if regime == ANNULUS else c * z_second - x_second
-        elif which == 2 and regime == GROW:
+            rate = (
+                slip_speed(sign, z_second, x_second, c)
+                if regime == Regime.ANNULUS
+                else c * z_second - x_second
+            )
+        elif which == 2 and regime == Regime.GROW:
             rate = c * z_second + x_second
         return value, rate
     value = guard(regime, which, sign, point, c, band)
-    if (regime == SLIP or regime == CREEP) and which == 1:
+    if (regime == Regime.SLIP or regime == Regime.CREEP) and which == 1:
         rate = slip_speed(sign, z_second, x_second, c)
-        return value, rate if regime == SLIP else -rate
+        return value, rate if regime == Regime.SLIP else -rate
     # the guards on position are linear in (z, x): their rate is the guard of the rates
     rates = Point(point.approach_rate, point.deformation_rate, 0.0, 0.0)
     return value, guard(regime, which, sign, rates, c, band) - FAR_SIDE
@@ -95,17 +88,17 @@ def transit(problem, state, nodes, segment, phase, memory):
     made = False
     _, rate = end_guard(problem, state, nodes, segment.contact, segment.guard, phase, memory)
     if not rate < 0.0:
-        state.tally[GRAZE] += 1
+        state.tally[Event.GRAZE] += 1
     for i in range(state.regime.size):
         for k in range(4):
             met = i == segment.contact and k == segment.guard
-            if i != segment.contact and (state.regime[i] != SEPARATED or k == 0):
+            if i != segment.contact and (state.regime[i] != Regime.SEPARATED or k == 0):
                 value, rate = end_guard(problem, state, nodes, i, k, phase, memory)
                 met = abs(value) < 4e-16 and rate < 0.0
             if met:
                 kind = _enter_next(problem, state, nodes, i, k, memory)
                 state.tally[kind] += 1
-                made = made or kind == CONTACT
+                made = made or kind == Event.CONTACT
                 break
     return made
 

@@ -9,24 +9,25 @@ import threading
 
 import numpy as np
 
+from contact.codes import Event, Law, Regime, Status
 from contact.convergence import ConvergenceError
 from contact.kinematics import Point
 from contact.law import elastic, hysteretic, normal
-from contact.problem import HYSTERETIC, Problem
+from contact.problem import Problem
 from contact.solve import energy, event_driven, events, segment
 from contact.solve.collocation import Collocation
 
 _SENTENCES = {
-    event_driven.NOT_FINITE: ("not finite", "the motion overflowed; check mass, dampers and amplitude"),
-    event_driven.TOO_MANY: (
+    Status.NOT_FINITE: ("not finite", "the motion overflowed; check mass, dampers and amplitude"),
+    Status.TOO_MANY: (
         "too many events",
         "events follow each other without end; {advice}, or try another tolerance",
     ),
-    event_driven.FULL: (
+    Status.FULL: (
         "memory full",
         "the contact remembers more reversals than there is room for; raise the dampers",
     ),
-    event_driven.STIFF: (
+    Status.STIFF: (
         "stiff",
         "contact or dampers are too stiff for the exact way on this time scale; raise the mass",
     ),
@@ -45,7 +46,7 @@ class Motion:
         self.problem, self.grid, self.truncation = problem, grid, truncation
         tally, sums = np.zeros(event_driven.TALLY, np.int64), np.zeros(energy.SUMS)
         self._carry(np.zeros(3 + contacts), np.ones(contacts), np.zeros(contacts, np.int64), tally, sums)
-        remembers = problem.law == HYSTERETIC and problem.limit_slope > 0.0
+        remembers = problem.law == Law.HYSTERETIC and problem.limit_slope > 0.0
         # energies at the start of what the sums cover, where someone noted them
         self.begun = None
         self.memory = hysteretic.blank(contacts, grid) if remembers else None
@@ -103,7 +104,7 @@ class Motion:
         )
         work = event_driven.room(self.regime.size, self.grid.sigma.size, threading.get_ident())
         why = event_driven.travel(self.problem, self.grid, self.carried, work, task, self.memory)
-        if why != event_driven.DONE:
+        if why != Status.DONE:
             self.fail(why)
 
     def fail(self, why):
@@ -115,7 +116,15 @@ class Motion:
 
     def events(self) -> dict[str, int]:
         """Return the number of events by kind, and of segments, halvings and sweeps."""
-        names = (*elastic.NAMES, "stretches", "halvings", "sweeps", "cycles", "chatter", "wipe_out")
+        names = (
+            *(event.name.lower() for event in list(Event)[:6]),
+            "stretches",
+            "halvings",
+            "sweeps",
+            "cycles",
+            "chatter",
+            "wipe_out",
+        )
         return {name: int(number) for name, number in zip(names, self.tally, strict=True)}
 
     def energy(self) -> np.ndarray:
@@ -147,7 +156,7 @@ class Motion:
             # a memory is known at the end of a run, where the surface is as at phase 0
             old = Point(surface[i] - state.slider[segment.POSITION], state.deformation[i], 0.0, 0.0)
             new = Point(surface[i] - height, target[i], 0.0, 0.0)
-            if old == new and self.regime[i] != elastic.SEPARATED:
+            if old == new and self.regime[i] != Regime.SEPARATED:
                 continue
             self.regime[i], self.sign[i], state.deformation[i] = hysteretic.jump(
                 self.memory, i, self.regime[i], self.sign[i], old, new, c
@@ -157,8 +166,8 @@ class Motion:
     @property
     def sticks(self) -> bool:
         """Whether some contact sticks, all others are apart, and nothing else has happened since `begin`."""
-        moved = elastic.CONTACT, elastic.RELEASE, elastic.STICK_TO_SLIP, elastic.SLIP_TO_STICK
-        rest = (self.regime == elastic.STICK) | (self.regime == elastic.SEPARATED)
+        moved = Event.CONTACT, Event.RELEASE, Event.STICK_TO_SLIP, Event.SLIP_TO_STICK
+        rest = (self.regime == Regime.STICK) | (self.regime == Regime.SEPARATED)
         return bool(np.all(rest) and np.any(self.regime)) and not np.any(self.tally[list(moved)])
 
     def smallest_gap(self) -> float:

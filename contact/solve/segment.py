@@ -9,12 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contact.codes import Law, Regime
 from contact.jit.compiled import compiled
 from contact.kinematics import Point, at_phase
-from contact.law.elastic import ANNULUS, FAR_SIDE, GROW, SEPARATED, SLIP, back_force, guard, traction
+from contact.law.elastic import FAR_SIDE, back_force, guard, traction
 from contact.law.hysteretic import memory_guard, moment
 from contact.law.normal import load
-from contact.problem import RECIPROCAL
 from contact.solve.riding import short_sine
 
 # what `State.slider` holds, and where the deformations begin behind it in the state of a whole motion
@@ -110,7 +110,7 @@ def forces(problem, grid, state, nodes, segment, mobile, memory):
         slider[NORMAL_ACCELERATION, j] = -d_n * slider[CLIMB, j] - p if mobile else 0.0
         slider[TANGENTIAL_ACCELERATION, j] = -d_t * slider[SPEED, j] - q if mobile else 0.0
     for i in range(state.regime.size):
-        if state.regime[i] == SEPARATED:
+        if state.regime[i] == Regime.SEPARATED:
             for j in range(n):
                 own[Z, i, j] = own[U_Z, i, j] - slider[HEIGHT, j]
                 own[P, i, j] = own[Q, i, j] = own[X, i, j] = own[BACK, i, j] = 0.0
@@ -134,20 +134,20 @@ def _contact(problem, grid, state, nodes, i, memory):
         z = own[U_Z, i, j] - nodes.slider[HEIGHT, j]
         slid = state.deformation[i] + own[U_X, i, j] - nodes.slider[TRAVEL, j]
         own[Z, i, j] = z
-        own[X, i, j] = sign * c * z if regime == SLIP else slid
+        own[X, i, j] = sign * c * z if regime == Regime.SLIP else slid
         own[P, i, j] = kappa * load(z, shape)
         own[BACK, i, j] = 0.0
-    if memory is not None and regime >= ANNULUS:
+    if memory is not None and regime >= Regime.ANNULUS:
         for j in range(n):
             z = own[Z, i, j]
             level = own[LEVEL, i, j] if z > 0.0 else 0.0
-            if regime == ANNULUS and z > 0.0:
-                level, own[FRONT, i, j] = moment(memory, i, ANNULUS, sign, z, own[X, i, j], c)
+            if regime == Regime.ANNULUS and z > 0.0:
+                level, own[FRONT, i, j] = moment(memory, i, Regime.ANNULUS, sign, z, own[X, i, j], c)
             own[Q, i, j] = friction * level
     else:
         for j in range(n):
             own[Q, i, j] = traction(regime, sign, own[Z, i, j], own[X, i, j], friction, c, shape)
-    if problem.law == RECIPROCAL:
+    if problem.law == Law.RECIPROCAL:
         for j in range(n):
             own[BACK, i, j] = back_force(regime, sign, own[Z, i, j], own[X, i, j], friction, c, shape)
 
@@ -157,7 +157,7 @@ def _edge(problem, grid, state, nodes, segment, memory):
     """Fill the moment M at the nodes of contacts that grow without slip: dM = (3/2c) sqrt(z) dx."""
     own, n = nodes.contact, grid.sigma.size
     for i in range(state.regime.size):
-        if state.regime[i] != GROW:
+        if state.regime[i] != Regime.GROW:
             continue
         for j in range(n):
             z = max(own[U_Z, i, j] - nodes.slider[HEIGHT, j], 0.0)
@@ -264,9 +264,9 @@ def end_kinematics(problem, state, nodes):
     for i in range(state.regime.size):
         z = own[U_Z, i, n] - nodes.slider[HEIGHT, n]
         own[Z, i, n] = z
-        if state.regime[i] == SLIP:
+        if state.regime[i] == Regime.SLIP:
             own[X, i, n] = state.sign[i] * problem.limit_slope * z
-        elif state.regime[i] != SEPARATED:
+        elif state.regime[i] != Regime.SEPARATED:
             own[X, i, n] = state.deformation[i] + own[U_X, i, n] - nodes.slider[TRAVEL, n]
 
 
@@ -283,14 +283,14 @@ def guards(problem, state, nodes, i, which, memory):
     """Fill `nodes.guard` with guard `which` of contact i at all nodes."""
     regime, sign, own, out = state.regime[i], state.sign[i], nodes.contact, nodes.guard
     if which == 0:
-        side = -1.0 if regime == SEPARATED else 1.0
+        side = -1.0 if regime == Regime.SEPARATED else 1.0
         for j in range(out.size):
             out[j] = FAR_SIDE + side * own[Z, i, j]
         return
     c, band = problem.limit_slope, problem.stick_band
     for j in range(out.size):
         point = point_at(nodes, i, j)
-        if memory is not None and regime >= ANNULUS:
+        if memory is not None and regime >= Regime.ANNULUS:
             out[j], _ = memory_guard(memory, i, regime, which, sign, point, own[FRONT, i, j], c)
         else:
             out[j] = guard(regime, which, sign, point, c, band)

@@ -12,6 +12,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+SPREADS = (
+    1.0,
+    1.5,
+)  # half widths about the middle over which the branches start; each may end in a minimum of its own
+
 
 @dataclass(frozen=True, kw_only=True)
 class MotionalModel:
@@ -107,11 +112,13 @@ def motional_model(frequency: np.ndarray, admittance: np.ndarray, branches: int 
         own = columns(parameters).T / scale
         return np.concatenate([own.real, own.imag])
 
-    places = np.linspace(-1.0, 1.0, branches) if branches > 1 else np.zeros(1)
-    start = [np.log(abs(np.median(y.imag))), np.log(1e-3 * scale)]
-    for place in places:
-        start += [np.log(y.real.max() / branches), place, np.log(1.0 / branches)]
-    found = least_squares(residual, start, jac=slope, method="trf", max_nfev=400)
+    tries = []
+    for spread in SPREADS if branches > 1 else (0.0,):
+        start = [np.log(abs(np.median(y.imag))), np.log(1e-3 * scale)]
+        for place in np.linspace(-spread, spread, branches):
+            start += [np.log(y.real.max() / branches), place, np.log(1.0 / branches)]
+        tries.append(least_squares(residual, start, jac=slope, method="trf", max_nfev=400))
+    found = min(tries, key=lambda each: each.cost)
     static, across, peak, resonance, rate = parts(found.x)
     inductance = 1 / (peak * rate)
     return MotionalModel(

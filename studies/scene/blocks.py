@@ -154,7 +154,7 @@ class Stator(Block):
         bool | None,
         Flag(),
         "true: the finite aperture spreads the beam; false: plane section. "
-        "Absent: true under a slider where the beam can be computed.",
+        "Absent: true under a slider in solids isotropic about z with absorbing ends.",
     ] = None
     sides: Annotated[
         str,

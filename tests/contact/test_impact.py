@@ -11,7 +11,7 @@ import pytest
 from scipy.special import gamma
 
 from contact import steady, threshold_amplitude
-from contact.law import elastic
+from contact.codes import Event
 from contact.problem import scaled, without_wave
 from contact.solve import energy
 from contact.solve.collocation import collocation
@@ -55,7 +55,7 @@ def test_depth_duration_and_rebound_of_an_impact(case, law):
     # Closed form: 4 sqrt(pi) Gamma(0.4)/(5 Gamma(0.9)) deepest/speed = 2.943...
     duration = 4.0 * math.sqrt(math.pi) * gamma(0.4) / (5.0 * gamma(0.9))
     assert np.sum(P > 0.0) * 1e-4 == pytest.approx(duration, abs=2e-4)
-    assert (motion.tally[elastic.CONTACT], motion.tally[elastic.RELEASE]) == (1, 1)
+    assert (motion.tally[Event.CONTACT], motion.tally[Event.RELEASE]) == (1, 1)
 
 
 def test_the_gap_between_contact_and_release_is_the_duration():
@@ -72,7 +72,7 @@ def test_gross_sliding_takes_mu_times_the_normal_momentum(law):
     motion.move(0.0, 4.0, np.empty(0))
     lost = 3.0 - motion.state[2]
     assert lost == pytest.approx(2.0 * s.friction_coefficient * speed / motion.problem.speed, rel=1e-9)
-    assert motion.tally[elastic.SLIP_TO_STICK] == 0
+    assert motion.tally[Event.SLIP_TO_STICK] == 0
 
 
 @pytest.mark.parametrize("damping", [0.01, 0.3, 2.0, 30.0])
@@ -87,7 +87,7 @@ def test_restitution_of_a_ball_with_the_contact_damper(damping):
     left = damping - math.log1p(damping)
     out = brentq(lambda y: -y - math.log1p(-y) - left, 1e-12, 1.0 - 1e-15, xtol=1e-15)
     assert motion.state[1] * motion.problem.speed == pytest.approx(speed * out / damping, rel=1e-8)
-    assert (motion.tally[elastic.CONTACT], motion.tally[elastic.RELEASE]) == (1, 1)
+    assert (motion.tally[Event.CONTACT], motion.tally[Event.RELEASE]) == (1, 1)
 
 
 @pytest.mark.parametrize("over", [1e-9, 1e-3, 0.5, 40.0])
@@ -107,7 +107,7 @@ def test_the_stick_slip_valve_opens_and_closes_twice_a_cycle(over):
     motion.tally[:], motion.sums[:] = 0, 0.0
     cycles = 300
     motion.turn(cycles, mobile=False)
-    kinds = (elastic.STICK_TO_SLIP, elastic.SLIP_TO_STICK, elastic.REVERSAL, elastic.CONTACT, CHATTER)
+    kinds = (Event.STICK_TO_SLIP, Event.SLIP_TO_STICK, Event.REVERSAL, Event.CONTACT, CHATTER)
     assert [motion.tally[kind] for kind in kinds] == [2 * cycles, 2 * cycles, 2 * cycles, 0, 0]
     unit = s.mass * problem.speed**2
     lost = 4.0 * s.friction_coefficient * s.preload * over * x_max * cycles
@@ -124,7 +124,7 @@ def test_the_stick_slip_valve_stays_shut_below_the_slip_limit():
     motion = Motion(problem, grid=collocation(16), truncation=1e-12)
     motion.place(-s.rest_approach(1) / problem.length, 0.0, 0.0, wave[0].tangential.real / problem.length)
     motion.turn(300, mobile=False)
-    assert motion.tally[elastic.STICK_TO_SLIP] == 0
+    assert motion.tally[Event.STICK_TO_SLIP] == 0
     assert motion.sums[energy.SLIP_LOSS] == 0.0
 
 
@@ -142,7 +142,7 @@ def held(cycles):
 @pytest.mark.parametrize("cycles", [5_000, pytest.param(1_000_000, marks=pytest.mark.slow)])
 def test_held_just_below_the_threshold_nothing_ever_slips(cycles):
     motion = held(cycles)
-    assert motion.tally[elastic.STICK_TO_SLIP] == 0
+    assert motion.tally[Event.STICK_TO_SLIP] == 0
     assert motion.sums[energy.SLIP_LOSS] == 0.0
     # slip displacement: what x does not account for; in stick x is the relative displacement itself
     assert motion.tally[CYCLES] == cycles

@@ -5,13 +5,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from contact.codes import Regime, Shape
 from contact.law import elastic, normal
-from contact.law.normal import PUNCH, SPHERE
 from tests.contact.motors import slider
 
 RADIUS, E, G, MU = 1.7e-3, 71e9, 13.3e9, 0.23
 C = elastic.limit_slope(MU, E, G)
-SHAPES = pytest.mark.parametrize("shape", [SPHERE, PUNCH])
+SHAPES = pytest.mark.parametrize("shape", [Shape.SPHERE, Shape.PUNCH])
 
 
 def force(z, shape):
@@ -24,14 +24,14 @@ def traction(x, z, shape):
 
 def test_normal_force_is_hertz_and_zero_when_separated():
     # Oracle: Johnson eq. 4.23, delta = (9 P^2 / 16 R E^2)^(1/3)
-    P = force(np.array([-2e-9, 0.0, 3.1e-9]), SPHERE)
+    P = force(np.array([-2e-9, 0.0, 3.1e-9]), Shape.SPHERE)
     assert P[0] == P[1] == 0.0
     assert (9.0 * P[2] ** 2 / (16.0 * RADIUS * E**2)) ** (1 / 3) == pytest.approx(3.1e-9, rel=1e-13)
 
 
 def test_normal_force_of_a_punch_is_boussinesq():
     # Oracle: Johnson eq. 3.36, P = 2 a E delta
-    P = force(np.array([-2e-9, 0.0, 3.1e-9]), PUNCH)
+    P = force(np.array([-2e-9, 0.0, 3.1e-9]), Shape.PUNCH)
     assert P[0] == P[1] == 0.0
     assert P[2] / (2.0 * RADIUS * E) == pytest.approx(3.1e-9, rel=1e-13)
 
@@ -56,36 +56,36 @@ def test_approach_and_load_are_inverse(shape, P):
 
 def test_slip_limit_is_the_papers_with_its_cube_root():
     z = np.array([0.3e-9, 4.7e-9, 60e-9])
-    P = force(z, SPHERE)
+    P = force(z, Shape.SPHERE)
     a = np.cbrt(3.0 * P * RADIUS / (4.0 * E))
-    assert normal.contact_radius(z, RADIUS, SPHERE) == pytest.approx(a, rel=1e-13)
+    assert normal.contact_radius(z, RADIUS, Shape.SPHERE) == pytest.approx(a, rel=1e-13)
     assert C * z == pytest.approx(3.0 * MU * P / (16.0 * a * G), rel=1e-13)
 
 
 def test_tangential_force_is_cattaneo_mindlin_up_to_the_friction_limit():
     z = 4.7e-9
-    P, a = force(z, SPHERE), normal.contact_radius(z, RADIUS, SPHERE)
+    P, a = force(z, Shape.SPHERE), normal.contact_radius(z, RADIUS, Shape.SPHERE)
     x = np.linspace(-1.0, 1.0, 11) * C * z
     paper = (
         MU * P * (1.0 - np.maximum(1.0 - 16.0 * np.abs(x) * a * G / (3.0 * MU * P), 0.0) ** 1.5) * np.sign(x)
     )
-    assert traction(x, z, SPHERE) == pytest.approx(paper, rel=1e-7)
-    assert np.all(elastic.tangential_force(x, z, 0.0, 0.0, SPHERE) == 0.0)
+    assert traction(x, z, Shape.SPHERE) == pytest.approx(paper, rel=1e-7)
+    assert np.all(elastic.tangential_force(x, z, 0.0, 0.0, Shape.SPHERE) == 0.0)
 
 
 def test_tangential_force_of_a_punch_is_a_spring_that_slips_as_a_whole():
     # Oracle: Q = 8 a G x (Johnson, eq. 7.43 with a fixed contact circle) up to mu P
     z, x = 4.7e-9, np.array([-2e-9, -3e-10, 0.0, 1e-10, 5e-10, 1.6e-9])
-    Q = np.clip(8.0 * RADIUS * G * x, -MU * force(z, PUNCH), MU * force(z, PUNCH))
-    assert traction(x, z, PUNCH) == pytest.approx(Q, rel=1e-13)
-    assert np.count_nonzero(np.abs(Q) == MU * force(z, PUNCH)) == 2  # the others stick
+    Q = np.clip(8.0 * RADIUS * G * x, -MU * force(z, Shape.PUNCH), MU * force(z, Shape.PUNCH))
+    assert traction(x, z, Shape.PUNCH) == pytest.approx(Q, rel=1e-13)
+    assert np.count_nonzero(np.abs(Q) == MU * force(z, Shape.PUNCH)) == 2  # the others stick
 
 
 @SHAPES
 def test_past_the_slip_limit_the_tangential_force_is_the_friction_limit(shape):
     z = 4.7e-9
     assert traction(3.0 * C * z, z, shape) == pytest.approx(MU * force(z, shape), rel=1e-15)
-    for regime in (elastic.STICK, elastic.SLIP):
+    for regime in (Regime.STICK, Regime.SLIP):
         Q = elastic.traction(regime, -1.0, z, -C * z, MU, C, shape)
         assert Q == pytest.approx(-MU * normal.load(z, shape), rel=1e-14)
 

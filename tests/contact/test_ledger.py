@@ -8,8 +8,9 @@ from hypothesis import strategies as st
 from contact import burst, contact_history, steady
 from contact.answers.ledger import Ledger, ledger, together
 from contact.answers.methods import rest, rest_problem, silence
+from contact.codes import Regime, Shape
 from contact.law import elastic
-from contact.law.normal import PUNCH, SPHERE, stiffness
+from contact.law.normal import stiffness
 from tests.contact.motors import orbit, slider
 
 E, G, MU, RADIUS = 71e9, 13.3e9, 0.23, 1.7e-3
@@ -18,11 +19,11 @@ C = elastic.limit_slope(MU, E, G)
 
 def spring(z, x):
     """Return (W, Q, dW/dz) of the tangential spring at approach z and deformation x."""
-    friction, stick = MU * stiffness(RADIUS, E, SPHERE), z - np.abs(x) / C
+    friction, stick = MU * stiffness(RADIUS, E, Shape.SPHERE), z - np.abs(x) / C
     return (
-        friction * C * elastic.friction_energy(z, stick, SPHERE),
-        elastic.tangential_force(x, z, friction, C, SPHERE),
-        friction * C * elastic.back_load(z, stick, SPHERE),
+        friction * C * elastic.friction_energy(z, stick, Shape.SPHERE),
+        elastic.tangential_force(x, z, friction, C, Shape.SPHERE),
+        friction * C * elastic.back_load(z, stick, Shape.SPHERE),
     )
 
 
@@ -55,12 +56,12 @@ def test_the_reciprocal_force_is_the_closed_form_of_the_sphere_and_zero_for_a_pu
     w, slope = r - 0.4 * (1.0 - (1.0 - r) ** 2.5), 1.0 - (1.0 - r) ** 1.5
     sign, x = np.sign(share), share * c * z
     expected = friction * z**1.5 * c * (2.5 * w - r * slope)
-    back = elastic.back_force(elastic.STICK, sign, z, x, friction, c, SPHERE)
+    back = elastic.back_force(Regime.STICK, sign, z, x, friction, c, Shape.SPHERE)
     assert back == pytest.approx(expected, rel=1e-12, abs=1e-16)
-    limit = elastic.back_force(elastic.SLIP, sign, z, sign * c * z, friction, c, SPHERE)
+    limit = elastic.back_force(Regime.SLIP, sign, z, sign * c * z, friction, c, Shape.SPHERE)
     assert limit == pytest.approx(0.5 * friction * z**1.5 * c, rel=1e-15)
-    for regime in (elastic.STICK, elastic.SLIP):
-        assert abs(elastic.back_force(regime, sign, z, x, friction, c, PUNCH)) < 1e-16
+    for regime in (Regime.STICK, Regime.SLIP):
+        assert abs(elastic.back_force(regime, sign, z, x, friction, c, Shape.PUNCH)) < 1e-16
 
 
 @pytest.mark.parametrize("reciprocal", [False, True])
@@ -114,7 +115,7 @@ def test_work_slip_and_leak_are_those_of_the_sampled_forces():
     assert found.slip == pytest.approx(slip, rel=1e-3)  # a sample at each end of slip
     friction, c = s.friction_coefficient * s.normal_stiffness, s.limit_slope
     stick = np.maximum(z - np.abs(x) / c, 0.0)
-    back = friction * c * elastic.back_load(np.maximum(z, 0.0), stick, SPHERE)
+    back = friction * c * elastic.back_load(np.maximum(z, 0.0), stick, Shape.SPHERE)
     assert found.leak == pytest.approx(-np.sum(back * np.gradient(z, step)) * step, rel=1e-5)
     assert found.leak / found.wave_tangential == pytest.approx(0.0117, rel=1e-2)
 

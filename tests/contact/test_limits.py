@@ -8,20 +8,21 @@ from scipy.integrate import quad
 
 from contact import Orbit, release_amplitude, release_factor, riding_height, steady, threshold_amplitude
 from contact import threshold_factor as threshold
-from contact.law.normal import PUNCH, SHAPES, SPHERE, load
+from contact.codes import Shape
+from contact.law.normal import SHAPES, load
 from contact.problem import scaled
 from contact.solve.riding import mean_push, quadrature
 from tests.contact.motors import orbit, slider
 
 
-def mean_load(h, A, shape=SPHERE):
+def mean_load(h, A, shape=Shape.SPHERE):
     """Return the cycle mean of p(h + A cos phi) from the kernel."""
     problem = scaled(slider(shape=SHAPES[shape]), (orbit(A),), direction=1.0, start=0.0)
     force, _ = mean_push(problem, h / problem.length, quadrature(48))
     return force / problem.stiffness * load(problem.length, shape)
 
 
-@pytest.mark.parametrize("shape", [SPHERE, PUNCH])
+@pytest.mark.parametrize("shape", [Shape.SPHERE, Shape.PUNCH])
 @pytest.mark.parametrize("height", [-0.93, -0.2, 0.0, 0.4, 0.999, 1.0, 1.001, 1.7])
 def test_mean_load_against_adaptive_quadrature(height, shape):
     amplitude, power = 1.3e-9, (1.5, 1.0)[shape]

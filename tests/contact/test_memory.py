@@ -7,11 +7,11 @@ from hypothesis import strategies as st
 
 from contact import burst, contact_history, steady
 from contact.answers.ledger import ledger
+from contact.codes import Regime, Status
 from contact.convergence import ConvergenceError
 from contact.kinematics import Point
-from contact.law import elastic, hysteretic
+from contact.law import hysteretic
 from contact.problem import scaled
-from contact.solve import event_driven
 from contact.solve.collocation import collocation
 from contact.solve.energy import chain_energy
 from contact.solve.motion import Motion
@@ -28,7 +28,7 @@ class Contact:
 
     def __init__(self):
         self.memory = hysteretic.blank(1, TABLE)
-        self.regime, self.sign, self.z, self.x = elastic.SEPARATED, 1.0, -1.0, 0.0
+        self.regime, self.sign, self.z, self.x = Regime.SEPARATED, 1.0, -1.0, 0.0
         self.go(1.0, 0.0)
 
     def go(self, z, x):
@@ -202,7 +202,7 @@ def test_contacts_apart_on_the_wave_move_as_rows_of_springs_do(contacts, gap):
 def test_endless_events_get_advice_that_the_law_accepts():
     for law, advice in (("elastic", "stick_band"), ("hysteretic", "normal_damping")):
         with pytest.raises(ConvergenceError, match=advice):
-            motion_of(slider(law=law), 3e-9).fail(event_driven.TOO_MANY)
+            motion_of(slider(law=law), 3e-9).fail(Status.TOO_MANY)
 
 
 def test_the_reciprocal_force_adds_nothing_to_a_law_with_a_potential():

@@ -41,10 +41,10 @@ def test_modes_at_each_lateral_wavenumber_are_the_rotated_ones():
 
 
 def test_what_is_not_followed_spreads_as_the_surface_wave():
-    """Over an absorbing bottom: against all modes, within the stated error, and far smaller than what is left out."""
+    """Over an absorbing bottom: against all modes, within the stated error, and at most half of what is left out."""
     aperture = 12e-3
     turned = beam_in(
-        cut("PZT-8", "Z", quality=300.0), thickness=np.inf, aperture=aperture, length=40.0, pairs=2
+        cut("PZT-8", "Z", quality=300.0), thickness=np.inf, aperture=aperture, length=30.0, pairs=1, order=5
     )
     exact_section = replace(turned.wave, relative_error=0.0)
     solved = replace(turned, source=cut_source(turned.wave.solution.fields), wave=exact_section)
@@ -57,8 +57,8 @@ def test_what_is_not_followed_spreads_as_the_surface_wave():
     missed = abs(found - expected).max(axis=0) / size
     assert np.all(missed < stated)
     left_out = abs(solved._beyond_the_modes(x[:, 0])).max(axis=0)[:, None] / size
-    assert np.all(missed[2:] < 0.3 * left_out[2:])
-    assert np.all(stated[2:, :3] < 0.6 * left_out[2:, :3])
+    assert np.all(missed[2:] < 0.5 * left_out[2:])
+    assert np.all(stated[2:, :3] < 0.8 * left_out[2:, :3])
 
 
 CUTS = {

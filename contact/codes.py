@@ -1,0 +1,72 @@
+"""The codes that kernels pass around: laws, shapes, regimes, events, and why a computation ended."""
+
+from enum import IntEnum
+
+
+class Law(IntEnum):
+    """Tangential law; the hysteretic one has a potential, so that a reciprocal force would add nothing."""
+
+    ELASTIC = 0
+    RECIPROCAL = 1
+    HYSTERETIC = 2
+
+
+class Shape(IntEnum):
+    """Shape of each contact."""
+
+    SPHERE = 0
+    PUNCH = 1
+
+
+class Regime(IntEnum):
+    """Regime of a contact at an instant; the last two belong to the hysteretic law, instead of stick."""
+
+    SEPARATED = 0
+    STICK = 1
+    SLIP = 2
+    CREEP = 3
+    ANNULUS = 4  # slip of an outer annulus
+    GROW = 5  # an edge that grows without slip
+
+
+class Event(IntEnum):
+    """Kind of an event, and its place in the tally; between GRAZE and WIPE_OUT stand the figures of the work."""
+
+    CONTACT = 0
+    RELEASE = 1
+    STICK_TO_SLIP = 2
+    SLIP_TO_STICK = 3
+    REVERSAL = 4
+    GRAZE = 5
+    WIPE_OUT = 11  # a piece of memory
+
+
+class Slips(IntEnum):
+    """Whether a contact at its limit slips towards a side: never, in a window of the cycle, always."""
+
+    NEVER = 0
+    WINDOW = 1
+    ALWAYS = 2
+
+
+class Steady(IntEnum):
+    """Regime of a steady state over a cycle."""
+
+    UNKNOWN = 0
+    STICK = 1
+    SLIP = 2
+    INTERMITTENT = 3
+
+
+class Status(IntEnum):
+    """Why a computation ended."""
+
+    DONE = 0
+    STICKS = 1  # a contact sticks through whole cycles
+    UNSETTLED = 2
+    RUNAWAY = 3  # no velocity balances the load
+    NEAR_THRESHOLD = 4  # held, but so near the threshold that averaging cannot tell
+    NOT_FINITE = 5
+    TOO_MANY = 6  # events
+    FULL = 7  # memory
+    STIFF = 8
