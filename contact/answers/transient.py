@@ -13,6 +13,7 @@ fades as a ring-down says, followed in fixed steps.
 
 import time as clock
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from contact.drive import relative_to_reference, towards_plus
 from contact.envelope import Envelope
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
+from contact.solve.segment import POSITION, ROW_POSITION, ROW_VELOCITY, VELOCITY
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,33 +143,27 @@ def burst(
     shape = envelope.at(np.arange(cycles + 1) / frequency) if envelope is not None else np.empty(0, complex)
     asked = Burst(slider, driven, problem, cycles, stride, tolerance, shape)
     motion, rows, error, statistics, method = run(method, asked)
-    speed_at_end, start = float(motion.state[2]), -slider.rest_approach(len(listed)) / problem.length
+    end = side * float(motion.state[VELOCITY]) * problem.speed
+    relative = relative_to_reference(error * problem.speed, end, listed)
     ends = stride * np.arange(1, len(rows) + 1)
-    parts = [(np.zeros(1), np.zeros(1), np.array([start])), (ends / frequency, rows[:, 0], rows[:, 1])]
+    start = np.full(1, -slider.rest_approach(len(listed)) / problem.length)
+    parts = [
+        (np.zeros(1), np.zeros(1), start),
+        (ends / frequency, rows[:, ROW_VELOCITY], rows[:, ROW_POSITION]),
+    ]
     if cycles % stride:
-        parts.append((np.full(1, cycles / frequency), motion.state[2:3].copy(), motion.state[:1].copy()))
-    book, after_book, rang = None, None, 0.0
+        parts.append((np.full(1, cycles / frequency), motion.state[[VELOCITY]], motion.state[[POSITION]]))
+    book = None
     if motion.begun is not None:
         book = ledger(slider, motion, motion.begun)
         statistics["smallest_gap"] = motion.smallest_gap()
-    if ring_down is not None:
-        count = max(2, round(samples * (1.0 - share) / 2.0))
-        times, rows = ringing_down(
-            slider, problem, motion, ring_down, frequency=frequency, longest=after, rows=count
-        )
-        if times.size:
-            rang, book = float(times[-1]), None
-            parts.append((cycles / frequency + times, rows[:, 0], rows[:, 1]))
-    if after > rang:
-        part, still, begun_after = _slide(motion, after - rang, max(2, round(samples * (1.0 - share))))
-        parts.append((cycles / frequency + rang + part[0], *part[1:]))
-        statistics |= {f"after_{name}": number for name, number in still.events().items()}
-        statistics["after_smallest_gap"] = still.smallest_gap()
-        after_book = ledger(slider, still, begun_after)
-        book = None if book is None else together(book, after_book)
+    slid = _follow_on(slider, motion, frequency, after, ring_down, samples * (1.0 - share))
+    parts += [(cycles / frequency + part[0], *part[1:]) for part in slid.parts]
+    if slid.rang > 0.0:
+        book = None
+    if slid.book is not None:
+        book = None if book is None else together(book, slid.book)
     time, velocity, position = (np.concatenate(series) for series in zip(*parts, strict=True))
-    end = side * speed_at_end * problem.speed
-    relative = relative_to_reference(error * problem.speed, end, listed)
     status, message = "ok", f"{cycles} cycles from rest"
     if relative > tolerance:
         status = "above tolerance"
@@ -175,16 +171,39 @@ def burst(
     return Trajectory(
         slider=slider, orbits=listed, time=time, velocity=side * velocity * problem.speed,
         position=position * problem.length,
-        duration=cycles / frequency, cycles=cycles, rang=rang, velocity_at_burst_end=end,
+        duration=cycles / frequency, cycles=cycles, rang=slid.rang, velocity_at_burst_end=end,
         relative_error=float(relative), status=status, message=message, method=method, ledger=book,
-        after_ledger=after_book, statistics=statistics, seconds=clock.perf_counter() - begun,
+        after_ledger=slid.book, statistics=statistics | slid.statistics, seconds=clock.perf_counter() - begun,
     )  # fmt: skip
 
 
-def _slide(motion, span, count):
-    """Return ((times in s, v, z_s), motion, energies at its start) on a surface at rest."""
-    still, omega = silence(motion), motion.problem.omega
+class _Slide(NamedTuple):
+    """What follows a burst: parts (times in s from its end, v, z_s), how long the surface rang, ledger, events."""
+
+    parts: list
+    rang: float
+    book: Ledger | None
+    statistics: dict
+
+
+def _follow_on(slider, motion, frequency, after, ring_down, samples):
+    """Follow the slider for some seconds after the burst, while the surface rings down and on a surface at rest."""
+    parts, rang, problem = [], 0.0, motion.problem
+    if ring_down is not None:
+        rows = max(2, round(samples / 2.0))
+        times, rows = ringing_down(
+            slider, problem, motion, ring_down, frequency=frequency, longest=after, rows=rows
+        )
+        if times.size:
+            rang = float(times[-1])
+            parts.append((times, rows[:, ROW_VELOCITY], rows[:, ROW_POSITION]))
+    if after <= rang:
+        return _Slide(parts, rang, None, {})
+    still, span, count = silence(motion), after - rang, max(2, round(samples))
     before, at = still.energy(), np.arange(1, count + 1) * (span / count)
-    z, *_, velocity = still.move(0.0, omega * span * (1.0 + 1e-12), at * omega)[:, 0].T
+    z, *_, velocity = still.move(0.0, problem.omega * span * (1.0 + 1e-12), at * problem.omega)[:, 0].T
     # the surface stands still at zero: the first contact's approach is its height less the slider's position
-    return (at, velocity, motion.problem.paths.height[0] - z), still, before
+    parts.append((rang + at, velocity, problem.paths.height[0] - z))
+    statistics = {f"after_{name}": number for name, number in still.events().items()}
+    statistics["after_smallest_gap"] = still.smallest_gap()
+    return _Slide(parts, rang, ledger(slider, still, before), statistics)

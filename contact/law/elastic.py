@@ -69,9 +69,10 @@ def tangential_force(x, z, friction, c, shape):
 
 
 @formula
-def guard(regime, which, sign, point, c, band):
+def guard(problem, regime, which, sign, point):
     """Return guard number `which` (0, 1, 2) of a regime; 1.0 where the regime has no such guard."""
     z, x, z_rate, x_rate = point
+    c, band = problem.limit_slope, problem.stick_band
     if which == 0:
         return FAR_SIDE - z if regime == Regime.SEPARATED else FAR_SIDE + z
     if regime == Regime.STICK:
@@ -84,9 +85,10 @@ def guard(regime, which, sign, point, c, band):
 
 
 @formula
-def follow(regime, which, sign, point, c, band):
+def follow(problem, regime, which, sign, point):
     """Return (regime, sign, x, kind of event) on the far side of guard `which`."""
     z, _, z_rate, x_rate = point
+    c, band = problem.limit_slope, problem.stick_band
     speed = slip_speed(sign, z_rate, x_rate, c)
     if which == 0:
         if regime != Regime.SEPARATED:
@@ -110,9 +112,10 @@ def follow(regime, which, sign, point, c, band):
 
 
 @formula
-def opening(point, c, band):
+def opening(problem, point):
     """Return (regime, sign, x) of a contact that is found with approach z and deformation x."""
     z, x, z_rate, x_rate = point
+    c, band = problem.limit_slope, problem.stick_band
     if z < 0.0 or (z == 0.0 and z_rate <= 0.0):
         return Regime.SEPARATED, 1.0, 0.0
     sign = 1.0
@@ -129,19 +132,20 @@ def opening(point, c, band):
 
 
 @formula
-def traction(regime, sign, z, x, friction, c, shape):
-    """Return Q; in stick the smooth branch of sign s is continued past x = 0 and held at mu P past the limit.
-
-    `friction` is mu K.
-    """
+def traction(problem, regime, sign, point):
+    """Return Q; in stick the smooth branch of sign s is continued past x = 0 and held at mu P past the limit."""
+    z, x, _, _ = point
+    friction, c, shape = problem.friction * problem.stiffness, problem.limit_slope, problem.shape
     if regime == Regime.SEPARATED or z <= 0.0 or c <= 0.0:
         return 0.0
     return sign * friction * friction_load(z, z - sign * x / c if regime == Regime.STICK else 0.0, shape)
 
 
 @formula
-def back_force(regime, sign, z, x, friction, c, shape):
+def back_force(problem, regime, sign, point):
     """Return dW/dz at constant x, W the energy of the tangential spring; mu P c/2 for a sphere at the slip limit."""
+    z, x, _, _ = point
+    friction, c, shape = problem.friction * problem.stiffness, problem.limit_slope, problem.shape
     if regime == Regime.SEPARATED or z <= 0.0 or c == 0.0:
         return 0.0
     stick = max(z - sign * x / c, 0.0) if regime == Regime.STICK else 0.0

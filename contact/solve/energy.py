@@ -30,7 +30,7 @@ SINCE, CROWDING, SUMS = 11, 12, 13
 @compiled
 def account(problem, grid, state, nodes, segment):
     """Add the integrals over one segment to the sums."""
-    friction, c, shape = problem.friction * problem.stiffness, problem.limit_slope, problem.shape
+    friction, c = problem.friction * problem.stiffness, problem.limit_slope
     slider, own, sums, last = nodes.slider, nodes.contact, state.sums, nodes.guard.size - 1
     for k in range(last + 1):
         weight = segment.length * grid.integrals[segment.map, 0, k, last]
@@ -42,7 +42,8 @@ def account(problem, grid, state, nodes, segment):
             regime, sign = state.regime[i], state.sign[i]
             if regime == Regime.SEPARATED:
                 continue
-            (z, x, z_rate, x_rate), tangential = point_at(nodes, i, k), own[Q, i, k]
+            point, tangential = point_at(nodes, i, k), own[Q, i, k]
+            z, _, z_rate, x_rate = point
             spring = own[P, i, k] + own[BACK, i, k]
             damper = problem.contact_damping * own[P, i, k] * z_rate
             sums[TRACTION] += weight * tangential
@@ -56,7 +57,7 @@ def account(problem, grid, state, nodes, segment):
             elif regime == Regime.ANNULUS:
                 sums[SLIP_LOSS] += weight * friction * annulus_slip(z, own[FRONT, i, k]) * slip
             if problem.law == Law.ELASTIC:
-                sums[LEAK] -= weight * back_force(regime, sign, z, x, friction, c, shape) * z_rate
+                sums[LEAK] -= weight * back_force(problem, regime, sign, point) * z_rate
     sums[DISPLACEMENT] += slider[TRAVEL, last]
     if sums[SINCE] > 0.0:
         sums[SINCE] += segment.length

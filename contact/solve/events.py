@@ -27,9 +27,7 @@ def open_regimes(problem, phase, state):
         u_z, u_z_rate, _, u_x_rate = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
         z = u_z + problem.paths.height[i] - height
         point = Point(z, state.deformation[i], u_z_rate - climb, u_x_rate - speed)
-        state.regime[i], state.sign[i], state.deformation[i] = opening(
-            point, problem.limit_slope, problem.stick_band
-        )
+        state.regime[i], state.sign[i], state.deformation[i] = opening(problem, point)
 
 
 @compiled
@@ -55,7 +53,7 @@ def earliest(problem, grid, state, nodes, memory):
 def end_guard(problem, state, nodes, i, which, phase, memory):
     """Return a guard at the end of the segment, which is at this phase, and its rate there."""
     n, regime, sign = nodes.guard.size - 1, state.regime[i], state.sign[i]
-    c, band, point = problem.limit_slope, problem.stick_band, point_at(nodes, i, n)
+    c, point = problem.limit_slope, point_at(nodes, i, n)
     u_z, _, u_x, _ = at_phase(problem.paths, i, np.cos(phase), np.sin(phase))
     z_second = -u_z - nodes.slider[NORMAL_ACCELERATION, n]
     x_second = -u_x - nodes.slider[TANGENTIAL_ACCELERATION, n]
@@ -70,13 +68,13 @@ def end_guard(problem, state, nodes, i, which, phase, memory):
         elif which == 2 and regime == Regime.GROW:
             rate = c * z_second + x_second
         return value, rate
-    value = guard(regime, which, sign, point, c, band)
+    value = guard(problem, regime, which, sign, point)
     if (regime == Regime.SLIP or regime == Regime.CREEP) and which == 1:
         rate = slip_speed(sign, z_second, x_second, c)
         return value, rate if regime == Regime.SLIP else -rate
     # the guards on position are linear in (z, x): their rate is the guard of the rates
     rates = Point(point.approach_rate, point.deformation_rate, 0.0, 0.0)
-    return value, guard(regime, which, sign, rates, c, band) - FAR_SIDE
+    return value, guard(problem, regime, which, sign, rates) - FAR_SIDE
 
 
 @compiled
@@ -115,6 +113,6 @@ def _enter_next(problem, state, nodes, i, which, memory):
         )
     else:
         state.regime[i], state.sign[i], state.deformation[i], kind = follow(
-            regime, which, sign, point, problem.limit_slope, problem.stick_band
+            problem, regime, which, sign, point
         )
     return kind

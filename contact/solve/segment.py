@@ -146,10 +146,10 @@ def _contact(problem, grid, state, nodes, i, memory):
             own[Q, i, j] = friction * level
     else:
         for j in range(n):
-            own[Q, i, j] = traction(regime, sign, own[Z, i, j], own[X, i, j], friction, c, shape)
+            own[Q, i, j] = traction(problem, regime, sign, point_at(nodes, i, j))
     if problem.law == Law.RECIPROCAL:
         for j in range(n):
-            own[BACK, i, j] = back_force(regime, sign, own[Z, i, j], own[X, i, j], friction, c, shape)
+            own[BACK, i, j] = back_force(problem, regime, sign, point_at(nodes, i, j))
 
 
 @compiled
@@ -287,10 +287,10 @@ def guards(problem, state, nodes, i, which, memory):
         for j in range(out.size):
             out[j] = FAR_SIDE + side * own[Z, i, j]
         return
-    c, band = problem.limit_slope, problem.stick_band
     for j in range(out.size):
         point = point_at(nodes, i, j)
         if memory is not None and regime >= Regime.ANNULUS:
-            out[j], _ = memory_guard(memory, i, regime, which, sign, point, own[FRONT, i, j], c)
+            front, c = own[FRONT, i, j], problem.limit_slope
+            out[j], _ = memory_guard(memory, i, regime, which, sign, point, front, c)
         else:
-            out[j] = guard(regime, which, sign, point, c, band)
+            out[j] = guard(problem, regime, which, sign, point)

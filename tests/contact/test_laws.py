@@ -1,11 +1,14 @@
 """Force laws: closed forms on generic numbers, and the forms that the paper prints."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from contact.codes import Regime, Shape
+from contact.kinematics import Point
 from contact.law import elastic, normal
 from tests.contact.motors import slider
 
@@ -86,7 +89,8 @@ def test_past_the_slip_limit_the_tangential_force_is_the_friction_limit(shape):
     z = 4.7e-9
     assert traction(3.0 * C * z, z, shape) == pytest.approx(MU * force(z, shape), rel=1e-15)
     for regime in (Regime.STICK, Regime.SLIP):
-        Q = elastic.traction(regime, -1.0, z, -C * z, MU, C, shape)
+        problem = SimpleNamespace(friction=MU, stiffness=1.0, limit_slope=C, shape=shape)
+        Q = elastic.traction(problem, regime, -1.0, Point(z, -C * z, 0.0, 0.0))
         assert Q == pytest.approx(-MU * normal.load(z, shape), rel=1e-14)
 
 

@@ -1,5 +1,7 @@
 """Energy: the potential behind the reciprocal force, and a balance that closes over cycles and runs."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -9,6 +11,7 @@ from contact import burst, contact_history, steady
 from contact.answers.ledger import Ledger, ledger, together
 from contact.answers.methods import rest, rest_problem, silence
 from contact.codes import Regime, Shape
+from contact.kinematics import Point
 from contact.law import elastic
 from contact.law.normal import stiffness
 from tests.contact.motors import orbit, slider
@@ -56,12 +59,14 @@ def test_the_reciprocal_force_is_the_closed_form_of_the_sphere_and_zero_for_a_pu
     w, slope = r - 0.4 * (1.0 - (1.0 - r) ** 2.5), 1.0 - (1.0 - r) ** 1.5
     sign, x = np.sign(share), share * c * z
     expected = friction * z**1.5 * c * (2.5 * w - r * slope)
-    back = elastic.back_force(Regime.STICK, sign, z, x, friction, c, Shape.SPHERE)
+    contact = {"friction": 0.4, "stiffness": 1.3, "limit_slope": c}
+    ball, punch = (SimpleNamespace(**contact, shape=shape) for shape in Shape)
+    back = elastic.back_force(ball, Regime.STICK, sign, Point(z, x, 0.0, 0.0))
     assert back == pytest.approx(expected, rel=1e-12, abs=1e-16)
-    limit = elastic.back_force(Regime.SLIP, sign, z, sign * c * z, friction, c, Shape.SPHERE)
+    limit = elastic.back_force(ball, Regime.SLIP, sign, Point(z, sign * c * z, 0.0, 0.0))
     assert limit == pytest.approx(0.5 * friction * z**1.5 * c, rel=1e-15)
     for regime in (Regime.STICK, Regime.SLIP):
-        assert abs(elastic.back_force(regime, sign, z, x, friction, c, Shape.PUNCH)) < 1e-16
+        assert abs(elastic.back_force(punch, regime, sign, Point(z, x, 0.0, 0.0))) < 1e-16
 
 
 @pytest.mark.parametrize("reciprocal", [False, True])

@@ -29,7 +29,7 @@ MOTOR = {
 ORDER = tuple(MOTOR)
 
 
-@njit
+@njit(cache=True)
 def _forces(z, x, regime, s, R, mu, E, G):
     if regime == 0 or z <= 0.0:
         return 0.0, 0.0
@@ -42,7 +42,7 @@ def _forces(z, x, regime, s, R, mu, E, G):
     return P, (Q if x >= 0.0 else -Q)
 
 
-@njit
+@njit(cache=True)
 def _rates(t, zs, w, v, x, regime, s, A, p):
     R, m, F, mu, E, G, rn, rt, f, ratio = p
     om = 2.0 * math.pi * f
@@ -51,7 +51,7 @@ def _rates(t, zs, w, v, x, regime, s, A, p):
     return w, (P - rn * w - F) / m, (Q - rt * v) / m, (vt - v if regime == 1 else 0.0)
 
 
-@njit
+@njit(cache=True)
 def _step(t, h, y, regime, s, A, p):
     zs, w, v, x = y
     a1, b1, c1, d1 = _rates(t, zs, w, v, x, regime, s, A, p)
@@ -68,14 +68,14 @@ def _step(t, h, y, regime, s, A, p):
     )
 
 
-@njit
+@njit(cache=True)
 def _slip_limit(z, R, mu, E, G):
     P = 4.0 / 3.0 * E * math.sqrt(R) * max(z, 0.0) ** 1.5
     a = (3.0 * P * R / (4.0 * E)) ** (1.0 / 3.0)
     return 3.0 * mu * P / (16.0 * a * G) if a > 0.0 else 0.0
 
 
-@njit
+@njit(cache=True)
 def _violated(t, y, regime, s, A, p):
     """0: the regime may go on; 1: contact or release; 2: stick or slip ends."""
     R, _, _, mu, E, G, _, _, f, ratio = p
@@ -93,7 +93,7 @@ def _violated(t, y, regime, s, A, p):
     return 2 if vf < 0.0 else 0
 
 
-@njit
+@njit(cache=True)
 def run(A, p, y, regime, s, t, steps, per_cycle):
     """Return (state, regime, sign, mean v) after a number of steps from time t; the wave is A sin, r A sin' ."""
     R, _, _, mu, E, G, _, _, f, ratio = p
