@@ -11,6 +11,7 @@ import pytest
 from contact import mean_motion
 from contact.answers.methods import rest, rest_problem
 from contact.solve.averaged_transient import Span, response
+from contact.solve.riding import quadrature
 from contact.solve.time_stepping import steps
 from tests.contact.motors import orbit, slider
 
@@ -46,8 +47,8 @@ def transient():
     problem = rest_problem(slider(), (orbit(5e-9),))
     at, rows = 2.0 * np.pi * np.array([100.0, 200.0]), np.zeros((2, 2))
     state = np.array([-slider().rest_approach(1) / problem.length, 0.0, 0.0])
-    span = Span(2.0 * np.pi * 300, 1e-4, 8, 1, at, rows, np.zeros(2, np.int64))
-    response(problem, state, span, 8, 8)
+    span = Span(2.0 * np.pi * 300, 1e-4, 8, quadrature(8), 1, at, rows, np.zeros(2, np.int64))
+    response(problem, state, span, 8)
     return [*state, *np.ravel(rows)]
 
 
