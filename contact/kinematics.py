@@ -15,17 +15,10 @@ from contact.jit.compiled import formula
 
 
 class Paths(NamedTuple):
-    """Motion of the surface under each contact, and the contact's own height; arrays (n,).
+    """Motion of the surface under each contact, and the contact's own height; arrays (n,)."""
 
-    Attributes
-    ----------
-    height : array
-        h, added to the approach.
-    normal_cos, normal_sin, tangential_cos, tangential_sin : arrays
-        a and b of u_z, then of u_x.
-    """
-
-    height: np.ndarray
+    height: np.ndarray  # h, added to the approach
+    # a and b of u_z, then of u_x
     normal_cos: np.ndarray
     normal_sin: np.ndarray
     tangential_cos: np.ndarray

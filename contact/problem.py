@@ -22,53 +22,25 @@ from contact.slider import Slider
 
 
 class Problem(NamedTuple):
-    """A dimensionless problem.
+    """A dimensionless problem."""
 
-    Attributes
-    ----------
-    stiffness : float
-        kappa of P = kappa p(z), of one contact.
-    contact_damping : float
-        chi.
-    normal_damping, tangential_damping : float
-        d_n and d_t.
-    preload : float
-        p.
-    load : float
-        q, with the sign of the load.
-    friction, limit_slope : float
-        mu and c, the slip limit over the approach.
-    stick_band : float
-        The seed's DV.
-    longest : float
-        Longest segment of the event-driven solver.
-    law : int
-        One of `codes.Law`.
-    shape : int
-        Of each contact, one of `codes.Shape`.
-    paths : Paths
-        Of the contacts.
-    length : float
-        ell, m.
-    omega : float
-        rad/s.
-    """
-
-    stiffness: float
-    contact_damping: float
+    stiffness: float  # kappa of P = kappa p(z), of one contact
+    contact_damping: float  # chi
+    # d_n and d_t
     normal_damping: float
-    preload: float
+    preload: float  # p
     tangential_damping: float
-    load: float
+    load: float  # q, with the sign of the load
+    # mu and c, the slip limit over the approach
     friction: float
     limit_slope: float
-    stick_band: float
-    longest: float
-    law: int
-    shape: int
-    paths: Paths
-    length: float
-    omega: float
+    stick_band: float  # The seed's DV
+    longest: float  # Longest segment of the event-driven solver
+    law: int  # One of `codes.Law`
+    shape: int  # Of each contact, one of `codes.Shape`
+    paths: Paths  # Of the contacts
+    length: float  # ell, m
+    omega: float  # rad/s
 
     @property
     def contacts(self) -> int:

@@ -66,33 +66,15 @@ def refuse_unless_applicable(slider: Slider, orbits: tuple[Orbit, ...], stiffest
 
 @dataclass(frozen=True)
 class _Transient:
-    """Averaged equations of one burst: where they start, what is recorded.
+    """Averaged equations of one burst: where they start, what is recorded."""
 
-    Attributes
-    ----------
-    problem : Problem
-        The scaled problem.
-    start : (3,) array
-        z_s, z_s' and v at the end of the first cycle.
-    phases : (k,) array
-        Where v and z_s are recorded.
-    compared : (k,) bool array
-        Which of them serve to compare two runs.
-    stop : float
-        Phase of the end, from that of the start.
-    unit : float
-        Reference speed, scaled.
-    work : (2,) int array
-        Steps of the bounce and of the velocity, added up.
-    """
-
-    problem: Problem
-    start: np.ndarray
-    phases: np.ndarray
-    compared: np.ndarray
-    stop: float
-    unit: float
-    work: np.ndarray
+    problem: Problem  # The scaled problem
+    start: np.ndarray  # (3,) array: z_s, z_s' and v at the end of the first cycle
+    phases: np.ndarray  # (k,) array: Where v and z_s are recorded
+    compared: np.ndarray  # (k,) bool array: Which of them serve to compare two runs
+    stop: float  # Phase of the end, from that of the start
+    unit: float  # Reference speed, scaled
+    work: np.ndarray  # (2,) int array: Steps of the bounce and of the velocity, added up
 
     def follow(self, harmonics, allowed, per_period, nodes):
         """Return (state at the end, rows) of one run: v to `allowed` of the unit, so many steps per bounce."""

@@ -34,18 +34,12 @@ NODES, FINE_NODES, RULE_ERROR = 16, 24, 0.1
 
 
 class Work(NamedTuple):
-    """Work arrays of the averaged equations.
+    """Work arrays of the averaged equations."""
 
-    Attributes
-    ----------
-    rule, fine : Rule
-        Quadrature of the search and of the answer.
-    first, second : Cycle
-        Of first order, without fast motion, and of second order.
-    """
-
+    # Quadrature of the search and of the answer
     rule: Rule
     fine: Rule
+    # Of first order, without fast motion, and of second order
     first: Cycle
     second: Cycle
 

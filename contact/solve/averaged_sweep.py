@@ -65,30 +65,16 @@ LEAST_ERROR = 1e-9
 
 
 class Given(NamedTuple):
-    """The problems of a sweep.
+    """The problems of a sweep."""
 
-    Attributes
-    ----------
-    sliders : (s, 11) array
-        By the names of this module; SI units.
-    heights : (s, contacts) array
-        Of the contacts, m.
-    paths : Paths
-        Of the waves, m; arrays (w, contacts), the heights zero.
-    omegas, wave_errors : (w,) arrays
-        rad/s; relative.
-    ratios : (n,) array
-        Contact resonance over the wave's frequency, per problem.
-    which, factors : (n, 2) array of int, (n,) array
-        Slider and wave of each problem, factor on the amplitudes.
-    """
-
-    sliders: np.ndarray
-    heights: np.ndarray
-    paths: Paths
+    sliders: np.ndarray  # (s, 11) array: By the names of this module; SI units
+    heights: np.ndarray  # (s, contacts) array: Of the contacts, m
+    paths: Paths  # Of the waves, m; arrays (w, contacts), the heights zero
+    # (w,) arrays: rad/s; relative
     omegas: np.ndarray
     wave_errors: np.ndarray
-    ratios: np.ndarray
+    ratios: np.ndarray  # (n,) array: Contact resonance over the wave's frequency, per problem
+    # (n, 2) array of int, (n,) array: Slider and wave of each problem, factor on the amplitudes
     which: np.ndarray
     factors: np.ndarray
 

@@ -57,34 +57,17 @@ def ripple(fast):
 
 
 class Span(NamedTuple):
-    """What is followed, and what is recorded.
+    """What is followed, and what is recorded."""
 
-    Attributes
-    ----------
-    stop : float
-        A whole number of cycles, as phase.
-    tolerance : float
-        In V; also the largest squared bounce that counts as dead.
-    per_period : int
-        Steps per period of the bounce.
-    rule : Rule
-        Quadrature of a smooth piece, of at most `averaged.FINE_NODES` nodes.
-    corrected : int
-        1: with the correction of second order.
-    at, rows : (k,), (k, 2) arrays
-        Phases to report, rising; v and z_s there.
-    steps : (2,) int array
-        Steps of the bounce and of the velocity are added.
-    """
-
-    stop: float
-    tolerance: float
-    per_period: int
-    rule: Rule
-    corrected: int
+    stop: float  # A whole number of cycles, as phase
+    tolerance: float  # In V; also the largest squared bounce that counts as dead
+    per_period: int  # Steps per period of the bounce
+    rule: Rule  # Quadrature of a smooth piece, of at most `averaged.FINE_NODES` nodes
+    corrected: int  # 1: with the correction of second order
+    # (k,), (k, 2) arrays: Phases to report, rising; v and z_s there
     at: np.ndarray
     rows: np.ndarray
-    steps: np.ndarray
+    steps: np.ndarray  # (2,) int array: Steps of the bounce and of the velocity are added
 
 
 @compiled

@@ -51,30 +51,14 @@ class Nodes(NamedTuple):
 
 
 class Cycle(NamedTuple):
-    """What a cycle is taken on, and what it gives.
+    """What a cycle is taken on, and what it gives."""
 
-    Attributes
-    ----------
-    fast : Harmonics
-        The slider's own fast motion: z_s, and its travel.
-    path : Harmonics
-        Room for that of a contact relative to the slider.
-    force : Harmonics
-        Of P (1 + chi z') and of Q; empty where only the means are wanted.
-    nodes : Nodes
-        As many as the quadrature has; empty likewise.
-    means : (2,) array
-        Of sum P and sum Q.
-    counts : (4,) int array
-        See the names of this module.
-    """
-
-    fast: Harmonics
-    path: Harmonics
-    force: Harmonics
-    nodes: Nodes
-    means: np.ndarray
-    counts: np.ndarray
+    fast: Harmonics  # The slider's own fast motion: z_s, and its travel
+    path: Harmonics  # Room for that of a contact relative to the slider
+    force: Harmonics  # Of P (1 + chi z') and of Q; empty where only the means are wanted
+    nodes: Nodes  # As many as the quadrature has; empty likewise
+    means: np.ndarray  # (2,) array: Of sum P and sum Q
+    counts: np.ndarray  # (4,) int array: See the names of this module
 
 
 class Path(NamedTuple):

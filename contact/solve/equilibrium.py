@@ -35,29 +35,16 @@ NODES, TRUNCATION = 14, 1e-11
 
 @dataclass(frozen=True, kw_only=True)
 class Balance:
-    """Averaged steady state, in the units of `problem`; phase 0 is the trough of the first contact.
+    """Averaged steady state, in the units of `problem`; phase 0 is the trough of the first contact."""
 
-    Attributes
-    ----------
-    problem : Problem
-        With the load against the direction of the unloaded motion.
-    height : float
-        Mean approach h.
-    speed : float
-        v.
-    held : bool
-        True: a sticking contact keeps the slider at rest.
-    motion : Motion
-        At the end of a repeating cycle at constant height and velocity; its tally is of that cycle.
-    work : (11,) int array
-        Stretches, halvings, sweeps, cycles computed (`event_driven.STRETCHES` and so on).
-    """
-
-    problem: Problem
-    height: float
-    speed: float
-    held: bool
+    problem: Problem  # With the load against the direction of the unloaded motion
+    height: float  # Mean approach h
+    speed: float  # v
+    held: bool  # True: a sticking contact keeps the slider at rest
+    # At the end of a repeating cycle at constant height and velocity; its tally is of that cycle
     motion: Motion
+    # (11,) int array: Stretches, halvings, sweeps, cycles computed (`event_driven.STRETCHES` and so
+    # on)
     work: np.ndarray
 
     @property

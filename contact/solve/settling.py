@@ -41,37 +41,18 @@ SLOW = 5.0
 
 @dataclass(frozen=True, kw_only=True)
 class LongRun:
-    """Mean of a long motion, in the units of its problem; phase 0 is where u_z of the first contact rises through zero.
+    """Mean of a long motion, in the units of its problem; phase 0 is where the first u_z rises through zero."""
 
-    Attributes
-    ----------
-    speed : float
-        Mean of v.
-    error : float
-        Estimated, of `speed`.
-    period : int
-        Cycles after which the motion repeats; 0 if it was not seen to.
-    sticks : bool
-        Whether every contact sticks for good, so that the speed is exactly zero.
-    cycles, passed : int
-        Over which the mean is taken, and those before.
-    starts : int
-        From which the motion was followed.
-    motion : motion.Motion
-        At the end; its tally and sums cover the `cycles`.
-    before : (3,) array
-        `Motion.energy` at their start.
-    """
-
-    speed: float
-    error: float
-    period: int
-    sticks: bool
+    speed: float  # Mean of v
+    error: float  # Estimated, of `speed`
+    period: int  # Cycles after which the motion repeats; 0 if it was not seen to
+    sticks: bool  # Whether every contact sticks for good, so that the speed is exactly zero
+    # Over which the mean is taken, and those before
     cycles: int
     passed: int
-    starts: int = 1
-    motion: Motion
-    before: np.ndarray
+    starts: int = 1  # From which the motion was followed
+    motion: Motion  # At the end; its tally and sums cover the `cycles`
+    before: np.ndarray  # (3,) array: `Motion.energy` at their start
 
     @property
     def height(self) -> float:
