@@ -1,9 +1,8 @@
 """Machine code of a kernel that stands alone: numba types and lowers it, llvmlite optimises it once and for all.
 
 Numba would optimise every function by itself and again inside each that calls it, and wrap each for Python.  Here that
-is put off: the functions are linked once, into one module with one entry, and everything is inlined that pays.  The
-entry takes a table of 64-bit words (addresses, lengths, numbers).  Reference counts are left out, for nothing is
-allocated.
+is put off: one module, one entry, everything inlined that pays.  The entry takes a table of 64-bit words (addresses,
+lengths, numbers).  Reference counts are left out, for nothing is allocated.
 """
 
 import re
@@ -12,7 +11,6 @@ import re
 _LIBRARY = re.compile(
     r"llvm\..*|sin|cos|tan|sqrt|asin|acos|atan|atan2|hypot|pow|exp|log|floor|ceil|fmod|cbrt|mem(set|cpy|move)|__\w+c3"
 )
-# what functions of numba's own still count: nothing is allocated, so that there is nothing to count
 _COUNTING = re.compile(r"^define [^\n]*@NRT_(in|de)cref\([^{]*\{.*?^\}", re.MULTILINE | re.DOTALL)
 
 
@@ -23,29 +21,17 @@ def machine_code(kernel, words: list[str], arguments: tuple, numba) -> bytes:
     """
     from numba.core.compiler_lock import global_compiler_lock
     from numba.core.registry import cpu_target
-    from numba.core.runtime.context import NRTContext
 
     codegen = cpu_target.target_context.codegen()
-    usual, counting = codegen._library_class, (NRTContext.incref, NRTContext.decref)
+    usual = codegen._library_class
     with global_compiler_lock:
         codegen._library_class, codegen.set_env = _put_off(usual), lambda name, environment: None
-        NRTContext.incref, NRTContext.decref = map(_in_numba_only, counting)
         try:
             library = _lowered(kernel, words, arguments, numba)
         finally:
-            codegen._library_class, (NRTContext.incref, NRTContext.decref) = usual, counting
+            codegen._library_class = usual
             del codegen.set_env
     return _optimised(library)
-
-
-def _in_numba_only(count):
-    """Return numba's counting of references, left out but in functions of numba's own, which it keeps for others."""
-
-    def counted(context, builder, *arguments):
-        if builder.function.name.startswith("_ZN5numba"):
-            count(context, builder, *arguments)
-
-    return counted
 
 
 def _put_off(usual):
@@ -55,13 +41,15 @@ def _put_off(usual):
         def _optimize_functions(self, module):
             module.data_layout = self._codegen._data_layout
 
-        def finalize(self):
+        def _optimize_final_module(self):
+            pass
+
+        def _finalize_final_module(self):
+            self._finalize_dynamic_globals()
             self._finalized = True
 
-        def _get_module_for_linking(self):  # into a library of numba's own that wants the same function
-            return _linked(self)
-
         def get_pointer_to_function(self, name):
+            self._ensure_finalized()
             return 0
 
     return Lowered
@@ -100,7 +88,7 @@ def _lowered(kernel, words, arguments, numba):
         f"def entry(words, numbers):\n"
         f"    words, numbers = carray(words, ({at},)), carray(numbers, ({at},))\n"
         f"    answer = kernel({', '.join(given)})\n"
-        f"    return 0 if answer is None else answer + 0\n"
+        f"    return 0 if answer is None else int(answer)\n"
     )
     exec(source, scope)
     words_type, numbers_type = types.CPointer(types.int64), types.CPointer(types.float64)
@@ -123,21 +111,6 @@ def _gathered(kind, argument, parts, scope):
     return f"{name}({', '.join(fields)})"
 
 
-def _linked(library):
-    """Return one module of a library's functions and all that they call."""
-    libraries = [library]
-    for each in libraries:
-        libraries += [other for other in dict.fromkeys(each._linking_libraries) if other not in libraries]
-    modules = [each._final_module.clone() for each in libraries]
-    for module in modules:
-        for function in module.functions:
-            if not function.is_declaration:
-                function.linkage = "linkonce_odr"
-    for module in modules[1:]:
-        modules[0].link_in(module)
-    return modules[0]
-
-
 def _optimised(library):
     """Return the object file of the library's entry."""
     import llvmlite.binding as llvm
@@ -146,7 +119,7 @@ def _optimised(library):
         cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=3, codemodel="jitdefault",
         jit=True,
     )  # fmt: skip
-    text = _COUNTING.sub("", str(_linked(library)))
+    text = _COUNTING.sub("", str(library._final_module))
     for name in ("incref", "decref"):
         text = re.sub(rf"^declare [^\n]*@NRT_{name}\([^\n]*$", "", text, flags=re.MULTILINE)
         text += f"\ndefine internal void @NRT_{name}(ptr %0) alwaysinline {{\n  ret void\n}}\n"
