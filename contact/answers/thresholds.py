@@ -13,8 +13,10 @@ amplitudes, any phase), and the offsets carry the load, <sum Q_i> = load. In qua
 
 A hysteretic contact slips at its rim long before it slips as a whole, and what it remembers of a cycle carries the
 slider along: it starts some 10 % below the elastic threshold. The reciprocal force adds to the support, so that the
-slider rides higher and parts earlier. Of contacts at different heights the highest hold the slider while the lowest
-slip. There the factor is searched in the averaged balance, to 1e-5.
+slider rides higher and parts earlier. Of contacts at different heights or on different orbits some hold the slider
+while others slip. There the factor is searched in the averaged balance, to 1e-5.
+
+p(z) is homogeneous: with equal heights the approach and the orbits grow by one factor, and the preload gives it.
 """
 
 import math
@@ -26,7 +28,7 @@ from contact.drive import towards_plus
 from contact.law.elastic import tangential_force
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
-from contact.solve.riding import riding_height
+from contact.solve.riding import mean_load, riding_height
 from contact.solve.roots import bracketed
 
 ACCURACY = 1e-5
@@ -52,9 +54,8 @@ def threshold_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float
         return math.inf
     if slider.friction_coefficient * slider.preload <= slider.load:
         return 0.0
-    level = replace(slider, heights=())
-    elastic = _falling_root(lambda factor: _holding_margin(level, listed, factor), slider, listed)
-    if slider.law == "elastic" and not slider.reciprocal and not slider.heights:
+    elastic = _elastic_threshold(replace(slider, heights=()), listed)
+    if slider.law == "elastic" and not slider.reciprocal and not slider.heights and _alike(listed):
         return elastic
     _, driven = towards_plus(listed)
     return _edge(lambda k: not balanced(slider, tuple(o.scaled(k) for o in driven)).held, elastic)
@@ -68,6 +69,9 @@ def release_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
     from contact.solve.equilibrium import balanced
 
     listed = as_orbits(orbits)
+    if not slider.heights and not slider.reciprocal:
+        reach = [abs(o.normal) for o in listed]
+        return _factor_at(max(reach), slider, reach) if max(reach) > 0.0 else math.inf
     touch = slider.rest_approach(len(listed)) + slider.offsets(len(listed)) > 0.0
     reach, heights = np.array([abs(o.normal) for o in listed])[touch], slider.offsets(len(listed))[touch]
     if not touch.any() or np.max(reach) == 0.0:
@@ -101,6 +105,31 @@ def threshold_amplitude(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> fl
 def release_amplitude(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
     """Return the amplitude |u_z| of the first orbit in m at which a contact is first lost once per cycle."""
     return release_factor(slider, orbits) * abs(as_orbits(orbits)[0].normal)
+
+
+def _elastic_threshold(slider, orbits):
+    """Return the factor at which the first contact slips, all at one height; see the module's text."""
+    c = slider.limit_slope
+    end = max(abs(o.tangential - c * o.normal) + abs(o.tangential + c * o.normal) for o in orbits) / (2.0 * c)
+    no_room = _factor_at(end, slider, [abs(o.normal) for o in orbits])
+    if slider.load == 0.0 and len(orbits) == 1:
+        return no_room
+    if _holding_margin(slider, orbits, no_room * (1.0 - 1e-9)) >= 0.0:
+        return no_room
+    return bracketed(lambda factor: _holding_margin(slider, orbits, factor), 0.0, no_room)
+
+
+def _factor_at(height, slider, reach):
+    """Return the factor on |U_z| = reach of all contacts at which the slider rides at the factor times a height."""
+    unit = max(height, *reach)
+    mean = sum(mean_load(height / unit, each / unit, slider.contact_shape) for each in reach)
+    return slider.approach_under(slider.preload / mean, 1) / unit
+
+
+def _alike(orbits):
+    """True if all orbits are one orbit with different phases."""
+    first, *others = ((abs(o.normal), abs(o.tangential), o.normal * np.conj(o.tangential)) for o in orbits)
+    return all(np.allclose(each, first, rtol=1e-9, atol=0.0) for each in others)
 
 
 def _holding_margin(slider, orbits, factor):

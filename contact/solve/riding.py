@@ -5,6 +5,7 @@ one h. <p(z)> of a contact depends on its mean approach and on |u_z| alone. It i
 phi = beta (1 - cos theta)/2, which makes the root at the end of the arc smooth: Gauss-Legendre is spectral.
 """
 
+import math
 from functools import cache
 from typing import NamedTuple
 
@@ -71,6 +72,14 @@ def _mean_loads(z, a, half, rule, shape):
         force += rule.weight[j] * load(z + a * co, shape)
         rate += rule.weight[j] * slope(z + a * co, shape)
     return force, rate
+
+
+def mean_load(z, a, shape):
+    """Return the cycle mean of p(z + a cos phi); numbers."""
+    if z <= -a:
+        return 0.0
+    half, rule = math.pi if z >= a else math.acos(-z / a), quadrature(NODES)
+    return half / math.pi * float(rule.weight @ load(z + a * np.cos(half * rule.place), shape))
 
 
 @compiled
