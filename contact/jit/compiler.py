@@ -88,7 +88,7 @@ def _lowered(kernel, words, arguments, numba):
         f"def entry(words, numbers):\n"
         f"    words, numbers = carray(words, ({at},)), carray(numbers, ({at},))\n"
         f"    answer = kernel({', '.join(given)})\n"
-        f"    return 0 if answer is None else int(answer)\n"
+        f"    return 0 if answer is None else answer + 0\n"
     )
     exec(source, scope)
     words_type, numbers_type = types.CPointer(types.int64), types.CPointer(types.float64)
