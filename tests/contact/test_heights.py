@@ -157,9 +157,10 @@ def test_riding_on_a_wave_the_mean_force_is_the_preload():
     assert np.min(left) == pytest.approx(0.0, abs=1e-12 * s.rest_approach(3))
 
 
-def test_the_threshold_is_where_the_averaged_slider_starts():
+@pytest.mark.parametrize("heights", [HEIGHTS, ()])
+def test_the_threshold_is_where_the_averaged_slider_starts(heights):
     # The two solvers share no integration: events on interpolants, and closed events of a given path
-    s = slider(heights=HEIGHTS)
+    s = slider(heights=heights)
     factor = threshold_factor(s, trio(5e-9))
     held = [
         mean_motion(s, tuple(o.scaled(k * factor) for o in trio(5e-9))).first_order == 0.0
