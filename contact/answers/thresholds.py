@@ -54,7 +54,7 @@ def threshold_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float
         return math.inf
     if slider.friction_coefficient * slider.preload <= slider.load:
         return 0.0
-    elastic = _elastic_threshold(replace(slider, heights=()), listed)
+    elastic = _elastic_threshold(replace(slider, heights=()) if slider.heights else slider, listed)
     if slider.law == "elastic" and not slider.reciprocal and not slider.heights and _alike(listed):
         return elastic
     _, driven = towards_plus(listed)
@@ -112,8 +112,6 @@ def _elastic_threshold(slider, orbits):
     c = slider.limit_slope
     end = max(abs(o.tangential - c * o.normal) + abs(o.tangential + c * o.normal) for o in orbits) / (2.0 * c)
     no_room = _factor_at(end, slider, [abs(o.normal) for o in orbits])
-    if slider.load == 0.0 and len(orbits) == 1:
-        return no_room
     if _holding_margin(slider, orbits, no_room * (1.0 - 1e-9)) >= 0.0:
         return no_room
     return bracketed(lambda factor: _holding_margin(slider, orbits, factor), 0.0, no_room)

@@ -3,6 +3,7 @@
 Method: a scene with transducers and a slider (``twente`` when none is named) is run and drawn: the wave field (still,
 moving, as a solid of the whole width), orbits at 12 places, amplitude with its ripple, profile through the depth
 against the half-space's, slow motion of one contact, start and stop, regimes, velocity, and where power and energy go.
+Expected: pictures; what they show is judged by the studies of each.
 Run time: about a minute.
 """
 

@@ -17,7 +17,8 @@ __all__ = ["Tolerance", "Uncertain", "half_width", "parted"]
 OPTIONS = {"method": Choice(("linear", "sampled")), "samples": Count(100_000)}
 DEFAULTS = {"method": "linear", "samples": 500}
 SIGN = r"(?:\+-|\+/-|±)"
-STATED = re.compile(rf"\s*([+-]?[\d.][^%]*?)\s*{SIGN}\s*([\d.].*?)\s*")
+# with blanks about the sign: "0+-0" is a pattern of fingers
+STATED = re.compile(r"\s*([+-]?[\d.][^%]*?)(?:\s+(?:\+-|\+/-)\s+|\s*±\s*)([\d.].*?)\s*")
 ALONE = re.compile(rf"\s*{SIGN}?\s*([\d.].*?)\s*")
 
 
