@@ -101,9 +101,4 @@ def ledger(slider: Slider, motion, before: np.ndarray, spans: int = 1) -> Ledger
     unit = slider.mass * motion.problem.speed**2 / spans
     sums, gained = unit * motion.sums, unit * (motion.energy() - before)
     lost = {name: float(sums[getattr(energy, place)]) for name, place in PLACES.items()}
-    return Ledger(
-        **lost,
-        stored=float(gained[0]),
-        lifted=float(gained[1]),
-        slider=float(gained[2]),
-    )
+    return Ledger(**lost, stored=float(gained[0]), lifted=float(gained[1]), slider=float(gained[2]))

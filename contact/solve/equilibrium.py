@@ -43,8 +43,7 @@ class Balance:
     held: bool  # True: a sticking contact keeps the slider at rest
     # At the end of a repeating cycle at constant height and velocity; its tally is of that cycle
     motion: Motion
-    # (11,) int array: Stretches, halvings, sweeps, cycles computed (`event_driven.STRETCHES` and so
-    # on)
+    # (11,) int array: Stretches, halvings, sweeps, cycles computed (`event_driven.STRETCHES` and so on)
     work: np.ndarray
 
     @property

@@ -49,10 +49,7 @@ def aperture_coupling(
     highest = float(np.sqrt((wavenumbers**2).real.max()))
     rule = lateral_rule(highest, (sender + receiver) / 2, evanescent(highest, distance), mirror_width)
     out = np.empty(len(wavenumbers), dtype=complex)
-    for some, one, sign in (
-        (wavenumbers.real >= 0, rule, 1),
-        (wavenumbers.real < 0, rule.conjugate, -1),
-    ):
+    for some, one, sign in ((wavenumbers.real >= 0, rule, 1), (wavenumbers.real < 0, rule.conjugate, -1)):
         k = wavenumbers[some, None]
         along = sign * np.sqrt(k**2 - one.nodes**2)
         both = sender * np.prod(
@@ -112,12 +109,7 @@ def with_apertures(fields: PortFields, mirror_width: float | None = None) -> Por
         waves=np.tile(kept, 2 * len(responses)),
     )
     return connected(
-        fields.stator,
-        fields.transducers,
-        network,
-        solution,
-        resolution=fields.resolution,
-        own_apertures=True,
+        fields.stator, fields.transducers, network, solution, resolution=fields.resolution, own_apertures=True
     )
 
 

@@ -58,11 +58,7 @@ class MotionalModel:
             f"R0 p n {self.resistance:.9e}",
         ]
         for k, (r, inductance, c) in enumerate(self.branches, start=1):
-            lines += [
-                f"R{k} p a{k} {r:.9e}",
-                f"L{k} a{k} b{k} {inductance:.9e}",
-                f"C{k} b{k} n {c:.9e}",
-            ]
+            lines += [f"R{k} p a{k} {r:.9e}", f"L{k} a{k} b{k} {inductance:.9e}", f"C{k} b{k} n {c:.9e}"]
         return "\n".join([*lines, f".ends {name}"]) + "\n"
 
 

@@ -51,9 +51,7 @@ def joined(
 
 
 def repeated(
-    piece: Superelement,
-    count: int,
-    join: Callable[[Superelement, Superelement], Superelement] = joined,
+    piece: Superelement, count: int, join: Callable[[Superelement, Superelement], Superelement] = joined
 ) -> Superelement:
     """Superelement of ``count`` equal neighbours, by doubling."""
     result, power = None, piece

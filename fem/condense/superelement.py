@@ -40,8 +40,7 @@ class Superelement:
     column: "Column | None" = field(default=None, repr=False)
     # true if its two electrodes are those of the parts and of the column in exchanged order
     exchanged: bool = False
-    # shape (2 n + 2,): for an open strip: its potential, in the place of electrode 0, as a function of the
-    # sides
+    # shape (2 n + 2,): for an open strip: its potential, in the place of electrode 0, as a function of the sides
     floating: np.ndarray | None = field(default=None, repr=False)
     # for a superelement on lines reduced to a basis: its sides -> the same piece on full lines, and its sides
     expand: Callable[[np.ndarray], tuple["Superelement", np.ndarray]] | None = field(default=None, repr=False)

@@ -26,12 +26,7 @@ VACUUM_HEIGHT = 64.0
 
 
 def discretise(
-    stator: Stator,
-    resolution: Resolution,
-    *,
-    wavelength: float,
-    surface_scale: float,
-    lateral: bool = False,
+    stator: Stator, resolution: Resolution, *, wavelength: float, surface_scale: float, lateral: bool = False
 ) -> Section:
     """Elements and unknowns through the depth of a stator.
 

@@ -42,12 +42,7 @@ class Resolution:
 
 
 def graded(
-    length: float,
-    layers: int,
-    *,
-    largest: float,
-    smallest_first: bool = False,
-    ratio: float = LAYER_RATIO,
+    length: float, layers: int, *, largest: float, smallest_first: bool = False, ratio: float = LAYER_RATIO
 ) -> np.ndarray:
     """Element sizes that sum to a length: equal ones of at most ``largest``, the last split into geometric layers.
 

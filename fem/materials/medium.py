@@ -143,11 +143,7 @@ def medium(solid: Solid, fields: tuple[str, ...], *, lossy: bool = True) -> Medi
         law = law.real
     inertia = [0.0 if field == "phi" else solid.density / stress for field in fields]
     return Medium(
-        fields=tuple(fields),
-        law=law,
-        inertia=np.array(inertia),
-        stress_unit=stress,
-        potential_unit=potential,
+        fields=tuple(fields), law=law, inertia=np.array(inertia), stress_unit=stress, potential_unit=potential
     )
 
 
@@ -166,9 +162,5 @@ def vacuum_medium(stress_unit: float, potential_unit: float) -> Medium:
     law = np.zeros((9, 9))
     law[6:, 6:] = -np.eye(3) * VACUUM_PERMITTIVITY * potential_unit**2 / stress_unit
     return Medium(
-        fields=("phi",),
-        law=law,
-        inertia=np.zeros(1),
-        stress_unit=stress_unit,
-        potential_unit=potential_unit,
+        fields=("phi",), law=law, inertia=np.zeros(1), stress_unit=stress_unit, potential_unit=potential_unit
     )

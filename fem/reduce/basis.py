@@ -96,9 +96,7 @@ def parity_groups(section: Section, apart: bool) -> list[np.ndarray]:
 
 
 def even_rows(
-    make: Condensation,
-    transducers: tuple[Transducer, ...],
-    cell: Callable[[FingerShape], Superelement],
+    make: Condensation, transducers: tuple[Transducer, ...], cell: Callable[[FingerShape], Superelement]
 ) -> list[Superelement]:
     """Superelements of transducers with equal gaps, from the cell of a finger of electrode 0 of each shape."""
 

@@ -13,14 +13,7 @@ from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes
 from fem.geometry import Stator, Transducer
 from fem.materials.christoffel import slowest_wavelength
-from fem.reduce.basis import (
-    WALL_WIDTH,
-    ReducedSection,
-    bases_of,
-    holding,
-    parity_groups,
-    snapshots,
-)
+from fem.reduce.basis import WALL_WIDTH, ReducedSection, bases_of, holding, parity_groups, snapshots
 from fem.reduce.model import HalfCell, ReducedModel
 from fem.results.solution import Solution
 from fem.threads import side_by_side

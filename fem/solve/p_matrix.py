@@ -81,12 +81,7 @@ class PMatrix:
 
 @one_blas_thread
 def p_matrix(
-    stator: Stator,
-    transducer: Transducer,
-    *,
-    frequency: float,
-    tolerance: float,
-    every_mode: bool = False,
+    stator: Stator, transducer: Transducer, *, frequency: float, tolerance: float, every_mode: bool = False
 ) -> PMatrix:
     """P-matrix of a transducer on a stator's section.
 

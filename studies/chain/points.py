@@ -80,10 +80,7 @@ def slider_answer(
         parts.append(part)
         trajectories += [] if trajectory is None else [(level, trajectory)]
     return SliderAnswer(
-        points=tuple(points),
-        parts=tuple(parts),
-        summary=summary,
-        trajectories=tuple(trajectories),
+        points=tuple(points), parts=tuple(parts), summary=summary, trajectories=tuple(trajectories)
     )
 
 

@@ -117,12 +117,7 @@ def response(
     def alone(frequency: float):
         progress(f"stator: {frequency / 1e6:.5g} MHz")
         try:
-            return fem.driven_wave(
-                block,
-                transducers,
-                frequency=float(frequency),
-                **common,
-            )
+            return fem.driven_wave(block, transducers, frequency=float(frequency), **common)
         except fem.ConvergenceError as error:
             raise RunError(f"at {frequency / 1e6:.6g} MHz {error}") from None
 

@@ -174,15 +174,7 @@ def study(arguments: argparse.Namespace) -> int:
     """Run a study, or list them with their questions."""
     from studies.progress import Progress
     from studies.scene.override import axes_given
-    from studies.study import (
-        STUDIES,
-        contradiction,
-        draw_study,
-        module,
-        question,
-        run_study,
-        study_answer,
-    )
+    from studies.study import STUDIES, contradiction, draw_study, module, question, run_study, study_answer
 
     if arguments.name is None:
         width = max(map(len, STUDIES))
@@ -195,10 +187,7 @@ def study(arguments: argparse.Namespace) -> int:
         scene = _origin("study", arguments.scene)
         origin = Origin(kind="study", name=f"{arguments.name} of {scene.name}", source=scene.source)
         out = arguments.out or Path("results") / f"{arguments.name}-study-{scene.name}"
-    with (
-        result_directory(out, origin, chosen=arguments.out is not None) as result,
-        Progress() as progress,
-    ):
+    with result_directory(out, origin, chosen=arguments.out is not None) as result, Progress() as progress:
         done = run_study(
             arguments.name,
             arguments.scene,
@@ -298,11 +287,7 @@ def fit(arguments: argparse.Namespace) -> int:
     wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
     measurements = [read_measurement(file, tuple(settings)) for file, *settings in arguments.data]
     parameters = [read_parameter(text) for text in arguments.free]
-    with (
-        _results(arguments, "fit", "-fit") as (result, out),
-        Progress() as progress,
-        blas_on_one_thread(),
-    ):
+    with _results(arguments, "fit", "-fit") as (result, out), Progress() as progress, blas_on_one_thread():
         found = fitted(scene, measurements, parameters, tolerance=wanted, progress=progress)
         if result is not None:
             write_fit(found, result.folder)

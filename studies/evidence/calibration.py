@@ -122,11 +122,7 @@ def _pairs(first, finer) -> list[tuple[float, float]]:
 
 
 def run(
-    *,
-    seed: int = SEED,
-    scenes: int = SCENES,
-    workers: int = 2,
-    progress: Callable[[str], None] | None = None,
+    *, seed: int = SEED, scenes: int = SCENES, workers: int = 2, progress: Callable[[str], None] | None = None
 ) -> StudyRecord:
     """Return the calibration.
 

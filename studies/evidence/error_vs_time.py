@@ -285,7 +285,7 @@ def _findings(rows: list[dict]) -> tuple[Finding, ...]:
             expected=f"at most {PROMISED:g}",
             found=worst,
             confirmed=worst <= PROMISED,
-        ),
+        )
     ]
     if {"tolerance 0.01", "tolerance 1e-05"} <= by_setting.keys():
         loose, tight = by_setting["tolerance 0.01"], by_setting["tolerance 1e-05"]

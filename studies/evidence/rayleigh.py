@@ -90,10 +90,7 @@ def run(
             ),
         ]
     return StudyRecord(
-        name="rayleigh",
-        panels=tuple(panels),
-        findings=tuple(findings),
-        seconds=time.perf_counter() - begun,
+        name="rayleigh", panels=tuple(panels), findings=tuple(findings), seconds=time.perf_counter() - begun
     )
 
 

@@ -31,11 +31,7 @@ PREFIXES = {-12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 PANELS = {
     "velocity": ("velocity_m_per_s", "slider velocity (mm/s)", 1e3),
     "thrust": ("thrust_N", "blocked thrust (mN)", 1e3),
-    "contact_efficiency": (
-        "contact_efficiency",
-        "contact: efficiency at half the thrust (%)",
-        1e2,
-    ),
+    "contact_efficiency": ("contact_efficiency", "contact: efficiency at half the thrust (%)", 1e2),
     "motor_efficiency": ("motor_efficiency", "motor: efficiency at half the thrust (1e-6)", 1e6),
 }
 

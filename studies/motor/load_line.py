@@ -22,10 +22,7 @@ LINES = 4
 
 @study
 def run(
-    scene: str | Scene = "twente-contact",
-    *,
-    points: int = 17,
-    progress: Callable[[str], None] | None = None,
+    scene: str | Scene = "twente-contact", *, points: int = 17, progress: Callable[[str], None] | None = None
 ) -> StudyRecord:
     """Return load lines and efficiencies.
 

@@ -18,10 +18,7 @@ QUICK = {"tolerance": 1e-2}
 
 
 def run(
-    scene: str | Scene = "twente",
-    *,
-    tolerance: float = 1e-3,
-    progress: Callable[[str], None] | None = None,
+    scene: str | Scene = "twente", *, tolerance: float = 1e-3, progress: Callable[[str], None] | None = None
 ) -> Record:
     """Return the record of a scene with a slider.
 

@@ -97,10 +97,7 @@ LEFT_ASIDE = (
         "Kurosawa's silicon sliders (1.1 m/s and 3.5 N; 1.5 m/s and 12 N)",
         "many etched projections share the preload; their number, shape and height are not stated here",
     ),
-    (
-        "Kurosawa's steps of 2 nm (bursts of 25 cycles at 100 V, 30 N)",
-        "the same silicon sliders",
-    ),
+    ("Kurosawa's steps of 2 nm (bursts of 25 cycles at 100 V, 30 N)", "the same silicon sliders"),
     (
         "Tjeung and others, speed (1900 rpm)",
         "the amplitude of the surface is not stated: at the rim it must exceed 5 nm, which the wave can give",

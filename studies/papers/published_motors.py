@@ -16,14 +16,7 @@ import time
 from collections.abc import Callable
 
 from studies.papers.published import KUROSAWA, LEFT_ASIDE, RAJ, SEED, TJEUNG, corners
-from studies.papers.published_kurosawa import (
-    contact_radius,
-    needed_amplitude,
-    per_volt,
-    ratio,
-    speed,
-    thrust,
-)
+from studies.papers.published_kurosawa import contact_radius, needed_amplitude, per_volt, ratio, speed, thrust
 from studies.study import Finding, Panel, StudyRecord, of_record
 
 __all__ = ["figure", "run", "tables"]

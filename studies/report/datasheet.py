@@ -190,10 +190,7 @@ def _speeds(record: Record, driven: DrivenContact, rated: float) -> list[Row]:
     unit, key = ("m", "amplitude_m") if record.scene.wave is not None else ("V", "voltage_V")
     rows = [Row(group="speed", name="speed", value=abs(velocity), unit="m/s",
                 error=point["relative_error"] * scale / abs(velocity), condition="no load, steady")]  # fmt: skip
-    for name, words in (
-        ("threshold", "starts to move"),
-        ("release", "leaves the surface in every cycle"),
-    ):
+    for name, words in (("threshold", "starts to move"), ("release", "leaves the surface in every cycle")):
         if f"{name}_{key}" in record.summary:
             rows.append(Row(group="speed", name=name, value=record.summary[f"{name}_{key}"], unit=unit,
                             error=driven.stator_error, condition=f"the slider {words}"))  # fmt: skip

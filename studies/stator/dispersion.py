@@ -25,10 +25,7 @@ THICK = 4.0  # wavelengths: above it the faces' waves hardly split
 
 @study
 def run(
-    scene: str | Scene = "rayleigh",
-    *,
-    count: int = COUNT,
-    progress: Callable[[str], None] | None = None,
+    scene: str | Scene = "rayleigh", *, count: int = COUNT, progress: Callable[[str], None] | None = None
 ) -> StudyRecord:
     """Return propagating wavenumbers against frequency.
 

@@ -168,10 +168,7 @@ def shade(found, name: str) -> Shade:
     size = abs(amplitude[outside]) + (abs(mean[outside]) if chosen.turns == 2 else 0.0)
     unit, scale = chosen.units[found.free], chosen.scales[found.free]
     return Shade(
-        quantity=chosen,
-        label=f"{chosen.title} ({unit})",
-        scale=scale,
-        reach=float(size.max()) * scale,
+        quantity=chosen, label=f"{chosen.title} ({unit})", scale=scale, reach=float(size.max()) * scale
     )
 
 

@@ -50,11 +50,7 @@ def levels(stator: Stator) -> None:
     for resolution in LEVELS:
         solution, seconds = timed(
             lambda resolution=resolution: solve_driven(
-                stator,
-                TRANSDUCERS,
-                frequency=FREQUENCY,
-                drive="left",
-                resolution=resolution,
+                stator, TRANSDUCERS, frequency=FREQUENCY, drive="left", resolution=resolution
             ),
             1 if resolution is LEVELS[-1] else 3,
         )

@@ -7,15 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fem.circuit import (
-    Drive,
-    Element,
-    best_match,
-    carried,
-    matched_load,
-    rectifier_resistance,
-    solve_circuit,
-)
+from fem.circuit import Drive, Element, best_match, carried, matched_load, rectifier_resistance, solve_circuit
 from fem.geometry import Transducer
 
 A = Transducer(name="a", center=0.1, finger_pairs=1, period=1e-3, metallisation=0.5, aperture=0.02)

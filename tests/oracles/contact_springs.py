@@ -94,17 +94,7 @@ def velocity_from_rest(
     heights : sequence of float, optional
         How much further each contact stands out, m.
     """
-    names = (
-        "E",
-        "G",
-        "mu",
-        "mass",
-        "preload",
-        "load",
-        "normal_damping",
-        "tangential_damping",
-        "chi",
-    )
+    names = ("E", "G", "mu", "mass", "preload", "load", "normal_damping", "tangential_damping", "chi")
     values = tuple(float(slider[name]) for name in names)
     normal, tangential = np.asarray(normal, complex), np.asarray(tangential, complex)
     heights = np.zeros(normal.size) if heights is None else np.asarray(heights, float)

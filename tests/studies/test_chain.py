@@ -93,9 +93,7 @@ def test_a_point_that_has_no_answer_says_why_and_holds_no_number():
 
 @pytest.mark.parametrize(
     ("settings", "words"),
-    [
-        (["slider.method=stepped"], r"slider\.method must be .* for the steady state, got 'stepped'"),
-    ],
+    [(["slider.method=stepped"], r"slider\.method must be .* for the steady state, got 'stepped'")],
 )
 def test_what_the_contact_cannot_do_is_refused(settings, words):
     with pytest.raises(SceneError, match=words):

@@ -157,9 +157,4 @@ def test_goals_and_counts_that_do_not_exist_are_refused():
     with pytest.raises(SceneError, match="whole numbers"):
         read_variable("transducer.0.finger_pairs=2.5:10")
     assert read_variable("transducer.0.finger_pairs=5:12").low == 5
-    assert (
-        read_variable(
-            "drive.voltage=5 V:100 V",
-        ).high
-        == 100.0
-    )
+    assert read_variable("drive.voltage=5 V:100 V").high == 100.0

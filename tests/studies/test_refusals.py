@@ -48,11 +48,7 @@ CASES = [
     ("twente", "drive.voltage=5 A", ["drive.voltage", "a voltage", "'5 A'"]),
     ("twente", "drive.frequency=0", ["drive.frequency", "positive"]),
     ("twente", "drive.frequency=2.2 rad/s", ["drive.frequency", "a frequency"]),
-    (
-        "twente",
-        "drive.frequency=center",
-        ["transducer.0.period", "a length in m", "got 'half-space'"],
-    ),
+    ("twente", "drive.frequency=center", ["transducer.0.period", "a length in m", "got 'half-space'"]),
     ("rayleigh", "drive.frequency=center", ["drive.frequency", "transducer"]),
     ("twente", "drive.transducer=lift", ["drive.transducer", "did you mean left?"]),
     ("twente", "drive.source_impedance=[-5, 0]", ["drive.source_impedance.0", "-5.0 ohm"]),

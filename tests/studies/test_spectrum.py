@@ -60,11 +60,7 @@ def test_a_band_gives_what_single_solves_give(banded):
 
 @pytest.mark.parametrize(
     ("settings", "place"),
-    [
-        (["transducer.0.pattern=+-+-0-+-+-"], 20e-3),
-        (["transducer.0.center=2.45 mm"], 20e-3),
-        ([], 6e-3),
-    ],
+    [(["transducer.0.pattern=+-+-0-+-+-"], 20e-3), (["transducer.0.center=2.45 mm"], 20e-3), ([], 6e-3)],
     ids=["a finger left out", "an end within half a gap", "a place under the fingers"],
 )
 def test_where_no_band_serves_each_frequency_is_solved_alone(settings, place):

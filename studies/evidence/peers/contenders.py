@@ -157,12 +157,7 @@ CURVES = {
     ),
     "NGSolve": (
         _peer,
-        (
-            _hp(6, 2, 0.7),
-            _hp(8, 2, 1.0),
-            _hp(8, 3, 0.8, **_FINE),
-            _hp(9, 4, 0.8, **_FINE),
-        ),
+        (_hp(6, 2, 0.7), _hp(8, 2, 1.0), _hp(8, 3, 0.8, **_FINE), _hp(9, 4, 0.8, **_FINE)),
         ("ngsolve",),
     ),
     "structured": (_structured, tuple({"level": level} for level in range(6)), ()),

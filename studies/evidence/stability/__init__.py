@@ -79,10 +79,7 @@ def run(
         rows.append(_row(case, judge(case)))
     panels = tuple(_panel(part, [row for row in rows if row["part"] == part]) for part in parts)
     return StudyRecord(
-        name="stability",
-        panels=panels,
-        findings=_findings(rows),
-        seconds=time.perf_counter() - begun,
+        name="stability", panels=panels, findings=_findings(rows), seconds=time.perf_counter() - begun
     )
 
 

@@ -20,7 +20,7 @@ SCENE = {
     "title": "a small motor",
     "stator": {"material": "PZT-8", "length": 9e-3, "thickness": 0.7e-3, "width": 0.025, "ends": "absorbing"},
     "transducer": [
-        {"name": "left", "center": 3e-3, "finger_pairs": 2, "metallisation": 0.5, "aperture": 0.02},
+        {"name": "left", "center": 3e-3, "finger_pairs": 2, "metallisation": 0.5, "aperture": 0.02}
     ],
     "drive": {"frequency": 2.2e6, "transducer": "left", "voltage": [15.0, 60.0]},
     "slider": {
@@ -96,10 +96,7 @@ def _ball(number: float) -> dict:
 def _third() -> dict:
     """One ball with a third of everything."""
     slider, damping = SCENE["slider"], SCENE["slider"]["damping"]
-    return _with_slider(
-        mass=slider["mass"] / 3,
-        damping={name: value / 3 for name, value in damping.items()},
-    )
+    return _with_slider(mass=slider["mass"] / 3, damping={name: value / 3 for name, value in damping.items()})
 
 
 def _mirrored() -> dict:

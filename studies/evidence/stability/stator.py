@@ -193,12 +193,7 @@ VARIED: dict[str, tuple[str, tuple, Callable[[float], Motor], str]] = {
     "mechanical quality": ("", (5.0, 20.0, 1e4, 1e6), _one("mechanical_quality"), "strips"),
     "mechanical quality, lossless": ("", (math.inf,), lambda _: _lossless(small_motor()), "finer"),
     "dielectric loss": ("", (0.0, 0.1, 1.0), _one("dielectric_loss"), "strips"),
-    "metallisation": (
-        "",
-        (0.02, 0.1, 0.9),
-        lambda value: small_motor().comb(metallisation=value),
-        "strips",
-    ),
+    "metallisation": ("", (0.02, 0.1, 0.9), lambda value: small_motor().comb(metallisation=value), "strips"),
     "metallisation, narrow gaps": (
         "",
         (0.98,),
@@ -213,12 +208,7 @@ VARIED: dict[str, tuple[str, tuple, Callable[[float], Motor], str]] = {
     "permittivity": ("times", (1e-3, 1e-2, 1e2, 1e3), _times("permittivity"), "strips"),
     "coupling": ("times", (1e-6, 1e-3, 2.0, 5.0), _times("coupling"), "strips"),
     "stiffness": ("times", (1e-3, 1e-1, 1e1, 1e3), _stiff, "finer"),
-    "frequency over centre": (
-        "",
-        (4.5e-4, 0.05, 0.5, 2.0, 5.0, 12.0),
-        _at,
-        "finer",
-    ),
+    "frequency over centre": ("", (4.5e-4, 0.05, 0.5, 2.0, 5.0, 12.0), _at, "finer"),
     "size": ("times", (1e-6, 1e-3, 1e3, 1e6), lambda value: small_motor(stretch=value), "size"),
     "ends and bottom": ("", tuple(range(len(SIDES))), _sides, "finer"),
     "whole section as one matrix": ("", (0, 1, 2, 4, 5), _sides, "direct"),

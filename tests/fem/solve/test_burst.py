@@ -147,10 +147,7 @@ def test_what_never_settles_is_refused():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        (
-            {"frequency": 0.5 * F0},
-            r"frequency must lie in the band, 1\.26e\+06 to .* got 1050000\.0 Hz",
-        ),
+        ({"frequency": 0.5 * F0}, r"frequency must lie in the band, 1\.26e\+06 to .* got 1050000\.0 Hz"),
         ({"duration": 0.0}, r"duration must be positive and finite, got 0\.0 s"),
     ],
 )

@@ -65,11 +65,7 @@ def test_profile_decays_like_the_half_spaces():
 def test_attenuation_is_the_losses():
     """An isotropic solid with one Q for all moduli: k (1 - i/2Q) to first order."""
     solid = isotropic(
-        name="glass",
-        youngs_modulus=7.31e10,
-        poisson_ratio=0.2,
-        density=2203.0,
-        mechanical_quality=400.0,
+        name="glass", youngs_modulus=7.31e10, poisson_ratio=0.2, density=2203.0, mechanical_quality=400.0
     )
     wave = free_wave(plate(solid, thickness=4.0), frequency=FREQUENCY, tolerance=1e-8)
     k = 2 * np.pi * FREQUENCY / wave.velocity

@@ -21,13 +21,7 @@ PAIR = (comb(STATOR, "a", 1.6, finger_pairs=2), comb(STATOR, "b", 5.2, period=0.
 
 def level(number, stator, transducers, *, drive="a"):
     return wave_of(
-        solve_driven(
-            stator,
-            transducers,
-            frequency=FREQUENCY,
-            drive=drive,
-            resolution=LEVELS[number],
-        )
+        solve_driven(stator, transducers, frequency=FREQUENCY, drive=drive, resolution=LEVELS[number])
     )
 
 
@@ -123,12 +117,7 @@ def test_error_estimate_is_honest(name):
     at = np.array([0.75 * stator.length])
     for tolerance in (1e-2, 3e-3 if name.startswith("clamped") else 1e-3):
         wave = driven_wave(
-            stator,
-            (transducer,),
-            frequency=FREQUENCY,
-            drive="a",
-            tolerance=tolerance,
-            places=tuple(at),
+            stator, (transducer,), frequency=FREQUENCY, drive="a", tolerance=tolerance, places=tuple(at)
         )
         assert motion_difference(wave.motion(at), finest.motion(at)) < 2 * wave.relative_error
         assert abs(wave.admittance / finest.admittance - 1) < 2 * wave.admittance_error

@@ -51,10 +51,7 @@ def test_scattering_of_an_impedance_in_series():
     """S11 = Z / (Z + 2 Z0), S21 = 2 Z0 / (Z + 2 Z0) (Pozar, example 4.4); of a passive stator none exceeds 1."""
     z, z0 = 30.0 + 80.0j, 50.0
     series = PortAdmittance(
-        names=("a", "b"),
-        frequency=np.array(1e6),
-        matrix=np.array([[1, -1], [-1, 1]]) / z,
-        relative_error=0.0,
+        names=("a", "b"), frequency=np.array(1e6), matrix=np.array([[1, -1], [-1, 1]]) / z, relative_error=0.0
     )
     expected = np.array([[z, 2 * z0], [2 * z0, z]]) / (z + 2 * z0)
     assert series.scattering(z0) == pytest.approx(expected, rel=1e-13)

@@ -121,13 +121,7 @@ def test_a_finite_reflector_sends_back_tanh_of_its_fingers(sign):
     mirror = replace(
         comb(stator, "b", 35.0, frequency=band.middle, finger_pairs=12, pattern=24 * sign), period=PERIOD
     )
-    solution = solve_driven(
-        stator,
-        (sender, mirror),
-        frequency=band.middle,
-        drive="a",
-        resolution=LEVELS[0],
-    )
+    solution = solve_driven(stator, (sender, mirror), frequency=band.middle, drive="a", resolution=LEVELS[0])
     between = wave_of(solution).pieces[2]
     mode = between.rayleigh[0]
     returned = abs(between.left[mode] / between.right[mode])

@@ -226,10 +226,7 @@ def test_plate_modes_solve_the_rayleigh_lamb_equation(number):
     frequency = omega / (2 * np.pi)
     stator = Stator(solid=GLASS, length=1.0, thickness=2 * PLATE["half_thickness"], ends="absorbing")
     depth = discretise(
-        stator,
-        Resolution(order=12, edge_layers=0),
-        wavelength=SHEAR / frequency,
-        surface_scale=np.inf,
+        stator, Resolution(order=12, edge_layers=0), wavelength=SHEAR / frequency, surface_scale=np.inf
     )
     modes = guided_modes(depth, frequency)
     travels = np.abs(modes.wavenumbers.imag) < 1e-7 * np.abs(modes.wavenumbers)

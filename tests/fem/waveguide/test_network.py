@@ -8,15 +8,7 @@ from fem.condense.superelement import condensed
 from fem.waveguide.ends import end_reflection
 from fem.waveguide.modes import guided_modes
 from fem.waveguide.network import NEGLIGIBLE, Scatterer
-from tests.fem.stators import (
-    FREQUENCY,
-    comb,
-    cut,
-    lossless,
-    plate,
-    section,
-    solution,
-)
+from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, section, solution
 
 CASES = (
     (lossless("PZT-4", "Z"), {}),
