@@ -2,7 +2,7 @@
 
 from studies.scene import Scene, resolved
 
-__all__ = ["driven_scene", "expected", "frequencies", "place"]
+__all__ = ["driven_scene", "expected", "frequencies", "group_delay", "place"]
 
 LOBES = 1.5  # bandwidths 1/N either side of the middle: the main lobe and half of its neighbours
 WIDEST = 0.45  # of the middle frequency, for transducers of few fingers
@@ -37,6 +37,25 @@ def frequencies(scene: Scene, count: int):
     middle = rayleigh(resolved.solid(scene.stator), "open").velocity / driven.period
     half = middle * min(LOBES / driven.finger_pairs, WIDEST)
     return np.linspace(middle - half, middle + half, count)
+
+
+def group_delay(at, transfer, way: float):
+    """Return -d(phase)/d(omega) in s of a transfer function whose delay is about ``way``.
+
+    The phase turns by 2 pi ``way`` df from one frequency to the next, often more than half a turn: what is left of it
+    after that delay is unwrapped.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> at = np.linspace(1.9e6, 2.5e6, 11)
+    >>> np.round(group_delay(at, np.exp(-2j * np.pi * at * 59e-6), 55e-6)[0] * 1e6, 6)
+    np.float64(59.0)
+    """
+    import numpy as np
+
+    left = np.unwrap(np.angle(transfer * np.exp(2j * np.pi * at * way)))
+    return way - np.gradient(left, 2 * np.pi * at)
 
 
 def expected(scene: Scene):

@@ -54,7 +54,7 @@ def run(
     way = abs(place - driven.center)
     free = fem.free_wave(resolved.stator(chosen.stator), frequency=float(np.median(at)), tolerance=1e-4)
     theory = passband.expected(chosen).normal(at) * np.exp(-free.attenuation * way)
-    delay = -np.gradient(np.unwrap(np.angle(surface)), 2 * np.pi * at)
+    delay = passband.group_delay(at, surface, way / free.velocity)
     band = _half_power(at, abs(surface))
     inside = (at >= band[0]) & (at <= band[1])
     width = (band[1] - band[0]) / (sum(band) / 2) * driven.finger_pairs

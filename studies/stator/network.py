@@ -82,7 +82,9 @@ def run(
         Panel(name="magnitude", title=f"{chosen.title}: S-parameters, {reference:g} ohm", data=shared),
     ]
     if len(names) > 1:
-        delay = -np.gradient(np.unwrap(np.angle(scattering[:, 1, 0])), 2 * np.pi * at)
+        first, second = (each.center for each in chosen.transducer if each.name in names[:2])
+        velocity = fem.rayleigh(resolved.solid(chosen.stator), "open").velocity
+        delay = passband.group_delay(at, scattering[:, 1, 0], abs(second - first) / velocity)
         title = f"{chosen.title}: {names[0]} to {names[1]}"
         data = {"frequency_Hz": at, "group_delay_s": delay}
         panels.append(Panel(name="group_delay", title=title, data=data))
@@ -193,7 +195,14 @@ def _smith(record: Panel, ax):
     for r in (0, 0.2, 0.5, 1, 2, 5):
         circle = r / (1 + r) + np.exp(1j * angle) / (1 + r)
         ax.plot(circle.real, circle.imag, color=COLOURS["line"], linewidth=1 if r == 0 else 0.4)
-        ax.annotate(f"{r:g}", ((r - 1) / (r + 1), 0), fontsize="x-small", alpha=0.7)
+        ax.annotate(
+            f"{r:g}",
+            ((r - 1) / (r + 1), 0),
+            (2, 2),
+            textcoords="offset points",
+            fontsize="x-small",
+            alpha=0.7,
+        )
     reactance = np.concatenate([[0], np.geomspace(1e-3, 1e3, 400)])
     for x in (0, 0.2, 0.5, 1, 2, 5):
         for sign in (1, -1):
@@ -204,7 +213,8 @@ def _smith(record: Panel, ax):
         for i, name in enumerate(data["ports"]):
             s = data[f"{prefix}scattering"][:, i, i]
             label = f"S{i + 1}{i + 1}, {name}" + (f" ({data['measured_file']})" if prefix else "")
-            ax.plot(s.real, s.imag, line, color=f"C{i}", markersize=3, label=label)
+            drawn = line if prefix or i == 0 else "--"  # like transducers lie on each other
+            ax.plot(s.real, s.imag, drawn, color=f"C{i}", markersize=3, label=label)
     ax.set_aspect("equal")
     ax.set_xlabel("Re S (resistance over the reference on the axis)")
     ax.set_ylabel("Im S")

@@ -75,6 +75,12 @@ def test_the_files_are_read_by_scikit_rf(record, tmp_path):
     assert ".subckt left_bvd p n" in files["circuit_left.cir"]
 
 
+def test_the_delay_is_the_way_s_at_any_spacing_of_the_frequencies():
+    """Between the transducers' middles 9 mm at 2182 m/s; at 200 kHz the phase turns by 0.8 from one to the next."""
+    done = network.run(chip(), band="1.9:2.5:4", tolerance=5e-2)
+    assert np.median(done.panel("group_delay").data["group_delay_s"]) == pytest.approx(9e-3 / 2182, rel=0.3)
+
+
 def test_a_measurement_is_drawn_over_it(record, tmp_path):
     from matplotlib.figure import Figure
 
