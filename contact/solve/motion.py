@@ -87,21 +87,22 @@ class Motion:
         """Move through `number` whole cycles; return rows (v, z_s, mean v) every `stride` cycles."""
         rows = np.empty((number // stride if stride else 0, segment.ROW))
         nothing = np.empty((0, self.regime.size, event_driven.SAMPLED))
-        self._travel(0.0, 2.0 * np.pi, number, mobile, nothing[:, 0, 0], nothing, stride, rows)
+        whole = 2.0 * np.pi
+        self._travel(event_driven.Task(
+            0.0, whole, number, mobile, self.truncation, self._limit(whole), nothing[:, 0, 0], nothing, stride, rows
+        ))  # fmt: skip
         return rows
 
     def move(self, start: float, stop: float, at: np.ndarray) -> np.ndarray:
         """Move from one phase to another; return (k, contacts, 6) samples z, x, P, Q, regime, v at the phases `at`."""
         samples = np.zeros((at.size, self.regime.size, event_driven.SAMPLED))
         cycles = self.tally[event_driven.CYCLES]
-        self._travel(start, stop, 1, True, at, samples, 0, np.empty((0, segment.ROW)))
+        limit, rows = self._limit(stop - start), np.empty((0, segment.ROW))
+        self._travel(event_driven.Task(start, stop, 1, True, self.truncation, limit, at, samples, 0, rows))
         self.tally[event_driven.CYCLES] = cycles
         return samples
 
-    def _travel(self, start, stop, number, mobile, at, samples, stride, rows):
-        task = event_driven.Task(
-            start, stop, number, mobile, self.truncation, self._limit(stop - start), at, samples, stride, rows
-        )
+    def _travel(self, task):
         work = event_driven.room(self.regime.size, self.grid.sigma.size, threading.get_ident())
         why = event_driven.travel(self.problem, self.grid, self.carried, work, task, self.memory)
         if why != Status.DONE:

@@ -5,13 +5,12 @@ one h. <p(z)> of a contact depends on its mean approach and on |u_z| alone. It i
 phi = beta (1 - cos theta)/2, which makes the root at the end of the arc smooth: Gauss-Legendre is spectral.
 """
 
-import math
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
-from contact.jit.compiled import compiled, native, summed
+from contact.jit.compiled import compiled, formula, native, summed
 from contact.kinematics import normal_amplitude
 from contact.law.normal import approach, load, slope
 from contact.orbit import Orbit, as_orbits
@@ -74,12 +73,18 @@ def _mean_loads(z, a, half, rule, shape):
     return force, rate
 
 
+@formula
+def arc(z, a):
+    """Return half of the arc of a cycle in which z + a cos phi is positive; z > -a."""
+    return np.pi if z >= a else np.arccos(-z / a)
+
+
 def mean_load(z, a, shape):
     """Return the cycle mean of p(z + a cos phi); numbers."""
     if z <= -a:
         return 0.0
-    half, rule = math.pi if z >= a else math.acos(-z / a), quadrature(NODES)
-    return half / math.pi * float(rule.weight @ load(z + a * np.cos(half * rule.place), shape))
+    half, rule = arc(z, a), quadrature(NODES)
+    return half / np.pi * float(rule.weight @ load(z + a * np.cos(half * rule.place), shape))
 
 
 @compiled
@@ -94,7 +99,7 @@ def mean_push(problem, h, rule):
             force = rate = 0.0
             last_a, last_z = a, z
             if z > -a:
-                half = np.pi if z >= a else np.arccos(-z / a)
+                half = arc(z, a)
                 force, rate = _mean_loads(z, a, half, rule, problem.shape)
                 force *= kappa * half / np.pi
                 rate *= kappa * half / np.pi
