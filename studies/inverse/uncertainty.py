@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from scipy.stats import chi2, norm, qmc, truncnorm
+from scipy.stats import norm, qmc, truncnorm
 
 from studies.inverse.data import Measurement
 from studies.inverse.prediction import Predictor
@@ -20,8 +20,9 @@ from studies.scene.uncertain import DEFAULTS
 __all__ = ["with_bands"]
 
 LEVEL = 0.95
-DEVIATIONS = float(np.sqrt(chi2.ppf(LEVEL, 1)))  # standard deviations in a tolerance
+DEVIATIONS = float(norm.ppf(0.5 * (1 + LEVEL)))  # standard deviations in a tolerance
 LIMITS = ("threshold", "release")
+KEYS = tuple(f"{name}_{unit}" for unit in ("amplitude_m", "voltage_V") for name in LIMITS)  # of the summary
 
 
 def with_bands(record: Record, *, progress: Callable[[str], None] | None = None) -> Record:
@@ -60,8 +61,7 @@ def with_bands(record: Record, *, progress: Callable[[str], None] | None = None)
     if np.all(np.isfinite(half[:, top])):
         shares = {each.key: float(size) for each, size in zip(numbers, half[:, top], strict=True)}
         block["velocity_half_width_m_per_s"] = shares
-    keys = [f"{name}_{unit}" for unit in ("amplitude_m", "voltage_V") for name in LIMITS]
-    for k, key in enumerate(keys, start=count):
+    for k, key in enumerate(KEYS, start=count):
         if key in record.summary and np.isfinite(low[k] + high[k]):
             block[key] = [float(low[k]), float(high[k])]
     points = tuple(
@@ -74,8 +74,7 @@ def with_bands(record: Record, *, progress: Callable[[str], None] | None = None)
 
 def _centre(record: Record) -> np.ndarray:
     """Return the run's own answers: velocities, threshold and release as amplitudes, then as voltages."""
-    keys = [f"{name}_{unit}" for unit in ("amplitude_m", "voltage_V") for name in LIMITS]
-    limits = [record.summary.get(key, np.nan) for key in keys]
+    limits = [record.summary.get(key, np.nan) for key in KEYS]
     return np.array([*(point.get("velocity_m_per_s", np.nan) for point in record.points), *limits])
 
 

@@ -71,7 +71,10 @@ def tolerances(scene: Scene) -> tuple[Tolerance, ...]:
         path = f"uncertain.{key}"
         if key in OPTIONS:
             continue
-        rule = rule_at(key)
+        try:
+            rule = rule_at(key)
+        except SceneError as error:
+            raise error.moved("", "uncertain.") from None
         if key in LEVELS:
             if not isinstance(given, str) or not given.rstrip().endswith("%"):
                 raise SceneError(path, f"must be a percentage, common to all levels, got {shown(given)}")
