@@ -67,8 +67,12 @@ class LineSource:
         Of the modes as `GuidedModes` scales them, per C/m.
     tangential, normal : ndarray, shape (modes,)
         u_x and u_z at the surface, m per C/m.
+    potential : ndarray, shape (modes,)
+        phi at the surface, V per C/m.
     static : complex
         u_x of the pole at k = 0, m per C/m; 0 where the section is grounded.
+    slope : complex
+        Of its potential, phi / |x|, V/m per C/m.
     """
 
     surface: np.ndarray = field(repr=False)
@@ -76,13 +80,16 @@ class LineSource:
     amplitudes: np.ndarray = field(repr=False)
     tangential: np.ndarray = field(repr=False)
     normal: np.ndarray = field(repr=False)
+    potential: np.ndarray = field(repr=False)
     static: complex
+    slope: complex
 
     @property
     def surface_mode(self) -> "LineSource":
         """The surface wave alone."""
-        fields = ("surface", "wavenumbers", "amplitudes", "tangential", "normal")
-        return LineSource(**{name: getattr(self, name)[self.surface] for name in fields}, static=0.0)
+        fields = ("surface", "wavenumbers", "amplitudes", "tangential", "normal", "potential")
+        kept = {name: getattr(self, name)[self.surface] for name in fields}
+        return LineSource(**kept, static=0.0, slope=0.0)
 
     def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
         """Wavenumber along x of the surface wave at lateral wavenumbers, rad/m; in a plate the mean of its two."""
@@ -160,7 +167,7 @@ def line_source(modes: GuidedModes) -> LineSource:
     """
     section = modes.section
     second, first, _ = section.matrices(modes.frequency)
-    at, moving = section.surface_dofs, np.flatnonzero(modes.wavenumbers != 0)
+    at, moving = section.full.surface_dofs, np.flatnonzero(modes.wavenumbers != 0)
     k, right = modes.wavenumbers[moving], modes.right[:, moving]
     left = np.where(section.odd, -1.0, 1.0)[:, None] * right
     # biorthogonal but for rounding, which the two surface waves of a thick plate, 1e-8 apart, enlarge to 1e-4
@@ -168,20 +175,24 @@ def line_source(modes: GuidedModes) -> LineSource:
     norms = np.sqrt(np.diag(products))
     # a charge of 1 C/m is a reaction of -potential_unit / stress_unit
     scale = -section.solid.potential_unit / section.solid.stress_unit
-    received = np.linalg.solve(products / np.outer(norms, norms), left[at["phi"]] / norms)
+    received = np.linalg.solve(products / np.outer(norms, norms), section.lift(left)[at["phi"]] / norms)
     amplitudes = -1j * scale * received / norms
+    surface = section.lift(right) * amplitudes
+    static, slope = _static_motion(modes) if section.floating_potential else (0.0, 0.0)
     return LineSource(
         surface=np.isin(moving, modes.rayleigh),
         wavenumbers=k / section.length_unit,
-        tangential=right[at["ux"]] * amplitudes,
-        normal=right[at["uz"]] * amplitudes,
+        tangential=surface[at["ux"]],
+        normal=surface[at["uz"]],
+        potential=surface[at["phi"]] * section.solid.potential_unit,
         amplitudes=amplitudes,
-        static=scale * _static_motion(modes) if section.floating_potential else 0.0,
+        static=scale * static,
+        slope=scale * slope * section.solid.potential_unit / section.length_unit,
     )
 
 
-def _static_motion(modes: GuidedModes) -> complex:
-    """Motion u_x = s w at the surface that goes with the potential s |x| of a unit reaction."""
+def _static_motion(modes: GuidedModes) -> tuple[complex, complex]:
+    """Motion u_x = s w at the surface that goes with the potential s |x| of a unit reaction, and s; scaled."""
     section = modes.section
     second, first, zeroth = section.matrices(modes.frequency)
     constant = section.constant_potential
@@ -189,4 +200,4 @@ def _static_motion(modes: GuidedModes) -> complex:
     system = np.block([[zeroth, border], [border.T, np.zeros((1, 1))]])
     motion = np.linalg.solve(system, np.append((first - first.T) @ constant, 0.0))[:-1]
     slope = -0.5 / (constant @ (second @ constant + first @ motion))
-    return complex(slope * motion[section.surface_dofs["ux"]])
+    return complex(slope * section.lift(motion)[section.full.surface_dofs["ux"]]), complex(slope)
