@@ -1,7 +1,7 @@
 """A transducer's response to its own charges where its fingers end at y = +-W/2.
 
-A line of charge q, uniform over |y| < W/2, makes on a parallel one at a distance x, averaged over the same aperture, the
-potential q G(x).  In a section that extends without end along y each mode gives g_p exp(-i k_p x) of G.  In a solid
+A line of charge q, uniform over |y| < W/2, makes on a parallel one at a distance x, averaged over the same aperture,
+the potential q G(x).  In a section that extends without end along y each mode gives g_p exp(-i k_p x) of G.  In a solid
 isotropic about z a point of charge has the cylindrical waves k_p H_0(k_p r) / 2 in their place (H: Hankel functions of
 the second kind), so that with r^2 = x^2 + y^2, R^2 = x^2 + W^2
 

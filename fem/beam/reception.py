@@ -9,9 +9,9 @@ Massless fingers scatter by their charges alone: what a transducer sends for an 
 less the wave that passes, and the waves of all others pass it as they pass a bare surface.  W_j B_ij,p does not change
 when i and j are exchanged, so the admittance matrix stays symmetric.
 
-Limits: solids isotropic about z, absorbing ends; elsewhere transducers receive as in the section.  A transducer's
-response to its own charges, and how it weighs a wave along its length, are the section's: for 20 wavelengths of
-aperture and 10 of length the former leaves out 1.4 % of the power.
+A transducer's response to its own charges is that of own_aperture.py.  Limits: solids isotropic about z, absorbing
+ends; elsewhere transducers receive, and respond to their own charges, as in the section.  How a transducer weighs a
+wave along its length is the section's.
 """
 
 from dataclasses import replace
@@ -64,7 +64,7 @@ def aperture_coupling(
 
 
 def with_apertures(fields: PortFields, mirror_width: float | None = None) -> PortFields:
-    """Solve the ports of a stator again, each transducer receiving the mean of the beams over its aperture.
+    """Solve the ports of a stator again, the waves and each transducer's own field averaged over its aperture.
 
     Parameters
     ----------
@@ -76,8 +76,9 @@ def with_apertures(fields: PortFields, mirror_width: float | None = None) -> Por
     Returns
     -------
     PortFields
-        Charges and admittances of transducers of finite aperture; ``sides`` are their lines for the mean waves.  The
-        fields as they are for one transducer, and beyond the limits above.
+        Charges and admittances of transducers of finite aperture; ``sides`` are their lines for the mean waves, with
+        the potential of every finger that would make its charge in the section.  Beyond the limits above the fields as
+        they are.
     """
     if fields.stator.ends != "absorbing" or not isotropic_about_normal(fields.stator.solid):
         return fields

@@ -18,8 +18,8 @@ def joined(
 ) -> Superelement:
     """Superelement of two neighbours; its ``parts`` keep the way back to the line they share.
 
-    Both have the same potentials.  If that line's surface node lies on a finger: ``phi``, the number of the potential there, and the finger's
-    electrode.
+    Both have the same potentials.  If that line's surface node lies on a finger: ``phi``, the number of the potential
+    there, and the finger's electrode.
     """
     from scipy.linalg import lu_factor, lu_solve
 

@@ -112,9 +112,7 @@ class ReducedModel:
 
         def interpolated(stack: np.ndarray) -> Superelement:
             *matrix, moment = np.tensordot(weights, stack, axes=1)
-            return Superelement(
-                size=section.size, matrix=np.array(matrix), width=halves.width, moment=moment
-            )
+            return Superelement(size=section.size, matrix=np.array(matrix), width=halves.width, moment=moment)
 
         def expanded(half: Superelement, side: int) -> Superelement:
             return replace(half, expand=lambda sides: full.half_cell(shape, side, sides))
