@@ -102,8 +102,8 @@ def _record():
     """
     from llvmlite import ir
     from numba.core import types
-    from numba.extending import infer_getattr, lower_getattr_generic, models, register_model
     from numba.core.typing.templates import AttributeTemplate
+    from numba.extending import infer_getattr, lower_getattr_generic, models, register_model
 
     word = ir.IntType(64)
 
