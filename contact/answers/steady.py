@@ -19,9 +19,9 @@ from contact import bounds
 from contact.answers.averaged import STIFFEST_STEADY, why_not
 from contact.answers.closed_forms import closed_form
 from contact.answers.ledger import Ledger, ledger
-from contact.answers.sweep import MeanMotion, mean_motion
+from contact.answers.sweep import mean_motion
 from contact.convergence import ConvergenceError
-from contact.drive import reference_speed, relative_to_reference, towards_plus
+from contact.drive import relative_to_reference, towards_plus
 from contact.orbit import Orbit, as_orbits
 from contact.problem import scaled
 from contact.slider import Slider
@@ -168,7 +168,7 @@ def _searched(slider, orbits, tolerance, method):
     search = _Search(
         slider=slider, orbits=driven, side=side, tolerance=tolerance, ratio=ratio, balance=balance
     )
-    if method == "averaged" or (mean is not None and mean.held):
+    if method == "averaged" or (mean is not None and mean["held"]):
         return _averaged(search, mean)
     if balance.held or ratio > SLOWEST_WAVE:
         return _waited(search)
@@ -231,7 +231,10 @@ def _bouncing(search, answer):
 
 
 def _equilibrium(slider, orbits, ratio, method):
-    """Return (averaged steady state or None where averaging is no answer, balance to start the full motion from)."""
+    """Return (averaged steady state or None where averaging is no answer, balance to start the full motion from).
+
+    The averaged state is a dictionary: velocity on this side, height, held, error (relative) and regime.
+    """
     if not why_not(slider, orbits, STIFFEST_STEADY):
         try:
             mean = mean_motion(slider, orbits)
@@ -239,8 +242,10 @@ def _equilibrium(slider, orbits, ratio, method):
             if failed.status == "runaway" or method == "averaged":
                 raise
         else:
-            known = {"height": mean.height, "velocity": mean.first_order, "held": mean.held}
-            return mean, cycle_at(slider, orbits, load_sign=mean.load_sign, **known)
+            known = {"height": mean.height, "held": bool(mean.held)}
+            balance = cycle_at(slider, orbits, velocity=mean.first_order, load_sign=mean.load_sign, **known)
+            known |= {"velocity": mean.velocity, "error": mean.relative_error, "regime": str(mean.regime)}
+            return known, balance
     elif method == "averaged" and ratio > MAX_RATIO_HELD:
         raise ConvergenceError(
             "not applicable",
@@ -253,19 +258,17 @@ def _equilibrium(slider, orbits, ratio, method):
 
 def _first_order(slider, orbits, balance, ratio):
     """Return the averaged steady state of a law that only the event-driven solver knows; of first order."""
-    velocity, error = balance.speed * balance.problem.speed, AVERAGING_ERROR * ratio**2
+    error = AVERAGING_ERROR * ratio**2
     if balance.held:
         larger = 1.0 + min(THRESHOLD_ERROR * ratio**2, MAX_THRESHOLD_ERROR)
         beyond = balanced(slider, tuple(orbit.scaled(larger) for orbit in orbits))
         error = relative_to_reference(beyond.speed * beyond.problem.speed, 0.0, orbits)
     events = balance.motion.events()
     slips = "slip" if events["stick_to_slip"] or not balance.held else "stick"
-    return MeanMotion(
-        velocity=velocity, first_order=velocity, height=balance.height * balance.problem.length,
-        regime="intermittent" if events["release"] else slips, held=balance.held, relative_error=error,
-        error=error * reference_speed(velocity, orbits),
-        load_sign=1.0 if balance.problem.load >= 0.0 else -1.0,
-    )  # fmt: skip
+    return {
+        "velocity": balance.speed * balance.problem.speed, "height": balance.height * balance.problem.length,
+        "regime": "intermittent" if events["release"] else slips, "held": balance.held, "error": error,
+    }  # fmt: skip
 
 
 def _repeating(search):
@@ -333,12 +336,12 @@ def _settled(search, run):
 def _averaged(search, mean):
     """Return the averaged answer; the energies are those of a cycle at constant height and velocity."""
     answer = search.answer(
-        "held by friction" if mean.held else "cycle means", search.balance.motion, velocity=mean.velocity,
-        error=mean.relative_error, height=mean.height, sticks=mean.held,
+        "held by friction" if mean["held"] else "cycle means", search.balance.motion, velocity=mean["velocity"],
+        error=mean["error"], height=mean["height"], sticks=mean["held"],
     )  # fmt: skip
-    if mean.held and answer["status"] != "ok":
+    if mean["held"] and answer["status"] != "ok":
         answer["message"] += ", for so near the threshold the slider may move"
-    return answer | {"method": "averaged", "regime": mean.regime}
+    return answer | {"method": "averaged", "regime": mean["regime"]}
 
 
 def _judged(error, tolerance, note):
