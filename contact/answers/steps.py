@@ -152,7 +152,7 @@ def _drive(slider, motion, cycles, envelope):
 
 
 def _stopped(slider, motion):
-    """Follow the slider until its last slip; return its travel, the phase of that slip and the ring that is left, scaled."""
+    """Follow the slider until its last slip; return (travel, phase of that slip, ring that is left), scaled."""
     problem, contacts, speed = motion.problem, motion.problem.contacts, abs(float(motion.state[2]))
     # what the load alone leaves of the deformations, each with its contact's share in the stiffness
     share = slope(slider.rest_approach(contacts) + slider.offsets(contacts), slider.contact_shape)
