@@ -5,7 +5,6 @@ velocity positive along +x, SI units. The model is that of Feenstra and Breedvel
 Motor*, with stick and slip as a stop operator. The compiled parts are loaded when first used.
 """
 
-from contact.answers.cross_check import SecondOpinion, second_opinion
 from contact.answers.derivatives import velocity_derivative
 from contact.answers.load_line import LoadLine, blocked_thrust, load_line, mean_traction
 from contact.answers.steady import SteadyState, steady
@@ -33,7 +32,6 @@ __all__ = [
     "LoadLine",
     "MeanMotion",
     "Orbit",
-    "SecondOpinion",
     "Slider",
     "SteadyState",
     "Step",
@@ -50,7 +48,6 @@ __all__ = [
     "release_amplitude",
     "release_factor",
     "riding_height",
-    "second_opinion",
     "steady",
     "steady_map",
     "steady_sweep",

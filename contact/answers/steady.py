@@ -12,7 +12,6 @@ leave a whole interval of mean tractions. If load lies in it the slider stays, a
 
 import time
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -28,8 +27,6 @@ from contact.problem import scaled
 from contact.slider import Slider
 from contact.solve.averaged_sweep import MAX_RATIO_HELD, MAX_THRESHOLD_ERROR, THRESHOLD_ERROR
 from contact.solve.equilibrium import Balance, balanced, cycle_at
-from contact.solve.event_driven import CHATTER, STRETCHES
-from contact.solve.motion import Motion
 
 METHODS = ("auto", "exact", "averaged")
 # largest ratio of contact resonance to wave for which a periodic motion is searched, and cycles to settle before
@@ -67,7 +64,7 @@ class SteadyState:
         but is not reached from rest, or the one that a start from rest goes on with where nothing damps the bounce.
     statistics : dict
         Events by kind in one cycle, smallest gap between two in s (inf: fewer), chatter (whether events crowded at
-        one instant); stretches, sweeps and cycles computed; growth per cycle.
+        one instant); segments (`stretches`) and sweeps of the cycles counted; growth per cycle.
     seconds : float
         Time taken.
     """
@@ -136,15 +133,6 @@ def _closed(slider, orbits):
     }  # fmt: skip
 
 
-class _Cycles(NamedTuple):
-    """A motion after some cycles, its energies before them, the work of the search, how many they are."""
-
-    motion: Motion
-    before: np.ndarray
-    work: np.ndarray
-    number: int
-
-
 @dataclass(frozen=True, kw_only=True)
 class _Search:
     """A steady state, searched on the side on which the crests drive towards +x: mirrored waves, mirrored answers."""
@@ -160,22 +148,16 @@ class _Search:
         """Return a difference of velocities over the reference speed."""
         return relative_to_reference(difference, velocity, self.orbits)
 
-    def answer(self, note, *, velocity, error, height, cycles, sticks, **statistics):
-        """Return the answer of a motion over some cycles; `velocity` on this side, `height` in m."""
-        motion, before, work, number = cycles
+    def answer(self, note, motion, *, velocity, error, height, sticks, cycles=1, **statistics):
+        """Return the answer of a motion whose sums cover some cycles; `velocity` on this side, `height` in m."""
         counted = motion.events()
-        for name, count in zip(
-            ("stretches", "halvings", "sweeps", "cycles"), work[STRETCHES:CHATTER], strict=True
-        ):
-            counted[name] = int(count)
-        counted["smallest_gap"], counted["chatter"] = motion.smallest_gap(), bool(counted["chatter"])
         status, message = _judged(error, self.tolerance, note)
         moving = "intermittent" if counted["release"] else "slip"
         return {
             "velocity": float(self.side * velocity) if velocity else 0.0, "regime": "stick" if sticks else moving,
             "relative_error": float(error), "height": float(height), "status": status, "message": message,
             "method": "exact", "statistics": counted | statistics,
-            "ledger": ledger(self.slider, motion, before, spans=number),
+            "ledger": ledger(self.slider, motion, spans=cycles),
         }  # fmt: skip
 
 
@@ -315,11 +297,8 @@ def _repeating(search):
     if sticks:  # what is left is rounding
         velocity, error = 0.0, 0.0
     answer = search.answer(
-        "periodic motion of the full equations", velocity=velocity, error=error, sticks=sticks,
-        height=-fine.state[0] * balance.problem.length,
-        cycles=_Cycles(fine.motion, fine.before, balance.work + fine.work + coarse.work, 1),
-        averaged_velocity=float(search.side * balance.speed * unit),
-        growth_per_cycle=fine.growth,
+        "periodic motion of the full equations", fine.motion, velocity=velocity, error=error, sticks=sticks,
+        height=-fine.state[0] * balance.problem.length, growth_per_cycle=fine.growth,
     )  # fmt: skip
     return answer, fine
 
@@ -345,21 +324,17 @@ def _settled(search, run):
     if run.starts > 1:
         note += "; two runs from almost the same start were compared"
     return search.answer(
-        note, velocity=run.speed * unit, error=search.relative(run.error * unit, run.speed * unit), sticks=run.sticks,
-        height=run.height * run.motion.problem.length,
-        cycles=_Cycles(run.motion, run.before, search.balance.work + run.motion.tally, run.cycles),
-        period_cycles=run.period, averaged_cycles=run.cycles,
+        note, run.motion, velocity=run.speed * unit, error=search.relative(run.error * unit, run.speed * unit),
+        sticks=run.sticks, height=run.height * run.motion.problem.length, cycles=run.cycles, period_cycles=run.period,
+        averaged_cycles=run.cycles,
     )  # fmt: skip
 
 
 def _averaged(search, mean):
     """Return the averaged answer; the energies are those of a cycle at constant height and velocity."""
-    motion = search.balance.motion
-    known = {} if mean.held else {"averaged_velocity": search.side * mean.first_order}
     answer = search.answer(
-        "held by friction" if mean.held else "cycle means", velocity=mean.velocity, error=mean.relative_error,
-        height=mean.height, sticks=mean.held,
-        cycles=_Cycles(motion, motion.energy(), search.balance.work, 1), **known,
+        "held by friction" if mean.held else "cycle means", search.balance.motion, velocity=mean.velocity,
+        error=mean.relative_error, height=mean.height, sticks=mean.held,
     )  # fmt: skip
     if mean.held and answer["status"] != "ok":
         answer["message"] += ", for so near the threshold the slider may move"

@@ -155,8 +155,7 @@ def burst(
         parts.append((np.full(1, cycles / frequency), motion.state[[VELOCITY]], motion.state[[POSITION]]))
     book = None
     if motion.begun is not None:
-        book = ledger(slider, motion, motion.begun)
-        statistics["smallest_gap"] = motion.smallest_gap()
+        book = ledger(slider, motion)
     slid = _follow_on(slider, motion, frequency, after, ring_down, samples * (1.0 - share))
     parts += [(cycles / frequency + part[0], *part[1:]) for part in slid.parts]
     if slid.rang > 0.0:
@@ -200,10 +199,9 @@ def _follow_on(slider, motion, frequency, after, ring_down, samples):
     if after <= rang:
         return _Slide(parts, rang, None, {})
     still, span, count = silence(motion), after - rang, max(2, round(samples))
-    before, at = still.energy(), np.arange(1, count + 1) * (span / count)
+    at = np.arange(1, count + 1) * (span / count)
     z, *_, velocity = still.move(0.0, problem.omega * span * (1.0 + 1e-12), at * problem.omega)[:, 0].T
     # the surface stands still at zero: the first contact's approach is its height less the slider's position
     parts.append((rang + at, velocity, problem.paths.height[0] - z))
     statistics = {f"after_{name}": number for name, number in still.events().items()}
-    statistics["after_smallest_gap"] = still.smallest_gap()
-    return _Slide(parts, rang, ledger(slider, still, before), statistics)
+    return _Slide(parts, rang, ledger(slider, still), statistics)

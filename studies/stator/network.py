@@ -8,7 +8,6 @@ also a SPICE subcircuit of a static capacitance with one motional branch (Butter
 Expected: passive and reciprocal; several branches nearer to the admittance than one.  Run time: about 15 s.
 """
 
-import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -20,6 +19,7 @@ from studies.refusal import SceneError
 from studies.report.figures import AXES, COLOURS, curve, finished, lines
 from studies.scene import Scene, resolved
 from studies.scene.quantity import si_value
+from studies.scene.ranges import is_number, read_range
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
 __all__ = ["figure", "run", "tables"]
@@ -66,7 +66,7 @@ def run(
     import fem
 
     chosen = passband.driven_scene(scene)
-    reference = float(z0) if _is_number(z0) else si_value("--z0", z0, "ohm")
+    reference = float(z0) if is_number(z0) else si_value("--z0", z0, "ohm")
     if not reference > 0:
         raise SceneError("--z0", f"must be a positive resistance, got {z0!r} ohm")
     at = passband.frequencies(chosen, count) if band is None else _band(band)
@@ -214,28 +214,12 @@ def _circuit_panel(name: str, at, seen, models) -> Panel:
 
 def _band(text: str):
     """Return the frequencies in Hz of START:STOP:N, in MHz without a unit."""
-    parts = str(text).split(":")
-    try:
-        low, high = (
-            1e6 * float(part) if _is_number(part) else si_value("--band", part, "Hz") for part in parts[:2]
-        )
-        count = int(parts[2])
-    except (ValueError, IndexError):
-        raise SceneError(
-            "--band", f"must be START:STOP:N, such as 1.9:2.5:401 in MHz, got {text!r}"
-        ) from None
-    if not (0 < low < high and len(parts) == 3 and 2 <= count <= 100_000):
+    found = read_range("--band", str(text), "Hz", bare=1e6)
+    if not (0 < found.low < found.high and 2 <= found.count <= 100_000):
         raise SceneError(
             "--band", f"must rise from START above 0 to STOP in 2 to 100000 values, got {text!r}"
         )
-    return np.linspace(low, high, count)
-
-
-def _is_number(text: str | float) -> bool:
-    try:
-        return math.isfinite(float(text))
-    except ValueError:
-        return False
+    return np.array(found.values)
 
 
 def _measured(file: Path, ports: int, reference: float):
