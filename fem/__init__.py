@@ -17,7 +17,7 @@ _PUBLIC = {
     "materials.medium": "medium",
     "materials.christoffel": "slowest_wavelength",
     "materials.strength": "Strength strength",
-    "geometry": "check_layout check_plan outer_gaps Stator Transducer",
+    "geometry": "check_layout check_plan covers outer_gaps Stator Transducer",
     "analytic.half_space": "automatic_period coupling HalfSpaceWave rayleigh surface_named",
     "analytic.point_load": "point_load PointLoad",
     "analytic.quasistatic": "surface_permittivity transducer_estimate TransducerEstimate",

@@ -165,9 +165,13 @@ class Transducer:
     @property
     def corners(self) -> np.ndarray:
         """Corners (x, y) of the rectangle of its fingers in m, shape (4, 2), in turn."""
-        half = np.array([self.extent[1] - self.center, self.aperture / 2])
-        own = half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-        return np.array([self.center, self.center_y]) + own @ turn(self.angle)
+        return self.on_surface(np.array([self.extent]))[0]
+
+    def on_surface(self, strips: np.ndarray) -> np.ndarray:
+        """Corners (x, y) in m, shape (n, 4, 2), of strips with these edges (n, 2) on the transducer's own line."""
+        along = np.asarray(strips)[:, [0, 1, 1, 0]] - self.center
+        across = np.broadcast_to(self.aperture / 2 * np.array([-1, -1, 1, 1]), along.shape)
+        return np.array([self.center, self.center_y]) + np.stack([along, across], axis=-1) @ turn(self.angle)
 
     @property
     def fingers(self) -> np.ndarray:
@@ -250,6 +254,13 @@ def separation(one: Transducer, other: Transducer) -> tuple[float, float]:
         normal = np.array([np.cos(angle), np.sin(angle)])
         gaps.append((float((other.corners @ normal).min() - (one.corners @ normal).max()), float(angle)))
     return max(gaps)
+
+
+def covers(transducer: Transducer, place: tuple[float, float]) -> bool:
+    """Whether a place (x, y) in m lies within the rectangle of a transducer's fingers."""
+    across = turn(transducer.angle)
+    own, corners = across @ np.array(place), transducer.corners @ across.T
+    return bool(np.all((own >= corners.min(axis=0)) & (own <= corners.max(axis=0))))
 
 
 def turn(angle: float) -> np.ndarray:

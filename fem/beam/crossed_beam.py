@@ -82,7 +82,9 @@ def rows_of(stator: Stator, width: float, transducers: tuple[Transducer, ...]) -
         if abs(angle) < PARALLEL:
             angle = 0.0
         reversed_order = np.cos(each.angle - angle) < 0
-        length = stator.length if angle == 0 else float(np.hypot(stator.length, width))
+        length = (
+            stator.length if angle == 0 else float(np.hypot(stator.length, 3 * width))
+        )  # an image in a side face is on it
         row = Row(
             angle=angle,
             stator=replace(stator, length=length),
@@ -176,10 +178,45 @@ class CrossedBeam:
             residual=max(each.residual for each in parts),
         )
 
-    def _of_row(self, row: Row, evaluate, x, y) -> np.ndarray:
-        """Values of a row's beam at places, shape (n, *shape of x and y)."""
+    def first_images(self, x: float | np.ndarray, y: float | np.ndarray) -> np.ndarray:
+        """Sum of the sizes of u_z, m per V, that the first images of all beams in both side faces have at places."""
+        images = [side * self.width - np.asarray(y) for side in (1, -1)]
+        return sum(
+            abs(self._of_row(row, beam.motion, x, image, beside=True)[2])
+            for row, beam in zip(self.rows, self.beams, strict=True)
+            for image in images
+        )
+
+    def shadowed(self, slowing: float) -> float:
+        """Sum of u_z at the transducers of other rows, m per V, times the phase that their metal gives the beams.
+
+        ``slowing``: by metal, relative to the velocity on the bare surface.
+        """
+        total = 0.0
+        for row, beam in zip(self.rows, self.beams, strict=True):
+            wavenumber = 2 * np.pi * beam.wave.frequency / beam.wave.phase_velocity
+            for other in self.rows:
+                for each in other.transducers if other is not row else ():
+                    across = np.sin(row.angle - other.angle), np.cos(row.angle - other.angle)
+                    way = abs(np.array(across)) @ [each.aperture, np.ptp(each.extent)]
+                    size = abs(self._of_row(row, beam.motion, *self._plan(other, each))[2, 0])
+                    total += size * min(wavenumber * way * each.metallisation * slowing, 2.0)
+        return float(total)
+
+    def _plan(self, row: Row, each: Transducer) -> tuple[np.ndarray, np.ndarray]:
+        """Middle of a row's transducer on the surface."""
+        (xs, ys), (xt, yt) = turn(row.angle)
+        s = each.center - row.middle[1]
+        return (
+            np.array([row.middle[0] + s * xs + each.center_y * xt]),
+            np.array([s * ys + each.center_y * yt]),
+        )
+
+    def _of_row(self, row: Row, evaluate, x, y, *, beside: bool = False) -> np.ndarray:
+        """Values of a row's beam at places, shape (n, *shape of x and y); ``beside`` the stator too, up to an image."""
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
-        if not np.all((x >= 0) & (x <= self.length) & (abs(y) <= self.width / 2)):
+        limit = (1.5 if beside else 0.5) * self.width
+        if not np.all((x >= 0) & (x <= self.length) & (abs(y) <= limit)):
             raise BeamError(
                 f"places must lie on the stator, x from 0 to {self.length:g} m and y within +-{self.width / 2:g} m"
             )

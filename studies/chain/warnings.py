@@ -43,7 +43,9 @@ def scene_warnings(scene: Scene) -> Iterator[str]:
         return
     for each in scene.transducer:
         half = each.finger_pairs * each.period / 2 if isinstance(each.period, float) else 0.0
-        if slider.position is not None and abs(slider.center[0] - each.center) < half:
+        if slider.position is None or each.turned:
+            continue
+        if abs(slider.center[0] - each.place[0]) < half:
             yield f"the slider lies over the fingers of transducer {each.name}: its balls would rub on the metal"
     if isinstance(slider.contacts, int) and slider.contacts > 1:
         yield (

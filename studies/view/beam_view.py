@@ -8,7 +8,7 @@ from pathlib import Path
 
 from studies.refusal import RunError, SceneError
 from studies.report.surface_map import draw_surface_map
-from studies.view.run_field import left_run, solved_again
+from studies.view.run_field import left_run, motion_again
 
 __all__ = ["drawn", "image", "show"]
 
@@ -29,9 +29,9 @@ def show(folder, wanted, written: Callable, *, progress: Callable[[str], None]) 
                 f"--{option}", "shows the field or the contact; sawmotor run --field writes surface_map.csv"
             )
     progress("solving the stator")
-    wave = solved_again(record, progress=progress)
+    motion = motion_again(record, progress=progress)
     try:
-        beam = fem.surface_beam(wave, mirror_width=scene.stator.mirror_width)
+        beam = motion.beam or fem.surface_beam(motion.wave, mirror_width=scene.stator.mirror_width)
     except fem.BeamError as error:
         raise RunError(f"no beam to show: {error}") from None
     progress("drawing the beam")
