@@ -145,10 +145,16 @@ class CrossedBeam:
         """The part of the field that the surface wave alone carries."""
         return replace(self, beams=tuple(each.surface_mode for each in self.beams))
 
+    @property
+    def _moving(self) -> list[tuple[Row, SurfaceBeam]]:
+        """Rows that have a voltage at any port, and their beams."""
+        pairs = zip(self.rows, self.beams, strict=True)
+        return [(row, beam) for row, beam in pairs if np.any(beam.circuit.voltages)]
+
     def motion(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
         """u_x, u_y and u_z in m per V at places (x, y) in m, as `SurfaceBeam.motion`."""
         total = 0.0
-        for row, beam in zip(self.rows, self.beams, strict=True):
+        for row, beam in self._moving:
             total = total + _in_plan(row, self._of_row(row, beam.motion, x, y))
         return total
 
@@ -159,7 +165,7 @@ class CrossedBeam:
     def motion_and_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0):
         """`motion` and `relative_error` at once."""
         total, error = 0.0, 0.0
-        for row, beam in zip(self.rows, self.beams, strict=True):
+        for row, beam in self._moving:
             both = self._of_row(row, lambda s, t, of=beam: np.vstack(_stacked(of, s, t)), x, y)
             total = total + _in_plan(row, both[:3])
             error = error + both[3].real
@@ -168,7 +174,7 @@ class CrossedBeam:
     @cached_property
     def power(self) -> PowerBalance:
         """Where the power goes: sum over the rows, what one sends to another counted with the circuit's input."""
-        parts = [power_balance(each.solution) for each in self.beams if np.any(each.circuit.voltages)]
+        parts = [power_balance(each.solution) for _, each in self._moving]
         return PowerBalance(
             input=self.circuit.power,
             solid=sum(each.solid for each in parts),
@@ -183,7 +189,7 @@ class CrossedBeam:
         images = [side * self.width - np.asarray(y) for side in (1, -1)]
         return sum(
             abs(self._of_row(row, beam.motion, x, image, beside=True)[2])
-            for row, beam in zip(self.rows, self.beams, strict=True)
+            for row, beam in self._moving
             for image in images
         )
 
@@ -193,7 +199,7 @@ class CrossedBeam:
         ``slowing``: by metal, relative to the velocity on the bare surface.
         """
         total = 0.0
-        for row, beam in zip(self.rows, self.beams, strict=True):
+        for row, beam in self._moving:
             wavenumber = 2 * np.pi * beam.wave.frequency / beam.wave.phase_velocity
             for other in self.rows:
                 for each in other.transducers if other is not row else ():

@@ -58,9 +58,11 @@ def _sideways(record: Record) -> Iterator[str]:
     """Yield a warning where the surface moves a ball sideways, which the contact leaves out."""
     ratio = record.wave.get("largest_lateral_ratio", 0.0)
     if ratio > SIDEWAYS:
+        crossed = record.scene.crossed
+        remedy = "drive less across" if crossed else "keep the balls nearer to the middle of the beam"
         yield (
             f"the surface moves sideways under a ball, |u_y/u_x| = {ratio:.2g}, but the contact follows it along "
-            "x alone: keep the balls nearer to the middle of the beam"
+            f"x alone: {remedy}"
         )
 
 
