@@ -48,7 +48,7 @@ _PUBLIC = {
     "solve.passband": "best_frequency best_period",
     "solve.p_matrix": "cascade_admittance p_matrix PMatrix",
     "beam.surface_beam": "beam_refusal BeamError surface_beam SurfaceBeam",
-    "beam.crossed_beam": "crossed_beam CrossedBeam",
+    "beam.crossed_beam": "crossed_beam CrossedBeam rows_of",
     "beam.line_source": "isotropic_about_normal",
     "direct": "direct_solution sparse_solution",
     "convergence": "ConvergenceError",

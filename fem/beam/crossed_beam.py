@@ -74,8 +74,10 @@ class Row:
         return bool(np.any(turn(self.angle)[0] == 0))
 
 
-def rows_of(stator: Stator, width: float, transducers: tuple[Transducer, ...]) -> tuple[Row, ...]:
-    """Rows of a stator's transducers, as few as hold them all."""
+def rows_of(
+    stator: Stator, width: float, transducers: tuple[Transducer, ...], drive: str | Drive
+) -> tuple[Row, ...]:
+    """Rows of a stator's transducers; the first is the driven one whose waves run nearest to x."""
     rows: list[Row] = []
     for each in transducers:
         angle = each.angle - np.pi * np.ceil(each.angle / np.pi - 0.5 - PARALLEL)
@@ -105,7 +107,8 @@ def rows_of(stator: Stator, width: float, transducers: tuple[Transducer, ...]) -
                 break
         else:
             rows.append(replace(row, transducers=(own,)))
-    return tuple(rows)
+    drive = as_drive(drive)
+    return tuple(sorted(rows, key=lambda row: (not _driven(row, drive), round(-np.cos(row.angle), 9))))
 
 
 def _clear(one: Transducer, others: tuple[Transducer, ...]) -> bool:
@@ -297,7 +300,7 @@ def crossed_beam(
             )
     drive = as_drive(drive)
     at = np.array(places or ((stator.length / 2, 0.0),)).T
-    rows = sorted(rows_of(stator, width, transducers), key=lambda row: _rank(row, drive))
+    rows = rows_of(stator, width, transducers, drive)
     waves = [
         solve(
             row.stator, row.transducers, _own(drive, row), tuple(dict.fromkeys(map(float, row.local(*at)[0])))
@@ -317,18 +320,11 @@ def crossed_beam(
                 admittance_error=wave.admittance_error,
             )
         beams.append(aperture_beam(wave, Solution(fields=own, circuit=mine)))
-    return CrossedBeam(
-        rows=tuple(rows), beams=tuple(beams), circuit=circuit, length=stator.length, width=width
-    )
+    return CrossedBeam(rows=rows, beams=tuple(beams), circuit=circuit, length=stator.length, width=width)
 
 
 def _driven(row: Row, drive: Drive) -> list[str]:
     return [each.name for each in row.transducers if drive.sources.get(each.name)]
-
-
-def _rank(row: Row, drive: Drive) -> tuple:
-    """Driven rows first, those near to x before others."""
-    return not _driven(row, drive), round(-np.cos(row.angle), 9)
 
 
 def _own(drive: Drive, row: Row) -> Drive:

@@ -235,7 +235,7 @@ def _ring_up(scene: Scene, motion: SurfaceMotion, place: tuple[float, float], sa
     """Return the ring-up of a burst under the slider, or None where there is none to follow."""
     if scene.burst is None or motion.covered(place):
         return None
-    return ring_up(scene, place[0], progress=say)
+    return ring_up(scene, place, progress=say)
 
 
 def _slider(scene: Scene, motion: SurfaceMotion, tolerance: float, say, ringing) -> SliderAnswer:

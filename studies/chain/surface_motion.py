@@ -120,8 +120,12 @@ class SurfaceMotion:
         return float(size.max() / size.min())
 
 
-def driven_motion(scene, places, *, tolerance: float, progress=None) -> SurfaceMotion:
+def driven_motion(
+    scene, places, *, tolerance: float, progress=None, slider: bool | None = None
+) -> SurfaceMotion:
     """Return the motion of a driven scene, its section solved to a tolerance at places (x, y) in m.
+
+    ``slider`` says whether one is to be driven, where the scene does not.
 
     Raises
     ------
@@ -132,7 +136,7 @@ def driven_motion(scene, places, *, tolerance: float, progress=None) -> SurfaceM
     """
     import fem
 
-    short, slider = [], scene.slider is not None
+    short, slider = [], scene.slider is not None if slider is None else slider
 
     def solve(stator, row, drive, at):
         try:

@@ -25,9 +25,11 @@ MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 o
 __all__ = [
     "default_refusal",
     "diffracts",
+    "first_row",
     "port_admittance",
     "resolved",
     "resolved_slider",
+    "section_row",
     "solid",
     "stator",
     "tolerances",
@@ -154,6 +156,37 @@ def transducers(scene: Scene) -> tuple:
         return tuple(_transducer(block, block.period) for block in scene.transducer)
 
 
+def section_row(scene: Scene) -> tuple:
+    """Return `transducers` for what knows a single section along x; a SceneError where they have other lines."""
+    if scene.crossed:
+        rule = "must all have the angle 0 and y = 0 here: this answer is that of one section along x"
+        raise SceneError("transducer", f"{rule}; sawmotor run, sweep and view take turned ones")
+    return transducers(scene)
+
+
+def first_row(scene: Scene, place: tuple[float, float]) -> tuple[Scene, float]:
+    """Return the scene of the section that a turned scene's answers refer to, and where in it a place lies, m."""
+    import fem
+
+    if not scene.crossed:
+        return scene, place[0]
+    row = fem.rows_of(stator(scene.stator), scene.stator.width, transducers(scene), drive(scene))[0]
+    blocks, given = {each.name: each for each in scene.transducer}, scene.drive
+    alone = tuple(
+        replace(blocks[each.name], center=each.center, angle=0.0, pattern=each.pattern)
+        for each in row.transducers
+    )
+    sources = tuple(
+        (name, size) for name, size in given.driven.items() if name in [each.name for each in alone]
+    )
+    return replace(
+        scene,
+        stator=replace(scene.stator, length=row.stator.length),
+        transducer=alone,
+        drive=replace(given, sources=sources) if given.sources is not None else given,
+    ), float(row.local(*place)[0])
+
+
 def _transducer(block: Transducer, period: float):
     import fem
 
@@ -224,7 +257,7 @@ def port_admittance(scene: Scene, frequency, tolerance: float):
 
     return fem.port_admittance(
         stator(scene.stator),
-        transducers(scene),
+        section_row(scene),
         frequency=frequency,
         tolerance=tolerance,
         finite_apertures=diffracts(scene),
