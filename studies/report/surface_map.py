@@ -62,6 +62,6 @@ def draw_surface_map(beam, scene: Scene, ax):
     ax.set_ylabel("y (mm)")
     ax.set_aspect("equal" if scene.stator.length < 12 * width else "auto")
     what = "u_z of the beam; frames: apertures, points: balls, lines: side faces"
-    between = ": " if scene.stator.length > 2 * scene.stator.width else "\n"
+    between = ": " if scene.stator.length > 1.2 * scene.stator.width else "\n"
     ax.set_title(f"{scene.title}{between}{what}", fontsize="medium", parse_math=False)
     return ax

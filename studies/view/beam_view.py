@@ -16,7 +16,7 @@ WIDE, SQUARE, DPI = (
     (1600, 430),
     (1000, 900),
     110,
-)  # pixels; of a stator that is long, or hardly longer than wide
+)  # pixels; of a long stator, and of one that is nearly square
 
 
 def show(folder, wanted, written: Callable, *, progress: Callable[[str], None]) -> None:
@@ -74,7 +74,7 @@ def image(figure) -> str:
 
 
 def _inches(wanted, scene) -> tuple[float, float]:
-    usual = WIDE if scene.stator.length > 2 * scene.stator.width else SQUARE
+    usual = WIDE if scene.stator.length > 1.2 * scene.stator.width else SQUARE
     return tuple(each / DPI for each in (wanted and wanted.size) or usual)
 
 
