@@ -9,13 +9,12 @@ about 5 s.
 """
 
 import math
-from collections.abc import Callable
 from itertools import pairwise
 
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.scene.keys import rule_at, unit_of
-from studies.scene.override import replaced
+from studies.scene.override import replaced, value_at
 from studies.scene.resolved import resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 from studies.sweep import sweep
@@ -42,7 +41,7 @@ def run(
     *,
     over: dict | None = None,
     counts: tuple[int, int] = COUNTS,
-    progress: Callable[[str], None] | None = None,
+    progress=None,
 ) -> StudyRecord:
     """Return the maps, their lines and the scene's own point.
 
@@ -216,11 +215,7 @@ def _check(axes) -> None:
 
 def _own(table: dict, key: str) -> list[float]:
     """Return the scene's own value of a key, or values, as a list; none where it has none."""
-    here = table
-    for part in key.split("."):
-        here = here[int(part)] if isinstance(here, list) else here.get(part)
-        if here is None:
-            return []
+    here = value_at(table, key)
     return [each for each in (here if isinstance(here, list) else [here]) if isinstance(each, (int, float))]
 
 
@@ -231,30 +226,23 @@ def _findings(grid, regime, columns, slider, failed) -> tuple[Finding, ...]:
     parted, released = regime == "intermittent", grid["release_factor"] < 1.0
     known = np.isfinite(grid["velocity_m_per_s"]) & (grid["threshold_factor"] > 0.0)  # 0: nothing to pass
     findings = [
-        Finding(statement=f"The closed form of the {name} parts the map.", quantity="share of points on their side",
-                expected="1", found=float(np.mean(right[known])), confirmed=bool(np.all(right[known])), remark=failed)
+        Finding.judged(f"The closed form of the {name} parts the map.", "share of points on their side",
+                       np.mean(right[known]), low=1 - 1e-9, expected="1", remark=failed)
         for name, right in (("threshold", moving == passed), ("release", parted == released))
     ]  # fmt: skip
     best = float(np.nanmax(grid["contact_efficiency"][known]))
-    findings.append(
-        Finding.judged(
-            "The load gets less than the wave gives.",
-            "largest efficiency of the contact",
-            best,
-            low=0,
-            high=1,
-        )
-    )
     preload, mu = (
         np.array(columns.get(f"slider.{key}", [each] * known.size), float).reshape(known.shape)[known]
         for key, each in (("preload", slider.preload), ("friction_coefficient", slider.friction_coefficient))
     )
     most = float(np.nanmax(grid["thrust_N"][known] / (mu * preload)))
-    findings.append(
-        Finding(statement="Thrust is friction's.", quantity="largest blocked thrust over mu times preload",
-                expected="above 0, up to 1", found=most, confirmed=0.0 < most < 1.0 + 1e-9)
-    )  # fmt: skip
-    return tuple(findings)
+    efficiency = "The load gets less than the wave gives.", "largest efficiency of the contact", best
+    thrust = "Thrust is friction's.", "largest blocked thrust over mu times preload", most
+    return (
+        *findings,
+        Finding.judged(*efficiency, low=0, high=1),
+        Finding.judged(*thrust, low=0, high=1 + 1e-9, expected="above 0, up to 1"),
+    )
 
 
 def _scaled(key: str, values):

@@ -7,8 +7,6 @@ preload; efficiency between 0 and 1, largest inside the line; the ledger closes 
 and the stator's.
 """
 
-from collections.abc import Callable
-
 from studies.chain.driven_contact import driven_contact
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord, of_record, study
@@ -21,9 +19,7 @@ LINES = 4
 
 
 @study
-def run(
-    scene: str | Scene = "twente-contact", *, points: int = 17, progress: Callable[[str], None] | None = None
-) -> StudyRecord:
+def run(scene: str | Scene = "twente-contact", *, points: int = 17, progress=None) -> StudyRecord:
     """Return load lines and efficiencies.
 
     Parameters
@@ -78,12 +74,11 @@ def figure(record: Panel, ax):
     """Draw a quantity against load."""
     import numpy as np
 
-    from studies.report.figures import COLOURS, finished
+    from studies.report.figures import curves, finished
 
-    data = record.data
-    palette = [COLOURS["stick"], COLOURS["slip"], COLOURS["second"], COLOURS["intermittent"], COLOURS["line"]]
+    data, palette = record.data, ("stick", "slip", "second", "intermittent", "line")
     for (name, load), colour in zip(data["load_N"].items(), palette, strict=False):
         values = np.asarray(data["value"][name]) * data["factor"]
-        ax.plot(np.asarray(load) * 1e6, values, ".-", color=colour, linewidth=1, markersize=4, label=name)
+        curves(ax, [(np.asarray(load) * 1e6, values, ".-", colour, name)])
     ax.set_ylim(bottom=0)
     return finished(ax, "load (\u00b5N)", data["axis"], record.title, columns=3)

@@ -8,7 +8,6 @@ Expected: every simulated point on the side of the lines that its regime says; a
 event-driven method to 1e-6.  Run time: about 1 s, and the stator's.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 
 from studies.chain import bridge
@@ -30,7 +29,7 @@ def run(
     amplitudes: int = 36,
     preloads: int = 28,
     checked: int = 12,
-    progress: Callable[[str], None] | None = None,
+    progress=None,
 ) -> StudyRecord:
     """Return the map, its lines and the operating points.
 
@@ -74,30 +73,20 @@ def run(
     progress("regime map: checks by the event-driven method")
     worst = _worst(slider, per_metre, at, loads, found, checked)
     findings = [
-        Finding(
-            statement="Threshold, release and hopping lines in closed form part the simulated regimes.",
-            quantity="share of simulated points on the expected side",
-            expected="1",
-            found=agree,
-            confirmed=agree == 1.0,
+        Finding.judged(
+            "Threshold, release and hopping lines in closed form part the simulated regimes.",
+            "share of simulated points on the expected side", agree, low=1 - 1e-9, expected="1",
             remark=f"{int(np.sum(kind == 'unknown'))} points where the averaged method does not apply",
         ),
         Finding.judged(
             "The averaged steady states are those of the full motion.",
-            f"largest difference over max(|v|, omega |u_x|/10) at {checked} points",
-            worst,
-            high=1e-6,
+            f"largest difference over max(|v|, omega |u_x|/10) at {checked} points", worst, high=1e-6,
         ),
-    ]
+    ]  # fmt: skip
     data = {
-        "amplitude_m": at,
-        "preload_N": loads,
-        "kind": kind.tolist(),
-        "velocity_m_per_s": found.velocity,
-        "lines_m": lines,
-        "operating_amplitude_m": reach,
-        "operating_preload_N": own,
-    }
+        "amplitude_m": at, "preload_N": loads, "kind": kind.tolist(), "velocity_m_per_s": found.velocity,
+        "lines_m": lines, "operating_amplitude_m": reach, "operating_preload_N": own,
+    }  # fmt: skip
     panel = Panel(name="regime_map", title=f"{chosen.title}: regimes", data=data)
     return (panel,), tuple(findings)
 

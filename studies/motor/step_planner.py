@@ -9,7 +9,6 @@ how it builds up is not in the steps.  Run time: about 5 s, and the stator's.
 """
 
 import math
-from collections.abc import Callable
 
 from studies.chain.driven_contact import driven_contact
 from studies.scene import Scene
@@ -31,7 +30,7 @@ def run(
     cycles: tuple[int, ...] = CYCLES,
     wanted: tuple[float, ...] = WANTED,
     lines: int = 4,
-    progress: Callable[[str], None] | None = None,
+    progress=None,
 ) -> StudyRecord:
     """Return steps over cycles, and cycles over steps.
 
@@ -65,47 +64,33 @@ def run(
     findings = [
         Finding(
             statement="The cycles found for a step reach it, and a cycle less does not.",
-            quantity="smallest step that was planned, m",
-            expected=f"{wanted[0]:g} m and up to a cycle's worth more",
-            found=float(min(abs(enough.displacement) for _, _, enough in pairs)),
-            confirmed=reached,
+            quantity="smallest step that was planned, m", expected=f"{wanted[0]:g} m and up to a cycle's worth more",
+            found=float(min(abs(enough.displacement) for _, _, enough in pairs)), confirmed=reached,
             remark="; ".join(
-                f"{name}: {', '.join(f'{pair[1].cycles} cycles' for pair in plans)}"
-                for name, plans in planned.items()
+                f"{name}: {', '.join(f'{pair[1].cycles} cycles' for pair in plans)}" for name, plans in planned.items()
             ),
         ),
         *_growth(slowest, steady),
         Finding.judged(
             "The step is the integral of the velocity.",
-            f"travel in {cycles[-2]} cycles and the slide after over the step",
-            travel,
-            low=0.98,
-            high=1.02,
+            f"travel in {cycles[-2]} cycles and the slide after over the step", travel, low=0.98, high=1.02,
             expected="1, but for the ring about where the slider stays",
         ),
-    ]
+    ]  # fmt: skip
 
     def table(value):
         return {key: np.array([getattr(each, value) for each in line]) for key, line in steps.items()}
 
     sides = (("step_planner", "step", "displacement"), ("stopping", "slide after the burst", "stopping"))
     panels = [
-        Panel(
-            name=file,
-            title=f"{chosen.title}: {title}",
-            data={
-                "cycles": np.array(cycles),
-                "distance_m": {key: np.sign(steady) * values for key, values in table(value).items()},
-                "velocity_m_per_s": table("velocity"),
-                "ring_m": table("ring"),
-                "stopping_time_s": table("stopping_time"),
-                "planned_cycles": {key: [pair[1].cycles for pair in plans] for key, plans in planned.items()},
-                "wanted_m": np.array(wanted),
-                "axis": f"{title} (nm)",
-            },
-        )
+        Panel(name=file, title=f"{chosen.title}: {title}", data={
+            "cycles": np.array(cycles), "velocity_m_per_s": table("velocity"), "ring_m": table("ring"),
+            "distance_m": {key: np.sign(steady) * values for key, values in table(value).items()},
+            "stopping_time_s": table("stopping_time"), "wanted_m": np.array(wanted), "axis": f"{title} (nm)",
+            "planned_cycles": {key: [pair[1].cycles for pair in plans] for key, plans in planned.items()},
+        })
         for file, title, value in sides
-    ]
+    ]  # fmt: skip
     return tuple(panels), tuple(findings)
 
 
@@ -143,26 +128,19 @@ def figure(record: Panel, ax):
     """Draw distance against cycles; what was planned as crosses."""
     import numpy as np
 
-    from studies.report.figures import COLOURS, finished, logarithmic
+    from studies.report.figures import curves, finished, logarithmic
 
-    data = record.data
-    palette = [COLOURS["stick"], COLOURS["slip"], COLOURS["second"], COLOURS["intermittent"]]
-    cycles = np.asarray(data["cycles"])
+    data, planned = record.data, record.name == "step_planner"
+    palette = ("stick", "slip", "second", "intermittent")
+    cycles, wanted = np.asarray(data["cycles"]), np.asarray(data["wanted_m"]) * 1e9
     for (name, distance), colour in zip(data["distance_m"].items(), palette, strict=False):
         values = np.asarray(distance) * 1e9
         forward = values > 0.0
-        ax.plot(cycles[forward], values[forward], ".-", color=colour, linewidth=1, markersize=4, label=name)
-        if record.name == "step_planner":
-            ax.plot(
-                data["planned_cycles"][name],
-                np.asarray(data["wanted_m"]) * 1e9,
-                "x",
-                color=colour,
-                markersize=6,
-            )
-    if record.name == "step_planner":
-        steps = ", ".join(f"{size * 1e9:g}" for size in data["wanted_m"])
-        ax.plot([], [], "x", color=COLOURS["line"], markersize=6, label=f"planned for {steps} nm")
+        curves(ax, [(cycles[forward], values[forward], ".-", colour, name)])
+        if planned:
+            curves(ax, [(data["planned_cycles"][name], wanted, "x", colour, None)])
+    if planned:
+        curves(ax, [([], [], "x", "line", f"planned for {', '.join(f'{size:g}' for size in wanted)} nm")])
     logarithmic(ax.xaxis)
     logarithmic(ax.yaxis)
     return finished(ax, "cycles of the wave", data["axis"], record.title, columns=5)

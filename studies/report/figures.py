@@ -131,6 +131,12 @@ def finished(ax, across: str, up: str, title: str, *, columns: int = 4, grid: bo
     return ax
 
 
+def curves(ax, rows) -> None:
+    """Draw rows of (x, y, format, colour, label), the colour one of `COLOURS` or of matplotlib's."""
+    for x, y, style, colour, label in rows:
+        ax.plot(x, y, style, color=COLOURS.get(colour, colour), linewidth=1, markersize=3, label=label)
+
+
 def titled(ax, title: str) -> None:
     """Write a title, in as many lines as the figure's width asks for."""
     columns = int(TITLE_COLUMNS * ax.figure.get_figwidth())

@@ -6,8 +6,6 @@ conductance that is never negative, its largest value within a factor of 2 of th
 capacitance's within a quarter at the band's edges, where hardly a wave is sent.  Run time: about 10 s.
 """
 
-from collections.abc import Callable
-
 from studies.chain import passband
 from studies.chain.spectrum import port_admittances
 from studies.scene import Scene, resolved
@@ -22,11 +20,7 @@ COUNT = 81
 
 @study
 def run(
-    scene: str | Scene = "twente",
-    *,
-    count: int = COUNT,
-    tolerance: float = 1e-2,
-    progress: Callable[[str], None] | None = None,
+    scene: str | Scene = "twente", *, count: int = COUNT, tolerance: float = 1e-2, progress=None
 ) -> StudyRecord:
     """Return the admittance against frequency and its estimate.
 
@@ -52,20 +46,18 @@ def run(
         ]
     )
     theory = passband.expected(chosen)
-    susceptance = 2 * np.pi * at * theory.capacitance
+    susceptance, error = 2 * np.pi * at * theory.capacitance, ports.relative_error
     data = {
-        "frequency_Hz": at,
-        "conductance_S": admittance.real,
-        "susceptance_S": admittance.imag,
-        "estimated_conductance_S": theory.conductance(at),
-        "capacitive_susceptance_S": susceptance,
-        "relative_error": ports.relative_error,
-    }
+        "frequency_Hz": at, "conductance_S": admittance.real, "susceptance_S": admittance.imag,
+        "estimated_conductance_S": theory.conductance(at), "capacitive_susceptance_S": susceptance,
+        "relative_error": error,
+    }  # fmt: skip
     most = admittance.real.max() / data["estimated_conductance_S"].max()
     edge = float(np.mean((admittance.imag / susceptance)[[0, -1]]))
-    error, least = ports.relative_error, admittance.real.min()
     findings = (
-        Finding.judged("A transducer takes power and gives none.", "smallest conductance (S)", least, low=0),
+        Finding.judged(
+            "A transducer takes power and gives none.", "smallest conductance (S)", admittance.real.min(), low=0
+        ),
         Finding.judged(
             "The largest conductance is that of charges which send one Rayleigh wave.",
             "largest conductance over the estimate's", most, low=0.5, high=2,
@@ -88,20 +80,14 @@ def run(
 @of_record
 def figure(record: Panel, ax):
     """Draw conductance and susceptance, computed points and estimated lines."""
-    from studies.report.figures import COLOURS, finished
+    from studies.report.figures import curves, finished
 
-    data = record.data
-    at = data["frequency_Hz"] / 1e6
-    for part, theory, colour, label, line in (
-        ("conductance_S", "estimated_conductance_S", "slip", "Re Y", "Re Y, no reflections (estimate)"),
-        (
-            "susceptance_S",
-            "capacitive_susceptance_S",
-            "intermittent",
-            "Im Y",
-            "static capacitance (estimate)",
-        ),
-    ):
-        ax.plot(at, data[part] * 1e3, "o", color=COLOURS[colour], markersize=3, label=label)
-        ax.plot(at, data[theory] * 1e3, "-", color=COLOURS[colour], linewidth=1, label=line)
+    data, at = record.data, record.data["frequency_Hz"] / 1e6
+    rows = (
+        ("conductance_S", "o", "slip", "Re Y"),
+        ("estimated_conductance_S", "-", "slip", "Re Y, no reflections (estimate)"),
+        ("susceptance_S", "o", "intermittent", "Im Y"),
+        ("capacitive_susceptance_S", "-", "intermittent", "static capacitance (estimate)"),
+    )
+    curves(ax, [(at, data[key] * 1e3, *look) for key, *look in rows])
     return finished(ax, "frequency (MHz)", "admittance (mS)", record.title, columns=2)

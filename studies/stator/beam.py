@@ -33,24 +33,16 @@ SPECTRUM = 400  # lateral wavenumbers on either side
 
 @study
 def run(
-    scene: str | Scene = "twente",
-    *,
-    count: int = COUNT,
-    tolerance: float = 1e-3,
-    progress: Callable[[str], None] | None = None,
+    scene: str | Scene = "twente", *, count: int = COUNT, tolerance: float = 1e-3, progress=None
 ) -> StudyRecord:
     """Return the amplitude on the axis and across the beam.
 
     Parameters
     ----------
-    scene : str or Scene
-        A path, a shipped name or a scene with transducers.
     count : int
         Points of each line.
     tolerance : float
         Relative, of the section's surface motion.
-    progress : callable, optional
-        Told what is being done.
     """
     import numpy as np
 
@@ -58,7 +50,7 @@ def run(
 
     chosen = passband.driven_scene(scene)
     place, transducers = passband.place(chosen), resolved.transducers(chosen)
-    driven = next(each for each in transducers if each.name == chosen.drive.transducer)
+    driven = resolved.driven(chosen)
     try:
         wave = bridge.driven_section(chosen, tolerance=tolerance, places=(place,), progress=progress)
         beam = fem.surface_beam(wave, mirror_width=chosen.stator.mirror_width)
@@ -174,56 +166,36 @@ def _findings(
     mean = float(abs(np.mean(inside[2])) / section)
     error = float(beam.relative_error(place))
     return (
-        Finding(
-            statement="Under the slider the amplitude is that of an aperture's near field.",
-            quantity="|u_z| on the axis over that of the plane section",
+        Finding.judged(
+            "Under the slider the amplitude is that of an aperture's near field.",
+            "|u_z| on the axis over that of the plane section", on_axis, low=expected - 0.1, high=expected + 0.1,
             expected=f"{expected:.3f} +- 0.1, angular spectrum",
-            found=on_axis,
-            confirmed=abs(on_axis - expected) < 0.1,
             remark=f"power-flow angle {angle:.3g} degrees, slowness curvature {curve.gamma:.3g}",
         ),
-        Finding(
-            statement="The beam keeps within the aperture.",
-            quantity="mean of u_z over the aperture over that of the plane section",
-            expected="between 0.8 and 1.02",
-            found=mean,
-            confirmed=0.8 < mean < 1.02,
+        Finding.judged(
+            "The beam keeps within the aperture.", "mean of u_z over the aperture over that of the plane section",
+            mean, low=0.8, high=1.02,
         ),
-        Finding(
-            statement="The integral over the lateral wavenumber adds nothing to the section's error.",
-            quantity="estimated relative error under the slider",
+        Finding.judged(
+            "The integral over the lateral wavenumber adds nothing to the section's error.",
+            "estimated relative error under the slider", error, high=2 * tolerance,
             expected="below twice the tolerance of the section",
-            found=error,
-            confirmed=error < 2 * tolerance,
         ),
-    )
+    )  # fmt: skip
 
 
 @of_record
 def figure(record: Panel, ax):
     """Draw the beam as points, angular spectrum and Fresnel's integral as lines, and the section dashed."""
-    from studies.report.figures import COLOURS, legend_below
+    from studies.report.figures import curves, finished
 
-    data = record.data
-    for name, style, colour, label in (
-        ("section", "--", "stick", "plane section"),
-        ("spectrum", "-", "line", "angular spectrum"),
-        ("fresnel", ":", "intermittent", "Fresnel's integral"),
-    ):
-        values = data[f"{name}_m_per_V"] * 1e9
-        ax.plot(data["line_at"], values, style, color=COLOURS[colour], linewidth=1, label=label)
-    ax.plot(
-        data["at"],
-        data["beam_m_per_V"] * 1e9,
-        "o",
-        color=COLOURS["slip"],
-        markersize=2,
-        label="finite aperture",
+    rows = (
+        ("line_at", "section", "--", "stick", "plane section"),
+        ("line_at", "spectrum", "-", "line", "angular spectrum"),
+        ("line_at", "fresnel", ":", "intermittent", "Fresnel's integral"),
+        ("at", "beam", ".", "slip", "finite aperture"),
     )
-    ax.set_xlabel(data["axis"])
-    ax.set_ylabel("|u_z| (nm per V)")
+    data = record.data
+    curves(ax, [(data[at], data[f"{name}_m_per_V"] * 1e9, *look) for at, name, *look in rows])
     ax.set_ylim(bottom=0)
-    ax.set_title(record.title, fontsize="medium")
-    ax.grid(alpha=0.3)
-    legend_below(ax, columns=2)
-    return ax
+    return finished(ax, data["axis"], "|u_z| (nm per V)", record.title, columns=2)

@@ -7,9 +7,8 @@ the free wave; one edge common to both where x -> -x is a symmetry; reflectiviti
 charge at weak coupling; the capacitance of conformal mapping to 1 %.  Run time: about 10 s.
 """
 
-from collections.abc import Callable
-
 from studies.chain import passband
+from studies.refusal import RunError
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
@@ -23,11 +22,7 @@ REACH = 2.0  # widths of the stop bands shown on either side
 
 @study
 def run(
-    scene: str | Scene = "twente-left",
-    *,
-    count: int = COUNT,
-    tolerance: float = 1e-2,
-    progress: Callable[[str], None] | None = None,
+    scene: str | Scene = "twente-left", *, count: int = COUNT, tolerance: float = 1e-2, progress=None
 ) -> StudyRecord:
     """Return the cells' numbers and the gratings' Bloch waves.
 
@@ -45,15 +40,13 @@ def run(
     from fem import LEVELS, grating, surface_permittivity
 
     chosen = passband.driven_scene(scene)
-    driven = next(each for each in chosen.transducer if each.name == chosen.drive.transducer)
+    driven = chosen.driven_transducer
     solid, above, m = resolved.solid(chosen.stator), chosen.stator.above, driven.metallisation
     period = driven.period / (2 if driven.split else 1)  # of two fingers and two gaps
     progress(f"gratings of {solid.name}")
     try:
         found = fem.cell_parameters(solid, period=period, metallisation=m, above=above, tolerance=tolerance)
     except fem.ConvergenceError as error:
-        from studies.refusal import RunError
-
         raise RunError(str(error)) from None
     progress("Bloch waves")
     cells = grating(solid, period=period, metallisation=m, above=above, resolution=LEVELS[1])
@@ -81,12 +74,8 @@ def run(
         "relative_error": found.relative_error,
     }
     for name, band in (("shorted", found.shorted), ("open", found.open)):
-        table |= {
-            f"{name}_lower_Hz": band.lower,
-            f"{name}_upper_Hz": band.upper,
-            f"{name}_velocity_m_per_s": band.velocity,
-            f"{name}_reflectivity": band.reflectivity,
-        }
+        table |= {f"{name}_lower_Hz": band.lower, f"{name}_upper_Hz": band.upper}
+        table |= {f"{name}_velocity_m_per_s": band.velocity, f"{name}_reflectivity": band.reflectivity}
     order = found.metallised_velocity < found.shorted.velocity < found.open.velocity < found.free_velocity
     findings = [
         Finding(
@@ -126,34 +115,21 @@ def run(
 @of_record
 def figure(record: Panel, ax):
     """Draw the Bloch waves' phase and decay per finger, with the stop bands."""
-    from studies.report.figures import COLOURS, titled
+    from studies.report.figures import COLOURS, curves, finished, legend_below
 
     data, at = record.data, record.data["frequency_Hz"] / 1e6
-    lines, decay = [], ax.twinx()
+    decay = ax.twinx()
     for name, colour in (("shorted", "slip"), ("open", "intermittent")):
-        lines += ax.plot(
-            at, data[f"{name}_phase_rad"], ".", color=COLOURS[colour], markersize=4, label=f"{name}: phase"
+        curves(ax, [(at, data[f"{name}_phase_rad"], ".", colour, f"{name}: phase")])
+        curves(decay, [(at, data[f"{name}_decay"], "-", colour, f"{name}: decay")])
+        edges, look = (
+            [data[f"{name}_{end}_Hz"] / 1e6 for end in ("lower", "upper")],
+            {"color": COLOURS[colour]},
         )
-        lines += decay.plot(
-            at, data[f"{name}_decay"], "-", color=COLOURS[colour], linewidth=1, label=f"{name}: decay"
-        )
-        edges = data[f"{name}_lower_Hz"] / 1e6, data[f"{name}_upper_Hz"] / 1e6
-        lines.append(
-            ax.axvspan(*edges, color=COLOURS[colour], alpha=0.15, linewidth=0, label=f"{name}: stop band")
-        )
-        lines.append(
-            decay.axhline(data[f"{name}_reflectivity"], color=COLOURS[colour], linestyle=":", linewidth=1,
-                          label=f"{name}: |r| of a finger")
-        )  # fmt: skip
-    ax.set_xlabel("frequency (MHz)")
-    ax.set_ylabel("phase per finger, below pi (rad)")
+        ax.axvspan(*edges, **look, alpha=0.15, linewidth=0, label=f"{name}: stop band")
+        decay.axhline(data[f"{name}_reflectivity"], **look, linestyle=":", label=f"{name}: |r| of a finger")
     decay.set_ylabel("decay per finger (neper)")
-    decay.set_ylim(0, 1.6 * max(data["shorted_reflectivity"], data["open_reflectivity"]))
-    low, high = ax.get_ylim()
-    ax.set_ylim(low, high + 0.6 * (high - low))
-    titled(ax, record.title)
-    ax.grid(alpha=0.3)
-    ax.legend(
-        lines, [line.get_label() for line in lines], frameon=False, fontsize="x-small", loc="upper left"
-    )
+    decay.set_ylim(bottom=0)
+    finished(ax, "frequency (MHz)", "phase per finger, below pi (rad)", record.title)
+    legend_below(ax, [*ax.get_legend_handles_labels()[0], *decay.get_legend_handles_labels()[0]])
     return ax

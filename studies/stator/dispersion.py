@@ -7,8 +7,6 @@ the section's surface wave has the half-space's velocity to 1e-4 if the plate is
 plate: no such thing).  Run time: about 5 s.
 """
 
-from collections.abc import Callable
-
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
@@ -24,9 +22,7 @@ THICK = 4.0  # wavelengths: above it the faces' waves hardly split
 
 
 @study
-def run(
-    scene: str | Scene = "rayleigh", *, count: int = COUNT, progress: Callable[[str], None] | None = None
-) -> StudyRecord:
+def run(scene: str | Scene = "rayleigh", *, count: int = COUNT, progress=None) -> StudyRecord:
     """Return propagating wavenumbers against frequency.
 
     Parameters
@@ -59,22 +55,21 @@ def run(
 @of_record
 def figure(record: Panel, ax):
     """Draw wavenumbers of the modes as points, the half-space's wave as a line."""
-    from studies.report.figures import COLOURS, titled
+    from studies.report.figures import curves, finished
 
     data = record.data
     at, wavenumbers = data["frequency_Hz"] / 1e6, data["wavenumber_rad_per_m"] / 1e3
-    line = data["line_Hz"] / 1e6, data["line_rad_per_m"] / 1e3
-    ax.plot(at, wavenumbers, ".", color=COLOURS["stick"], markersize=2.5, label="modes of the section")
-    near = data["surface_share"] > 0.25
-    ax.plot(at[near], wavenumbers[near], ".", color=COLOURS["slip"], markersize=4, label="near the surface")
-    ax.plot(*line, color=COLOURS["line"], linewidth=1, label="Rayleigh wave of the half-space (theory)")
-    ax.set_xlabel("frequency (MHz)")
-    ax.set_ylabel("wavenumber (rad/mm)")
-    titled(ax, record.title)
+    near, line = data["surface_share"] > 0.25, (data["line_Hz"] / 1e6, data["line_rad_per_m"] / 1e3)
+    curves(
+        ax,
+        (
+            (at, wavenumbers, ".", "stick", "modes of the section"),
+            (at[near], wavenumbers[near], "o", "slip", "near the surface"),
+            (*line, "-", "line", "Rayleigh wave of the half-space (theory)"),
+        ),
+    )
     ax.set_ylim(bottom=0)
-    ax.grid(alpha=0.3)
-    ax.legend(frameon=False, fontsize="small", loc="upper left")
-    return ax
+    return finished(ax, "frequency (MHz)", "wavenumber (rad/mm)", record.title)
 
 
 def _propagating(stator, frequencies):

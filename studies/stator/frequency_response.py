@@ -8,8 +8,6 @@ influence), and a delay in that band, its median, of the way from the fingers' m
 Run time: about 8 s.
 """
 
-from collections.abc import Callable
-
 from studies.chain import bridge, passband
 from studies.chain.spectrum import response, spectrum
 from studies.chain.surface_motion import surface_motion
@@ -25,11 +23,7 @@ COUNT = 161
 
 @study
 def run(
-    scene: str | Scene = "twente-left",
-    *,
-    count: int = COUNT,
-    tolerance: float = 1e-2,
-    progress: Callable[[str], None] | None = None,
+    scene: str | Scene = "twente-left", *, count: int = COUNT, tolerance: float = 1e-2, progress=None
 ) -> StudyRecord:
     """Return amplitude and group delay against frequency.
 
@@ -46,7 +40,7 @@ def run(
 
     chosen = passband.driven_scene(scene)
     place, at = passband.place(chosen), passband.frequencies(chosen, count)
-    driven = next(each for each in chosen.transducer if each.name == chosen.drive.transducer)
+    driven = chosen.driven_transducer
     prepared = response(chosen, at[0], at[-1], places=(place,), tolerance=tolerance, progress=progress)
     progress(f"stator: {count} frequencies")
     found = spectrum(chosen, prepared, at, place)
@@ -62,24 +56,14 @@ def run(
     ratio = float(abs(surface).max() / theory.max())
     title = f"{chosen.title}: x = {place * 1e3:g} mm, plane section"
     panels = (
-        Panel(
-            name="amplitude",
-            title=title,
-            data={
-                "frequency_Hz": at,
-                "normal_m_per_V": found.normal,
-                "surface_mode_m_per_V": surface,
-                "estimate_m_per_V": theory,
-                "half_power_Hz": np.array(band),
-                "relative_error": found.relative_error,
-            },
-        ),
-        Panel(
-            name="group_delay",
-            title=title,
-            data={"frequency_Hz": at[inside], "group_delay_s": delay[inside], "way_s": way / free.velocity},
-        ),
-    )
+        Panel(name="amplitude", title=title, data={
+            "frequency_Hz": at, "normal_m_per_V": found.normal, "surface_mode_m_per_V": surface,
+            "estimate_m_per_V": theory, "half_power_Hz": np.array(band), "relative_error": found.relative_error,
+        }),
+        Panel(name="group_delay", title=title, data={
+            "frequency_Hz": at[inside], "group_delay_s": delay[inside], "way_s": way / free.velocity,
+        }),
+    )  # fmt: skip
     findings = (
         Finding.judged(
             "The amplitude is that of charges which send one Rayleigh wave.",
@@ -119,42 +103,25 @@ def _aperture(scene: Scene, place: float, tolerance: float, progress) -> tuple[F
 @of_record
 def figure(record: Panel, ax):
     """Draw the amplitude with its estimate, or the group delay with the way's."""
-    from studies.report.figures import COLOURS, titled
+    from studies.report.figures import COLOURS, curves, finished
 
-    data = record.data
-    at = data["frequency_Hz"] / 1e6
+    data, at = record.data, record.data["frequency_Hz"] / 1e6
     if "group_delay_s" in data:
-        ax.plot(
-            at, data["group_delay_s"] * 1e6, "o", color=COLOURS["slip"], markersize=3, label="surface mode"
-        )
+        curves(ax, [(at, data["group_delay_s"] * 1e6, "o", "slip", "surface mode")])
         ax.axhline(
             data["way_s"] * 1e6, color=COLOURS["line"], linewidth=1, label="way over velocity (theory)"
         )
-        ax.set_ylabel("group delay (us)")
-    else:
-        ax.plot(
-            at,
-            abs(data["normal_m_per_V"]) * 1e9,
-            "-",
-            color=COLOURS["stick"],
-            linewidth=0.8,
-            label="all modes",
-        )
-        ax.plot(
-            at, abs(data["surface_mode_m_per_V"]) * 1e9, "o", color=COLOURS["slip"], markersize=3,
-            label="surface mode",
-        )  # fmt: skip
-        ax.plot(at, data["estimate_m_per_V"] * 1e9, "-", color=COLOURS["line"], linewidth=1,
-                label="no reflections, no bulk waves (estimate)")  # fmt: skip
-        low, high = data["half_power_Hz"] / 1e6
-        ax.axvspan(low, high, color=COLOURS["stick"], alpha=0.2, linewidth=0, label="half of the power")
-        ax.set_ylim(bottom=0)
-        ax.set_ylabel("normal amplitude per volt, peak (nm/V)")
-    ax.set_xlabel("frequency (MHz)")
-    titled(ax, record.title)
-    ax.grid(alpha=0.3)
-    ax.legend(frameon=False, fontsize="small")
-    return ax
+        return finished(ax, "frequency (MHz)", "group delay (us)", record.title)
+    rows = (
+        ("normal", "-", "stick", "all modes"),
+        ("surface_mode", "o", "slip", "surface mode"),
+        ("estimate", "-", "line", "no reflections, no bulk waves (estimate)"),
+    )
+    curves(ax, [(at, abs(data[f"{name}_m_per_V"]) * 1e9, *look) for name, *look in rows])
+    low, high = data["half_power_Hz"] / 1e6
+    ax.axvspan(low, high, color=COLOURS["stick"], alpha=0.2, linewidth=0, label="half of the power")
+    ax.set_ylim(bottom=0)
+    return finished(ax, "frequency (MHz)", "normal amplitude per volt, peak (nm/V)", record.title)
 
 
 def _half_power(at, size) -> tuple[float, float]:

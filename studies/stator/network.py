@@ -8,7 +8,6 @@ also a SPICE subcircuit of a static capacitance with one motional branch (Butter
 Expected: passive and reciprocal; several branches nearer to the admittance than one.  Run time: about 15 s.
 """
 
-from collections.abc import Callable
 from pathlib import Path
 
 from studies.chain import passband
@@ -38,14 +37,12 @@ def run(
     measured: str | None = None,
     count: int = COUNT,
     tolerance: float = 1e-3,
-    progress: Callable[[str], None] | None = None,
+    progress=None,
 ) -> StudyRecord:
     """Return the S-parameters of a scene's transducers and their circuits.
 
     Parameters
     ----------
-    scene : str or Scene
-        A path, a shipped name or a scene with transducers.
     band : str, optional
         START:STOP:N in MHz, or with units.
     z0 : str or float
@@ -56,8 +53,6 @@ def run(
         Frequencies where no band is given.
     tolerance : float
         Relative, of the admittances.
-    progress : callable, optional
-        Told what is being done.
     """
     import numpy as np
 
@@ -96,40 +91,24 @@ def run(
         panels.append(_circuit_panel(name, at, np.array(seen), models[name]))
     gain = float(np.linalg.svd(scattering, compute_uv=False).max())
     apart = float(abs(scattering - scattering.transpose(0, 2, 1)).max())
-    findings = (
-        Finding(
-            statement="Transducers give no more power than they take.",
-            quantity="largest singular value of S, less 1",
-            expected=f"at most {PASSIVE:g}",
-            found=gain - 1,
-            confirmed=gain <= 1 + PASSIVE,
-        ),
-        Finding(
-            statement="The network is reciprocal.",
-            quantity="largest |S_ij - S_ji|",
-            expected=f"at most {RECIPROCAL:g}",
-            found=apart,
-            confirmed=apart <= RECIPROCAL,
-        ),
-        Finding(
-            statement="The admittances are known as well as was asked for.",
-            quantity="estimated error, over the largest admittance",
-            expected=f"at most {tolerance:g}",
-            found=ports.relative_error,
-            confirmed=ports.relative_error <= tolerance,
-        ),
-        *(
-            Finding(
-                statement=f"{name}: {BRANCHES} motional branches follow the admittance more closely than one.",
-                quantity="largest error over the largest admittance",
-                expected=f"below that of one branch, {one.error:.2g}",
-                found=several.error,
-                confirmed=several.error < one.error,
-            )
-            for name, (one, several) in models.items()
-        ),
-    )
-    return panels, findings
+    known = (
+        ("Transducers give no more power than they take.", "largest singular value of S, less 1", gain - 1, PASSIVE),
+        ("The network is reciprocal.", "largest |S_ij - S_ji|", apart, RECIPROCAL),
+        ("The admittances are known as well as was asked for.", "estimated error, over the largest admittance",
+         ports.relative_error, tolerance),
+    )  # fmt: skip
+    findings = [
+        Finding.judged(*said, high=np.nextafter(high, 1), expected=f"at most {high:g}")
+        for *said, high in known
+    ]
+    return panels, findings + [
+        Finding.judged(
+            f"{name}: {BRANCHES} motional branches follow the admittance more closely than one.",
+            "largest error over the largest admittance", several.error, high=one.error,
+            expected=f"below that of one branch, {one.error:.2g}",
+        )
+        for name, (one, several) in models.items()
+    ]  # fmt: skip
 
 
 def tables(record: StudyRecord) -> dict[str, str]:
@@ -149,60 +128,47 @@ def tables(record: StudyRecord) -> dict[str, str]:
 @of_record
 def figure(record: Panel, ax):
     """Draw reflections in the Smith chart, magnitudes in dB, the group delay, or an admittance with its circuits."""
-    from studies.report.figures import COLOURS, legend_below, titled
+    import numpy as np
 
-    data = record.data
+    from studies.report.figures import curves, finished
+
+    data, rows = record.data, []
     at = data["frequency_Hz"] / 1e6
     if record.name == "smith":
         return _smith(record, ax)
     if "group_delay_s" in data:
-        ax.plot(at, data["group_delay_s"] * 1e6, color=COLOURS["slip"])
-        ax.set_ylabel("group delay (us)")
+        up, rows = "group delay (us)", [(at, data["group_delay_s"] * 1e6, "-", "slip", None)]
     elif "spice" in data:
-        for part, values, line in (
-            ("field", data["admittance_S"], "o"),
-            ("one branch", data["one_branch_S"], "--"),
-            (f"{BRANCHES} branches", data["several_branches_S"], "-"),
-        ):
-            for name, of, colour in (("Re", "real", "slip"), ("Im", "imag", "stick")):
-                y = getattr(values, of) * 1e3
-                ax.plot(
-                    at, y, line, color=COLOURS[colour], markersize=2, linewidth=1, label=f"{name}, {part}"
-                )
-        ax.set_ylabel("admittance (mS)")
-        legend_below(ax, columns=3)
+        up = "admittance (mS)"
+        for part, key, line in (
+            ("field", "admittance_S", "."), ("one branch", "one_branch_S", "--"),
+            (f"{BRANCHES} branches", "several_branches_S", "-"),
+        ):  # fmt: skip
+            rows.append((at, data[key].real * 1e3, line, "slip", f"Re, {part}"))
+            rows.append((at, data[key].imag * 1e3, line, "stick", f"Im, {part}"))
     else:
+        up, count = "magnitude (dB)", len(data["ports"])
         for prefix, line, f in _sources(data):
-            for i, j in _pairs(data["ports"]):
-                size = 20 * _log10(abs(data[f"{prefix}scattering"][:, i, j]))
+            for i, j in zip(*np.tril_indices(count), strict=True):  # reciprocal: one half
+                size = 20 * np.log10(np.maximum(abs(data[f"{prefix}scattering"][:, i, j]), 1e-15))
                 label = f"S{i + 1}{j + 1}" + (f" ({data['measured_file']})" if prefix else "")
-                ax.plot(f, size, line, color=f"C{i * len(data['ports']) + j}", markersize=3, label=label)
-        ax.set_ylabel("magnitude (dB)")
-        legend_below(ax, columns=4)
-    ax.set_xlabel("frequency (MHz)")
-    titled(ax, record.title)
-    ax.grid(alpha=0.3)
-    return ax
+                rows.append((f, size, line, f"C{i * count + j}", label))
+    curves(ax, rows)
+    return finished(ax, "frequency (MHz)", up, record.title, columns=3 if "spice" in data else 4)
 
 
 def _smith(record: Panel, ax):
     """Draw the reflections over circles of resistance and arcs of reactance."""
     import numpy as np
 
-    from studies.report.figures import COLOURS, legend_below, titled
+    from studies.report.figures import COLOURS, finished
 
     data, angle = record.data, np.linspace(0, 2 * np.pi, 361)
     for r in (0, 0.2, 0.5, 1, 2, 5):
         circle = r / (1 + r) + np.exp(1j * angle) / (1 + r)
         ax.plot(circle.real, circle.imag, color=COLOURS["line"], linewidth=1 if r == 0 else 0.4)
-        ax.annotate(
-            f"{r:g}",
-            ((r - 1) / (r + 1), 0),
-            (2, 2),
-            textcoords="offset points",
-            fontsize="x-small",
-            alpha=0.7,
-        )
+        at = ((r - 1) / (r + 1), 0)
+        ax.annotate(f"{r:g}", at, (2, 2), textcoords="offset points", fontsize="x-small", alpha=0.7)
     reactance = np.concatenate([[0], np.geomspace(1e-3, 1e3, 400)])
     for x in (0, 0.2, 0.5, 1, 2, 5):
         for sign in (1, -1):
@@ -216,11 +182,8 @@ def _smith(record: Panel, ax):
             drawn = line if prefix or i == 0 else "--"  # like transducers lie on each other
             ax.plot(s.real, s.imag, drawn, color=f"C{i}", markersize=3, label=label)
     ax.set_aspect("equal")
-    ax.set_xlabel("Re S (resistance over the reference on the axis)")
-    ax.set_ylabel("Im S")
-    titled(ax, record.title)
-    legend_below(ax, columns=2)
-    return ax
+    across = "Re S (resistance over the reference on the axis)"
+    return finished(ax, across, "Im S", record.title, columns=2, grid=False)
 
 
 def _sources(data: dict):
@@ -228,17 +191,6 @@ def _sources(data: dict):
     yield "", "-", data["frequency_Hz"] / 1e6
     if "measured_frequency_Hz" in data:
         yield "measured_", ".", data["measured_frequency_Hz"] / 1e6
-
-
-def _pairs(ports) -> list[tuple[int, int]]:
-    """Return the parameters drawn: of a reciprocal network one half."""
-    return [(i, j) for i in range(len(ports)) for j in range(i + 1)]
-
-
-def _log10(sizes):
-    import numpy as np
-
-    return np.log10(np.maximum(sizes, 1e-15))
 
 
 def _circuit_panel(name: str, at, seen, models) -> Panel:
