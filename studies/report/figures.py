@@ -134,7 +134,8 @@ def finished(ax, across: str, up: str, title: str, *, columns: int = 4, grid: bo
 def curves(ax, rows) -> None:
     """Draw rows of (x, y, format, colour, label), the colour one of `COLOURS` or of matplotlib's."""
     for x, y, style, colour, label in rows:
-        ax.plot(x, y, style, color=COLOURS.get(colour, colour), linewidth=1, markersize=3, label=label)
+        size = 3 if "o" in style else 5
+        ax.plot(x, y, style, color=COLOURS.get(colour, colour), linewidth=1, markersize=size, label=label)
 
 
 def titled(ax, title: str) -> None:
