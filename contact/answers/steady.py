@@ -12,7 +12,6 @@ leave a whole interval of mean tractions. If load lies in it the slider stays, a
 
 import time
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -20,16 +19,14 @@ from contact import bounds
 from contact.answers.averaged import STIFFEST_STEADY, why_not
 from contact.answers.closed_forms import closed_form
 from contact.answers.ledger import Ledger, ledger
-from contact.answers.sweep import MeanMotion, mean_motion
+from contact.answers.sweep import mean_motion
 from contact.convergence import ConvergenceError
-from contact.drive import reference_speed, relative_to_reference, towards_plus
+from contact.drive import relative_to_reference, towards_plus
 from contact.orbit import Orbit, as_orbits
 from contact.problem import scaled
 from contact.slider import Slider
 from contact.solve.averaged_sweep import MAX_RATIO_HELD, MAX_THRESHOLD_ERROR, THRESHOLD_ERROR
 from contact.solve.equilibrium import Balance, balanced, cycle_at
-from contact.solve.event_driven import CHATTER, STRETCHES
-from contact.solve.motion import Motion
 
 METHODS = ("auto", "exact", "averaged")
 # largest ratio of contact resonance to wave for which a periodic motion is searched, and cycles to settle before
@@ -67,7 +64,7 @@ class SteadyState:
         but is not reached from rest, or the one that a start from rest goes on with where nothing damps the bounce.
     statistics : dict
         Events by kind in one cycle, smallest gap between two in s (inf: fewer), chatter (whether events crowded at
-        one instant); stretches, sweeps and cycles computed; growth per cycle.
+        one instant); segments (`stretches`) and sweeps of the cycles counted; growth per cycle.
     seconds : float
         Time taken.
     """
@@ -136,15 +133,6 @@ def _closed(slider, orbits):
     }  # fmt: skip
 
 
-class _Cycles(NamedTuple):
-    """A motion after some cycles, its energies before them, the work of the search, how many they are."""
-
-    motion: Motion
-    before: np.ndarray
-    work: np.ndarray
-    number: int
-
-
 @dataclass(frozen=True, kw_only=True)
 class _Search:
     """A steady state, searched on the side on which the crests drive towards +x: mirrored waves, mirrored answers."""
@@ -160,22 +148,16 @@ class _Search:
         """Return a difference of velocities over the reference speed."""
         return relative_to_reference(difference, velocity, self.orbits)
 
-    def answer(self, note, *, velocity, error, height, cycles, sticks, **statistics):
-        """Return the answer of a motion over some cycles; `velocity` on this side, `height` in m."""
-        motion, before, work, number = cycles
+    def answer(self, note, motion, *, velocity, error, height, sticks, cycles=1, **statistics):
+        """Return the answer of a motion whose sums cover some cycles; `velocity` on this side, `height` in m."""
         counted = motion.events()
-        for name, count in zip(
-            ("stretches", "halvings", "sweeps", "cycles"), work[STRETCHES:CHATTER], strict=True
-        ):
-            counted[name] = int(count)
-        counted["smallest_gap"], counted["chatter"] = motion.smallest_gap(), bool(counted["chatter"])
         status, message = _judged(error, self.tolerance, note)
         moving = "intermittent" if counted["release"] else "slip"
         return {
             "velocity": float(self.side * velocity) if velocity else 0.0, "regime": "stick" if sticks else moving,
             "relative_error": float(error), "height": float(height), "status": status, "message": message,
             "method": "exact", "statistics": counted | statistics,
-            "ledger": ledger(self.slider, motion, before, spans=number),
+            "ledger": ledger(self.slider, motion, spans=cycles),
         }  # fmt: skip
 
 
@@ -186,7 +168,7 @@ def _searched(slider, orbits, tolerance, method):
     search = _Search(
         slider=slider, orbits=driven, side=side, tolerance=tolerance, ratio=ratio, balance=balance
     )
-    if method == "averaged" or (mean is not None and mean.held):
+    if method == "averaged" or (mean is not None and mean["held"]):
         return _averaged(search, mean)
     if balance.held or ratio > SLOWEST_WAVE:
         return _waited(search)
@@ -249,7 +231,10 @@ def _bouncing(search, answer):
 
 
 def _equilibrium(slider, orbits, ratio, method):
-    """Return (averaged steady state or None where averaging is no answer, balance to start the full motion from)."""
+    """Return (averaged steady state or None where averaging is no answer, balance to start the full motion from).
+
+    The averaged state is a dictionary: velocity on this side, height, held, error (relative) and regime.
+    """
     if not why_not(slider, orbits, STIFFEST_STEADY):
         try:
             mean = mean_motion(slider, orbits)
@@ -257,8 +242,10 @@ def _equilibrium(slider, orbits, ratio, method):
             if failed.status == "runaway" or method == "averaged":
                 raise
         else:
-            known = {"height": mean.height, "velocity": mean.first_order, "held": mean.held}
-            return mean, cycle_at(slider, orbits, load_sign=mean.load_sign, **known)
+            known = {"height": mean.height, "held": bool(mean.held)}
+            balance = cycle_at(slider, orbits, velocity=mean.first_order, load_sign=mean.load_sign, **known)
+            known |= {"velocity": mean.velocity, "error": mean.relative_error, "regime": str(mean.regime)}
+            return known, balance
     elif method == "averaged" and ratio > MAX_RATIO_HELD:
         raise ConvergenceError(
             "not applicable",
@@ -271,19 +258,17 @@ def _equilibrium(slider, orbits, ratio, method):
 
 def _first_order(slider, orbits, balance, ratio):
     """Return the averaged steady state of a law that only the event-driven solver knows; of first order."""
-    velocity, error = balance.speed * balance.problem.speed, AVERAGING_ERROR * ratio**2
+    error = AVERAGING_ERROR * ratio**2
     if balance.held:
         larger = 1.0 + min(THRESHOLD_ERROR * ratio**2, MAX_THRESHOLD_ERROR)
         beyond = balanced(slider, tuple(orbit.scaled(larger) for orbit in orbits))
         error = relative_to_reference(beyond.speed * beyond.problem.speed, 0.0, orbits)
     events = balance.motion.events()
     slips = "slip" if events["stick_to_slip"] or not balance.held else "stick"
-    return MeanMotion(
-        velocity=velocity, first_order=velocity, height=balance.height * balance.problem.length,
-        regime="intermittent" if events["release"] else slips, held=balance.held, relative_error=error,
-        error=error * reference_speed(velocity, orbits),
-        load_sign=1.0 if balance.problem.load >= 0.0 else -1.0,
-    )  # fmt: skip
+    return {
+        "velocity": balance.speed * balance.problem.speed, "height": balance.height * balance.problem.length,
+        "regime": "intermittent" if events["release"] else slips, "held": balance.held, "error": error,
+    }  # fmt: skip
 
 
 def _repeating(search):
@@ -315,11 +300,8 @@ def _repeating(search):
     if sticks:  # what is left is rounding
         velocity, error = 0.0, 0.0
     answer = search.answer(
-        "periodic motion of the full equations", velocity=velocity, error=error, sticks=sticks,
-        height=-fine.state[0] * balance.problem.length,
-        cycles=_Cycles(fine.motion, fine.before, balance.work + fine.work + coarse.work, 1),
-        averaged_velocity=float(search.side * balance.speed * unit),
-        growth_per_cycle=fine.growth,
+        "periodic motion of the full equations", fine.motion, velocity=velocity, error=error, sticks=sticks,
+        height=-fine.state[0] * balance.problem.length, growth_per_cycle=fine.growth,
     )  # fmt: skip
     return answer, fine
 
@@ -345,25 +327,21 @@ def _settled(search, run):
     if run.starts > 1:
         note += "; two runs from almost the same start were compared"
     return search.answer(
-        note, velocity=run.speed * unit, error=search.relative(run.error * unit, run.speed * unit), sticks=run.sticks,
-        height=run.height * run.motion.problem.length,
-        cycles=_Cycles(run.motion, run.before, search.balance.work + run.motion.tally, run.cycles),
-        period_cycles=run.period, averaged_cycles=run.cycles,
+        note, run.motion, velocity=run.speed * unit, error=search.relative(run.error * unit, run.speed * unit),
+        sticks=run.sticks, height=run.height * run.motion.problem.length, cycles=run.cycles, period_cycles=run.period,
+        averaged_cycles=run.cycles,
     )  # fmt: skip
 
 
 def _averaged(search, mean):
     """Return the averaged answer; the energies are those of a cycle at constant height and velocity."""
-    motion = search.balance.motion
-    known = {} if mean.held else {"averaged_velocity": search.side * mean.first_order}
     answer = search.answer(
-        "held by friction" if mean.held else "cycle means", velocity=mean.velocity, error=mean.relative_error,
-        height=mean.height, sticks=mean.held,
-        cycles=_Cycles(motion, motion.energy(), search.balance.work, 1), **known,
+        "held by friction" if mean["held"] else "cycle means", search.balance.motion, velocity=mean["velocity"],
+        error=mean["error"], height=mean["height"], sticks=mean["held"],
     )  # fmt: skip
-    if mean.held and answer["status"] != "ok":
+    if mean["held"] and answer["status"] != "ok":
         answer["message"] += ", for so near the threshold the slider may move"
-    return answer | {"method": "averaged", "regime": mean.regime}
+    return answer | {"method": "averaged", "regime": mean["regime"]}
 
 
 def _judged(error, tolerance, note):

@@ -10,7 +10,10 @@ how it builds up is not in the steps.  Run time: about 5 s, and the stator's.
 
 import math
 
+import numpy as np
+
 from studies.chain.driven_contact import driven_contact
+from studies.report.figures import curve, family, finished, logarithmic
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
@@ -43,13 +46,10 @@ def run(
     lines : int
         How many of the scene's levels, at most.
     """
-    import numpy as np
-
     import contact
 
     driven = driven_contact(scene, progress=progress)
-    chosen, slider, moving = driven.scene, driven.slider, driven.above(1.5)
-    picked = sorted({moving[round(k * (len(moving) - 1) / lines)] for k in range(1, lines + 1)})
+    chosen, slider, picked = driven.scene, driven.slider, driven.spread(1.5, lines)
     steps, planned = {}, {}
     for level in picked:
         name, orbits = driven.named(level), driven.at(level)
@@ -62,35 +62,49 @@ def run(
     steady = contact.mean_motion(slider, driven.at(picked[0])).velocity
     travel = _travelled(slider, driven.at(picked[0]), chosen.frequency, slowest[-2])
     findings = [
-        Finding(
-            statement="The cycles found for a step reach it, and a cycle less does not.",
-            quantity="smallest step that was planned, m", expected=f"{wanted[0]:g} m and up to a cycle's worth more",
-            found=float(min(abs(enough.displacement) for _, _, enough in pairs)), confirmed=reached,
+        Finding.judged(
+            "The cycles found for a step reach it, and a cycle less does not.",
+            "smallest step that was planned, m",
+            min(abs(enough.displacement) for _, _, enough in pairs),
+            holds=reached,
+            expected=f"{wanted[0]:g} m and up to a cycle's worth more",
             remark="; ".join(
-                f"{name}: {', '.join(f'{pair[1].cycles} cycles' for pair in plans)}" for name, plans in planned.items()
+                f"{name}: {', '.join(f'{pair[1].cycles} cycles' for pair in plans)}"
+                for name, plans in planned.items()
             ),
         ),
         *_growth(slowest, steady),
         Finding.judged(
             "The step is the integral of the velocity.",
-            f"travel in {cycles[-2]} cycles and the slide after over the step", travel, low=0.98, high=1.02,
+            f"travel in {cycles[-2]} cycles and the slide after over the step",
+            travel,
+            low=0.98,
+            high=1.02,
             expected="1, but for the ring about where the slider stays",
         ),
-    ]  # fmt: skip
+    ]
 
     def table(value):
         return {key: np.array([getattr(each, value) for each in line]) for key, line in steps.items()}
 
     sides = (("step_planner", "step", "displacement"), ("stopping", "slide after the burst", "stopping"))
     panels = [
-        Panel(name=file, title=f"{chosen.title}: {title}", data={
-            "cycles": np.array(cycles), "velocity_m_per_s": table("velocity"), "ring_m": table("ring"),
-            "distance_m": {key: np.sign(steady) * values for key, values in table(value).items()},
-            "stopping_time_s": table("stopping_time"), "wanted_m": np.array(wanted), "axis": f"{title} (nm)",
-            "planned_cycles": {key: [pair[1].cycles for pair in plans] for key, plans in planned.items()},
-        })
+        Panel(
+            name=file,
+            title=f"{chosen.title}: {title}",
+            data={
+                "cycles": np.array(cycles),
+                "distance_m": {key: np.sign(steady) * values for key, values in table(value).items()},
+                "velocity_m_per_s": table("velocity"),
+                "ring_m": table("ring"),
+                "stopping_time_s": table("stopping_time"),
+                "planned_cycles": {key: [pair[1].cycles for pair in plans] for key, plans in planned.items()},
+                "wanted_m": np.array(wanted),
+                "axis": f"{title} (nm)",
+            },
+        )
         for file, title, value in sides
-    ]  # fmt: skip
+    ]
     return tuple(panels), tuple(findings)
 
 
@@ -112,8 +126,6 @@ def _growth(steps, steady: float) -> list[Finding]:
 
 def _travelled(slider, orbits, frequency, step) -> float:
     """Return the integral of a trajectory's velocity over a step."""
-    import numpy as np
-
     import contact
 
     found = contact.burst(
@@ -126,21 +138,16 @@ def _travelled(slider, orbits, frequency, step) -> float:
 @of_record
 def figure(record: Panel, ax):
     """Draw distance against cycles; what was planned as crosses."""
-    import numpy as np
-
-    from studies.report.figures import curves, finished, logarithmic
-
     data, planned = record.data, record.name == "step_planner"
-    palette = ("stick", "slip", "second", "intermittent")
     cycles, wanted = np.asarray(data["cycles"]), np.asarray(data["wanted_m"]) * 1e9
-    for (name, distance), colour in zip(data["distance_m"].items(), palette, strict=False):
+    for name, distance, colour in family(data["distance_m"]):
         values = np.asarray(distance) * 1e9
-        forward = values > 0.0
-        curves(ax, [(cycles[forward], values[forward], ".-", colour, name)])
+        curve(ax, cycles[values > 0.0], values[values > 0.0], ".-", colour, name)
         if planned:
-            curves(ax, [(data["planned_cycles"][name], wanted, "x", colour, None)])
+            curve(ax, data["planned_cycles"][name], wanted, "x", colour, size=6.0)
     if planned:
-        curves(ax, [([], [], "x", "line", f"planned for {', '.join(f'{size:g}' for size in wanted)} nm")])
+        steps = ", ".join(f"{size:g}" for size in wanted)
+        curve(ax, [], [], "x", "line", f"planned for {steps} nm", size=6.0)
     logarithmic(ax.xaxis)
     logarithmic(ax.yaxis)
     return finished(ax, "cycles of the wave", data["axis"], record.title, columns=5)

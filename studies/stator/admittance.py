@@ -6,8 +6,11 @@ conductance that is never negative, its largest value within a factor of 2 of th
 capacitance's within a quarter at the band's edges, where hardly a wave is sent.  Run time: about 10 s.
 """
 
+import numpy as np
+
 from studies.chain import passband
 from studies.chain.spectrum import port_admittances
+from studies.report.figures import lines
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
@@ -31,8 +34,6 @@ def run(
     tolerance : float
         Relative, of the admittances.
     """
-    import numpy as np
-
     import fem
 
     chosen = passband.driven_scene(scene)
@@ -46,18 +47,20 @@ def run(
         ]
     )
     theory = passband.expected(chosen)
-    susceptance, error = 2 * np.pi * at * theory.capacitance, ports.relative_error
+    susceptance = 2 * np.pi * at * theory.capacitance
     data = {
-        "frequency_Hz": at, "conductance_S": admittance.real, "susceptance_S": admittance.imag,
-        "estimated_conductance_S": theory.conductance(at), "capacitive_susceptance_S": susceptance,
-        "relative_error": error,
-    }  # fmt: skip
+        "frequency_Hz": at,
+        "conductance_S": admittance.real,
+        "susceptance_S": admittance.imag,
+        "estimated_conductance_S": theory.conductance(at),
+        "capacitive_susceptance_S": susceptance,
+        "relative_error": ports.relative_error,
+    }
     most = admittance.real.max() / data["estimated_conductance_S"].max()
     edge = float(np.mean((admittance.imag / susceptance)[[0, -1]]))
+    error, least = ports.relative_error, admittance.real.min()
     findings = (
-        Finding.judged(
-            "A transducer takes power and gives none.", "smallest conductance (S)", admittance.real.min(), low=0
-        ),
+        Finding.judged("A transducer takes power and gives none.", "smallest conductance (S)", least, low=0),
         Finding.judged(
             "The largest conductance is that of charges which send one Rayleigh wave.",
             "largest conductance over the estimate's", most, low=0.5, high=2,
@@ -80,14 +83,10 @@ def run(
 @of_record
 def figure(record: Panel, ax):
     """Draw conductance and susceptance, computed points and estimated lines."""
-    from studies.report.figures import curves, finished
-
-    data, at = record.data, record.data["frequency_Hz"] / 1e6
     rows = (
         ("conductance_S", "o", "slip", "Re Y"),
         ("estimated_conductance_S", "-", "slip", "Re Y, no reflections (estimate)"),
         ("susceptance_S", "o", "intermittent", "Im Y"),
         ("capacitive_susceptance_S", "-", "intermittent", "static capacitance (estimate)"),
     )
-    curves(ax, [(at, data[key] * 1e3, *look) for key, *look in rows])
-    return finished(ax, "frequency (MHz)", "admittance (mS)", record.title, columns=2)
+    return lines(ax, record, "frequency_Hz", rows, "admittance (mS)", factor=1e3, columns=2)

@@ -7,8 +7,11 @@ the free wave; one edge common to both where x -> -x is a symmetry; reflectiviti
 charge at weak coupling; the capacitance of conformal mapping to 1 %.  Run time: about 10 s.
 """
 
+import numpy as np
+
 from studies.chain import passband
 from studies.refusal import RunError
+from studies.report.figures import AXES, COLOURS, curve, finished, legend_below, shaded
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
@@ -33,7 +36,6 @@ def run(
     tolerance : float
         Of the stop bands' edges, relative to their width.
     """
-    import numpy as np
     from scipy.special import ellipk, eval_legendre
 
     import fem
@@ -74,16 +76,19 @@ def run(
         "relative_error": found.relative_error,
     }
     for name, band in (("shorted", found.shorted), ("open", found.open)):
-        table |= {f"{name}_lower_Hz": band.lower, f"{name}_upper_Hz": band.upper}
-        table |= {f"{name}_velocity_m_per_s": band.velocity, f"{name}_reflectivity": band.reflectivity}
+        table |= {
+            f"{name}_lower_Hz": band.lower,
+            f"{name}_upper_Hz": band.upper,
+            f"{name}_velocity_m_per_s": band.velocity,
+            f"{name}_reflectivity": band.reflectivity,
+        }
     order = found.metallised_velocity < found.shorted.velocity < found.open.velocity < found.free_velocity
     findings = [
-        Finding(
-            statement="Fingers slow the wave, connected ones more: v_metallised < v_shorted < v_open < v_free.",
-            quantity="share of the metallised slowing that connected fingers reach",
-            expected="between 0 and 1, and above that of separate fingers",
-            found=float((found.free_velocity - found.shorted.velocity) / change / found.free_velocity),
-            confirmed=bool(order),
+        Finding.judged(
+            "Fingers slow the wave, connected ones more: v_metallised < v_shorted < v_open < v_free.",
+            "share of the metallised slowing that connected fingers reach",
+            (found.free_velocity - found.shorted.velocity) / change / found.free_velocity,
+            holds=order, expected="between 0 and 1, and above that of separate fingers",
             remark=f"v = {found.metallised_velocity:.6g}, {found.shorted.velocity:.6g}, {found.open.velocity:.6g}, "
             f"{found.free_velocity:.6g} m/s; K2 = {100 * found.coupling:.4g} %",
         ),
@@ -115,21 +120,16 @@ def run(
 @of_record
 def figure(record: Panel, ax):
     """Draw the Bloch waves' phase and decay per finger, with the stop bands."""
-    from studies.report.figures import COLOURS, curves, finished, legend_below
-
-    data, at = record.data, record.data["frequency_Hz"] / 1e6
-    decay = ax.twinx()
+    data, at, decay = record.data, record.data["frequency_Hz"] / 1e6, ax.twinx()
     for name, colour in (("shorted", "slip"), ("open", "intermittent")):
-        curves(ax, [(at, data[f"{name}_phase_rad"], ".", colour, f"{name}: phase")])
-        curves(decay, [(at, data[f"{name}_decay"], "-", colour, f"{name}: decay")])
-        edges, look = (
-            [data[f"{name}_{end}_Hz"] / 1e6 for end in ("lower", "upper")],
-            {"color": COLOURS[colour]},
-        )
-        ax.axvspan(*edges, **look, alpha=0.15, linewidth=0, label=f"{name}: stop band")
-        decay.axhline(data[f"{name}_reflectivity"], **look, linestyle=":", label=f"{name}: |r| of a finger")
+        curve(ax, at, data[f"{name}_phase_rad"], ".", colour, f"{name}: phase")
+        curve(decay, at, data[f"{name}_decay"], "-", colour, f"{name}: decay")
+        edges = data[f"{name}_lower_Hz"] / 1e6, data[f"{name}_upper_Hz"] / 1e6
+        shaded(ax, *edges, f"{name}: stop band", colour=colour)
+        height, label = data[f"{name}_reflectivity"], f"{name}: |r| of a finger"
+        decay.axhline(height, color=COLOURS[colour], linestyle=":", linewidth=1, label=label)
     decay.set_ylabel("decay per finger (neper)")
-    decay.set_ylim(bottom=0)
-    finished(ax, "frequency (MHz)", "phase per finger, below pi (rad)", record.title)
-    legend_below(ax, [*ax.get_legend_handles_labels()[0], *decay.get_legend_handles_labels()[0]])
+    decay.set_ylim(0, 1.6 * max(data["shorted_reflectivity"], data["open_reflectivity"]))
+    finished(ax, AXES["frequency_Hz"][0], "phase per finger, below pi (rad)", record.title)
+    legend_below(ax, [each for side in (ax, decay) for each in side.get_legend_handles_labels()[0]])
     return ax

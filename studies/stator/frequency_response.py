@@ -8,9 +8,12 @@ influence), and a delay in that band, its median, of the way from the fingers' m
 Run time: about 8 s.
 """
 
+import numpy as np
+
 from studies.chain import bridge, passband
 from studies.chain.spectrum import response, spectrum
 from studies.chain.surface_motion import surface_motion
+from studies.report.figures import lines, shaded
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
@@ -34,8 +37,6 @@ def run(
     tolerance : float
         Relative, of the surface motion.
     """
-    import numpy as np
-
     import fem
 
     chosen = passband.driven_scene(scene)
@@ -56,14 +57,24 @@ def run(
     ratio = float(abs(surface).max() / theory.max())
     title = f"{chosen.title}: x = {place * 1e3:g} mm, plane section"
     panels = (
-        Panel(name="amplitude", title=title, data={
-            "frequency_Hz": at, "normal_m_per_V": found.normal, "surface_mode_m_per_V": surface,
-            "estimate_m_per_V": theory, "half_power_Hz": np.array(band), "relative_error": found.relative_error,
-        }),
-        Panel(name="group_delay", title=title, data={
-            "frequency_Hz": at[inside], "group_delay_s": delay[inside], "way_s": way / free.velocity,
-        }),
-    )  # fmt: skip
+        Panel(
+            name="amplitude",
+            title=title,
+            data={
+                "frequency_Hz": at,
+                "normal_m_per_V": found.normal,
+                "surface_mode_m_per_V": surface,
+                "estimate_m_per_V": theory,
+                "half_power_Hz": np.array(band),
+                "relative_error": found.relative_error,
+            },
+        ),
+        Panel(
+            name="group_delay",
+            title=title,
+            data={"frequency_Hz": at[inside], "group_delay_s": delay[inside], "way_s": way / free.velocity},
+        ),
+    )
     findings = (
         Finding.judged(
             "The amplitude is that of charges which send one Rayleigh wave.",
@@ -103,31 +114,25 @@ def _aperture(scene: Scene, place: float, tolerance: float, progress) -> tuple[F
 @of_record
 def figure(record: Panel, ax):
     """Draw the amplitude with its estimate, or the group delay with the way's."""
-    from studies.report.figures import COLOURS, curves, finished
-
-    data, at = record.data, record.data["frequency_Hz"] / 1e6
+    data = record.data
     if "group_delay_s" in data:
-        curves(ax, [(at, data["group_delay_s"] * 1e6, "o", "slip", "surface mode")])
-        ax.axhline(
-            data["way_s"] * 1e6, color=COLOURS["line"], linewidth=1, label="way over velocity (theory)"
-        )
-        return finished(ax, "frequency (MHz)", "group delay (us)", record.title)
+        ax.axhline(data["way_s"] * 1e6, color="black", linewidth=1, label="way over velocity (theory)")
+        rows = (("group_delay_s", "o", "slip", "surface mode"),)
+        return lines(ax, record, "frequency_Hz", rows, "group delay (us)", factor=1e6)
     rows = (
-        ("normal", "-", "stick", "all modes"),
-        ("surface_mode", "o", "slip", "surface mode"),
-        ("estimate", "-", "line", "no reflections, no bulk waves (estimate)"),
+        ("normal_m_per_V", "-", "stick", "all modes"),
+        ("surface_mode_m_per_V", "o", "slip", "surface mode"),
+        ("estimate_m_per_V", "-", "line", "no reflections, no bulk waves (estimate)"),
     )
-    curves(ax, [(at, abs(data[f"{name}_m_per_V"]) * 1e9, *look) for name, *look in rows])
-    low, high = data["half_power_Hz"] / 1e6
-    ax.axvspan(low, high, color=COLOURS["stick"], alpha=0.2, linewidth=0, label="half of the power")
-    ax.set_ylim(bottom=0)
-    return finished(ax, "frequency (MHz)", "normal amplitude per volt, peak (nm/V)", record.title)
+    shaded(ax, *data["half_power_Hz"] / 1e6, "half of the power")
+    ax.set_ylim(0, 1.05e9 * max(abs(data[key]).max() for key, *_ in rows))
+    return lines(
+        ax, record, "frequency_Hz", rows, "normal amplitude per volt, peak (nm/V)", factor=1e9, columns=2
+    )
 
 
 def _half_power(at, size) -> tuple[float, float]:
     """Return where the amplitude first falls below its maximum over root 2 on either side, Hz."""
-    import numpy as np
-
     peak = int(np.argmax(size))
     level = size[peak] / np.sqrt(2)
     edges = []

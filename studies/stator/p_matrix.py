@@ -11,9 +11,12 @@ import math
 from dataclasses import replace
 from itertools import pairwise
 
+import numpy as np
+
 from studies.chain import passband
 from studies.chain.spectrum import port_admittances
 from studies.refusal import RunError
+from studies.report.figures import curve, lines
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
@@ -37,8 +40,6 @@ def run(
     tolerance : float
         Of the P-matrices and of the admittances.
     """
-    import numpy as np
-
     import fem
 
     chosen = passband.driven_scene(scene)
@@ -81,26 +82,24 @@ def run(
     apart = float(abs(compared["cascade_S"] - compared["stator_S"]).max() / abs(compared["stator_S"]).max())
     uneven = max(float(abs(p.detection + 2 * p.excitation).max() / abs(p.excitation).max()) for p in first)
     share = float(np.max(data["excitation_squared_S"] / data["admittance_S"].real))
-    name = "transfer admittance" if last else "admittance"
+    name, reflects = "transfer admittance" if last else "admittance", chosen.stator.ends != "absorbing"
     panels = (
         Panel(name="p_matrix", title=f"{chosen.title}: transducer {row[ports[0]].name!r} alone", data=data),
         Panel(name="cascade", title=f"{chosen.title}: {name}", data=compared),
     )
-    reflects = chosen.stator.ends != "absorbing"
     findings = (
         Finding.judged(
-            "A transducer receives as it sends: P31 = -2 P13.", "largest difference, relative", uneven,
-            high=1e-9, expected="below 1e-9",
+            "A transducer receives as it sends: P31 = -2 P13.", "largest difference, relative", uneven, high=1e-9
         ),
         Finding.judged(
             "The surface wave takes no more than the source gives.",
-            "largest share of the conductance that goes into the surface wave", share,
-            high=1 + tolerance, expected="at most 1",
+            "largest share of the conductance that goes into the surface wave",
+            share, high=1 + tolerance, expected="at most 1",
         ),
         Finding.judged(
             "A cascade of P-matrices is the stator, but for bulk waves, decaying fields and ends.",
-            f"largest difference of the {name}, over its largest size", apart,
-            high=math.inf if reflects else 0.3, expected="below 0.3 between absorbing ends",
+            f"largest difference of the {name}, over its largest size",
+            apart, high=math.inf if reflects else 0.3, expected="below 0.3 between absorbing ends",
             remark="the ends reflect, and the cascade has none" if reflects else "",
         ),
     )  # fmt: skip
@@ -110,25 +109,15 @@ def run(
 @of_record
 def figure(record: Panel, ax):
     """Draw the transducer's reflections and conductance, or cascade and stator."""
-    from studies.report.figures import curves, finished
-
     data, at = record.data, record.data["frequency_Hz"] / 1e6
     if "cascade_S" in data:
-        up = "size of the admittance (mS)"
-        rows = [
-            (abs(data["stator_S"]) * 1e3, "o", "slip", "stator"),
-            (abs(data["cascade_S"]) * 1e3, "-", "line", "cascade of P-matrices"),
-        ]
-    else:
-        up, part = (
-            "conductance (mS), reflection (1)",
-            "|P13|\u00b2 + |P23|\u00b2 (mS): the surface wave's part",
-        )
-        rows = [
-            (data["admittance_S"].real * 1e3, "o", "slip", "Re P33 (mS)"),
-            (data["excitation_squared_S"] * 1e3, "-", "slip", part),
-            (data["reflection_shorted"], "--", "stick", "|P11|, electrodes shorted"),
-            (data["reflection_open"], ":", "stick", "|P11|, electrodes open"),
-        ]
-    curves(ax, [(at, *row) for row in rows])
-    return finished(ax, "frequency (MHz)", up, record.title, columns=2)
+        rows = (("stator_S", "o", "slip", "stator"), ("cascade_S", "-", "line", "cascade of P-matrices"))
+        return lines(ax, record, "frequency_Hz", rows, "size of the admittance (mS)", factor=1e3)
+    curve(ax, at, data["admittance_S"].real * 1e3, "o", "slip", "Re P33 (mS)")
+    sent = data["excitation_squared_S"] * 1e3
+    curve(ax, at, sent, "-", "slip", "|P13|\u00b2 + |P23|\u00b2 (mS): the surface wave's part")
+    rows = (
+        ("reflection_shorted", "--", "stick", "|P11|, electrodes shorted"),
+        ("reflection_open", ":", "stick", "|P11|, electrodes open"),
+    )
+    return lines(ax, record, "frequency_Hz", rows, "conductance (mS), reflection (1)", columns=2)
