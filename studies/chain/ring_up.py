@@ -47,7 +47,7 @@ def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str
     from contact import Envelope
 
     scene, place = resolved.first_row(scene, place)
-    driven = next(each for each in scene.transducer if each.name == scene.drive.transducer)
+    driven = scene.driven_transducer
     half = min(LOBES / driven.finger_pairs, WIDEST) * scene.frequency
     prepared = response(
         scene,
