@@ -17,20 +17,11 @@ from contact.problem import Problem
 from contact.solve import energy, event_driven, events, segment
 from contact.solve.collocation import Collocation
 
-_SENTENCES = {
-    Status.NOT_FINITE: ("not finite", "the motion overflowed; check mass, dampers and amplitude"),
-    Status.TOO_MANY: (
-        "too many events",
-        "events follow each other without end; {advice}, or try another tolerance",
-    ),
-    Status.FULL: (
-        "memory full",
-        "the contact remembers more reversals than there is room for; raise the dampers",
-    ),
-    Status.STIFF: (
-        "stiff",
-        "contact or dampers are too stiff for the exact way on this time scale; raise the mass",
-    ),
+FAILURES = {
+    Status.NOT_FINITE: "not finite: the motion overflowed; check mass, dampers and amplitude",
+    Status.TOO_MANY: "too many events: events follow each other without end; {advice}, or try another tolerance",
+    Status.FULL: "memory full: the contact remembers more reversals than there is room for; raise the dampers",
+    Status.STIFF: "stiff: contact or dampers are too stiff for the exact way on this time scale; raise the mass",
 }
 
 
@@ -47,8 +38,7 @@ class Motion:
         tally, sums = np.zeros(event_driven.TALLY, np.int64), np.zeros(energy.SUMS)
         self._carry(np.zeros(3 + contacts), np.ones(contacts), np.zeros(contacts, np.int64), tally, sums)
         remembers = problem.law == Law.HYSTERETIC and problem.limit_slope > 0.0
-        # energies at the start of what the sums cover, where someone noted them
-        self.begun = None
+        self.begun = None  # energies at the start of what the sums cover, set by `begin`
         self.memory = hysteretic.blank(contacts, grid) if remembers else None
 
     def _carry(self, state, sign, regime, tally, sums):
@@ -78,10 +68,9 @@ class Motion:
             twin.memory = hysteretic.copy(self.memory)
         return twin
 
-    def begin(self) -> np.ndarray:
-        """Set what has been counted and summed to zero; return the energies at this start."""
-        self.tally[:], self.sums[:] = 0, 0.0
-        return self.energy()
+    def begin(self):
+        """Set what has been counted and summed to zero, and note the energies at this start."""
+        self.tally[:], self.sums[:], self.begun = 0, 0.0, self.energy()
 
     def turn(self, number: int, *, mobile: bool = True, stride: int = 0) -> np.ndarray:
         """Move through `number` whole cycles; return rows (v, z_s, mean v) every `stride` cycles."""
@@ -106,27 +95,23 @@ class Motion:
         work = event_driven.room(self.regime.size, self.grid.sigma.size, threading.get_ident())
         why = event_driven.travel(self.problem, self.grid, self.carried, work, task, self.memory)
         if why != Status.DONE:
-            self.fail(why)
+            # the hysteretic law knows no stick band
+            advice = (
+                "set stick_band > 0" if self.memory is None else "raise normal_damping or contact_damping"
+            )
+            raise ConvergenceError(*FAILURES[why].format(advice=advice).split(": ", 1))
 
-    def fail(self, why):
-        """Raise the error that belongs to the reason for which a run ended."""
-        status, sentence = _SENTENCES[why]
-        # the hysteretic law knows no stick band
-        advice = "set stick_band > 0" if self.memory is None else "raise normal_damping or contact_damping"
-        raise ConvergenceError(status, sentence.format(advice=advice))
+    def events(self) -> dict:
+        """Return the number of events by kind, whether they crowd, their smallest gap in s, and the work.
 
-    def events(self) -> dict[str, int]:
-        """Return the number of events by kind, and of segments, halvings and sweeps."""
-        names = (
-            *(event.name.lower() for event in list(Event)[:6]),
-            "stretches",
-            "halvings",
-            "sweeps",
-            "cycles",
-            "chatter",
-            "wipe_out",
-        )
-        return {name: int(number) for name, number in zip(names, self.tally, strict=True)}
+        The gap is inf where there were not two events.
+        """
+        kinds = [event.name.lower() for event in list(Event)[:6]]
+        names = *kinds, "stretches", "halvings", "sweeps", "cycles", "chatter", "wipe_out"
+        counted = {name: int(number) for name, number in zip(names, self.tally, strict=True)}
+        crowding = float(self.sums[energy.CROWDING])
+        gap = 1.0 / (crowding * self.problem.omega) if crowding > 0.0 else math.inf
+        return counted | {"chatter": bool(counted["chatter"]), "smallest_gap": gap}
 
     def energy(self) -> np.ndarray:
         """Return the energy of the contacts' springs, of the preload and of the slider, in units m (omega ell)^2.
@@ -170,11 +155,6 @@ class Motion:
         moved = Event.CONTACT, Event.RELEASE, Event.STICK_TO_SLIP, Event.SLIP_TO_STICK
         rest = (self.regime == Regime.STICK) | (self.regime == Regime.SEPARATED)
         return bool(np.all(rest) and np.any(self.regime)) and not np.any(self.tally[list(moved)])
-
-    def smallest_gap(self) -> float:
-        """Return the smallest time between two events since the sums were cleared, s; inf if there were not two."""
-        crowding = self.sums[energy.CROWDING]
-        return float(1.0 / (crowding * self.problem.omega)) if crowding > 0.0 else math.inf
 
     def _limit(self, span):
         """Return the segments that a run may take: a guard that fires for ever must fail, not hang."""
