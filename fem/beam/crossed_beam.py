@@ -34,7 +34,9 @@ from fem.waveguide.modes import GuidedModes
 
 PARALLEL = 1e-9  # rad
 LARGEST_DECAY = 300.0  # exponent between two middles beyond which a mode is left out of their coupling
-CHUNK = 4000  # places at a time in a row at an oblique angle, where every place has an s of its own
+# Places in a row at an oblique angle, where each has an s of its own, beyond which a grid in s and t is interpolated by
+# splines of order 5: its lines per wavelength, which leave 2e-5 beside the fingers, and lines beyond the places
+FEW, PER_WAVELENGTH, MARGIN = 500, 8, 8
 
 Solve = Callable[[Stator, tuple[Transducer, ...], Drive, tuple[float, ...]], SurfaceWave]
 
@@ -85,7 +87,7 @@ def rows_of(
             angle = 0.0
         reversed_order = np.cos(each.angle - angle) < 0
         length = (
-            stator.length if angle == 0 else float(np.hypot(stator.length, 3 * width))
+            stator.length if angle == 0 else 2 * float(np.hypot(stator.length, 3 * width))
         )  # an image in a side face is on it
         row = Row(
             angle=angle,
@@ -155,7 +157,10 @@ class CrossedBeam:
         return [(row, beam) for row, beam in pairs if np.any(beam.circuit.voltages)]
 
     def motion(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
-        """u_x, u_y and u_z in m per V at places (x, y) in m, as `SurfaceBeam.motion`."""
+        """u_x, u_y and u_z in m per V at places (x, y) in m, as `SurfaceBeam.motion`.
+
+        Of rows at an oblique angle many places are interpolated: under their own fingers to some per cent only.
+        """
         total = 0.0
         for row, beam in self._moving:
             total = total + _in_plan(row, self._of_row(row, beam.motion, x, y))
@@ -230,11 +235,25 @@ class CrossedBeam:
                 f"places must lie on the stator, x from 0 to {self.length:g} m and y within +-{self.width / 2:g} m"
             )
         s, t = (each.ravel() for each in np.broadcast_arrays(*row.local(x, y)))
-        step = len(s) if row.along_an_axis else CHUNK
-        parts = [
-            evaluate(s[start : start + step], t[start : start + step]) for start in range(0, len(s), step)
-        ]
-        return np.concatenate(parts, axis=1).reshape(-1, *x.shape)
+        if len(s) > FEW and not row.along_an_axis:
+            wave = self.wave
+            step = wave.phase_velocity / wave.frequency / PER_WAVELENGTH
+            return _interpolated(evaluate, s, t, step).reshape(-1, *x.shape)
+        return evaluate(s, t).reshape(-1, *x.shape)
+
+
+def _interpolated(evaluate, s: np.ndarray, t: np.ndarray, step: float) -> np.ndarray:
+    """Values at many places from those on a grid of a step in m."""
+    from scipy.ndimage import map_coordinates
+
+    lines = [
+        step * np.arange(np.floor(each.min() / step) - MARGIN, np.ceil(each.max() / step) + MARGIN + 1)
+        for each in (s, t)
+    ]
+    grid = np.meshgrid(*lines, indexing="ij")
+    known = evaluate(*(each.ravel() for each in grid)).reshape(-1, *grid[0].shape)
+    at = [(each - line[0]) / step for each, line in zip((s, t), lines, strict=True)]
+    return np.array([map_coordinates(each, at, order=5, mode="nearest") for each in known])
 
 
 def _stacked(beam: SurfaceBeam, s, t):

@@ -26,6 +26,7 @@ __all__ = ["Solid", "open_window", "refuse_without_display"]
 BARE, EDGE = "#D9D9D9", "#606060"
 LINES = 24  # per wavelength, of what is drawn
 BEAM_LINES, ACROSS = 12, 81  # of the surface of a beam: per wavelength along x, and across the width
+CROSSED_LINES = 8  # per wavelength along both, where beams cross
 MOTIONS = ("u_x", "u_y", "u_z")
 CYCLE, TICK = 2.5, 40  # s that one period of the wave takes; ms between instants
 
@@ -169,9 +170,10 @@ class Solid:
                 f"must be one of {', '.join(MOTIONS)} on the surface of the beam, got {name!r}: --show field has it in "
                 "the section",
             )
-        count = int(found.length / found.wavelength * BEAM_LINES) + 1
-        x, half = np.linspace(0.0, found.length, count), found.scene.stator.width / 2
-        y = np.linspace(-half, half, ACROSS)
+        crossed, stator = found.scene.crossed, found.scene.stator
+        lines = (CROSSED_LINES if crossed else BEAM_LINES) / found.wavelength
+        x, half = np.linspace(0.0, stator.length, int(stator.length * lines) + 1), stator.width / 2
+        y = np.linspace(-half, half, int(stator.width * lines) + 1 if crossed else ACROSS)
         moved = found.beam.motion(x[:, None], y)
         one, size = QUANTITIES[name], moved[MOTIONS.index(name)]
         scale = one.scales[0]
