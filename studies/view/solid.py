@@ -74,6 +74,7 @@ class Solid:
         self.factor = magnification(found) if factor is None else factor
         self.aperture, self._span = found.aperture, (0.0, found.length)
         self.spreads = not section and found.beam is not None
+        self._length = found.scene.stator.length if self.spreads else found.length
         if section and span is not None:
             room = span[1] - span[0]
             self._span = max(span[0] - room, 0.0), min(span[1] + room, found.length)
@@ -223,7 +224,7 @@ class Solid:
         if self.spreads:  # below the troughs
             top = -self.factor * max(float(abs(each.displacement).max()) for each in self._moving)
         for low, high, opacity in parts:
-            ends = (0.0, self.found.length, low, high, depth, top)
+            ends = (0.0, self._length, low, high, depth, top)
             box = self.pyvista.Box(tuple(MM * each for each in ends))
             self.plotter.add_mesh(box, color=BARE, opacity=opacity, lighting=False)
             self.plotter.add_mesh(box, style="wireframe", color=EDGE, line_width=1)
@@ -236,7 +237,7 @@ class Solid:
     def _write(self, section: bool, size: tuple[int, int]) -> None:
         """Write the caption and the names of the electrodes; show the directions, or of the section the scale."""
         found = self.found
-        extents = found.length, found.scene.stator.width, -found.field.z[0]
+        extents = self._length, found.scene.stator.width, -found.field.z[0]
         extent = " x ".join(f"{each * MM:.4g}" for each in extents)
         lines = [
             f"{found.scene.title}: {extent} mm (x, y, z)",
