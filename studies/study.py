@@ -4,7 +4,6 @@ Each study is a file named by its question.  Its docstring says question, method
 time; ``run(...)`` returns a record; ``figure(record, ax)`` draws the record, or one of its panels.
 """
 
-import json
 import math
 import time
 from collections.abc import Callable
@@ -16,7 +15,7 @@ from pathlib import Path
 
 from studies.record import Record
 from studies.refusal import SceneError, nearest
-from studies.results.content import plain, provenance
+from studies.results.content import plain, provenance, write_json
 from studies.scene import Scene
 
 __all__ = [
@@ -245,23 +244,10 @@ def run_study(
     options: dict | None = None,
     quick: bool = False,
 ) -> StudyRecord | Record:
-    """Run a study, write its numbers into a directory and return its record.
+    """Run a study, write its numbers into an empty directory and return its record.
 
-    Parameters
-    ----------
-    name : str
-    scene : str or None
-        A path or a shipped name, for studies that take a scene.
-    folder : Path
-        Exists and is empty.
-    progress : callable
-        Called with what is being done.
-    over : dict, optional
-        Axes, for studies that take some.
-    options : dict, optional
-        Of the command line, for studies that take some: those in the module's ``OPTIONS``.
-    quick : bool
-        Whether to run the small version, with the arguments in the module's ``QUICK``.
+    ``scene``, axes (``over``) and ``options`` of the command line are for studies that take them; ``quick`` is the
+    small version, with the arguments in the module's ``QUICK``.
     """
     chosen = module(name)
     if over and not getattr(chosen, "TAKES_AXES", False):
@@ -281,8 +267,7 @@ def run_study(
 
         write_run(record, folder, field=False)
         return record
-    whole = json.dumps(record.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
-    (folder / "study.json").write_text(whole + "\n", encoding="utf-8")
+    write_json(folder / "study.json", record.to_dict())
     for file, content in getattr(chosen, "tables", lambda record: {})(record).items():
         (folder / file).write_text(content, encoding="utf-8")
     return record

@@ -13,6 +13,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 
+import fem
 from studies.chain import bridge
 from studies.record import Record
 from studies.scene import resolved
@@ -26,22 +27,12 @@ ALUMINIUM, FILM = 2700.0, 100e-9  # kg/m3, m
 
 @dataclass(frozen=True, kw_only=True)
 class NeglectedEffect:
-    """An effect that the model leaves out.
-
-    Attributes
-    ----------
-    effect, quantity : str
-        What is left out, and what it changes.
-    size : float
-        Estimated change, a share of the quantity, or in the quantity's unit.
-    source : str
-        Where the estimate comes from.
-    """
+    """An effect that the model leaves out."""
 
     effect: str
-    quantity: str
-    size: float
-    source: str
+    quantity: str  # what it changes
+    size: float  # estimated change, a share of the quantity, or in the quantity's unit
+    source: str  # where the estimate comes from
 
 
 def model_error(record: Record) -> tuple[dict, ...]:
@@ -94,8 +85,6 @@ def _aperture(record: Record) -> Iterator[NeglectedEffect]:
         size=max((float(each) - 1 for each in ratios), key=abs),
         source="the beam between side faces that reflect it as mirrors against none, or the other way round",
     )
-    import fem
-
     if not fem.isotropic_about_normal(motion.wave.solution.fields.stator.solid):
         return
     index = [each.name for each in motion.beam.solution.fields.transducers].index(

@@ -8,6 +8,9 @@ end the surface rings down under the slider as the same envelope goes on, until 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+import numpy as np
+
+import fem
 from studies.chain.spectrum import response
 from studies.scene import Scene, resolved
 
@@ -41,9 +44,6 @@ class RingUp:
 
 def ring_up(scene: Scene, place: float, *, progress: Callable[[str], None]) -> RingUp:
     """Return the ring-up at a place (m) of a scene with transducers, a burst and a frequency in Hz."""
-    import numpy as np
-
-    import fem
     from contact import Envelope
 
     driven = scene.driven_transducer

@@ -3,6 +3,8 @@
 import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from studies.record import Record
 from studies.scene import Scene, resolved
 
@@ -98,8 +100,6 @@ def _off_resonance(record: Record) -> Iterator[str]:
         or scene.drive.match != "none"
     ):
         return
-    import numpy as np
-
     from fem import ConvergenceError, relative_amplitude
 
     solid, present = resolved.solid(scene.stator), scene.frequency

@@ -7,10 +7,14 @@ for a scene: every answer that needs an orbit takes it from there.
 
 from dataclasses import dataclass, field
 
-from studies.scene import resolved
+import numpy as np
+
+import fem
+from studies.refusal import RunError
+from studies.scene import Scene, resolved
 from studies.scene.blocks import Stator
 
-__all__ = ["SurfaceMotion", "surface_motion", "wanted_diffraction"]
+__all__ = ["SurfaceMotion", "refusing_motion", "solved_motion", "surface_motion", "wanted_diffraction"]
 
 PER_WAVELENGTH = (
     24  # places where the beam's standing wave is looked at; a minimum between them is missed by 1 %
@@ -19,21 +23,11 @@ PER_WAVELENGTH = (
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceMotion:
-    """Motion of a driven stator's surface.
+    """Motion of a driven stator's surface."""
 
-    Attributes
-    ----------
-    wave : fem.SurfaceWave
-        Of the section.
-    beam : fem.SurfaceBeam or None
-        Of the finite aperture; None where the section stands for it.
-    reason : str
-        Why it cannot be computed; empty where it is, or is not wanted.
-    """
-
-    wave: object = field(repr=False)
-    beam: object = field(default=None, repr=False)
-    reason: str = ""
+    wave: object = field(repr=False)  # fem.SurfaceWave, of the section
+    beam: object = field(default=None, repr=False)  # fem.SurfaceBeam; None where the section stands for it
+    reason: str = ""  # why there is no beam; empty where there is one, or none is wanted
     _known: dict = field(default_factory=dict, init=False, repr=False)
 
     @property
@@ -48,8 +42,6 @@ class SurfaceMotion:
 
     def at(self, places):
         """Return u_x, u_y and u_z in m per V at places (x, y) in m, complex, shape (3, places)."""
-        import numpy as np
-
         return np.array([each for each, _ in self._known_at(places)]).T
 
     def along(self, x, y: float):
@@ -66,8 +58,6 @@ class SurfaceMotion:
 
     def change(self, places) -> float:
         """Return by how much the motion differs from the section's, over max(|u_x|, |u_z|), the largest at places."""
-        import numpy as np
-
         here = self.at(places)[[0, 2]]
         there = self.wave.motion(np.array([x for x, _ in places]))
         return float((abs(here - there).max(axis=0) / abs(here).max(axis=0)).max())
@@ -81,8 +71,6 @@ class SurfaceMotion:
         return [self._known[place] for place in places]
 
     def _both(self, x, y):
-        import numpy as np
-
         if self.beam is not None:
             return self.beam.motion_and_error(x, y)
         tangential, normal = self.wave.motion(np.asarray(x, dtype=float))
@@ -98,8 +86,6 @@ class SurfaceMotion:
 
     def standing_wave_ratio(self, place: tuple[float, float]) -> float:
         """Return the largest over the smallest |u_z| within a wavelength either side of a place (x, y)."""
-        import numpy as np
-
         x, y = place
         if self.beam is None:
             return self.wave.standing_wave_ratio(x)
@@ -110,27 +96,12 @@ class SurfaceMotion:
 
 
 def surface_motion(wave, block: Stator, places, *, slider: bool = True) -> SurfaceMotion:
-    """Return what stands for the motion of a solved stator.
+    """Return what stands for the motion of a solved stator (fem.SurfaceWave) at places (x, y) in m.
 
-    Parameters
-    ----------
-    wave : fem.SurfaceWave
-    block : Stator
-        Of the scene.  Its ``diffraction`` is True: the finite aperture; False: the plane section; None: the finite
-        aperture under a slider, where `resolved.default_refusal` has nothing against it and the error that it adds to
-        the section's is smaller than what it changes.  Its ``sides`` count with the finite aperture alone.
-    places : sequence of (float, float)
-        x and y in m, where it is needed.
-    slider : bool
-        Whether a slider is to be driven.
-
-    Raises
-    ------
-    fem.BeamError
-        If diffraction is True and it cannot be computed.
+    ``stator.diffraction`` is True: the finite aperture (fem.BeamError where it cannot be computed); False: the plane
+    section; None: the finite aperture under a slider, where `resolved.default_refusal` has nothing against it and the
+    error that it adds to the section's is smaller than what it changes.
     """
-    import fem
-
     diffraction = wanted_diffraction(block.diffraction, slider)
     if diffraction is False:
         return SurfaceMotion(wave=wave)
@@ -146,6 +117,33 @@ def surface_motion(wave, block: Stator, places, *, slider: bool = True) -> Surfa
                 wave=wave, reason=f"stator.diffraction is absent and {reason}; true takes it"
             )
     return found
+
+
+def solved_motion(
+    scene: Scene, places, *, tolerance: float, progress=None, slider: bool = True, missed: bool = False
+) -> SurfaceMotion:
+    """Solve the stator of a resolved scene for the motion at places (x, y) in m, or raise RunError.
+
+    ``missed``: whether a motion that misses the tolerance is returned, with its error.
+    """
+    from studies.chain import bridge
+
+    try:
+        along = dict.fromkeys(x for x, _ in places)
+        wave = bridge.driven_section(scene, tolerance=tolerance, places=along, progress=progress)
+    except fem.ConvergenceError as error:
+        if error.reached is None or not missed:
+            raise RunError(str(error)) from None
+        wave = error.reached
+    return refusing_motion(wave, scene, places, slider=slider)
+
+
+def refusing_motion(wave, scene: Scene, places, *, slider: bool = True) -> SurfaceMotion:
+    """Return `surface_motion`; what the beam refuses is the scene's ``stator.diffraction``."""
+    try:
+        return surface_motion(wave, scene.stator, places, slider=slider)
+    except fem.BeamError as error:
+        scene.refuse("stator.diffraction", f"must be false or absent: {error}")
 
 
 def wanted_diffraction(given: bool | None, has_slider: bool) -> bool | None:

@@ -64,21 +64,9 @@ class _Asked:
 class Evaluations:
     """Answers of one scene at values of some keys; a context manager, which holds the store.
 
-    Parameters
-    ----------
-    table : dict
-        TOML document of the scene; of several voltages or amplitudes the largest counts.
-    parameters : tuple of Parameter
-        Keys and ranges.
-    also : tuple of str
-        What is asked beside the velocity, as in a sweep.
-    search : dict
-        Everything else that decides which points are asked for: goals, constraints, budget, seed.
-    options : Options
-    progress : callable
-        Called with a text.
-    coarse : bool
-        Whether the stator's coarsest discretisation will do.
+    Of several voltages or amplitudes of the scene's table the largest counts.  ``also`` is what is asked beside the
+    velocity, as in a sweep; ``search`` everything else that decides which points are asked for: goals, constraints,
+    budget, seed; ``coarse`` takes the stator's coarsest discretisation.
     """
 
     def __init__(

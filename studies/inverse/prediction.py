@@ -14,7 +14,7 @@ import numpy as np
 
 from studies.chain import bridge
 from studies.chain.driven_contact import DrivenContact, given_contact
-from studies.chain.surface_motion import surface_motion
+from studies.chain.surface_motion import solved_motion
 from studies.inverse.data import Measurement
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
 from studies.refusal import RunError, SceneError
@@ -128,18 +128,8 @@ class Predictor:
 
     def _solved(self, scene: Scene) -> DrivenContact:
         """Solve the stator for the motion under the slider."""
-        import fem
-
         places = tuple(dict.fromkeys((scene.slider.center, *scene.slider.places)))
-        try:
-            wave = bridge.driven_section(
-                scene, tolerance=SHARE * self.tolerance, places=[x for x, _ in places]
-            )
-            motion = surface_motion(wave, scene.stator, places)
-        except fem.BeamError as error:
-            scene.refuse("stator.diffraction", f"must be false or absent: {error}")
-        except fem.ConvergenceError as error:
-            raise RunError(str(error)) from None
+        motion = solved_motion(scene, places, tolerance=SHARE * self.tolerance)
         return DrivenContact(
             scene=scene, slider=None, orbits=bridge.orbits_per_volt(motion, scene.slider),
             amplitude=float(abs(motion.at([scene.slider.center])[2, 0])), stator_error=motion.relative_error(places),

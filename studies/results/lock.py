@@ -15,19 +15,9 @@ class DirectoryInUseError(Exception):
 
 
 def locked(file: Path) -> sqlite3.Connection:
-    """Return a connection that holds the lock until it is closed or its process ends.
+    """Return a connection that holds the lock of a file, made if absent, until it is closed or its process ends.
 
-    Parameters
-    ----------
-    file : Path
-        The lock file; made if absent.
-
-    Raises
-    ------
-    DirectoryInUseError
-        If another process holds the lock.
-    OSError
-        If the file cannot be written.
+    Raises DirectoryInUseError if another process holds it, OSError if the file cannot be written.
     """
     while True:
         file.touch()

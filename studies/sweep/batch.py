@@ -12,13 +12,13 @@ from functools import lru_cache
 
 from studies.chain import bridge
 from studies.chain.points import slider_answer
-from studies.chain.surface_motion import surface_motion
+from studies.chain.surface_motion import solved_motion
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.sweep.design import Question
 from studies.sweep.outcomes import Driven, also_asked, electrical
 from studies.sweep.source import Source, reason
-from studies.sweep.source_solver import SHARE, STEPS, keep_to, section_alone, variation
+from studies.sweep.source_solver import SHARE, STEPS, keep_to, variation
 
 __all__ = ["solved_points"]
 
@@ -34,17 +34,8 @@ def solved_points(
 ) -> tuple[list[tuple], list[int], float]:
     """Return the rows of a batch, each a point and its outcomes, the points that need a better stator, and seconds.
 
-    Parameters
-    ----------
-    question : Question
-    points : list of int
-        Their numbers.
-    values : list of tuple
-        Of the question's keys.
-    sources : dict of str to Source
-        The stator's best answers so far, by name, with every one that the points need.
-    threads : int, optional
-        Of the compiled loop; all processors when absent.
+    ``sources``: the stator's best answers so far, by name, with every one that the points need; ``threads``: of the
+    compiled loop, None for all processors.
     """
     begun = time.perf_counter()
     keep_to(threads)
@@ -217,7 +208,7 @@ def _along(question, driven: Driven):
 
 @lru_cache(4)  # the same for every slider and voltage
 def _motion(scene: Scene, place: tuple[float, float], tolerance: float):
-    return surface_motion(section_alone(scene, (place[0],), tolerance), scene.stator, (place,))
+    return solved_motion(scene, (place,), tolerance=tolerance)
 
 
 @lru_cache(8)  # the same for every slider and voltage

@@ -10,6 +10,8 @@ import math
 from dataclasses import dataclass, field, replace
 from itertools import islice, product
 
+import numpy as np
+
 from studies.refusal import SceneError
 from studies.scene.keys import rule_at
 from studies.scene.rule import as_pair
@@ -94,8 +96,6 @@ class Design:
 
     def values(self, points) -> list[tuple]:
         """Return the values of the keys at points, given by an array of their numbers."""
-        import numpy as np
-
         if not self.axes:
             return [()] * len(points)
         columns = []

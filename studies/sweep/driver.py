@@ -11,6 +11,8 @@ from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, wait
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from studies.refusal import RunError
 from studies.sweep.batch import solved_points
 from studies.sweep.design import Design, Question
@@ -48,8 +50,6 @@ class Driver:
 
     def run(self) -> None:
         """Compute what is missing, a window of points after the other."""
-        import numpy as np
-
         done = self.store.done(len(self.design))
         counts = self.store.counts()
         self.kept, self.failed = int(done.sum()), sum(counts.values()) - counts.get("ok", 0)

@@ -17,6 +17,8 @@ import sqlite3
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
+
 from studies.refusal import RunError, SceneError
 from studies.results import DirectoryInUseError, locked
 from studies.results.content import provenance
@@ -78,8 +80,6 @@ class Store:
 
     def done(self, count: int):
         """Return which of the first `count` points have a row that stands, an array of bool."""
-        import numpy as np
-
         found = np.zeros(count, bool)
         rows = self.connection.execute(
             "select point from points where status not like ? and point < ?", (f"{LOST}%", count)
