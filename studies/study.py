@@ -18,20 +18,6 @@ from studies.refusal import SceneError, nearest
 from studies.results.content import plain, provenance, write_json
 from studies.scene import Scene
 
-__all__ = [
-    "STUDIES",
-    "Finding",
-    "Panel",
-    "StudyRecord",
-    "contradiction",
-    "draw_study",
-    "of_record",
-    "question",
-    "run_study",
-    "study",
-    "study_answer",
-]
-
 COMMON_ARGUMENTS = """\
 ``scene`` is a path, a shipped name or a `Scene` that has what the study asks about; ``progress`` is a callable that is
 told what is being done."""

@@ -12,8 +12,6 @@ import fem
 from studies.scene import Scene, resolved
 from studies.scene.blocks import Slider, Wave
 
-__all__ = ["contact_slider", "driven_section", "given_orbits", "orbits_per_volt", "scaled", "wave_along"]
-
 
 def driven_section(scene: Scene, *, tolerance: float, places=(), progress=None):
     """Return the `fem.SurfaceWave` of a scene's driven section; `places` are x in m."""

@@ -12,8 +12,6 @@ from studies.record import Record
 from studies.scene import Scene
 from studies.scene.resolved import resolved
 
-__all__ = ["DrivenContact", "driven_contact", "given_contact"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class DrivenContact:

@@ -18,8 +18,6 @@ from studies.chain import bridge
 from studies.record import Record
 from studies.scene import resolved
 
-__all__ = ["NeglectedEffect", "fresnel_ratio", "model_error", "sentences", "slit_ratio"]
-
 FINGER_END = 0.0745  # periods that each end adds to the aperture: static, endless comb, no busbar
 POINT_ADMITTANCE = 0.93  # of Re(v / F) 2 pi mu c_T / omega^2, all waves together, nu = 1/4
 ALUMINIUM, FILM = 2700.0, 100e-9  # kg/m3, m

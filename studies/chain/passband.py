@@ -5,8 +5,6 @@ import numpy as np
 import fem
 from studies.scene import Scene, resolved
 
-__all__ = ["driven_scene", "expected", "frequencies", "group_delay", "place"]
-
 LOBES = 1.5  # bandwidths 1/N either side of the middle: the main lobe and half of its neighbours
 WIDEST = 0.45  # of the middle frequency, for transducers of few fingers
 

@@ -12,8 +12,6 @@ from studies.chain.tally import burst_tally, steady_tally
 from studies.refusal import SceneError
 from studies.scene import Scene
 
-__all__ = ["SliderAnswer", "contact_load", "half_thrust", "slider_answer"]
-
 SAMPLES = 2000  # instants of a trajectory: it is drawn and kept, not integrated
 STEADY_METHODS, BURST_METHODS = ("auto", "exact", "averaged"), ("auto", "exact", "stepped")
 SHAPED_METHODS = ("auto", "stepped")  # which may follow an envelope

@@ -11,8 +11,6 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-__all__ = ["reference_speed", "velocity_error"]
-
 SLENDEREST = 1e3  # larger over smaller amplitude up to which the smaller's error grows
 LEAST_STEP = 1e-4  # relative; a difference over a smaller step would measure the contact solver's rounding
 

@@ -14,8 +14,6 @@ import fem
 from studies.chain.spectrum import response
 from studies.scene import Scene, resolved
 
-__all__ = ["RingUp", "ring_up", "ring_up_left_out"]
-
 LOBES = 1.2  # of 1/N: the band taken on either side, the main lobe and a little
 WIDEST = 0.22  # of the frequency: one band of frequencies
 TOLERANCE = 2e-2  # of the response and of what rings on, over the steady amplitude

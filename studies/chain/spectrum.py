@@ -16,8 +16,6 @@ import fem
 from studies.refusal import RunError
 from studies.scene import Scene, resolved
 
-__all__ = ["Response", "port_admittances", "response", "takes_bands"]
-
 WIDEST = 1.6  # highest over lowest frequency of one band
 FEW = 5  # frequencies that cost less one by one than the set-up of a band
 

@@ -8,8 +8,6 @@ import numpy as np
 from studies.record import Record
 from studies.scene import Scene, resolved
 
-__all__ = ["OF_THE_STATOR", "breakdown_voltage", "catalogue_strength"]
-
 OFF_RESONANCE = 1.15  # largest over present amplitude from which it is said; the ripple of a plate makes 1.1
 PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # 1/(Pa m), V/(Pa m), -: air
 AIR = 101325.0  # Pa

@@ -14,8 +14,6 @@ from studies.refusal import RunError
 from studies.scene import Scene, resolved
 from studies.scene.blocks import Stator
 
-__all__ = ["SurfaceMotion", "refusing_motion", "solved_motion", "surface_motion", "wanted_diffraction"]
-
 PER_WAVELENGTH = (
     24  # places where the beam's standing wave is looked at; a minimum between them is missed by 1 %
 )

@@ -18,8 +18,6 @@ from studies.scene import Scene, SceneFile, read_table, scene_path, shipped_scen
 from studies.scene.override import toml_value
 from studies.scene.uncertain import parted
 
-__all__ = ["check", "datasheet", "design", "fit", "run", "scenes", "schema", "study", "sweep", "view", "wave"]
-
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the chain of a scene; print its answer and leave its files."""
@@ -291,21 +289,23 @@ def fit(arguments: argparse.Namespace) -> int:
 
 def design(arguments: argparse.Namespace) -> int:
     """Search for the best motor within ranges; print it and leave its scene beside all evaluations."""
-    from studies.inverse import design as search
+    from studies.inverse.design import Options
+    from studies.inverse.design import design as search
     from studies.inverse.design_report import design_answer, draw_design, write_design
+    from studies.inverse.goals import read_constraint, read_variable
     from studies.progress import Progress
 
     wanted = tolerance(arguments.tolerance or "3e-2")
     table = changed_scene(arguments).to_table()
-    variables = [search.read_variable(text) for text in arguments.over]
+    variables = [read_variable(text) for text in arguments.over]
     out = Path(arguments.out or Path("results") / f"{scene_path(arguments.scene).stem}-design")
     with Progress() as progress:
-        found = search.design(
+        found = search(
             table,
             arguments.maximise,
             variables,
-            [search.read_constraint(text) for text in arguments.subject],
-            options=search.Options(
+            [read_constraint(text) for text in arguments.subject],
+            options=Options(
                 **{key: getattr(arguments, key) for key in ("evaluations", "seed", "workers")},
                 tolerance=wanted,
                 out=out,

@@ -15,14 +15,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from studies.inverse.evaluations import Evaluations, Options
-from studies.inverse.goals import GOALS, Constraint, read_constraint, read_variable
+from studies.inverse.goals import GOALS, Constraint
 from studies.inverse.parameters import Parameter
 from studies.inverse.search import UNKNOWN, Search
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.scene.override import replaced
-
-__all__ = ["GOALS", "Constraint", "Design", "Options", "design", "read_constraint", "read_variable"]
 
 WEIGHTS = (0.25, 0.5, 0.75)  # of the second goal, between the searches for each alone
 DEFAULT = Options()

@@ -9,8 +9,6 @@ from studies.report.figures import COLOURS, saved
 from studies.results.content import write_json
 from studies.scene.toml import document
 
-__all__ = ["design_answer", "draw_design", "write_design"]
-
 
 def write_design(found: Design, folder: Path) -> None:
     """Write design.json, optimum.toml and design.png into a directory."""

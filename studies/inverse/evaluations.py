@@ -17,8 +17,6 @@ from studies.sweep.driver import Driver
 from studies.sweep.store import Store
 from studies.sweep.workers import workers as chosen_workers
 
-__all__ = ["Evaluations", "Options"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Options:

@@ -11,8 +11,6 @@ from studies.report.figures import COLOURS
 from studies.results.content import write_json
 from studies.scene.toml import document
 
-__all__ = ["draw_fit", "fit_answer", "write_fit"]
-
 SHOWN_CANDIDATES = 6
 DOUBTFUL = 0.01  # probability of the sum of squares below which the model does not explain the data
 

@@ -10,8 +10,6 @@ from studies.scene.keys import rule_at
 from studies.scene.quantity import si_value
 from studies.scene.ranges import is_number
 
-__all__ = ["GOALS", "Constraint", "read_constraint", "read_variable"]
-
 # goal: column of a point (or two, the first that it has), what the sweep is asked for, whether less is better
 GOALS = {
     "velocity": (("velocity_m_per_s",), "", False),

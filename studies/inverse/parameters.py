@@ -12,15 +12,6 @@ from studies.scene.keys import rule_at
 from studies.scene.override import parts_of, toml_value
 from studies.scene.rule import Count, Place, Quantity
 
-__all__ = [
-    "AMPLITUDE_FACTOR",
-    "AMPLITUDE_PER_VOLT",
-    "SYSTEMATIC",
-    "Parameter",
-    "read_parameter",
-    "read_setting",
-]
-
 AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT, SYSTEMATIC = "amplitude_factor", "amplitude_per_volt", "systematic"
 OWN = {AMPLITUDE_FACTOR: Quantity(), AMPLITUDE_PER_VOLT: Quantity("m"), SYSTEMATIC: Quantity()}
 LEVELS = ("drive.voltage", "wave.normal_amplitude")

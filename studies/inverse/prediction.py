@@ -22,8 +22,6 @@ from studies.scene import Scene
 from studies.scene.override import replaced, value_at
 from studies.scene.resolved import resolved
 
-__all__ = ["Predictor"]
-
 SHARE = 0.25  # of the tolerance, for the stator
 TRUSTED = 1e-2  # error of an averaged steady state up to which it is taken
 ALONE = 1e-5  # tolerance of the others

@@ -15,8 +15,6 @@ from scipy.stats import chi2, f
 from studies.inverse.directions import LEVEL
 from studies.inverse.least_squares import Problem
 
-__all__ = ["End", "allowed_excess", "profile"]
-
 AGREES = 1e-2  # of the square root of the excess, relative: of the interval's half width
 MAX_REFITS = 24
 AT_END = 1e-4  # of the range: nearer to an end than this is at it

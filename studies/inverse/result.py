@@ -12,8 +12,6 @@ from studies.inverse.next_measurement import Candidate
 from studies.inverse.profile import End
 from studies.scene import Scene
 
-__all__ = ["Fit"]
-
 DRAWS, GRID = 200, 40  # of the predictive band; levels at which it is drawn
 
 

@@ -11,8 +11,6 @@ from scipy.stats import qmc
 from studies.inverse.evaluations import Evaluations
 from studies.inverse.goals import GOALS
 
-__all__ = ["UNKNOWN", "Search"]
-
 GLOBAL_SHARE, CROWD = 0.7, 8  # of the evaluations; members per variable of a generation
 REPEATED, RADIUS = 8, 1e-4  # best points of the coarse search; of COBYQA's last trust region
 INFEASIBLE, UNKNOWN = 1.0, 1e6  # worst value of a feasible point is 0

@@ -20,8 +20,6 @@ from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
-__all__ = ["elasticities", "figure", "run", "tables"]
-
 TAKES_SCENE = True
 QUICK = {"outcomes": ("velocity", "threshold")}
 # accuracy of each answer: rounding and, where it is solved to a tolerance, that

@@ -17,8 +17,6 @@ from studies.record import Record
 from studies.scene.resolved import LEVELS, tolerances
 from studies.scene.uncertain import DEFAULTS
 
-__all__ = ["with_bands"]
-
 LEVEL = 0.95
 DEVIATIONS = float(norm.ppf(0.5 * (1 + LEVEL)))  # standard deviations in a tolerance
 LIMITS = ("threshold", "release")

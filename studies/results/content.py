@@ -9,8 +9,6 @@ from pathlib import Path
 
 from studies.refusal import RunError
 
-__all__ = ["plain", "provenance", "write_json"]
-
 PACKAGES = ("numpy", "scipy", "scikit-fem", "numba")
 
 

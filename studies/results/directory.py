@@ -30,8 +30,6 @@ from studies.results.manifest import (
     write_manifest,
 )
 
-__all__ = ["MARKS", "ResultDirectory", "result_directory"]
-
 MARKS = {"run.json": "run", "study.json": "study"}  # file whose presence makes a directory a result: kind
 NAMES_SHOWN = 6  # in a message
 

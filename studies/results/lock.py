@@ -7,8 +7,6 @@ process ends, however it ends, so a stale file blocks nobody; SQLite does this o
 import sqlite3
 from pathlib import Path
 
-__all__ = ["DirectoryInUseError", "locked"]
-
 
 class DirectoryInUseError(Exception):
     """Another process holds the lock."""

@@ -10,23 +10,6 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = [
-    "FORMER",
-    "HIDDEN",
-    "LOCK",
-    "MANIFEST",
-    "WORK",
-    "Origin",
-    "digest",
-    "files_below",
-    "free_name",
-    "named",
-    "origin_of",
-    "read_manifest",
-    "relative",
-    "write_manifest",
-]
-
 MANIFEST, LOCK = ".sawmotor.json", ".sawmotor.lock"
 WORK, FORMER = ".sawmotor.work", ".sawmotor.former"  # folders, present only while a program writes
 HIDDEN = frozenset({MANIFEST, f"{MANIFEST}.new", LOCK, WORK, FORMER})

@@ -14,8 +14,6 @@ from studies.scene.rule import Rule
 from studies.scene.synonyms import meant
 from studies.scene.uncertain import stated_schema
 
-__all__ = ["Block", "Blocks", "Key", "OneOf", "Within", "block_schema", "keys_of"]
-
 
 @dataclass(frozen=True)
 class Key:

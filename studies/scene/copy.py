@@ -6,8 +6,6 @@ from studies.refusal import RunError, SceneError, nearest, shown
 from studies.scene.file import SHIPPED, shipped_scenes
 from studies.scene.schema import FILE_NAME
 
-__all__ = ["copied"]
-
 
 def copied(name: str, file: Path) -> Path:
     """Write a scene that ships into a new file and return the file.

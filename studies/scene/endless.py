@@ -3,8 +3,6 @@
 from studies.refusal import SceneError
 from studies.scene import Scene
 
-__all__ = ["refuse_endless_burst"]
-
 MAX_SECONDS = 3600.0  # s of one burst on one processor
 # Seconds per cycle of the wave, measured on a 2-core x86_64 machine.
 CYCLE = {"hysteretic": 6e-4, "exact": 1.4e-4, "stepped": 4.5e-6, "averaged": 5e-7}

@@ -12,8 +12,6 @@ from studies.scene.lines import key_lines, line_of
 from studies.scene.override import assigned
 from studies.scene.syntax import explained
 
-__all__ = ["SceneFile", "read_table", "scene_path", "shipped_scenes"]
-
 SHIPPED = Path(__file__).parents[1] / "scenes"
 
 

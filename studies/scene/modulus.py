@@ -13,8 +13,6 @@ import numpy as np
 
 from studies.refusal import SceneError
 
-__all__ = ["direction_dependence", "pair_moduli"]
-
 ISOTROPY = 1e-6  # relative; a catalogue's digits keep the symmetry far better
 
 

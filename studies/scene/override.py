@@ -4,8 +4,6 @@ import tomllib
 
 from studies.refusal import SceneError, shown
 
-__all__ = ["assigned", "axes_given", "parts_of", "replaced", "toml_value", "value_at"]
-
 
 def toml_value(text: str):
     """Return what a text means as a TOML value; what is not TOML is the text itself.

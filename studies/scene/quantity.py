@@ -12,8 +12,6 @@ from functools import cache
 
 from studies.refusal import SceneError, nearest, shown
 
-__all__ = ["DIMENSIONS", "POWERS", "si_value"]
-
 DIMENSIONS = {
     "m": ("a length", "5 mm"),
     "s": ("a time", "20 ms"),

@@ -22,18 +22,6 @@ from studies.scene.uncertain import OPTIONS, Tolerance, half_width
 LEVELS = ("drive.voltage", "drive.power", "wave.normal_amplitude")
 MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 of the power
 
-__all__ = [
-    "default_refusal",
-    "diffracts",
-    "port_admittance",
-    "resolved",
-    "resolved_slider",
-    "solid",
-    "stator",
-    "tolerances",
-    "transducers",
-]
-
 
 def resolved(scene: Scene) -> Scene:
     """Return the scene with its automatic values found.

@@ -13,8 +13,6 @@ from studies.scene.file import SceneFile
 from studies.scene.rule import Text
 from studies.scene.uncertain import Uncertain, parted
 
-__all__ = ["Scene"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Scene(Block):

@@ -9,8 +9,6 @@ from studies.refusal import Refusals, SceneError, shown
 from studies.scene.rule import Rule
 from studies.scene.rule.numbers import MAX_SIZE
 
-__all__ = ["Sources"]
-
 PHASED = re.compile(r"\s*(?P<amplitude>\S+)\s+at\s+(?P<phase>\S+)\s*(?P<unit>deg|rad)\s*")
 QUARTERS = {0.0: 1.0, 90.0: 1j, 180.0: -1.0, 270.0: -1j}  # exact, where cos 90 deg is 6e-17
 

@@ -21,8 +21,6 @@ from studies.scene.quantity import si_value
 from studies.scene.ranges import MAX_COUNT, Range, read_range
 from studies.scene.rule import Count, Listed
 
-__all__ = ["Axis", "axis", "latin_axis", "level_key", "point_axis"]
-
 
 @dataclass(frozen=True)
 class Axis:

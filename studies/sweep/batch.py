@@ -20,8 +20,6 @@ from studies.sweep.outcomes import Driven, also_asked, electrical
 from studies.sweep.source import Source, reason
 from studies.sweep.source_solver import SHARE, STEPS, keep_to, variation
 
-__all__ = ["solved_points"]
-
 MAPPED = ("auto", "averaged")  # methods of the contact that the compiled loop may stand for
 
 

@@ -17,8 +17,6 @@ from studies.scene.keys import rule_at
 from studies.scene.rule import as_pair
 from studies.sweep.axes import Axis, axis, latin_axis, level_key, point_axis
 
-__all__ = ["ALSO", "Design", "Question", "designed"]
-
 ALSO = ("limits", "thrust", "efficiency", "pressure", "step")
 MOST = 100_000_000
 PLACES = 4096  # of contacts up to which one answer of the stator serves all

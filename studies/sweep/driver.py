@@ -20,8 +20,6 @@ from studies.sweep.source import Source
 from studies.sweep.source_solver import STEPS, serves_band, solved_sources
 from studies.sweep.store import LOST, Store
 
-__all__ = ["Driver"]
-
 WINDOW = 50_000  # points in hand at a time: what bounds the driver's memory
 BATCH_SECONDS, LARGEST_BATCH = 0.5, 8192
 CHUNK = 64  # frequencies of one band in one task

@@ -7,8 +7,6 @@ from studies.chain.points import contact_load, half_thrust
 from studies.scene import Scene
 from studies.sweep.source import Source
 
-__all__ = ["Driven", "also_asked", "electrical"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Driven:

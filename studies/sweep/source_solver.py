@@ -21,8 +21,6 @@ from studies.sweep.design import Question, contact_places
 from studies.sweep.source import Source, reason
 from studies.sweep.variation import Variation
 
-__all__ = ["SHARE", "STEPS", "keep_to", "serves_band", "solved_sources", "variation"]
-
 SHARE, GAIN = 0.25, 0.1  # of the tolerance at first, and of the step before
 BAND_SHARE = 0.1  # a band a level finer costs half as much again, two bands twice as much
 STEPS = 3

@@ -25,8 +25,6 @@ from studies.results.content import provenance
 from studies.sweep.design import Design
 from studies.sweep.source import Source
 
-__all__ = ["FILE", "LOST", "Store"]
-
 FILE, LOCK = "points.sqlite", "driver.lock"
 LOST = "lost: "  # how the reason of a point begins that is tried again by the next driver
 TABLES = """

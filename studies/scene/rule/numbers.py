@@ -8,8 +8,6 @@ from studies.scene.quantity import DIMENSIONS, POWERS, si_value
 from studies.scene.rule.protocol import Rule
 from studies.scene.rule.words import Choice
 
-__all__ = ["Count", "Impedance", "Matrix", "Place", "Quantity", "as_pair"]
-
 # In SI units: beyond it, and below its inverse, no motor has a quantity; products of a few stay finite.
 MAX_SIZE = 1e30
 DIGITS = r"(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?"
