@@ -53,30 +53,14 @@ STUDIES = {
 
 @dataclass(frozen=True, kw_only=True)
 class Finding:
-    """A statement and the number that confirms or contradicts it.
+    """A statement and the number that confirms or contradicts it."""
 
-    Attributes
-    ----------
-    statement : str
-        A sentence of the paper in quotation marks, or of the theory.
-    quantity : str
-        What was computed, with its unit.
-    expected : str
-        The number or the range that confirms it.
-    found : float
-        The number.
-    confirmed : bool
-        Whether it does.
-    remark : str
-        What to know about it.
-    """
-
-    statement: str
-    quantity: str
-    expected: str
-    found: float
-    confirmed: bool
-    remark: str = ""
+    statement: str  # A sentence of the paper in quotation marks, or of the theory
+    quantity: str  # what was computed, with its unit
+    expected: str  # the number or the range that confirms it
+    found: float  # the number
+    confirmed: bool  # whether it does
+    remark: str = ""  # what to know about it
 
     @classmethod
     def judged(
@@ -100,20 +84,11 @@ class Finding:
 
 @dataclass(frozen=True, kw_only=True)
 class Panel:
-    """One picture's numbers.
+    """One picture's numbers."""
 
-    Attributes
-    ----------
-    name : str
-        Of its file.
-    title : str
-    data : dict
-        Arrays and numbers in SI units, named with their unit.
-    """
-
-    name: str
+    name: str  # of its file
     title: str
-    data: dict = field(repr=False)
+    data: dict = field(repr=False)  # arrays and numbers in SI units, named with their unit
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,27 +20,13 @@ from studies.sweep.workers import workers as chosen_workers
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """How a search is made.
+    """How a search is made."""
 
-    Attributes
-    ----------
-    evaluations : int, optional
-        Budget of each search; 60 for each variable when absent.
-    seed : int
-        Of the random numbers.
-    tolerance : float
-        Of the velocity.
-    out : path, optional
-        Directory of the store; in memory without one.
-    workers : int
-        Processes.
-    """
-
-    evaluations: int | None = None
-    seed: int = 0
-    tolerance: float = 3e-2
-    out: Path | None = None
-    workers: int = 1
+    evaluations: int | None = None  # budget of each search; 60 for each variable when absent
+    seed: int = 0  # of the random numbers
+    tolerance: float = 3e-2  # of the velocity
+    out: Path | None = None  # directory of the store; in memory without one
+    workers: int = 1  # processes
 
 
 class _Asked:

@@ -36,22 +36,12 @@ NAMES_SHOWN = 6  # in a message
 
 @dataclass(kw_only=True)
 class ResultDirectory:
-    """A directory that is being written.
+    """A directory that is being written."""
 
-    Attributes
-    ----------
-    folder : Path
-        Where to write; exists and is empty.
-    target : Path
-        Where the files shall be.
-    origin : Origin
-    notes : list of str
-        Sentences for the user: what was replaced, renamed and left alone.
-    """
-
-    folder: Path
-    target: Path
+    folder: Path  # where to write; exists and is empty
+    target: Path  # where the files shall be
     origin: Origin
+    # sentences for the user: what was replaced, renamed and left alone
     notes: list[str] = field(default_factory=list)
     _written: dict[str, str] = field(default_factory=dict)  # name: SHA-256, by earlier commits
 

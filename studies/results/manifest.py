@@ -18,21 +18,11 @@ KEYS = ("kind", "name", "source")
 
 @dataclass(frozen=True, kw_only=True)
 class Origin:
-    """What a result belongs to.
+    """What a result belongs to."""
 
-    Attributes
-    ----------
-    kind : str
-        "run" or "study".
-    name : str
-        Of the scene or the study.
-    source : Path or None
-        The scene's file; None for what has none, such as a scene that ships.
-    """
-
-    kind: str
-    name: str
-    source: Path | None = None
+    kind: str  # "run" or "study"
+    name: str  # of the scene or the study
+    source: Path | None = None  # the scene's file; None for what has none, such as a scene that ships
 
     def described(self, folder: Path) -> dict:
         """Return the origin in terms of JSON, the source relative to the directory of the result."""
