@@ -55,7 +55,7 @@ STUDIES = {
 class Finding:
     """A statement and the number that confirms or contradicts it."""
 
-    statement: str  # A sentence of the paper in quotation marks, or of the theory
+    statement: str  # a sentence of the paper in quotation marks, or of the theory
     quantity: str  # what was computed, with its unit
     expected: str  # the number or the range that confirms it
     found: float  # the number

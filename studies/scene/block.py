@@ -232,9 +232,5 @@ class OneOf(Rule):
         )
         return f"{self.text.expected}, or a table of {tables}"
 
-    @property
-    def range(self):
-        return f"{self.text.range}, or a table"
-
     def schema(self):
         return {"anyOf": [self.text.schema(), *map(block_schema, self.kinds)]}

@@ -12,6 +12,7 @@ from functools import lru_cache
 
 from studies.refusal import SceneError, shown
 from studies.scene import Scene
+from studies.scene.block import keys_of
 from studies.scene.blocks import IsotropicSolid, PiezoelectricSolid, Slider, Stator, Transducer
 from studies.scene.endless import refuse_endless_burst
 from studies.scene.keys import rule_at, unit_of
@@ -96,25 +97,12 @@ def solid(block: Stator):
     given = block.material
     with _refused("stator.material"):
         if isinstance(given, PiezoelectricSolid):
-            crystal = fem.anisotropic(
-                name=given.name,
-                stiffness=given.stiffness,
-                coupling=given.coupling,
-                permittivity=given.permittivity,
-                density=given.density,
-                **_losses(given, "mechanical_quality", "dielectric_loss"),
-            )
+            crystal = fem.anisotropic(**_given(given, *keys_of(PiezoelectricSolid)))
         elif isinstance(given, IsotropicSolid):
-            crystal = fem.isotropic(
-                name=given.name,
-                youngs_modulus=given.youngs_modulus,
-                poisson_ratio=given.poisson_ratio,
-                density=given.density,
-                **_losses(given, "mechanical_quality"),
-            )
+            crystal = fem.isotropic(**_given(given, *keys_of(IsotropicSolid)))
         else:
             crystal = fem.material(given)
-        own = _losses(block, "mechanical_quality", "dielectric_loss")
+        own = _given(block, "mechanical_quality", "dielectric_loss")
         return fem.rotated(replace(crystal, **own) if own else crystal, block.orientation)
 
 
@@ -308,8 +296,8 @@ def _check_layout(scene: Scene) -> None:
         fem.check_layout(block, transducers(scene))
 
 
-def _losses(block, *names: str) -> dict[str, float]:
-    """Return the losses that were given; absent ones are lossless."""
+def _given(block, *names: str) -> dict:
+    """Return the keys of a block that were given."""
     return {name: getattr(block, name) for name in names if getattr(block, name) is not None}
 
 

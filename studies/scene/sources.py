@@ -42,10 +42,6 @@ class Sources(Rule):
     def expected(self):
         return 'a table of transducers such as { left = 1, right = "0.5 at 90 deg" }'
 
-    @property
-    def range(self):
-        return 'by transducer: a number, "0.5 at 90 deg" (or rad), or [real, imaginary]'
-
     def schema(self):
         number = {"type": "number", "minimum": -MAX_SIZE, "maximum": MAX_SIZE}
         either = [

@@ -136,11 +136,6 @@ class Impedance(Rule):
         return f'a resistance in ohm, a string such as "50 ohm", [resistance, reactance] in ohm{words}'
 
     @property
-    def range(self):
-        words = "".join(f', or "{word}"' for word in self.words)
-        return f"resistance >= 0, or [resistance, reactance]{words}"
-
-    @property
     def unit_name(self):
         return "ohm"
 
@@ -174,10 +169,6 @@ class Place(Rule):
     @property
     def expected(self):
         return f"{self.along.expected}, or [x, y]"
-
-    @property
-    def range(self):
-        return f"{self.along.range}, or [x, y]"
 
     @property
     def unit_name(self):
