@@ -124,13 +124,7 @@ class Problem:
         return at(found.x), 2.0 * float(found.cost)
 
     def minima(self) -> list[tuple[np.ndarray, float]]:
-        """Return (x, sum of squares) of the distinct minima found from several starts, the least first.
-
-        Raises
-        ------
-        RunError
-            If the model has no prediction at the least one.
-        """
+        """Return (x, sum of squares) of the distinct minima found from several starts, the least first."""
         starts = self._starts()
         squares = np.sum(self.residuals(starts) ** 2, axis=1)
         found = [self.minimum(starts[0])]

@@ -32,14 +32,8 @@ PLACES = ("slider.position", "slider.contacts")
 class Predictor:
     """Predictions of one scene with changed numbers.
 
-    Parameters
-    ----------
-    scene : Scene
-        With a slider; words such as "weight" and "auto" become numbers before anything is changed.
-    tolerance : float
-        Of the velocity, for the stator.
-    progress : callable, optional
-        Told what is being done.
+    Words such as "weight" and "auto" become numbers before anything is changed; ``tolerance`` is that of the velocity,
+    for the stator.
     """
 
     def __init__(self, scene: Scene, *, tolerance: float = 1e-3, progress: Callable | None = None):

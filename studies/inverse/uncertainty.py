@@ -24,13 +24,7 @@ KEYS = tuple(f"{name}_{unit}" for unit in ("amplitude_m", "voltage_V") for name 
 
 
 def with_bands(record: Record, *, progress: Callable[[str], None] | None = None) -> Record:
-    """Return the record of a scene with [uncertain] with its bands: two more values of each point, one more block.
-
-    Raises
-    ------
-    SceneError
-        If a sample breaks a rule of the scene.
-    """
+    """Return the record of a scene with [uncertain] with its bands: two more values of each point, one more block."""
     options = DEFAULTS | {key: value for key, value in record.scene.uncertain if key in DEFAULTS}
     numbers = tolerances(record.scene)
     predictor = Predictor(

@@ -108,25 +108,8 @@ class ResultDirectory:
 def result_directory(path: str | Path, origin: Origin, *, chosen: bool = True) -> Iterator[ResultDirectory]:
     """Lend a directory to write into; only what is committed stays.
 
-    Parameters
-    ----------
-    path : str or Path
-        Where the result shall be.
-    origin : Origin
-        What the result belongs to.
-    chosen : bool
-        False for a default directory: there a result of another origin is refused, not replaced.
-
-    Yields
-    ------
-    ResultDirectory
-
-    Raises
-    ------
-    SceneError
-        If a default directory holds the result of another scene or study.
-    RunError
-        If the place cannot be written, holds no result, or another run writes there.
+    ``chosen`` is False for a default directory: there a result of another origin is refused (SceneError), not replaced.
+    RunError if the directory cannot be written or holds something that is no result, or another run writes there.
     """
     target = Path(path).absolute()
     made = [parent for parent in (target, *target.parents) if not parent.exists()]

@@ -8,15 +8,7 @@ from studies.scene.schema import FILE_NAME
 
 
 def copied(name: str, file: Path) -> Path:
-    """Write a scene that ships into a new file and return the file.
-
-    Raises
-    ------
-    SceneError
-        If no scene of that name ships, or the file exists.
-    RunError
-        If the file cannot be written.
-    """
+    """Write a scene that ships into a new file and return the file."""
     shipped = shipped_scenes()
     if name not in shipped:
         raise SceneError("--copy", f"no shipped scene is named {shown(name)}{nearest(name, shipped)}")

@@ -27,13 +27,7 @@ class SceneFile:
 
     @classmethod
     def read(cls, source: str | Path) -> Self:
-        """Read a file, or a scene that ships, by its name.
-
-        Raises
-        ------
-        SceneError
-            If the file cannot be found, opened, decoded or parsed.
-        """
+        """Read a file, or a scene that ships, by its name; SceneError if it cannot be found, decoded or parsed."""
         path = scene_path(source)
         text = _text(path)
         try:
@@ -100,13 +94,7 @@ def scene_path(source: str | Path) -> Path:
 
 
 def read_table(source: str | Path) -> dict:
-    """Return the TOML document of a scene, not yet checked.
-
-    Raises
-    ------
-    SceneError
-        If the file cannot be found, opened, decoded or parsed.
-    """
+    """Return the TOML document of a scene, not yet checked."""
     return SceneFile.read(source).table
 
 

@@ -7,13 +7,7 @@ from studies.scene.scene import Scene
 
 
 def rule_at(key: str):
-    """Return the rule of a scene's key, its lists of blocks numbered from 0.
-
-    Raises
-    ------
-    SceneError
-        If there is no such key.
-    """
+    """Return the rule of a scene's key, its lists of blocks numbered from 0; SceneError if there is none."""
     kinds, done, parts = (Scene,), "", key.split(".")
     while parts:
         name = parts.pop(0)

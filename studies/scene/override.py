@@ -21,16 +21,7 @@ def toml_value(text: str):
 
 
 def assigned(table: dict, setting: str) -> dict:
-    """Return a scene's table with one key changed.
-
-    ``table``: TOML document of a scene; it is left as it is; ``setting``: ``KEY=VALUE``, the key a dotted path in
-    which lists are numbered from 0.
-
-    Raises
-    ------
-    SceneError
-        If the setting has no ``=`` or its path leads into something that holds no keys.
-    """
+    """Return a copy of a scene's table changed by ``KEY=VALUE``, the key a dotted path, lists numbered from 0."""
     path, text = parts_of("--set", setting, "KEY=VALUE with a dotted key")
     keys = [key.strip() for key in path.split(".")]
     if not all(keys):

@@ -25,13 +25,7 @@ MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 o
 
 
 def resolved(scene: Scene) -> Scene:
-    """Return the scene with its automatic values found.
-
-    Raises
-    ------
-    SceneError
-        If the material, the moduli or the layout are impossible.
-    """
+    """Return the scene with its automatic values found; SceneError if material, moduli or layout are impossible."""
     if scene.stator is not None:
         if scene.transducer:
             scene = _with_source_numbers(scene)
@@ -48,13 +42,7 @@ def resolved(scene: Scene) -> Scene:
 
 
 def tolerances(scene: Scene) -> tuple[Tolerance, ...]:
-    """Return the numbers of a resolved scene that are uncertain.
-
-    Raises
-    ------
-    SceneError
-        If a key of [uncertain] is no number of the scene, or an end of its interval breaks the key's rule.
-    """
+    """Return the numbers of a resolved scene that are uncertain; refuse what is none, and ends that break a rule."""
     found, table = [], scene.to_table()
     for key, given in scene.uncertain or ():
         path = f"uncertain.{key}"

@@ -35,17 +35,7 @@ create table if not exists batches (finished text default current_timestamp, poi
 
 
 class Store:
-    """The points of one sweep; a context manager, which holds the lock.
-
-    ``folder`` is None for a store in memory, for as long as the object lives.
-
-    Raises
-    ------
-    SceneError
-        If the folder holds another sweep, or something else.
-    RunError
-        If it cannot be written, or another driver is at work.
-    """
+    """The points of one sweep, in a folder whose lock it holds, or in memory; a context manager."""
 
     def __init__(self, folder: Path | None, design: Design):
         self.folder, self._names = folder, (*design.question.keys, *design.question.outcomes)
