@@ -158,7 +158,7 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
     if slider is None:
         blocks = _amplitude_blocks(scene, motion, place, tolerance)
     else:
-        ringing = _ring_up(scene, motion.wave, place[0], say)
+        ringing = _ring_up(scene, motion, place, say)
         answer = answered()
         for _ in range(ROUNDS - 1):
             before = motion.wave.relative_error
@@ -222,9 +222,9 @@ def _several_sources(circuit) -> dict:
     return {"sources": ports}
 
 
-def _ring_up(scene: Scene, wave, place: float, say):
+def _ring_up(scene: Scene, motion: SurfaceMotion, place: tuple[float, float], say):
     """Return the ring-up of a burst under the slider, or None where there is none to follow."""
-    return None if scene.burst is None or wave.covered(place) else ring_up(scene, place, progress=say)
+    return None if scene.burst is None or motion.covered(place) else ring_up(scene, place, progress=say)
 
 
 def _slider(scene: Scene, motion: SurfaceMotion, tolerance: float, say, ringing) -> SliderAnswer:
@@ -312,9 +312,9 @@ def _wave_block(scene: Scene, motion: SurfaceMotion, place: tuple[float, float])
     if motion.beam is not None:
         block["lateral_m_per_V"] = complex(lateral)
         block["largest_lateral_ratio"] = float((abs(found[1]) / abs(found[0])).max())
-        in_section = map(complex, wave.motion(place[0]))
+        in_section = map(complex, wave.motion(motion.in_section(place)))
         block |= zip(("section_tangential_m_per_V", "section_normal_m_per_V"), in_section, strict=True)
-    if not wave.covered(place[0]):
+    if not motion.covered(place):
         block["rayleigh_normal_m_per_V"] = motion.surface_mode_at(place)
     return block | {
         "standing_wave_ratio": motion.standing_wave_ratio(place),

@@ -17,7 +17,7 @@ def driven_section(scene: Scene, *, tolerance: float, places=(), progress=None):
     """Return the `fem.SurfaceWave` of a scene's driven section; `places` are x in m."""
     return fem.driven_wave(
         resolved.stator(scene.stator),
-        resolved.transducers(scene),
+        resolved.section_row(scene),
         frequency=scene.frequency,
         drive=resolved.drive(scene),
         tolerance=tolerance,

@@ -68,7 +68,7 @@ def response(
 
     ``places``: where the motion is wanted, m from the left end; ``tolerance``: relative, of the motion there.
     """
-    block, transducers = resolved.stator(scene.stator), resolved.transducers(scene)
+    block, transducers = resolved.stator(scene.stator), resolved.section_row(scene)
     common = {"drive": resolved.drive(scene), "tolerance": tolerance, "places": tuple(places)}
 
     def alone(frequency: float):
@@ -94,7 +94,7 @@ def response(
 
 def port_admittances(scene: Scene, frequencies, tolerance: float, progress: Callable[[str], None]):
     """Return the ``fem.PortAdmittance`` of a resolved scene over rising frequencies in Hz, as a run has it at one."""
-    block, row = resolved.stator(scene.stator), resolved.transducers(scene)
+    block, row = resolved.stator(scene.stator), resolved.section_row(scene)
     span = frequencies[-1] / frequencies[0]
     count = max(1, math.ceil(math.log(span) / math.log(WIDEST)))
     edges = np.searchsorted(frequencies, frequencies[0] * span ** (np.arange(1, count) / count))

@@ -2,7 +2,8 @@
 
 The section knows x alone.  The beam (`fem.surface_beam`) spreads the section's charges over the aperture, so that the
 amplitude depends on x and y and a motion u_y arises beside the axis.  `surface_motion` decides which of the two stands
-for a scene: every answer that needs an orbit takes it from there.
+for a scene: every answer that needs an orbit takes it from there.  Turned transducers have a section for each row of
+them (`fem.crossed_beam`); the section of the motion is then that of the driven row whose waves run nearest to x.
 """
 
 from dataclasses import dataclass, field
@@ -24,7 +25,8 @@ class SurfaceMotion:
     """Motion of a driven stator's surface."""
 
     wave: object = field(repr=False)  # fem.SurfaceWave, of the section
-    beam: object = field(default=None, repr=False)  # fem.SurfaceBeam; None where the section stands for it
+    # fem.SurfaceBeam or fem.CrossedBeam, of the finite aperture; None where the section stands for it
+    beam: object = field(default=None, repr=False)
     reason: str = ""  # why there is no beam; empty where there is one, or none is wanted
     _known: dict = field(default_factory=dict, init=False, repr=False)
 
@@ -57,8 +59,17 @@ class SurfaceMotion:
     def change(self, places) -> float:
         """Return by how much the motion differs from the section's, over max(|u_x|, |u_z|), the largest at places."""
         here = self.at(places)[[0, 2]]
-        there = self.wave.motion(np.array([x for x, _ in places]))
+        there = self.wave.motion(np.array([self.in_section(place) for place in places]))
         return float((abs(here - there).max(axis=0) / abs(here).max(axis=0)).max())
+
+    def in_section(self, place: tuple[float, float]) -> float:
+        """Return where a place (x, y) lies on the line of the section, m."""
+        rows = getattr(self.beam, "rows", ())
+        return float(rows[0].local(*place)[0]) if rows else place[0]
+
+    def covered(self, place: tuple[float, float]) -> bool:
+        """Whether a place lies under a transducer of the section."""
+        return self.wave.covered(self.in_section(place))
 
     def _known_at(self, places) -> list:
         """Return motion and error at each place; those that are new are computed together."""
@@ -88,9 +99,79 @@ class SurfaceMotion:
         if self.beam is None:
             return self.wave.standing_wave_ratio(x)
         reach = self.wave.phase_velocity / self.wave.frequency * np.linspace(-1, 1, 2 * PER_WAVELENGTH + 1)
-        along = x + reach[(x + reach >= 0) & (x + reach <= self.wave.length)]
+        length = getattr(self.beam, "length", self.wave.length)
+        along = x + reach[(x + reach >= 0) & (x + reach <= length)]
         size = abs(self.beam.motion(along, y)[2])
         return float(size.max() / size.min())
+
+
+def solved_motion(
+    scene: Scene, places, *, tolerance: float, progress=None, slider: bool | None = None, missed: bool = False
+) -> SurfaceMotion:
+    """Return `driven_motion`, or raise RunError; what the beam refuses is the scene's ``stator.diffraction``.
+
+    ``missed``: whether a motion that misses the tolerance is returned, with its error.
+    """
+    try:
+        return driven_motion(scene, places, tolerance=tolerance, progress=progress, slider=slider)
+    except fem.ConvergenceError as error:
+        if error.reached is None or not missed:
+            raise RunError(str(error)) from None
+        return error.reached
+    except fem.BeamError as error:
+        scene.refuse("stator.diffraction", f"must be false or absent: {error}")
+
+
+def driven_motion(
+    scene, places, *, tolerance: float, progress=None, slider: bool | None = None
+) -> SurfaceMotion:
+    """Return the motion of a driven scene, its section solved to a tolerance at places (x, y) in m.
+
+    ``slider``: whether one is to be driven, where the scene does not say.  Raises fem.BeamError, and
+    fem.ConvergenceError if a section misses its tolerance; its ``reached`` is the motion with the error that it has.
+    """
+    short, slider = [], scene.slider is not None if slider is None else slider
+
+    def solve(stator, row, drive, at):
+        try:
+            return fem.driven_wave(
+                stator,
+                row,
+                frequency=scene.frequency,
+                drive=drive,
+                tolerance=tolerance,
+                places=at,
+                progress=progress,
+            )
+        except fem.ConvergenceError as error:
+            if error.reached is None:
+                raise
+            short.append(error)
+            return error.reached
+
+    if scene.crossed:
+        found = crossed_motion(scene, places, solve)
+    else:
+        whole = resolved.stator(scene.stator), resolved.transducers(scene), resolved.drive(scene)
+        wave = solve(*whole, tuple(dict.fromkeys(x for x, _ in places)))
+        found = surface_motion(wave, scene.stator, places, slider=slider)
+    if short:
+        raise fem.ConvergenceError(str(short[0]), reached=found)
+    return found
+
+
+def crossed_motion(scene, places, solve) -> SurfaceMotion:
+    """Return the motion of a scene with turned transducers; ``solve`` as of `fem.crossed_beam`."""
+    beam = fem.crossed_beam(
+        resolved.stator(scene.stator),
+        resolved.transducers(scene),
+        width=scene.stator.width,
+        frequency=scene.frequency,
+        drive=resolved.drive(scene),
+        solve=solve,
+        places=tuple(places),
+    )
+    return SurfaceMotion(wave=beam.wave, beam=beam)
 
 
 def surface_motion(wave, block: Stator, places, *, slider: bool = True) -> SurfaceMotion:
@@ -115,33 +196,6 @@ def surface_motion(wave, block: Stator, places, *, slider: bool = True) -> Surfa
                 wave=wave, reason=f"stator.diffraction is absent and {reason}; true takes it"
             )
     return found
-
-
-def solved_motion(
-    scene: Scene, places, *, tolerance: float, progress=None, slider: bool = True, missed: bool = False
-) -> SurfaceMotion:
-    """Solve the stator of a resolved scene for the motion at places (x, y) in m, or raise RunError.
-
-    ``missed``: whether a motion that misses the tolerance is returned, with its error.
-    """
-    from studies.chain import bridge
-
-    try:
-        along = dict.fromkeys(x for x, _ in places)
-        wave = bridge.driven_section(scene, tolerance=tolerance, places=along, progress=progress)
-    except fem.ConvergenceError as error:
-        if error.reached is None or not missed:
-            raise RunError(str(error)) from None
-        wave = error.reached
-    return refusing_motion(wave, scene, places, slider=slider)
-
-
-def refusing_motion(wave, scene: Scene, places, *, slider: bool = True) -> SurfaceMotion:
-    """Return `surface_motion`; what the beam refuses is the scene's ``stator.diffraction``."""
-    try:
-        return surface_motion(wave, scene.stator, places, slider=slider)
-    except fem.BeamError as error:
-        scene.refuse("stator.diffraction", f"must be false or absent: {error}")
 
 
 def wanted_diffraction(given: bool | None, has_slider: bool) -> bool | None:

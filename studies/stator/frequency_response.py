@@ -46,7 +46,7 @@ def run(
     normal = np.array([each.motion(place)[1] for each in waves])
     covered = any(each.covered(place) for each in waves)
     surface = normal if covered else np.array([each.rayleigh_motion(place)[1] for each in waves])
-    way = abs(place - driven.center)
+    way = abs(place - driven.place[0])
     free = fem.free_wave(resolved.stator(chosen.stator), frequency=float(np.median(at)), tolerance=1e-4)
     theory = passband.expected(chosen).normal(at) * np.exp(-free.attenuation * way)
     delay = passband.group_delay(at, surface, way / free.velocity)

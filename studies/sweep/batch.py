@@ -192,7 +192,7 @@ def _ringing(driven: Driven):
     if source.covered[source.index(scene.slider.center)]:
         return None
     plain = replace(scene, slider=None, title="", drive=replace(scene.drive, voltage=(1.0,)))
-    return _ring_up(plain, scene.slider.center[0])
+    return _ring_up(plain, scene.slider.center)
 
 
 def _along(question, driven: Driven):
@@ -206,11 +206,11 @@ def _along(question, driven: Driven):
 
 @lru_cache(4)  # the same for every slider and voltage
 def _motion(scene: Scene, place: tuple[float, float], tolerance: float):
-    return solved_motion(scene, (place,), tolerance=tolerance)
+    return solved_motion(scene, (place,), tolerance=tolerance, slider=True)
 
 
 @lru_cache(8)  # the same for every slider and voltage
-def _ring_up(scene: Scene, place: float):
+def _ring_up(scene: Scene, place: tuple[float, float]):
     from studies.chain.ring_up import ring_up
 
     return ring_up(scene, place, progress=lambda text: None)

@@ -13,7 +13,7 @@ from dataclasses import asdict
 from functools import lru_cache
 
 import fem
-from studies.chain.surface_motion import SurfaceMotion, refusing_motion, solved_motion, wanted_diffraction
+from studies.chain.surface_motion import SurfaceMotion, solved_motion, surface_motion, wanted_diffraction
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene, resolved
 from studies.scene.blocks import Stator
@@ -179,7 +179,7 @@ def _solved(question, name, step, scene, places) -> Source:
             errors += [None] * len(some)
         else:
             errors += [COARSE_ERROR] * len(some) if question.coarse else map(float, motion.errors(some))
-        covered += [bool(known.wave.covered(x)) for x, _ in some]
+        covered += [bool(known.covered(place)) for place in some]
     return Source(
         name=name, step=step, frequency=float(known.wave.frequency), places=places, tangential=tuple(tangential),
         normal=tuple(normal), errors=tuple(errors), covered=tuple(covered), admittance=known.circuit.admittance,
@@ -189,14 +189,14 @@ def _solved(question, name, step, scene, places) -> Source:
 
 def _motion(question: Question, scene: Scene, places, step: int) -> SurfaceMotion:
     """Return the motion of the finite aperture or of the section, as a run takes it; from a band where there is one."""
-    if not serves_band(question):
+    if scene.crossed or not serves_band(question):
         return solved_motion(scene, places, tolerance=goal(question, step), slider=question.has_slider)
     along, fixed = _along(places), _Fixed(scene)
     wave = _WAVES.pop((fixed, scene.frequency, along, step), None)
     if wave is None:
         band = _band(fixed, question.frequencies, along, goal(question, step))
         wave = band.wave(scene.frequency, resolved.drive(scene))
-    return refusing_motion(wave, scene, places, slider=question.has_slider)
+    return surface_motion(wave, scene.stator, places, slider=question.has_slider)
 
 
 def _along(places) -> tuple[float, ...]:
