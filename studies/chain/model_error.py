@@ -13,6 +13,8 @@ import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 
+import numpy as np
+
 import fem
 from studies.chain import bridge
 from studies.record import Record
@@ -41,19 +43,6 @@ def model_error(record: Record) -> tuple[dict, ...]:
     for each in (_aperture, _finger_ends, _vacuum, _electrode_mass, _contact, _travel, _power):
         found += each(record)
     return tuple(asdict(each) for each in found if math.isfinite(each.size))
-
-
-def sentences(record: Record) -> tuple[str, ...]:
-    """Return a line for every effect above the tolerance, and one that names those below it."""
-    lines, small = [], []
-    for each in record.model_error:
-        if " in W" in each["quantity"]:
-            lines.append(f"{each['effect']}: {each['size']:.2g} W")
-        elif abs(each["size"]) < record.tolerance:
-            small.append(each["effect"])
-        else:
-            lines.append(f"{each['effect']}: {100 * each['size']:+.2g} % of {each['quantity']}")
-    return tuple(lines + ([f"below the tolerance: {', '.join(small)}"] if small else []))
 
 
 def _places(record: Record) -> list[tuple[float, float]]:
