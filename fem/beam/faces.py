@@ -19,21 +19,21 @@ along their power: a mode with phase and power opposed that propagates would be 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import eig
 
 from fem.beam.lateral import LateralRule, evanescent, lateral_rule
-from fem.beam.line_source import KEPT, LineSource, charge_scale, static_mode
+from fem.beam.line_source import KEPT, SIGNS, LineSource, charge_scale, static_mode
 from fem.discretize.elements import discretise
 from fem.discretize.section import Section
 from fem.waveguide.ends import end_reflection
 from fem.waveguide.modes import GuidedModes
 from fem.waveguide.port_fields import PortFields
 
-NEARLY_ZERO = 1e-4  # of the largest wavenumber: k_y in the place of 0, which makes the constant potential a double root
+NEARLY_ZERO = 1e-6  # of the largest wavenumber: k_y in the place of 0, which makes the constant potential a double root
 ROUNDING = 1e-9  # |Im k| / |k| of a mode without loss
 
 
@@ -46,14 +46,37 @@ class Sent(NamedTuple):
 
 
 class Returned(NamedTuple):
-    """What both faces send back at one k_y: of the modes from x = 0 and of those from x = L.
+    """Waves that come back from the faces at the nodes of a rule for the lateral wavenumber.
 
-    ``along``: decaying from their face as exp(-i along distance), rad/m, (n,) each; ``motion``: u at the surface there,
-    (3, n) each.
+    Attributes
+    ----------
+    rule : LateralRule
+    along : ndarray, shape (2, modes, n)
+        rad/m: from x = 0 and from x = L they change as exp(-i along distance).
+    motion : ndarray, shape (2, 3, sources, modes, n)
+        u_x, u_y, u_z at the surface where they start, m per volt and unit of a source's spectrum.
+    surface : ndarray of bool, shape (modes,)
+        Which are the surface wave.
+    signs : tuple
+        As of `Branch`.
     """
 
-    along: tuple[np.ndarray, np.ndarray]
-    motion: tuple[np.ndarray, np.ndarray]
+    rule: LateralRule
+    along: np.ndarray
+    motion: np.ndarray
+    surface: np.ndarray
+    signs: tuple
+
+    def spectra(self, x: np.ndarray, length: float, spectra: np.ndarray, surface_only: bool) -> np.ndarray:
+        """Spectra of u at places x, shape (places, 3, n), for those of the sources, (sources, n)."""
+        out = np.zeros((len(x), 3, len(self.rule.nodes)), dtype=complex)
+        for distance, along, motion in zip((x, length - x), self.along, self.motion, strict=True):
+            lasting = (-along.imag).min(axis=1) * distance.min() < -np.log(KEPT)
+            lasting &= self.surface | (not surface_only)
+            motion = np.einsum("ctmn,tn->nmc", motion[:, :, lasting], spectra)
+            for node, started in enumerate(motion):
+                out[..., node] += np.exp(-1j * np.outer(distance, along[lasting, node])) @ started
+        return out
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,61 +85,95 @@ class Faces:
 
     Attributes
     ----------
-    stator_length : float
-        m.
+    length : float
+        Of the stator, m.
     ends : str
         "free" or "clamped".
     highest : float
         Largest wavenumber of a propagating mode, rad/m.
+    surface : ndarray of bool, shape (modes,)
+        Which modes are the surface wave.
     at : callable
         From k_y in rad/m to `Sent`.
+    surface_only : bool
+        Whether the surface wave alone is wanted.
     """
 
-    stator_length: float
+    length: float
     ends: str
     highest: float
+    surface: np.ndarray = field(repr=False)
     at: Callable[[complex], Sent] = field(repr=False)
+    surface_only: bool = False
+    _known: dict = field(default_factory=dict, repr=False, compare=False)
 
-    def rule(self, reach: float, gap: float, mirror_width: float | None) -> LateralRule:
-        """Rule for points up to a lateral reach, with ``gap`` m from the charges to the nearer face."""
-        return lateral_rule(self.highest, reach, evanescent(self.highest, gap), mirror_width)
+    @property
+    def surface_mode(self) -> "Faces":
+        """The surface wave alone."""
+        return replace(self, surface_only=True)
 
-    def returned(self, lateral: complex, x: np.ndarray, charge: np.ndarray) -> Returned:
-        """What comes back to charges (C/m at this k_y) at places x."""
+    def returned(self, reach: float, sources: list, mirror_width: float | None) -> Returned:
+        """Waves that come back, of sources (places and charges each) and for points up to a lateral reach in m."""
+        gap = min(min(x.min(), self.length - x.max()) for x, _ in sources)
+        reach = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # so that few rules are needed
+        rule = lateral_rule(self.highest, reach, evanescent(self.highest, gap), mirror_width)
+        return self._at_nodes(rule, sources, gap)
+
+    def plane(self, sources: list) -> Returned:
+        """Waves that do not depend on y."""
+        gap = min(min(x.min(), self.length - x.max()) for x, _ in sources)
+        return self._at_nodes(LateralRule(nodes=np.zeros(1), weights=np.ones(1)), sources, gap)
+
+    def _at_nodes(self, rule: LateralRule, sources: list, gap: float) -> Returned:
+        key = (len(rule.nodes), complex(rule.nodes[-1]))
+        if key not in self._known:
+            found = [self._at_node(lateral, sources, gap) for lateral in rule.nodes]
+            along, motion = (np.stack(each, axis=-1) for each in zip(*found, strict=True))
+            self._known[key] = Returned(rule, along, motion, self.surface, SIGNS)
+        return self._known[key]
+
+    def _at_node(self, lateral: complex, sources: list, gap: float) -> tuple[np.ndarray, np.ndarray]:
+        """Wavenumbers (2, modes) and motion (2, 3, sources, modes) of what comes back."""
         if abs(lateral) < NEARLY_ZERO * self.highest:
             lateral = NEARLY_ZERO * self.highest
         modes, to_right, to_left = self.at(lateral)
-        unit, length = modes.section.length_unit, self.stator_length
-        forward, backward = modes.wavenumbers / unit, -modes.backwards / unit
-        gap = min(x.min(), length - x.max())
+        forward, backward = (each / modes.section.length_unit for each in (modes.wavenumbers, -modes.backwards))
         kept = np.flatnonzero(np.minimum(-forward.imag, -backward.imag) * gap < -np.log(KEPT))
-        at_right = to_right[kept] * (np.exp(-1j * np.outer(forward[kept], length - x)) @ charge)
-        at_left = to_left[kept] * (np.exp(-1j * np.outer(backward[kept], x)) @ charge)
-        left, right = (end_reflection(modes, self.ends, side, kept) for side in (0, 1))
-        across, back = (np.exp(-1j * each[kept] * length) for each in (forward, backward))
-        round_trip = (left[kept] * back) @ (right[kept] * across)
-        started = left[kept] @ (at_left + back * (right[kept] @ at_right))
-        c = np.linalg.solve(np.eye(len(kept)) - round_trip, started)
-        d = right @ (at_right + across * c)
-        c = left @ (at_left + back * d[kept])
-        rows = [modes.section.surface_dofs[name] for name in ("ux", "uy", "uz")]
-        turn = np.ones((3, 1), dtype=complex)
-        if modes.section.solid.mirror_y is not None:  # u_y is scaled by i
-            turn[1] = 1j
-        return Returned(
-            along=(forward, backward),
-            motion=(turn * modes.right[rows] * c, turn * modes.left[rows] * d),
+        at_right, at_left = (
+            sent[kept, None]
+            * np.stack([np.exp(-1j * np.outer(k[kept], away(x))) @ charge for x, charge in sources], axis=1)
+            for sent, k, away in (
+                (to_right, forward, lambda x: self.length - x),
+                (to_left, backward, lambda x: x),
+            )
         )
+        left, right = (end_reflection(modes, self.ends, side, kept) for side in (0, 1))
+        across, back = (np.exp(-1j * each[kept] * self.length)[:, None] for each in (forward, backward))
+        round_trip = left[kept] @ (back * right[kept]) * across[:, 0]
+        once = left[kept] @ (at_left + back * (right[kept] @ at_right))
+        from_left = np.linalg.solve(np.eye(len(kept)) - round_trip, once)
+        from_right = right @ (at_right + across * from_left)
+        from_left = left @ (at_left + back * from_right[kept])
+        rows = [modes.section.surface_dofs[name] for name in ("ux", "uy", "uz")]
+        turn = np.array([1.0, 1.0 if modes.section.solid.mirror_y is None else 1j, 1.0])[:, None]  # of u_y / i
+        motion = [
+            (turn * shapes[rows])[:, None] * amplitudes.T
+            for shapes, amplitudes in ((modes.right, from_left), (modes.left, from_right))
+        ]
+        return np.stack([forward, backward]), np.stack(motion)
 
 
 def faces(fields: PortFields, source: LineSource) -> Faces:
     """Reflecting ends of a stator whose solid is isotropic about z, from the solution of its section."""
     stator = fields.stator
     turned = _turned_modes(fields, source)
+    surface = np.zeros(len(turned.wavenumbers), dtype=bool)
+    surface[fields.modes.rayleigh] = True
     return Faces(
-        stator_length=stator.length,
+        length=stator.length,
         ends=stator.ends,
         highest=float(np.sqrt((turned.wavenumbers**2).real.max())) / turned.section.length_unit,
+        surface=surface,
         at=turned,
     )
 

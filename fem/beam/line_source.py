@@ -28,6 +28,7 @@ from fem.waveguide.modes import GuidedModes
 SYMMETRY = 1e-9  # of the moduli, to which a solid must be isotropic about z
 LOCAL = 12.0  # exponent over a wavelength by which a mode decays that nothing sideways reaches
 KEPT = 1e-12  # share of a mode's amplitude that must be left at the nearest point for it to count
+SIGNS = ((1, np.ones(3)), (-1, np.array([1, -1, 1])))  # of k_y, where y -> -y is a symmetry
 GENERIC_TURN = 33.0  # degrees; no crystal class has such an axis
 
 
@@ -133,9 +134,8 @@ class LineSource:
 
 def _both_sides(rule: LateralRule, along, motion) -> Iterator[Branch]:
     """Waves to the right and, mirrored, to the left; u_y turns its sign with k_y."""
-    signs = ((1, np.ones(3)), (-1, np.array([1, -1, 1])))
-    yield Branch(1, rule, along, motion, signs)
-    yield Branch(-1, rule, along, motion * np.array([-1, 1, 1])[:, None, None], signs)
+    yield Branch(1, rule, along, motion, SIGNS)
+    yield Branch(-1, rule, along, motion * np.array([-1, 1, 1])[:, None, None], SIGNS)
 
 
 def isotropic_about_normal(solid: Solid) -> bool:

@@ -25,6 +25,7 @@ import numpy as np
 
 from fem.beam.charges import ElectrodeCharges, electrode_charges
 from fem.beam.cut_source import CutSource, cut_source
+from fem.beam.faces import Faces, faces
 from fem.beam.line_source import Branch, LineSource, isotropic_about_normal, line_source
 from fem.beam.reception import with_apertures
 from fem.circuit import Circuit
@@ -70,6 +71,8 @@ class SurfaceBeam:
         m between two side faces that reflect like mirrors; None where nothing comes back from the sides.
     complete : bool
         Whether all modes of the section take part.
+    faces : Faces or None
+        Free or clamped ends; None where they absorb.
 
     Examples
     --------
@@ -84,6 +87,7 @@ class SurfaceBeam:
     apertures: tuple[float, ...]
     mirror_width: float | None = None
     complete: bool = True
+    faces: Faces | None = field(default=None, repr=False)
 
     def motion(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
         """u_x, u_y and u_z in m per V.
@@ -149,7 +153,8 @@ class SurfaceBeam:
     @property
     def surface_mode(self) -> "SurfaceBeam":
         """The part of the field that the surface wave alone carries."""
-        return replace(self, source=self.source.surface_mode, complete=False)
+        returned = self.faces and self.faces.surface_mode
+        return replace(self, source=self.source.surface_mode, complete=False, faces=returned)
 
     def radiated_share(self, index: int) -> float:
         """Power that a transducer's charges send as a surface wave in three dimensions, over that in the section.
@@ -200,6 +205,8 @@ class SurfaceBeam:
                 total[..., some] += self._spread_alike(x[some], total[0, 2, some])
         if self.mirror_width is None:
             total += self._static(x, y)
+        if self.faces is not None:
+            total += self._returned(x, y)
         return tuple(total.reshape(2, 3, *shape))
 
     def _refuse(self, x, y):
@@ -216,21 +223,41 @@ class SurfaceBeam:
         total = np.zeros((2, 3, len(x)), dtype=complex)
         reach = max(self.apertures) / 2 + abs(y).max()
         for branch in self.source.branches(reach, distance, self._resolved, self.mirror_width):
-            lateral, weights = branch.rule.nodes, branch.rule.weights / 2
-            spectra = [each * np.sinc(lateral * each / (2 * np.pi)) for each in self.apertures]
-            sent = _sent(self._nodes, branch, places, spectra)
-            for sign, factors in branch.signs:
-                phases = np.exp(-1j * sign * np.outer(lateral, lines))
-                for coarse, step in ((0, 1), (1, 1 if self.mirror_width is not None else 2)):
-                    weighted = factors[:, None] * sent[..., ::step] * (step * weights[::step])
-                    if len(places) * len(lines) <= FULL_GRID * len(x):
-                        total[coarse] += (weighted @ phases[::step])[column, :, row].T
-                    else:
-                        for start in range(0, len(x), CHUNK):
-                            some = slice(start, start + CHUNK)
-                            total[coarse][:, some] += np.einsum(
-                                "pcn,np->cp", weighted[column[some]], phases[::step, row[some]]
-                            )
+            sent = _sent(self._nodes, branch, places, self._lobes(branch.rule.nodes))
+            total += self._inverse(branch.rule, branch.signs, sent, lines, column, row)
+        return total
+
+    def _returned(self, x, y) -> np.ndarray:
+        """What the faces send back, by both rules, (2, 3, points)."""
+        places, column = np.unique(x, return_inverse=True)
+        lines, row = np.unique(y, return_inverse=True)
+        reach = max(self.apertures) / 2 + abs(y).max()
+        found = self.faces.returned(reach, _sources(self.charges), self.mirror_width)
+        lobes = self._lobes(found.rule.nodes)
+        sent = found.spectra(places, self.wave.length, lobes, self.faces.surface_only)
+        return self._inverse(found.rule, found.signs, sent, lines, column, row)
+
+    def _lobes(self, lateral) -> np.ndarray:
+        """Transforms of the apertures over y, m, shape (transducers, n)."""
+        widths = np.array(self.apertures)[:, None]
+        return widths * np.sinc(lateral * widths / (2 * np.pi))
+
+    def _inverse(self, rule, signs, sent, lines, column, row) -> np.ndarray:
+        """Fields at points (column of ``sent``, row of ``lines``) from spectra, by both rules, (2, 3, points)."""
+        count, weights = len(column), rule.weights / 2
+        total = np.zeros((2, 3, count), dtype=complex)
+        for sign, factors in signs:
+            phases = np.exp(-1j * sign * np.outer(rule.nodes, lines))
+            for coarse, step in ((0, 1), (1, 1 if self.mirror_width is not None else 2)):
+                weighted = factors[:, None] * sent[..., ::step] * (step * weights[::step])
+                if len(sent) * len(lines) <= FULL_GRID * count:
+                    total[coarse] += (weighted @ phases[::step])[column, :, row].T
+                else:
+                    for start in range(0, count, CHUNK):
+                        some = slice(start, start + CHUNK)
+                        total[coarse][:, some] += np.einsum(
+                            "pcn,np->cp", weighted[column[some]], phases[::step, row[some]]
+                        )
         return total
 
     def _local(self, x, y) -> np.ndarray:
@@ -258,6 +285,9 @@ class SurfaceBeam:
         """Motion of the section less that of the modes at k_y = 0 from the same charges, shape (2, places)."""
         nodes, source, ones = self._section_nodes, self.source, np.ones((len(self.apertures), 1))
         sent = sum(_sent(nodes, branch, places, ones) for branch in source.plane(self._resolved))[..., 0]
+        if self.faces is not None:
+            plane = self.faces.plane(_sources(_charges_of(self.wave.solution)))
+            sent = sent + plane.spectra(places, self.wave.length, ones, self.faces.surface_only)[..., 0]
         to_the_left = np.append(0.0, np.cumsum(nodes.charge))[np.searchsorted(nodes.x, places, side="right")]
         rest = self.wave.motion(places) - sent.T[[0, 2]]
         rest[0] -= source.static * (2 * to_the_left - nodes.charge.sum())
@@ -303,13 +333,17 @@ class _Nodes(NamedTuple):
 
 def beam_refusal(stator: Stator) -> str:
     """Why the field in three dimensions of a stator is not known, in a sentence; empty where it is."""
-    if stator.ends != "absorbing":
-        return f"the field in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}"
+    if stator.ends != "absorbing" and not isotropic_about_normal(stator.solid):
+        return f"in this cut the field in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}"
     return ""
 
 
 def _charges_of(solution: Solution) -> tuple[ElectrodeCharges, ...]:
     return tuple(electrode_charges(solution, index) for index in range(len(solution.fields.transducers)))
+
+
+def _sources(charges: tuple[ElectrodeCharges, ...]) -> list[tuple[np.ndarray, np.ndarray]]:
+    return [(each.x, each.charge) for each in charges]
 
 
 def _nodes_of(charges: tuple[ElectrodeCharges, ...]) -> _Nodes:
@@ -379,10 +413,13 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     fields = with_apertures(solution.fields, mirror_width)
     if fields is not solution.fields:
         solution = driven_solution(fields, solution.circuit.drive)
+    source = line_source(solution.fields.modes) if isotropic else cut_source(solution.fields)
+    reflecting = solution.fields.stator.ends != "absorbing"
     return SurfaceBeam(
         wave=wave,
         solution=solution,
-        source=line_source(solution.fields.modes) if isotropic else cut_source(solution.fields),
+        source=source,
+        faces=faces(solution.fields, source) if reflecting else None,
         charges=_charges_of(solution),
         apertures=apertures,
         mirror_width=mirror_width,
