@@ -34,6 +34,7 @@ from fem.waveguide.modes import GuidedModes
 from fem.waveguide.port_fields import PortFields
 
 NEARLY_ZERO = 1e-6  # of the largest wavenumber: k_y in the place of 0, which makes the constant potential a double root
+SAME_STEP = 1e-15  # m: steps from charge to charge that differ by less share their phases
 ROUNDING = 1e-9  # |Im k| / |k| of a mode without loss
 
 
@@ -140,14 +141,15 @@ class Faces:
         forward, backward = (each / modes.section.length_unit for each in (modes.wavenumbers, -modes.backwards))
         kept = np.flatnonzero(np.minimum(-forward.imag, -backward.imag) * gap < -np.log(KEPT))
         at_right, at_left = (
-            sent[kept, None]
-            * np.stack([np.exp(-1j * np.outer(k[kept], away(x))) @ charge for x, charge in sources], axis=1)
-            for sent, k, away in (
-                (to_right, forward, lambda x: self.length - x),
-                (to_left, backward, lambda x: x),
+            sent[kept, None] * np.stack([_arriving(k[kept], *each) for each in seen], axis=1)
+            for sent, k, seen in (
+                (to_right, forward, [(self.length - x[::-1], charge[::-1]) for x, charge in sources]),
+                (to_left, backward, sources),
             )
         )
-        left, right = (end_reflection(modes, self.ends, side, kept) for side in (0, 1))
+        left = end_reflection(modes, self.ends, 0, kept)
+        alike = modes.section.lateral_odd is not None
+        right = left if alike else end_reflection(modes, self.ends, 1, kept)
         across, back = (np.exp(-1j * each[kept] * self.length)[:, None] for each in (forward, backward))
         round_trip = left[kept] @ (back * right[kept]) * across[:, 0]
         once = left[kept] @ (at_left + back * (right[kept] @ at_right))
@@ -161,6 +163,12 @@ class Faces:
             for shapes, amplitudes in ((modes.right, from_left), (modes.left, from_right))
         ]
         return np.stack([forward, backward]), np.stack(motion)
+
+
+def _arriving(k: np.ndarray, x: np.ndarray, charge: np.ndarray) -> np.ndarray:
+    """Sum of q_j exp(-i k x_j) for increasing x_j, most of which are equal steps apart, shape of k."""
+    steps, which = np.unique(np.round(np.diff(x, prepend=0.0) / SAME_STEP), return_inverse=True)
+    return np.cumprod(np.exp(-1j * np.outer(k, steps * SAME_STEP))[:, which], axis=1) @ charge
 
 
 def faces(fields: PortFields, source: LineSource) -> Faces:
@@ -178,45 +186,43 @@ def faces(fields: PortFields, source: LineSource) -> Faces:
     )
 
 
-class _TurnedModes(NamedTuple):
-    """Modes at any k_y of a section isotropic about z: sagittal ones, then SH; n unknowns and as many modes.
-
-    ``shapes``: u_s / k at k_y = 0 on the unknowns of u_x, the same on those of u_y, and u_z with phi, (3, n, n);
-    ``fluxes``: the products of K1 at k_y = 0, its derivative by k_y and K2 with them, (3, 3, n, n); ``sent``: k times
-    the amplitude that 1 C/m sends at k_y = 0, (n,).
-    """
+@dataclass(frozen=True, kw_only=True)
+class _TurnedModes:
+    """Modes at any k_y of a section isotropic about z: ``count`` sagittal ones, then SH; n unknowns and as many modes."""
 
     section: Section
     frequency: float
-    wavenumbers: np.ndarray
-    sagittal: np.ndarray
+    count: int
+    wavenumbers: np.ndarray  # (n,), at k_y = 0
+    sent: np.ndarray  # (n,): k times the amplitude that 1 C/m sends at k_y = 0
+    kinds: np.ndarray  # (n,): of the unknowns: 0 for u_x, 1 for u_y (over i), 2 for u_z and phi
+    # (n, n): u_s / k at k_y = 0 on the unknowns of u_x and of u_y, u_z and phi; fluxes but for factors of kappa and
+    # k_y; what k_y^2 adds to them
     shapes: np.ndarray
-    fluxes: np.ndarray
-    sent: np.ndarray
+    flux: np.ndarray
+    by_square: np.ndarray
 
     def __call__(self, lateral: complex) -> Sent:
         section = self.section
-        k, k_y = self.wavenumbers, lateral * section.length_unit
+        k, k_y, sagittal = self.wavenumbers, lateral * section.length_unit, np.arange(section.size) < self.count
         kappa = np.where(k.real < 0, -1, 1) * np.sqrt(k**2 - k_y**2)
         kappa[kappa.imag > ROUNDING * abs(kappa)] *= -1
-        # the unknown of u_y is u_y / i
-        weights = (
-            np.where(self.sagittal, kappa, -k_y),
-            -1j * np.where(self.sagittal, k_y, kappa),
-            self.sagittal,
-        )
-        first, by_k_y, second = (sum(map(np.multiply, each, weights)) for each in self.fluxes)
-        shapes, flux = sum(map(np.multiply, self.shapes, weights)), first + k_y * by_k_y - 1j * second * kappa
-        mirror = np.where(section.lateral_odd, -1.0, 1.0)[:, None]
+        turned = [np.where(sagittal, kappa, -k_y), -1j * np.where(sagittal, k_y, kappa), np.ones_like(kappa)]
+        right = np.array(turned)[self.kinds] * self.shapes
+        of_flux = [np.where(sagittal, one, other) for one, other in ((1, kappa * k_y), (kappa * k_y, 1), (kappa, k_y))]
+        right_flux = np.array(of_flux)[self.kinds] * self.flux + k_y**2 * self.by_square
+        left, left_flux = right.copy(), -right_flux
+        for each in (left, left_flux):
+            each[section.lateral_odd] *= -1
         modes = GuidedModes(
             section=section,
             frequency=self.frequency,
             wavenumbers=kappa,
             backwards=-kappa,
-            right=shapes,
-            left=mirror * shapes,
-            right_flux=flux,
-            left_flux=-mirror * flux,
+            right=right,
+            left=left,
+            right_flux=right_flux,
+            left_flux=left_flux,
             lateral_wavenumber=k_y,
         )
         return Sent(modes, self.sent / kappa, self.sent / kappa)
@@ -232,27 +238,43 @@ def _turned_modes(fields: PortFields, source: LineSource) -> _TurnedModes:
     moving, count = plane.wavenumbers != 0, plane.section.size
     k = np.append(plane.wavenumbers, np.sqrt(squares))
     lines = plane.right / np.where(moving, k[:count], 1.0)
+    even = plane.right.copy()
     sent = np.zeros(section.size, dtype=complex)
     sent[:count][moving] = source.amplitudes * k[:count][moving]
-    shapes = np.zeros((3, section.size, section.size), dtype=complex)
     if not moving.all():
         slope, motion = static_mode(plane)
-        lines[:, ~moving] = -1j * motion[:, None]
+        lines[:, ~moving], even[:, ~moving] = -1j * motion[:, None], plane.section.constant_potential[:, None]
         sent[:count][~moving] = 1j * slope * charge_scale(section.solid)
-    for row, of_field in enumerate((u_x, u_y)):
-        shapes[row, of_field, :count] = lines[tangential]
-        shapes[row, of_field, count:] = shear
-    shapes[2, u_z, :count], shapes[2, phi, :count] = plane.right[normal], plane.right[potential]
-    if not moving.all():
-        shapes[2][:, :count][:, ~moving] = section.constant_potential[:, None]
+    shapes = np.zeros((section.size, section.size), dtype=complex)
+    for of_field in (u_x, u_y):
+        shapes[of_field, :count], shapes[of_field, count:] = lines[tangential], shear
+    shapes[u_z, :count], shapes[phi, :count] = even[normal], even[potential]
+    kinds = np.full(section.size, 2)
+    kinds[u_x], kinds[u_y] = 0, 1
+
+    def product(matrix, to: int, of: int) -> np.ndarray:
+        """Rows of one kind of a matrix times the shapes' rows of another."""
+        return matrix[np.ix_(kinds == to, kinds == of)] @ shapes[kinds == of]
+
+    # the nodal flux K1(k_y) v - i kappa K2 v, with kappa^2 = k^2 - k_y^2
+    flux, by_square = np.zeros_like(shapes), np.zeros_like(shapes)
+    sagittal = np.arange(section.size) < count
+    crossed = 1j * product(second, 0, 0) - 1j * product(by_k_y, 0, 1), product(by_k_y, 1, 0) - product(second, 1, 1)
+    flux[kinds == 0] = np.where(sagittal, product(first, 0, 2) - 1j * k**2 * product(second, 0, 0), crossed[0])
+    by_square[kinds == 0] = np.where(sagittal, crossed[0], 0)
+    flux[kinds == 1] = np.where(sagittal, crossed[1], -(k**2) * product(second, 1, 1))
+    by_square[kinds == 1] = np.where(sagittal, 0, -crossed[1])
+    flux[kinds == 2] = np.where(sagittal, product(first, 2, 0) - 1j * product(second, 2, 2), -product(first, 2, 0))
     return _TurnedModes(
         section=section,
         frequency=fields.frequency,
+        count=count,
         wavenumbers=k,
-        sagittal=np.arange(section.size) < count,
-        shapes=shapes,
-        fluxes=np.array([each @ shapes for each in (first, by_k_y, second)]),
         sent=sent,
+        kinds=kinds,
+        shapes=shapes,
+        flux=flux,
+        by_square=by_square,
     )
 
 
