@@ -6,8 +6,8 @@ each face, all guided modes of the section with the amplitudes c (from x = 0, to
     c = R_0 (b + E d),    d = R_L (a + E c),    E = diag exp(-i kappa_p L),
 
 a and b the amplitudes with which the charges' own waves arrive.  A face's reflection matrix R follows from its
-condition on the nodal fluxes or the displacements (ends.py).  Sagittal and shear horizontal modes (SH) mix there as soon
-as k_y differs from zero, so that the section has all three displacements.
+condition on the nodal fluxes or the displacements (ends.py).  Sagittal and shear horizontal modes (SH) mix there as
+soon as k_y differs from zero, so that the section has all three displacements.
 
 In a solid isotropic about z the modes at k_y are those of k_y = 0, turned: with g = u_s / k, the displacement along the
 wave vector over its length, u_x = kappa g and u_y = k_y g; an SH mode w has u_x = -k_y w and u_y = kappa w.
@@ -33,13 +33,15 @@ from fem.waveguide.ends import end_reflection
 from fem.waveguide.modes import GuidedModes
 from fem.waveguide.port_fields import PortFields
 
-NEARLY_ZERO = 1e-6  # of the largest wavenumber: k_y in the place of 0, which makes the constant potential a double root
+# Of the largest wavenumber: k_y in the place of 0, which makes the constant potential a double root, and the k_y that
+# tells a slope there
+NEARLY_ZERO, SLOPE = 1e-8, 1e-6
 SAME_STEP = 1e-15  # m: steps from charge to charge that differ by less share their phases
 ROUNDING = 1e-9  # |Im k| / |k| of a mode without loss
 
 
 class Sent(NamedTuple):
-    """Modes of the section at one k_y, and their amplitudes from 1 C/m on the line x = 0, to the right and to the left."""
+    """Modes of the section at one k_y, and their amplitudes to the right and to the left from 1 C/m on a line."""
 
     modes: GuidedModes
     right: np.ndarray
@@ -52,6 +54,8 @@ class Returned(NamedTuple):
     Attributes
     ----------
     rule : LateralRule
+    corner : float
+        0, or a wavenumber of another node before the others, where the integrand depends on |k_y|.
     along : ndarray, shape (2, modes, n)
         rad/m: from x = 0 and from x = L they change as exp(-i along distance).
     motion : ndarray, shape (2, 3, sources, modes, n)
@@ -63,21 +67,31 @@ class Returned(NamedTuple):
     """
 
     rule: LateralRule
+    corner: float
     along: np.ndarray
     motion: np.ndarray
     surface: np.ndarray
     signs: tuple
 
     def spectra(self, x: np.ndarray, length: float, spectra: np.ndarray, surface_only: bool) -> np.ndarray:
-        """Spectra of u at places x, shape (places, 3, n), for those of the sources, (sources, n)."""
-        out = np.zeros((len(x), 3, len(self.rule.nodes)), dtype=complex)
+        """Spectra of u at places x, shape (places, 3, n), for those of the sources, (sources, n).
+
+        To the first node goes the Euler-Maclaurin term of the slope at k_y = 0+, h^2 / 12 of the half-line's integral.
+        """
+        if self.corner:
+            spectra = np.hstack([spectra[:, :1], spectra])
+        out = np.zeros((len(x), 3, spectra.shape[1]), dtype=complex)
         for distance, along, motion in zip((x, length - x), self.along, self.motion, strict=True):
             lasting = (-along.imag).min(axis=1) * distance.min() < -np.log(KEPT)
             lasting &= self.surface | (not surface_only)
             motion = np.einsum("ctmn,tn->nmc", motion[:, :, lasting], spectra)
             for node, started in enumerate(motion):
                 out[..., node] += np.exp(-1j * np.outer(distance, along[lasting, node])) @ started
-        return out
+        if not self.corner:
+            return out
+        slope = (out[..., 0] - out[..., 1]) / self.corner
+        out[..., 1] += np.pi / 3 * self.rule.weights[0] * slope
+        return out[..., 1:]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,6 +108,8 @@ class Faces:
         Largest wavenumber of a propagating mode, rad/m.
     surface : ndarray of bool, shape (modes,)
         Which modes are the surface wave.
+    floating : bool
+        Whether nothing grounds the section: the pole at k = 0 then makes the integrand depend on |k_y|.
     at : callable
         From k_y in rad/m to `Sent`.
     surface_only : bool
@@ -104,6 +120,7 @@ class Faces:
     ends: str
     highest: float
     surface: np.ndarray = field(repr=False)
+    floating: bool
     at: Callable[[complex], Sent] = field(repr=False)
     surface_only: bool = False
     _known: dict = field(default_factory=dict, repr=False, compare=False)
@@ -118,19 +135,21 @@ class Faces:
         gap = min(min(x.min(), self.length - x.max()) for x, _ in sources)
         reach = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # so that few rules are needed
         rule = lateral_rule(self.highest, reach, evanescent(self.highest, gap), mirror_width)
-        return self._at_nodes(rule, sources, gap)
+        corner = SLOPE * self.highest if self.floating and mirror_width is None else 0.0
+        return self._at_nodes(rule, sources, gap, corner)
 
     def plane(self, sources: list) -> Returned:
         """Waves that do not depend on y."""
         gap = min(min(x.min(), self.length - x.max()) for x, _ in sources)
         return self._at_nodes(LateralRule(nodes=np.zeros(1), weights=np.ones(1)), sources, gap)
 
-    def _at_nodes(self, rule: LateralRule, sources: list, gap: float) -> Returned:
+    def _at_nodes(self, rule: LateralRule, sources: list, gap: float, corner: float = 0.0) -> Returned:
         key = (len(rule.nodes), complex(rule.nodes[-1]))
         if key not in self._known:
-            found = [self._at_node(lateral, sources, gap) for lateral in rule.nodes]
+            nodes = np.append(corner, rule.nodes) if corner else rule.nodes
+            found = [self._at_node(lateral, sources, gap) for lateral in nodes]
             along, motion = (np.stack(each, axis=-1) for each in zip(*found, strict=True))
-            self._known[key] = Returned(rule, along, motion, self.surface, SIGNS)
+            self._known[key] = Returned(rule, corner, along, motion, self.surface, SIGNS)
         return self._known[key]
 
     def _at_node(self, lateral: complex, sources: list, gap: float) -> tuple[np.ndarray, np.ndarray]:
@@ -138,7 +157,9 @@ class Faces:
         if abs(lateral) < NEARLY_ZERO * self.highest:
             lateral = NEARLY_ZERO * self.highest
         modes, to_right, to_left = self.at(lateral)
-        forward, backward = (each / modes.section.length_unit for each in (modes.wavenumbers, -modes.backwards))
+        forward, backward = (
+            each / modes.section.length_unit for each in (modes.wavenumbers, -modes.backwards)
+        )
         kept = np.flatnonzero(np.minimum(-forward.imag, -backward.imag) * gap < -np.log(KEPT))
         at_right, at_left = (
             sent[kept, None] * np.stack([_arriving(k[kept], *each) for each in seen], axis=1)
@@ -157,7 +178,9 @@ class Faces:
         from_right = right @ (at_right + across * from_left)
         from_left = left @ (at_left + back * from_right[kept])
         rows = [modes.section.surface_dofs[name] for name in ("ux", "uy", "uz")]
-        turn = np.array([1.0, 1.0 if modes.section.solid.mirror_y is None else 1j, 1.0])[:, None]  # of u_y / i
+        turn = np.array([1.0, 1.0 if modes.section.solid.mirror_y is None else 1j, 1.0])[
+            :, None
+        ]  # of u_y / i
         motion = [
             (turn * shapes[rows])[:, None] * amplitudes.T
             for shapes, amplitudes in ((modes.right, from_left), (modes.left, from_right))
@@ -182,13 +205,14 @@ def faces(fields: PortFields, source: LineSource) -> Faces:
         ends=stator.ends,
         highest=float(np.sqrt((turned.wavenumbers**2).real.max())) / turned.section.length_unit,
         surface=surface,
+        floating=fields.section.floating_potential,
         at=turned,
     )
 
 
 @dataclass(frozen=True, kw_only=True)
 class _TurnedModes:
-    """Modes at any k_y of a section isotropic about z: ``count`` sagittal ones, then SH; n unknowns and as many modes."""
+    """Modes at any k_y of a section isotropic about z: ``count`` sagittal ones, then SH; as many as unknowns, n."""
 
     section: Section
     frequency: float
@@ -204,12 +228,19 @@ class _TurnedModes:
 
     def __call__(self, lateral: complex) -> Sent:
         section = self.section
-        k, k_y, sagittal = self.wavenumbers, lateral * section.length_unit, np.arange(section.size) < self.count
+        k, k_y, sagittal = (
+            self.wavenumbers,
+            lateral * section.length_unit,
+            np.arange(section.size) < self.count,
+        )
         kappa = np.where(k.real < 0, -1, 1) * np.sqrt(k**2 - k_y**2)
         kappa[kappa.imag > ROUNDING * abs(kappa)] *= -1
         turned = [np.where(sagittal, kappa, -k_y), -1j * np.where(sagittal, k_y, kappa), np.ones_like(kappa)]
         right = np.array(turned)[self.kinds] * self.shapes
-        of_flux = [np.where(sagittal, one, other) for one, other in ((1, kappa * k_y), (kappa * k_y, 1), (kappa, k_y))]
+        of_flux = [
+            np.where(sagittal, one, other)
+            for one, other in ((1, kappa * k_y), (kappa * k_y, 1), (kappa, k_y))
+        ]
         right_flux = np.array(of_flux)[self.kinds] * self.flux + k_y**2 * self.by_square
         left, left_flux = right.copy(), -right_flux
         for each in (left, left_flux):
@@ -259,12 +290,19 @@ def _turned_modes(fields: PortFields, source: LineSource) -> _TurnedModes:
     # the nodal flux K1(k_y) v - i kappa K2 v, with kappa^2 = k^2 - k_y^2
     flux, by_square = np.zeros_like(shapes), np.zeros_like(shapes)
     sagittal = np.arange(section.size) < count
-    crossed = 1j * product(second, 0, 0) - 1j * product(by_k_y, 0, 1), product(by_k_y, 1, 0) - product(second, 1, 1)
-    flux[kinds == 0] = np.where(sagittal, product(first, 0, 2) - 1j * k**2 * product(second, 0, 0), crossed[0])
+    crossed = (
+        1j * product(second, 0, 0) - 1j * product(by_k_y, 0, 1),
+        product(by_k_y, 1, 0) - product(second, 1, 1),
+    )
+    flux[kinds == 0] = np.where(
+        sagittal, product(first, 0, 2) - 1j * k**2 * product(second, 0, 0), crossed[0]
+    )
     by_square[kinds == 0] = np.where(sagittal, crossed[0], 0)
     flux[kinds == 1] = np.where(sagittal, crossed[1], -(k**2) * product(second, 1, 1))
     by_square[kinds == 1] = np.where(sagittal, 0, -crossed[1])
-    flux[kinds == 2] = np.where(sagittal, product(first, 2, 0) - 1j * product(second, 2, 2), -product(first, 2, 0))
+    flux[kinds == 2] = np.where(
+        sagittal, product(first, 2, 0) - 1j * product(second, 2, 2), -product(first, 2, 0)
+    )
     return _TurnedModes(
         section=section,
         frequency=fields.frequency,
