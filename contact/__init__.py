@@ -5,12 +5,11 @@ velocity positive along +x, SI units. The model is that of Feenstra and Breedvel
 Motor*, with stick and slip as a stop operator. The compiled parts are loaded when first used.
 """
 
-from contact.answers.cross_check import SecondOpinion, second_opinion
 from contact.answers.derivatives import velocity_derivative
 from contact.answers.load_line import LoadLine, blocked_thrust, load_line, mean_traction
 from contact.answers.steady import SteadyState, steady
 from contact.answers.steps import Step, cycles_for, step
-from contact.answers.sweep import MeanMotion, Sweep, mean_motion, steady_map, steady_sweep
+from contact.answers.sweep import MeanMotion, mean_motion, steady_map, steady_sweep
 from contact.answers.thresholds import (
     release_amplitude,
     release_factor,
@@ -33,11 +32,9 @@ __all__ = [
     "LoadLine",
     "MeanMotion",
     "Orbit",
-    "SecondOpinion",
     "Slider",
     "SteadyState",
     "Step",
-    "Sweep",
     "Trajectory",
     "blocked_thrust",
     "burst",
@@ -50,7 +47,6 @@ __all__ = [
     "release_amplitude",
     "release_factor",
     "riding_height",
-    "second_opinion",
     "steady",
     "steady_map",
     "steady_sweep",

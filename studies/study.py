@@ -94,14 +94,16 @@ class Finding:
     remark: str = ""
 
     @classmethod
-    def judged(cls, statement, quantity, found, *, low=-math.inf, high=math.inf, expected="", remark=""):
-        """Return the finding that a number lies between two others, both excluded."""
+    def judged(
+        cls, statement, quantity, found, *, low=-math.inf, high=math.inf, holds=True, expected="", remark=""
+    ):
+        """Return the finding that a number lies between two others, both excluded, and something else holds too."""
         bounds = f"below {high:g}" if low == -math.inf else f"above {low:g}"
         if math.isfinite(low) and math.isfinite(high):
             bounds = f"between {low:g} and {high:g}"
         return cls(
             statement=statement, quantity=quantity, expected=expected or bounds, found=float(found),
-            confirmed=bool(low < found < high), remark=remark,
+            confirmed=bool(low < found < high and holds), remark=remark,
         )  # fmt: skip
 
     def __str__(self):

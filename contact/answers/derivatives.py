@@ -1,26 +1,24 @@
 r"""Derivative of the averaged steady velocity along a change of slider and wave, by the implicit function theorem.
 
-Height h and velocity v satisfy F_1 = <sum P> - preload = 0 and F_2 = <sum Q> - R_t v - load = 0 (first-order
-averaging). Along a family of motors s -> (slider, orbits)
+The velocity v of first-order averaging satisfies F(s, v) = <sum Q>(s, v) - R_t v - load = 0 along a family of motors
+s -> (slider, orbits), the height included in <sum Q>, so that
 
-    d(h, v)/ds = -(dF/d(h, v))^-1 dF/ds,
+    dv/ds = -(dF/ds)/(dF/dv),
 
-where every derivative of F is taken at a fixed height and velocity: no equilibrium is solved again. F comes from the
-event-driven solver (`equilibrium.traction`), the derivatives from central differences of fourth order. Against the full
-periodic motion the derivative errs by O((f_n/f)^2), as the averaged velocity does.
+by central differences of fourth order: no equilibrium is solved again. Against the full periodic motion the derivative
+errs by O((f_n/f)^2), as the averaged velocity does.
 """
 
-import math
 from collections.abc import Callable
 
-import numpy as np
-
+from contact.answers.load_line import mean_traction
+from contact.answers.sweep import mean_motion
 from contact.convergence import ConvergenceError
-from contact.drive import towards_plus
+from contact.drive import drive_direction
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
 
-STEP = 2e-3  # relative, of h and v; in s: forces are known to 1e-11
+STEP = 2e-3  # relative, of v; in s: forces are known to 1e-11
 
 
 def velocity_derivative(
@@ -33,7 +31,7 @@ def velocity_derivative(
     family : callable
         s to (slider, orbits); s = 0 is the motor itself.
     step : float
-        Of s, for the differences at fixed height and velocity.
+        Of s, for the differences at fixed velocity.
 
     Raises
     ------
@@ -51,52 +49,26 @@ def velocity_derivative(
     >>> round(slope, 4)  # more friction, a little less velocity
     -0.0071
     """
-    from contact.solve.equilibrium import balanced
-
     slider, orbits = family(0.0)
-    side, driven = towards_plus(as_orbits(orbits))
-    found = balanced(slider, driven)
+    found = mean_motion(slider, orbits)
     if found.held:
         return 0.0
-    base = np.array([found.height * found.problem.length, found.speed * found.problem.speed])
-    sign = found.load_sign
+    v, against = found.first_order, found.load_sign * drive_direction(as_orbits(orbits))
 
-    def force(s, h, v):
-        changed, orbits = family(s)
-        listed = as_orbits(orbits)
-        return _forces(
-            changed, listed if side > 0 else tuple(orbit.mirrored() for orbit in listed), h, v, sign
-        )
+    def excess(s, velocity):
+        slider, orbits = family(s)
+        drag = slider.tangential_damping * velocity + against * slider.load
+        return float(mean_traction(slider, orbits, [velocity])[0]) - drag
 
-    by_state = np.column_stack([
-        _slope(lambda x: force(0.0, base[0] + x, base[1]), STEP * max(abs(base[0]), 0.1 * found.problem.length)),
-        _slope(lambda x: force(0.0, base[0], base[1] + x), STEP * abs(base[1])),
-    ])  # fmt: skip
-    by_s = _slope(lambda x: force(x, *base), step)
-    if not abs(np.linalg.det(by_state)) > 0.0:
+    by_velocity = _slope(lambda x: excess(0.0, v + x), STEP * abs(v))
+    if by_velocity == 0.0:
         raise ConvergenceError(
             "not applicable", "the equilibrium is not regular: the slider is at its threshold"
         )
-    return -side * float(np.linalg.solve(by_state, by_s)[1])
+    return -_slope(lambda s: excess(s, v), step) / by_velocity
 
 
-def _forces(slider, orbits, height, velocity, sign) -> np.ndarray:
-    """Return F_1 and F_2 in N at a height in m and a velocity in m/s."""
-    from contact.problem import scaled
-    from contact.solve.energy import SUPPORT
-    from contact.solve.equilibrium import traction, trough
-    from contact.solve.event_driven import TALLY
-
-    problem = scaled(slider, orbits, direction=sign, start=trough(orbits))
-    mean, motion = traction(
-        problem, height / problem.length, velocity / problem.speed, 0.0, np.zeros(TALLY, np.int64)
-    )
-    unit = slider.mass * problem.omega**2 * problem.length
-    support = float(motion.sums[SUPPORT]) / (2.0 * math.pi) * unit - slider.preload
-    return np.array([support, mean * unit - slider.tangential_damping * velocity - sign * slider.load])
-
-
-def _slope(function, step) -> np.ndarray:
+def _slope(function, step) -> float:
     """Return the derivative at 0, of fourth order."""
     one, two = (function(k * step) - function(-k * step) for k in (1, 2))
     return (8.0 * one - two) / (12.0 * step)

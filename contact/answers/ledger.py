@@ -10,9 +10,8 @@ what the balance misses by truncation and rounding.
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from contact.slider import Slider
+from contact.solve import energy
 
 # where `solve.energy` sums what a ledger names
 PLACES = {
@@ -91,14 +90,9 @@ def together(*ledgers: Ledger) -> Ledger:
     )
 
 
-def ledger(slider: Slider, motion, before: np.ndarray, spans: int = 1) -> Ledger:
-    """Return the ledger of what a `motion.Motion` has done since its sums were cleared, shared among some spans.
-
-    `before` is `Motion.energy` when the sums were cleared.
-    """
-    from contact.solve import energy
-
+def ledger(slider: Slider, motion, spans: int = 1) -> Ledger:
+    """Return the ledger of what a `motion.Motion` has done since it began, shared among some spans."""
     unit = slider.mass * motion.problem.speed**2 / spans
-    sums, gained = unit * motion.sums, unit * (motion.energy() - before)
+    sums, gained = unit * motion.sums, unit * (motion.energy() - motion.begun)
     lost = {name: float(sums[getattr(energy, place)]) for name, place in PLACES.items()}
     return Ledger(**lost, stored=float(gained[0]), lifted=float(gained[1]), slider=float(gained[2]))

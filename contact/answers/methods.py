@@ -69,8 +69,8 @@ def silence(motion):
 
     still = motion.copy()
     still.problem = without_wave(motion.problem)
-    still.begin()
     still.place(*motion.state[:3], motion.state[3:])
+    still.begin()
     return still
 
 
@@ -102,7 +102,7 @@ def _exact(burst):
     def follow(level):
         nodes, truncation, _ = ORDERS[level]
         motion = rest(burst.slider, burst.orbits, burst.problem, nodes=nodes, truncation=truncation)
-        motion.begun = motion.energy()
+        motion.begin()
         rows = motion.turn(burst.cycles, stride=burst.stride)
         return motion.state[2:3].copy(), motion, rows
 
@@ -155,8 +155,7 @@ def _divisor(number, most):
 
 def _averaged(burst):
     """Follow the averaged equations."""
-    begin = rest(burst.slider, burst.orbits, burst.problem, nodes=14, truncation=1e-11)
-    return averaged_run(*burst[:3], begin, *burst[3:6])
+    return averaged_run(burst, rest(burst.slider, burst.orbits, burst.problem, nodes=14, truncation=1e-11))
 
 
 def _refined(burst, follow, error, levels, least):
@@ -224,7 +223,7 @@ METHODS = ("auto", *STRATEGY)
 def run(method: str, burst: Burst):
     """Return (motion at the end, rows, error of v, statistics, method used) of a burst.
 
-    The exact method leaves the energies of the burst in the motion's sums, and in `motion.begun` those at its start.
+    The exact method leaves the energies of the burst in the motion's sums.
 
     Raises
     ------

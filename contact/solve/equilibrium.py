@@ -25,45 +25,39 @@ from contact.slider import Slider
 from contact.solve.averaged import full_slip_speed, way_out
 from contact.solve.collocation import collocation
 from contact.solve.energy import SUPPORT, TRACTION
-from contact.solve.event_driven import TALLY
 from contact.solve.motion import Motion
 from contact.solve.riding import riding_approach
 from contact.solve.roots import bracketed, narrowed, trial
 
 NODES, TRUNCATION = 14, 1e-11
+RUNAWAY = (
+    "friction cannot balance the load at any speed and no tangential damping bounds it; "
+    "lower slider.load or give slider.damping.tangential"
+)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Balance:
     """Averaged steady state, in the units of `problem`; phase 0 is the trough of the first contact."""
 
-    problem: Problem  # With the load against the direction of the unloaded motion
-    height: float  # Mean approach h
+    problem: Problem  # with the load against the direction of the unloaded motion
+    height: float  # mean approach h
     speed: float  # v
     held: bool  # True: a sticking contact keeps the slider at rest
-    # At the end of a repeating cycle at constant height and velocity; its tally is of that cycle
-    motion: Motion
-    # (11,) int array: Stretches, halvings, sweeps, cycles computed (`event_driven.STRETCHES` and so on)
-    work: np.ndarray
+    motion: Motion  # at the end of a repeating cycle at constant height and velocity, its tally and sums of that cycle
 
     @property
     def load_sign(self) -> float:
         """+1 or -1: the direction of motion that the load opposes."""
         return -1.0 if self.problem.load < 0.0 else 1.0
 
-    @property
-    def support(self) -> float:
-        """Mean of the normal forces over the cycle, scaled."""
-        return float(self.motion.sums[SUPPORT]) / (2.0 * math.pi)
-
 
 def balanced(slider: Slider, orbits: tuple[Orbit, ...]) -> Balance:
     """Return the averaged steady state; the crests should drive towards +x (`drive.towards_plus`)."""
-    start = trough(orbits)
-    problem = scaled(slider, orbits, direction=1.0, start=start)
-    high, work = riding_approach(problem), np.zeros(TALLY, np.int64)
+    problem = scaled(slider, orbits, direction=1.0, start=trough(orbits))
+    high = riding_approach(problem)
     if problem.law != Law.RECIPROCAL:
-        return _at_height(slider, orbits, problem, start, high, work)
+        return _at_height(problem, high)
     # the back force only adds to the support, so the slider rides higher: mean approach below `high`
     every, preload = np.arange(problem.contacts), problem.preload
     low, found = -float(np.max(normal_amplitude(problem.paths, every) + problem.paths.height)), None
@@ -72,8 +66,8 @@ def balanced(slider: Slider, orbits: tuple[Orbit, ...]) -> Balance:
         nonlocal found
         if height <= low:
             return -preload
-        found = _at_height(slider, orbits, problem, start, height, work)
-        surplus = found.support - preload
+        found = _at_height(problem, height)
+        surplus = float(found.motion.sums[SUPPORT]) / (2.0 * math.pi) - preload
         return surplus if abs(surplus) > 1e-12 * preload else 0.0
 
     bracketed(excess, low, high, tolerance=1e-14 * (1.0 + abs(high)))
@@ -88,12 +82,11 @@ def cycle_at(
     `load_sign` as in `answers.sweep.MeanMotion`; the orbits as for `balanced`.
     """
     problem = scaled(slider, orbits, direction=load_sign, start=trough(orbits))
-    height, work = height / problem.length, np.zeros(TALLY, np.int64)
+    height, speed = height / problem.length, velocity / problem.speed
     if held:
-        return _held(problem, height, _rest_cycles(problem, height, work), work)
-    speed = velocity / problem.speed
-    _, motion = traction(problem, height, speed, 0.0, work)
-    return Balance(problem=problem, height=height, speed=speed, held=False, motion=motion, work=work)
+        return _held(problem, height, _rest_cycles(problem, height))
+    _, motion = traction(problem, height, speed, 0.0)
+    return Balance(problem=problem, height=height, speed=speed, held=False, motion=motion)
 
 
 def trough(orbits):
@@ -101,40 +94,36 @@ def trough(orbits):
     return math.pi - float(np.angle(orbits[0].normal)) if orbits[0].normal != 0 else 0.0
 
 
-def _rest_cycles(problem, height, work):
+def _rest_cycles(problem, height):
     """Return (mean tangential force, motion) at rest of the least and of the largest deformations."""
     far = 10.0 * (1.0 + abs(height)) * (1.0 + problem.limit_slope)
-    return traction(problem, height, 0.0, -far, work), traction(problem, height, 0.0, far, work)
+    return traction(problem, height, 0.0, -far), traction(problem, height, 0.0, far)
 
 
-def _at_height(slider, orbits, problem, start, height, work):
+def _at_height(problem, height):
     """Return the balance of the tractions at one mean approach."""
-    rest = _rest_cycles(problem, height, work)
+    rest = _rest_cycles(problem, height)
     (least, _), (largest, _) = rest
     way, load = way_out(least, largest, problem.load, problem.friction * problem.preload)
-    if load < 0.0:  # this wave drives against its crests
-        problem = scaled(slider, orbits, direction=-1.0, start=start)
+    problem = problem._replace(load=load)  # its sign is turned where the wave drives against its crests
     if way == 0.0:
-        return _held(problem, height, rest, work)
-    speed, motion = _balance(problem, height, way, least if way > 0.0 else largest, work)
-    return Balance(problem=problem, height=height, speed=speed, held=False, motion=motion, work=work)
+        return _held(problem, height, rest)
+    speed, motion = _balance(problem, height, way, least if way > 0.0 else largest)
+    return Balance(problem=problem, height=height, speed=speed, held=False, motion=motion)
 
 
-def _held(problem, height, rest, work):
+def _held(problem, height, rest):
     """Return the balance of a slider at rest: deformations between the extreme ones that carry the load."""
-    (least, low_motion), (largest, high_motion) = rest
-    load, rounding = problem.load, 1e-13 * problem.preload
-    rounding *= problem.friction
-    below, above = low_motion.state[3:], high_motion.state[3:]
-    motion = low_motion
-    a, b = 0.0, 1.0
+    (least, motion), (largest, high_motion) = rest
+    below, above = motion.state[3:], high_motion.state[3:]
+    rounding, a, b = 1e-13 * problem.preload * problem.friction, 0.0, 1.0
     for _ in range(50 if largest > least + rounding else 0):
         middle = 0.5 * (a + b)
-        mean, motion = traction(problem, height, 0.0, (1.0 - middle) * below + middle * above, work)
-        if abs(mean - load) < 1e3 * rounding:
+        mean, motion = traction(problem, height, 0.0, (1.0 - middle) * below + middle * above)
+        if abs(mean - problem.load) < 1e3 * rounding:
             break
-        a, b = (a, middle) if mean > load else (middle, b)
-    return Balance(problem=problem, height=height, speed=0.0, held=True, motion=motion, work=work)
+        a, b = (a, middle) if mean > problem.load else (middle, b)
+    return Balance(problem=problem, height=height, speed=0.0, held=True, motion=motion)
 
 
 def opposed(slider: Slider, orbits: tuple[Orbit, ...]) -> float:
@@ -142,12 +131,11 @@ def opposed(slider: Slider, orbits: tuple[Orbit, ...]) -> float:
     if slider.load == 0.0 or slider.friction_coefficient * slider.preload == 0.0:
         return 1.0
     problem = scaled(slider, orbits, direction=1.0, start=0.0)
-    height = riding_approach(problem)
-    _, (largest, _) = _rest_cycles(problem, height, np.zeros(TALLY, np.int64))
+    _, (largest, _) = _rest_cycles(problem, riding_approach(problem))
     return -1.0 if largest < 0.0 else 1.0
 
 
-def traction(problem, height, speed, deformations, work):
+def traction(problem, height, speed, deformations):
     """Return (<sum Q>, motion) of a repeating cycle at constant height and velocity, from given deformations."""
     motion = Motion(immobile(problem), grid=collocation(NODES), truncation=TRUNCATION)
     motion.place(-height, 0.0, speed, deformations)
@@ -155,32 +143,27 @@ def traction(problem, height, speed, deformations, work):
         before = motion.state[3:].copy()
         motion.tally[:], motion.sums[:] = 0, 0.0
         motion.turn(1, mobile=False)
-        work += motion.tally
         # a memory repeats a cycle after the deformation does
         settled = turn > 1 or motion.memory is None
         if settled and np.max(np.abs(motion.state[3:] - before)) < 1e-13:
             break
+    motion.begun = motion.energy()  # the cycle repeats
     return motion.sums[TRACTION] / (2.0 * math.pi), motion
 
 
-def _balance(problem, height, way, rest_traction, work):
+def _balance(problem, height, way, rest_traction):
     """Return (v, motion) at <sum Q>(v) = d_t v + load; v has the sign `way`."""
-    damping, load = problem.tangential_damping, problem.load
-    top = full_slip_speed(problem)
+    damping, load, top = problem.tangential_damping, problem.load, full_slip_speed(problem)
 
     def excess(v, deformation):
-        mean, motion = traction(problem, height, v, deformation, work)
+        mean, motion = traction(problem, height, v, deformation)
         return mean - damping * v - load, motion
 
     a, fa, b = 0.0, rest_traction - load, way * top
     fb, motion = excess(b, 0.0)
     if fb * way >= 0.0:  # full friction does not balance the load: the damper has to
         if damping == 0.0:
-            raise ConvergenceError(
-                "runaway",
-                "friction cannot balance the load at any speed and no tangential damping bounds it; "
-                "lower slider.load or give slider.damping.tangential",
-            )
+            raise ConvergenceError("runaway", RUNAWAY)
         b += 1.000001 * fb / damping
         fb, motion = excess(b, 0.0)
     v = b

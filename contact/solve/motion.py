@@ -47,8 +47,7 @@ class Motion:
         tally, sums = np.zeros(event_driven.TALLY, np.int64), np.zeros(energy.SUMS)
         self._carry(np.zeros(3 + contacts), np.ones(contacts), np.zeros(contacts, np.int64), tally, sums)
         remembers = problem.law == Law.HYSTERETIC and problem.limit_slope > 0.0
-        # energies at the start of what the sums cover, where someone noted them
-        self.begun = None
+        self.begun = None  # energies at the start of what the sums cover, set by `begin`
         self.memory = hysteretic.blank(contacts, grid) if remembers else None
 
     def _carry(self, state, sign, regime, tally, sums):
@@ -78,10 +77,9 @@ class Motion:
             twin.memory = hysteretic.copy(self.memory)
         return twin
 
-    def begin(self) -> np.ndarray:
-        """Set what has been counted and summed to zero; return the energies at this start."""
-        self.tally[:], self.sums[:] = 0, 0.0
-        return self.energy()
+    def begin(self):
+        """Set what has been counted and summed to zero, and note the energies at this start."""
+        self.tally[:], self.sums[:], self.begun = 0, 0.0, self.energy()
 
     def turn(self, number: int, *, mobile: bool = True, stride: int = 0) -> np.ndarray:
         """Move through `number` whole cycles; return rows (v, z_s, mean v) every `stride` cycles."""
@@ -115,18 +113,17 @@ class Motion:
         advice = "set stick_band > 0" if self.memory is None else "raise normal_damping or contact_damping"
         raise ConvergenceError(status, sentence.format(advice=advice))
 
-    def events(self) -> dict[str, int]:
-        """Return the number of events by kind, and of segments, halvings and sweeps."""
-        names = (
-            *(event.name.lower() for event in list(Event)[:6]),
-            "stretches",
-            "halvings",
-            "sweeps",
-            "cycles",
-            "chatter",
-            "wipe_out",
-        )
-        return {name: int(number) for name, number in zip(names, self.tally, strict=True)}
+    def events(self) -> dict:
+        """Return the number of events by kind, whether they crowd, their smallest gap in s, and the work.
+
+        The gap is inf where there were not two events.
+        """
+        kinds = [event.name.lower() for event in list(Event)[:6]]
+        names = *kinds, "stretches", "halvings", "sweeps", "cycles", "chatter", "wipe_out"
+        counted = {name: int(number) for name, number in zip(names, self.tally, strict=True)}
+        crowding = float(self.sums[energy.CROWDING])
+        gap = 1.0 / (crowding * self.problem.omega) if crowding > 0.0 else math.inf
+        return counted | {"chatter": bool(counted["chatter"]), "smallest_gap": gap}
 
     def energy(self) -> np.ndarray:
         """Return the energy of the contacts' springs, of the preload and of the slider, in units m (omega ell)^2.
@@ -170,11 +167,6 @@ class Motion:
         moved = Event.CONTACT, Event.RELEASE, Event.STICK_TO_SLIP, Event.SLIP_TO_STICK
         rest = (self.regime == Regime.STICK) | (self.regime == Regime.SEPARATED)
         return bool(np.all(rest) and np.any(self.regime)) and not np.any(self.tally[list(moved)])
-
-    def smallest_gap(self) -> float:
-        """Return the smallest time between two events since the sums were cleared, s; inf if there were not two."""
-        crowding = self.sums[energy.CROWDING]
-        return float(1.0 / (crowding * self.problem.omega)) if crowding > 0.0 else math.inf
 
     def _limit(self, span):
         """Return the segments that a run may take: a guard that fires for ever must fail, not hang."""

@@ -52,7 +52,6 @@ class LongRun:
     passed: int
     starts: int = 1  # From which the motion was followed
     motion: Motion  # At the end; its tally and sums cover the `cycles`
-    before: np.ndarray  # (3,) array: `Motion.energy` at their start
 
     @property
     def height(self) -> float:
@@ -120,21 +119,14 @@ def _followed(problem, begin, rate, near):
     block, passed, spent = 1, 0, 0
     rows, quiet = np.empty((0, 3)), 0
     while True:
-        before = motion.begin()
+        motion.begin()
         rows = np.vstack([rows, motion.turn(block, stride=1)])
         passed += block
         spent += int(motion.tally[STRETCHES] + motion.tally[HALVINGS])
         quiet = quiet + 1 if motion.sticks else 0
         if quiet > 1:
             return LongRun(
-                speed=0.0,
-                error=0.0,
-                period=0,
-                sticks=True,
-                cycles=block,
-                passed=passed,
-                motion=motion,
-                before=before,
+                speed=0.0, error=0.0, period=0, sticks=True, cycles=block, passed=passed, motion=motion
             )
         period, gap = _period(rows)
         if near is not None and _arrived(rows, near):
@@ -206,7 +198,8 @@ def _period(rows):
 
 def _repeating(motion, period, gap, passed):
     """Return the mean over one period, its error from the same period at another order."""
-    begin, before = motion.copy(), motion.begin()
+    begin = motion.copy()
+    motion.begin()
     motion.turn(period)
     coarse = Motion(motion.problem, grid=collocation(10), truncation=1e-8)
     coarse.state[:], coarse.regime[:], coarse.sign[:] = begin.state, begin.regime, begin.sign
@@ -217,14 +210,19 @@ def _repeating(motion, period, gap, passed):
         error = 1e-9
     speed = float(motion.sums[DISPLACEMENT]) / (2.0 * math.pi * period)
     return LongRun(
-        speed=speed, error=error + gap, period=period, sticks=False, cycles=period, passed=passed, motion=motion,
-        before=before,
-    )  # fmt: skip
+        speed=speed,
+        error=error + gap,
+        period=period,
+        sticks=False,
+        cycles=period,
+        passed=passed,
+        motion=motion,
+    )
 
 
 def _mean(motion, cycles, passed, rate):
     """Return the mean over as many cycles again, in batches; what is left to settle counts as an error."""
-    before = motion.begin()
+    motion.begin()
     each = max(1, cycles // BATCHES)
     means = motion.turn(each * BATCHES, stride=1)[:, 2].reshape(BATCHES, each).mean(axis=1)
     spread = STUDENT * float(np.std(means, ddof=1)) / math.sqrt(BATCHES)
@@ -239,5 +237,5 @@ def _mean(motion, cycles, passed, rate):
         )
     return LongRun(
         speed=float(np.mean(means)), error=(spread + drift) / settled, period=0, sticks=False,
-        cycles=each * BATCHES, passed=passed, motion=motion, before=before,
+        cycles=each * BATCHES, passed=passed, motion=motion,
     )  # fmt: skip

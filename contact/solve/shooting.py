@@ -12,9 +12,8 @@ import numpy as np
 
 from contact.convergence import ConvergenceError
 from contact.solve.collocation import collocation
-from contact.solve.energy import DISPLACEMENT, SUPPORT
+from contact.solve.energy import DISPLACEMENT
 from contact.solve.equilibrium import Balance
-from contact.solve.event_driven import TALLY
 from contact.solve.motion import Motion
 
 # no motion that is worth searching leaves this many length units
@@ -28,13 +27,10 @@ class Periodic:
     """Periodic motion, in the units of the balance's problem."""
 
     speed: float  # mean of v over the cycle
-    support: float  # mean of the normal forces without the contact's damper
     state: np.ndarray  # (3 + n,): z_s, z_s', v and the deformations x_i at phase 0
     jacobian: np.ndarray  # (3 + n, 3 + n): of the cycle map; its eigenvalues are the multipliers
     step: float  # last Newton step: how far the fixed point may still be
-    motion: Motion  # after the last cycle, its tally of that cycle
-    before: np.ndarray  # (3,): `Motion.energy` at the start of that cycle
-    work: np.ndarray  # (TALLY,) int: of all cycles computed
+    motion: Motion  # after the last cycle, its tally and sums of that cycle
 
     @property
     def growth(self) -> float:
@@ -77,26 +73,23 @@ def periodic(
             f"the cycle map's fixed point was not reached (last step {size:.2g}); follow a burst with method exact",
         )
     return Periodic(
-        speed=motion.sums[DISPLACEMENT] / turn + step[2], support=motion.sums[SUPPORT] / turn, state=y,
-        jacobian=jacobian, step=size, motion=motion, before=cycle.before, work=cycle.work,
-    )  # fmt: skip
+        speed=motion.sums[DISPLACEMENT] / turn + step[2], state=y, jacobian=jacobian, step=size, motion=motion
+    )
 
 
 class _CycleMap:
-    """The map of one wave cycle; `motion` has made the last one, `work` counts all."""
+    """The map of one wave cycle; `motion` has made the last one."""
 
     def __init__(self, problem, nodes, truncation):
         self.motion = self.base = Motion(problem, grid=collocation(nodes), truncation=truncation)
-        self.work, self.before = np.zeros(TALLY, np.int64), np.zeros(3)
 
     def __call__(self, y, keep=True):
         if self.motion.memory is not None:  # a contact that does not forget starts from what it remembers
             self.motion = self.base.copy()
         motion = self.motion
         motion.place(*y[:3], y[3:])
-        self.before = motion.begin()
+        motion.begin()
         motion.turn(1)
-        self.work += motion.tally
         if not np.max(np.abs(motion.state)) < BOUND:
             raise ConvergenceError(
                 "not finite",

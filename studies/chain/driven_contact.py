@@ -80,6 +80,11 @@ class DrivenContact:
             )
         return moving
 
+    def spread(self, factor: float, count: int) -> list[float]:
+        """Return at most a count of the levels above a multiple of the threshold, evenly chosen, the last included."""
+        moving = self.above(factor)
+        return sorted({moving[round(k * (len(moving) - 1) / count)] for k in range(1, count + 1)})
+
 
 def driven_contact(
     scene: str | Scene, *, tolerance: float = 1e-3, progress: Callable[[str], None] | None = None

@@ -14,8 +14,9 @@ from studies.refusal import RunError, SceneError, shown
 from studies.report.answer import print_json
 from studies.report.files import write_run
 from studies.results import Origin, ResultDirectory, result_directory
-from studies.scene import Scene, SceneFile, scene_path, shipped_scenes
-from studies.scene.override import toml_value, voltages
+from studies.scene import Scene, SceneFile, read_table, scene_path, shipped_scenes
+from studies.scene.override import toml_value
+from studies.scene.uncertain import parted
 
 __all__ = ["check", "datasheet", "design", "fit", "run", "scenes", "schema", "study", "sweep", "view", "wave"]
 
@@ -185,6 +186,8 @@ def study(arguments: argparse.Namespace) -> int:
     out = arguments.out or Path("results") / f"{arguments.name}-study"
     if arguments.scene is not None:
         scene = _origin("study", arguments.scene)
+        if arguments.name not in ("voltage_to_velocity", "gallery"):
+            _without_bands(read_table(arguments.scene))
         origin = Origin(kind="study", name=f"{arguments.name} of {scene.name}", source=scene.source)
         out = arguments.out or Path("results") / f"{arguments.name}-study-{scene.name}"
     with result_directory(out, origin, chosen=arguments.out is not None) as result, Progress() as progress:
@@ -350,8 +353,17 @@ def changed_file(arguments: argparse.Namespace) -> SceneFile:
     if arguments.voltage is not None:
         if not isinstance(file.table.get("drive"), dict):
             raise SceneError("--voltage", "needs a scene with a [drive]; this one has none")
-        file = file.replaced("drive", "voltage", voltages(arguments.voltage))
+        values = [toml_value(part.strip()) for part in arguments.voltage.split(",")]
+        file = file.replaced("drive", "voltage", values if len(values) > 1 else values[0])
+    if arguments.call in ("sweep", "fit", "design"):
+        _without_bands(file.table)
     return file
+
+
+def _without_bands(table: dict) -> None:
+    """Say that the tolerances of a scene are not looked at, if it has any."""
+    if "uncertain" in parted(table):
+        print("sawmotor: [uncertain] is not used here: its bands are those of sawmotor run", file=sys.stderr)
 
 
 def tolerance(text: str | None) -> float:

@@ -146,8 +146,8 @@ def _timed(solve: Callable, solid, surface: str, order: int, columns: int, repea
     times = []
     for _ in range(repeats):
         begun = time.perf_counter()
-        layers = LAYERS_PER_COLUMN * columns
-        wave = solve(solid, 1e-3, order=order, surface=surface, columns=columns, layers=layers)
+        elements = columns, LAYERS_PER_COLUMN * columns
+        wave = solve(solid, 1e-3, order=order, surface=surface, elements=elements)
         times.append(time.perf_counter() - begun)
     return wave, min(times)
 

@@ -113,7 +113,7 @@ class Evaluations:
         self.asked, self.known = _Asked(question, identity), {}
         folder = None if options.out is None else Path(options.out)
         self.store = Store(folder / "coarse" if coarse and folder else folder, self.asked)
-        self.staff = chosen_workers(options.workers, None)
+        self.staff = chosen_workers(options.workers)
 
     def __enter__(self):
         return self

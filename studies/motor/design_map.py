@@ -12,7 +12,10 @@ import math
 from collections.abc import Callable
 from itertools import pairwise
 
+import numpy as np
+
 from studies.refusal import RunError, SceneError
+from studies.report.figures import finished, logarithmic, own
 from studies.scene import Scene
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import replaced
@@ -53,8 +56,6 @@ def run(
     counts : tuple of int
         Of levels and of preloads, where there are no axes.
     """
-    import numpy as np
-
     chosen = resolved(scene)
     if chosen.slider is None:
         chosen.refuse("slider", "is missing: without one there is nothing to map")
@@ -101,11 +102,8 @@ def run(
 @of_record
 def figure(record: Panel, ax):
     """Draw one quantity as contours, the closed forms as lines, the scene's own point as a star."""
-    import numpy as np
     from matplotlib.colors import BoundaryNorm
     from matplotlib.patheffects import withStroke
-
-    from studies.report.figures import COLOURS, legend_below, logarithmic, titled
 
     data = record.data
     value = np.ma.masked_invalid(np.asarray(data["value"], float) * data["scale"])
@@ -127,20 +125,15 @@ def figure(record: Panel, ax):
             )
             line.set_path_effects([withStroke(linewidth=3.0, foreground="white")])
             ax.plot([], [], style, color="black", linewidth=1.6, label=f"{name} (theory)")
-    own = [(a * x[1], b * y[1]) for a in data["own_x"] for b in data["own_y"]]
-    inside = [(a, b) for a, b in own if x[0].min() <= a <= x[0].max() and y[0].min() <= b <= y[0].max()]
+    points = [(a * x[1], b * y[1]) for a in data["own_x"] for b in data["own_y"]]
+    inside = [(a, b) for a, b in points if x[0].min() <= a <= x[0].max() and y[0].min() <= b <= y[0].max()]
     if inside:
-        ax.plot(*zip(*inside, strict=True), "*", color=COLOURS["intermittent"], markersize=9, markeredgecolor="black",
-                markeredgewidth=0.4, linestyle="none", label="the scene's own")  # fmt: skip
-    ax.set_xlabel(x_label)
-    ax.set_ylabel(y_label)
+        own(ax, *zip(*inside, strict=True), "the scene's own")
     if _even_in_logarithm(x[0]):
         logarithmic(ax.xaxis)
     if _even_in_logarithm(y[0]):
         logarithmic(ax.yaxis)
-    titled(ax, record.title)
-    legend_below(ax)
-    return ax
+    return finished(ax, x_label, y_label, record.title, grid=False)
 
 
 def _levels(values) -> list[float]:
@@ -148,7 +141,6 @@ def _levels(values) -> list[float]:
 
     Half of a map may lie below a hundredth of its largest value, where even levels show one colour.
     """
-    import numpy as np
     from matplotlib.ticker import MaxNLocator
 
     low, high = float(values.min()), float(values.max())
@@ -184,8 +176,6 @@ def _plain(values) -> list:
 
 def _usual(scene: Scene, level: str, counts: tuple[int, int]) -> dict:
     """Return axes of amplitude or voltage and of preload that show every regime."""
-    import numpy as np
-
     preload = scene.slider.preload
     if preload == 0.0 or scene.slider.friction_coefficient == 0.0:
         scene.refuse("slider.preload", "must be positive, with friction, for a map of regimes")
@@ -225,42 +215,31 @@ def _own(table: dict, key: str) -> list[float]:
 
 
 def _findings(grid, regime, columns, slider, failed) -> tuple[Finding, ...]:
-    import numpy as np
-
     moving, passed = grid["velocity_m_per_s"] != 0.0, grid["threshold_factor"] < 1.0
     parted, released = regime == "intermittent", grid["release_factor"] < 1.0
     known = np.isfinite(grid["velocity_m_per_s"]) & (grid["threshold_factor"] > 0.0)  # 0: nothing to pass
     findings = [
-        Finding(statement=f"The closed form of the {name} parts the map.", quantity="share of points on their side",
-                expected="1", found=float(np.mean(right[known])), confirmed=bool(np.all(right[known])), remark=failed)
+        Finding.judged(f"The closed form of the {name} parts the map.", "share of points on their side",
+                       np.mean(right[known]), holds=np.all(right[known]), expected="1", remark=failed)
         for name, right in (("threshold", moving == passed), ("release", parted == released))
     ]  # fmt: skip
     best = float(np.nanmax(grid["contact_efficiency"][known]))
-    findings.append(
-        Finding.judged(
-            "The load gets less than the wave gives.",
-            "largest efficiency of the contact",
-            best,
-            low=0,
-            high=1,
-        )
-    )
+    statement, quantity = "The load gets less than the wave gives.", "largest efficiency of the contact"
+    findings.append(Finding.judged(statement, quantity, best, low=0, high=1))
     preload, mu = (
         np.array(columns.get(f"slider.{key}", [each] * known.size), float).reshape(known.shape)[known]
         for key, each in (("preload", slider.preload), ("friction_coefficient", slider.friction_coefficient))
     )
     most = float(np.nanmax(grid["thrust_N"][known] / (mu * preload)))
+    quantity, bounds = "largest blocked thrust over mu times preload", {"low": 0.0, "high": 1.0 + 1e-9}
     findings.append(
-        Finding(statement="Thrust is friction's.", quantity="largest blocked thrust over mu times preload",
-                expected="above 0, up to 1", found=most, confirmed=0.0 < most < 1.0 + 1e-9)
-    )  # fmt: skip
+        Finding.judged("Thrust is friction's.", quantity, most, expected="above 0, up to 1", **bounds)
+    )
     return tuple(findings)
 
 
 def _scaled(key: str, values):
     """Return ((values in a handy unit, its factor), label)."""
-    import numpy as np
-
     unit, values = unit_of(rule_at(key)), np.asarray(values, float)
     name = key.split(".")[-1].replace("_", " ")
     largest = float(np.max(np.abs(values)))
@@ -279,8 +258,6 @@ def _words(key: str, value: float) -> str:
 
 
 def _even_in_logarithm(values) -> bool:
-    import numpy as np
-
     if values[0] <= 0.0:
         return False
     steps = np.diff(np.log(values))

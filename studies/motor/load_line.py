@@ -9,7 +9,10 @@ and the stator's.
 
 from collections.abc import Callable
 
+import numpy as np
+
 from studies.chain.driven_contact import driven_contact
+from studies.report.figures import curve, family, finished
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
@@ -31,14 +34,11 @@ def run(
     points : int
         Loads of each line.
     """
-    import numpy as np
-
     import contact
 
     driven = driven_contact(scene, progress=progress)
-    chosen, slider, moving = driven.scene, driven.slider, driven.above(1.05)
-    picked = sorted({moving[round(k * (len(moving) - 1) / LINES)] for k in range(1, LINES + 1)})
-    drawn = {driven.named(level): driven.at(level) for level in picked}
+    chosen, slider = driven.scene, driven.slider
+    drawn = {driven.named(level): driven.at(level) for level in driven.spread(1.05, LINES)}
     lines = {}
     for name, orbits in drawn.items():
         progress(f"load line: {name}")
@@ -51,13 +51,12 @@ def run(
     falling = all(bool(np.all(np.diff(line.velocity) < 0.0)) for line in lines.values())
     largest = max(line.blocked_thrust for line in lines.values())
     findings = [
-        Finding(statement="Velocity falls with load, to zero at the blocked thrust.",
-                quantity="blocked thrust over mu times preload, the largest", expected="above 0, up to 1",
-                found=largest / friction, confirmed=falling and 0 < largest < friction * (1 + 1e-9)),
-        Finding(statement="The motor gives out less than the wave puts in, most of it at some load in between.",
-                quantity="largest mechanical efficiency of the contact", expected="between 0 and 1",
-                found=best, confirmed=inside and 0 < best < 1,
-                remark="of the power that the wave gives the contacts, not of the electrical power"),
+        Finding.judged("Velocity falls with load, to zero at the blocked thrust.",
+                       "blocked thrust over mu times preload, the largest", largest / friction, low=0, high=1 + 1e-9,
+                       holds=falling, expected="above 0, up to 1"),
+        Finding.judged("The motor gives out less than the wave puts in, most of it at some load in between.",
+                       "largest mechanical efficiency of the contact", best, low=0, high=1, holds=inside,
+                       remark="of the power that the wave gives the contacts, not of the electrical power"),
     ]  # fmt: skip
     panels = [
         Panel(name=file, title=f"{chosen.title}: {title}", data={
@@ -76,14 +75,10 @@ def run(
 @of_record
 def figure(record: Panel, ax):
     """Draw a quantity against load."""
-    import numpy as np
-
-    from studies.report.figures import COLOURS, finished
-
     data = record.data
-    palette = [COLOURS["stick"], COLOURS["slip"], COLOURS["second"], COLOURS["intermittent"], COLOURS["line"]]
-    for (name, load), colour in zip(data["load_N"].items(), palette, strict=False):
-        values = np.asarray(data["value"][name]) * data["factor"]
-        ax.plot(np.asarray(load) * 1e6, values, ".-", color=colour, linewidth=1, markersize=4, label=name)
+    for name, load, colour in family(data["load_N"]):
+        curve(
+            ax, np.asarray(load) * 1e6, np.asarray(data["value"][name]) * data["factor"], ".-", colour, name
+        )
     ax.set_ylim(bottom=0)
     return finished(ax, "load (\u00b5N)", data["axis"], record.title, columns=3)

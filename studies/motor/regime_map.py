@@ -8,11 +8,15 @@ Expected: every simulated point on the side of the lines that its regime says; a
 event-driven method to 1e-6.  Run time: about 1 s, and the stator's.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
 from studies.chain import bridge
 from studies.chain.driven_contact import DrivenContact, driven_contact
+from studies.report.figures import AXES, curve, finished, logarithmic, own
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
@@ -41,8 +45,6 @@ def run(
     checked : int
         Points that are solved again by the event-driven method.
     """
-    import numpy as np
-
     import contact
 
     driven = driven_contact(scene, progress=progress)
@@ -74,21 +76,17 @@ def run(
     progress("regime map: checks by the event-driven method")
     worst = _worst(slider, per_metre, at, loads, found, checked)
     findings = [
-        Finding(
-            statement="Threshold, release and hopping lines in closed form part the simulated regimes.",
-            quantity="share of simulated points on the expected side",
-            expected="1",
-            found=agree,
-            confirmed=agree == 1.0,
+        Finding.judged(
+            "Threshold, release and hopping lines in closed form part the simulated regimes.",
+            "share of simulated points on the expected side", agree, holds=agree == 1.0, expected="1",
             remark=f"{int(np.sum(kind == 'unknown'))} points where the averaged method does not apply",
         ),
         Finding.judged(
             "The averaged steady states are those of the full motion.",
             f"largest difference over max(|v|, omega |u_x|/10) at {checked} points",
-            worst,
-            high=1e-6,
+            worst, high=1e-6,
         ),
-    ]
+    ]  # fmt: skip
     data = {
         "amplitude_m": at,
         "preload_N": loads,
@@ -104,15 +102,11 @@ def run(
 
 def _half_wave() -> float:
     """Return the cycle mean of max(cos, 0)^1.5, Gamma(5/4)/(2 sqrt(pi) Gamma(7/4))."""
-    from math import gamma, pi, sqrt
-
-    return gamma(1.25) / (2.0 * sqrt(pi) * gamma(1.75))
+    return math.gamma(1.25) / (2.0 * math.sqrt(math.pi) * math.gamma(1.75))
 
 
 def _grid(driven: DrivenContact, per_metre: tuple, amplitudes: int, preloads: int) -> tuple:
     """Return amplitudes and preloads that show every regime, and the scene's own amplitudes."""
-    import numpy as np
-
     import contact
 
     reach = driven.amplitude * np.array(driven.levels)
@@ -129,8 +123,6 @@ def _grid(driven: DrivenContact, per_metre: tuple, amplitudes: int, preloads: in
 
 def _worst(slider, per_metre, amplitudes, preloads, found, checked: int) -> float:
     """Return the largest difference to the event-driven method over a scatter of moving points."""
-    import numpy as np
-
     import contact
 
     at = np.argwhere(np.abs(np.nan_to_num(found.velocity)) > 0.0)
@@ -146,29 +138,16 @@ def _worst(slider, per_metre, amplitudes, preloads, found, checked: int) -> floa
 @of_record
 def figure(record: Panel, ax):
     """Draw simulated regimes as points, closed forms as lines, the operating points as stars."""
-    import numpy as np
-
-    from studies.report.figures import COLOURS, legend_beside, logarithmic, titled
-
-    data = record.data
+    data, kind = record.data, np.array(record.data["kind"])
     A, preload = np.asarray(data["amplitude_m"]) * 1e9, np.asarray(data["preload_N"]) * 1e3
-    kind = np.array(data["kind"])
-    marks = {"stick": "s", "slip": "o", "intermittent": "^", "hopping": "d"}
-    colours = COLOURS | {"hopping": COLOURS["second"]}
-    for name, mark in marks.items():
+    for name, mark, colour in zip(KINDS, "so^d", ("stick", "slip", "intermittent", "second"), strict=True):
         i, j = np.nonzero(kind == name)
-        ax.plot(A[j], preload[i], mark, color=colours[name], markersize=3.2, label=f"{name} (simulated)")
+        curve(ax, A[j], preload[i], mark, colour, f"{name} (simulated)")
     for (name, values), style in zip(data["lines_m"].items(), (":", "--", "-."), strict=True):
-        values = np.asarray(values) * 1e9
-        ax.plot(values, preload, style, color=COLOURS["line"], linewidth=1.3, label=f"{name} (theory)")
+        curve(ax, np.asarray(values) * 1e9, preload, style, "line", f"{name} (theory)")
     ours = np.asarray(data["operating_amplitude_m"]) * 1e9
-    ax.plot(ours, np.full(ours.size, data["operating_preload_N"] * 1e3), "*", color="#CC79A7", markersize=8,
-            markeredgecolor=COLOURS["line"], markeredgewidth=0.4, label="operating points")  # fmt: skip
+    own(ax, ours, np.full(ours.size, data["operating_preload_N"] * 1e3), "operating points")
     ax.set_xlim(A[0], A[-1])
     logarithmic(ax.xaxis)
     logarithmic(ax.yaxis)
-    ax.set_xlabel("normal amplitude (nm)")
-    ax.set_ylabel("preload (mN)")
-    titled(ax, record.title)
-    legend_beside(ax)
-    return ax
+    return finished(ax, AXES["normal_amplitude_m"][0], "preload (mN)", record.title, grid=False)

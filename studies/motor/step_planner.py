@@ -11,7 +11,10 @@ how it builds up is not in the steps.  Run time: about 5 s, and the stator's.
 import math
 from collections.abc import Callable
 
+import numpy as np
+
 from studies.chain.driven_contact import driven_contact
+from studies.report.figures import curve, family, finished, logarithmic
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
@@ -44,13 +47,10 @@ def run(
     lines : int
         How many of the scene's levels, at most.
     """
-    import numpy as np
-
     import contact
 
     driven = driven_contact(scene, progress=progress)
-    chosen, slider, moving = driven.scene, driven.slider, driven.above(1.5)
-    picked = sorted({moving[round(k * (len(moving) - 1) / lines)] for k in range(1, lines + 1)})
+    chosen, slider, picked = driven.scene, driven.slider, driven.spread(1.5, lines)
     steps, planned = {}, {}
     for level in picked:
         name, orbits = driven.named(level), driven.at(level)
@@ -63,12 +63,12 @@ def run(
     steady = contact.mean_motion(slider, driven.at(picked[0])).velocity
     travel = _travelled(slider, driven.at(picked[0]), chosen.frequency, slowest[-2])
     findings = [
-        Finding(
-            statement="The cycles found for a step reach it, and a cycle less does not.",
-            quantity="smallest step that was planned, m",
+        Finding.judged(
+            "The cycles found for a step reach it, and a cycle less does not.",
+            "smallest step that was planned, m",
+            min(abs(enough.displacement) for _, _, enough in pairs),
+            holds=reached,
             expected=f"{wanted[0]:g} m and up to a cycle's worth more",
-            found=float(min(abs(enough.displacement) for _, _, enough in pairs)),
-            confirmed=reached,
             remark="; ".join(
                 f"{name}: {', '.join(f'{pair[1].cycles} cycles' for pair in plans)}"
                 for name, plans in planned.items()
@@ -127,8 +127,6 @@ def _growth(steps, steady: float) -> list[Finding]:
 
 def _travelled(slider, orbits, frequency, step) -> float:
     """Return the integral of a trajectory's velocity over a step."""
-    import numpy as np
-
     import contact
 
     found = contact.burst(
@@ -141,28 +139,16 @@ def _travelled(slider, orbits, frequency, step) -> float:
 @of_record
 def figure(record: Panel, ax):
     """Draw distance against cycles; what was planned as crosses."""
-    import numpy as np
-
-    from studies.report.figures import COLOURS, finished, logarithmic
-
-    data = record.data
-    palette = [COLOURS["stick"], COLOURS["slip"], COLOURS["second"], COLOURS["intermittent"]]
-    cycles = np.asarray(data["cycles"])
-    for (name, distance), colour in zip(data["distance_m"].items(), palette, strict=False):
+    data, planned = record.data, record.name == "step_planner"
+    cycles, wanted = np.asarray(data["cycles"]), np.asarray(data["wanted_m"]) * 1e9
+    for name, distance, colour in family(data["distance_m"]):
         values = np.asarray(distance) * 1e9
-        forward = values > 0.0
-        ax.plot(cycles[forward], values[forward], ".-", color=colour, linewidth=1, markersize=4, label=name)
-        if record.name == "step_planner":
-            ax.plot(
-                data["planned_cycles"][name],
-                np.asarray(data["wanted_m"]) * 1e9,
-                "x",
-                color=colour,
-                markersize=6,
-            )
-    if record.name == "step_planner":
-        steps = ", ".join(f"{size * 1e9:g}" for size in data["wanted_m"])
-        ax.plot([], [], "x", color=COLOURS["line"], markersize=6, label=f"planned for {steps} nm")
+        curve(ax, cycles[values > 0.0], values[values > 0.0], ".-", colour, name)
+        if planned:
+            curve(ax, data["planned_cycles"][name], wanted, "x", colour, size=6.0)
+    if planned:
+        steps = ", ".join(f"{size:g}" for size in wanted)
+        curve(ax, [], [], "x", "line", f"planned for {steps} nm", size=6.0)
     logarithmic(ax.xaxis)
     logarithmic(ax.yaxis)
     return finished(ax, "cycles of the wave", data["axis"], record.title, columns=5)

@@ -13,18 +13,24 @@ from studies.record import Record
 from studies.refusal import RunError
 
 __all__ = [
+    "AXES",
     "COLOURS",
+    "PALETTE",
     "as_svg",
+    "curve",
     "draw_run",
     "errors",
+    "family",
     "finished",
     "legend_below",
-    "legend_beside",
+    "lines",
     "logarithmic",
+    "own",
     "pictures",
     "profile",
     "refuse_without_toolkit",
     "saved",
+    "shaded",
     "show",
     "surface",
     "titled",
@@ -40,6 +46,14 @@ COLOURS = {
     "line": "#000000",
     "second": "#009E73",
 }
+PALETTE = ("slip", "intermittent", "second", "stick", "line")  # of a family of curves
+AXES = {
+    "frequency_Hz": ("frequency (MHz)", 1e-6),
+    "voltage_V": ("drive voltage, peak (V)", 1.0),
+    "normal_amplitude_m": ("normal amplitude (nm)", 1e9),
+    "position_m": ("place of the slider (mm)", 1e3),
+    "x_m": ("x along the surface (mm)", 1e3),
+}  # of a column: label of its axis, factor from SI units
 SIZE, DPI = (7.0, 4.3), 150  # inches; dots per inch
 TITLE_COLUMNS = 11  # letters of a title per inch of the figure's width
 BELOW = 38  # points from the axes to a legend below them: room for ticks and label
@@ -138,9 +152,45 @@ def titled(ax, title: str) -> None:
     ax.set_title("\n".join(lines), fontsize="medium", parse_math=False)
 
 
-def legend_beside(ax, **given) -> None:
-    """Put the legend at the right of the axes, where it covers no curve."""
-    ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize="small", **given)
+def curve(ax, x, y, style: str, colour: str, label: str | None = None, *, size: float = 3.0) -> None:
+    """Draw a curve in a colour of `COLOURS`: theory as a line, computed values as points of a size."""
+    ax.plot(x, y, style, color=COLOURS[colour], linewidth=1, markersize=size, label=label)
+
+
+def own(ax, x, y, label: str) -> None:
+    """Draw the points at which the scene itself stands, as stars."""
+    star = {"color": "#CC79A7", "markersize": 9, "markeredgecolor": "black", "markeredgewidth": 0.4}
+    ax.plot(x, y, "*", linestyle="none", label=label, **star)
+
+
+def shaded(ax, start: float, stop: float, label: str | None = None, *, colour: str = "stick") -> None:
+    """Shade what lies between two places of the horizontal axis: a transducer, a band."""
+    ax.axvspan(start, stop, color=COLOURS[colour], alpha=0.25, linewidth=0, label=label)
+
+
+def lines(ax, panel, across: str, rows, up: str, *, factor: float = 1.0, columns: int = 4):
+    """Draw columns of a study's panel over one of `AXES`, complex ones by their size, and finish the Axes.
+
+    ``rows`` hold key, style, colour and label of each; ``factor`` leads from SI units to those of the label ``up``.
+    """
+    import numpy as np
+
+    label, scale = AXES[across]
+    for key, style, colour, name in rows:
+        y = np.asarray(panel.data[key]) * factor
+        curve(ax, panel.data[across] * scale, abs(y) if y.dtype.kind == "c" else y, style, colour, name)
+    return finished(ax, label, up, panel.title, columns=columns)
+
+
+def family(curves: dict):
+    """Return name, values and colour of each of a family of curves.
+
+    Examples
+    --------
+    >>> list(family({"10 V": [1, 2]}))
+    [('10 V', [1, 2], 'slip')]
+    """
+    return ((name, values, colour) for (name, values), colour in zip(curves.items(), PALETTE, strict=False))
 
 
 def logarithmic(axis) -> None:

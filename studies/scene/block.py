@@ -12,6 +12,7 @@ from typing import ClassVar, Self
 from studies.refusal import Refusals, SceneError, nearest, shown, suggestion
 from studies.scene.rule import Rule
 from studies.scene.synonyms import meant
+from studies.scene.uncertain import stated_schema
 
 __all__ = ["Block", "Blocks", "Key", "OneOf", "Within", "block_schema", "keys_of"]
 
@@ -133,7 +134,10 @@ def block_schema(kind: type[Block]) -> dict:
     properties = {}
     for name, key in keys_of(kind).items():
         about = {"description": f"{key.meaning} Allowed: {key.rule.expected}."}
-        properties[name] = key.rule.schema() | about
+        allowed, stated = key.rule.schema(), stated_schema(key.rule)
+        if stated:
+            allowed = {"anyOf": [*allowed.get("anyOf", [allowed]), *stated]}
+        properties[name] = allowed | about
         if not key.required and key.default not in (None, ()) and not isinstance(key.default, Block):
             properties[name]["default"] = key.rule.written(key.default)
     required = [name for name, key in keys_of(kind).items() if key.required]

@@ -312,12 +312,12 @@ class Drive(Block):
     ] = None
     voltage: Annotated[
         tuple[float, ...] | None,
-        Listed(Quantity("V", zero=True)),
+        Listed(Quantity("V", zero=True), ranged=True),
         "Peak voltage of the source, one value or a list; it or power is required when the scene has transducers.",
     ] = None
     power: Annotated[
         tuple[float, ...] | None,
-        Listed(Quantity("W", zero=True)),
+        Listed(Quantity("W", zero=True), ranged=True),
         "Instead of voltage: what the sources can give to matched loads, V^2 / (8 R) each with source_impedance R.",
     ] = None
     burst: Annotated[
@@ -383,7 +383,7 @@ class Wave(Block):
     block: ClassVar[str] = "wave"
     frequency: Annotated[float, Quantity("Hz"), "Frequency of the motion."]
     normal_amplitude: Annotated[
-        tuple[float, ...], Listed(Quantity("m", zero=True)), "Peak of u_z, one value or a list."
+        tuple[float, ...], Listed(Quantity("m", zero=True), ranged=True), "Peak of u_z, one value or a list."
     ]
     tangential_ratio: Annotated[float, Quantity(), "|u_x| / |u_z|."]
     burst: Annotated[

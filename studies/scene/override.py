@@ -1,12 +1,10 @@
-"""Changes of a scene from the command line: ``--set slider.mass=1e-4`` and ``--voltage 5:60:12``."""
+"""Changes of a scene from the command line: ``--set slider.mass=1e-4``, ``--over slider.mass=1e-4:2e-4:5``."""
 
-import re
 import tomllib
 
 from studies.refusal import SceneError, shown
-from studies.scene.quantity import si_value
 
-__all__ = ["assigned", "axes_given", "replaced", "toml_value", "value_at", "voltages"]
+__all__ = ["assigned", "axes_given", "replaced", "toml_value", "value_at"]
 
 
 def toml_value(text: str):
@@ -89,36 +87,3 @@ def _changed(holder, keys: list[str], value, done: str):
             raise SceneError(here, f"is no entry of {done}: its {len(holder)} entries are numbered from 0")
         return [_changed(old, rest, value, here) if i == int(key) else old for i, old in enumerate(holder)]
     raise SceneError(here, f"cannot be set: {done} is {shown(holder)} and holds no keys")
-
-
-def voltages(text: str) -> list[float]:
-    """Return the peak voltages in V of ``START:STOP:N`` or of a list with commas.
-
-    Examples
-    --------
-    >>> voltages("5:60:12")[:3], voltages("5,10,20 V")
-    ([5.0, 10.0, 15.0], [5.0, 10.0, 20.0])
-    """
-    parts = text.split(":")
-    if len(parts) == 1:
-        return [_volt(part) for part in text.split(",")]
-    if len(parts) != 3 or not (parts[2].strip().isascii() and parts[2].strip().isdigit()):
-        raise SceneError("--voltage", f"must be START:STOP:N or a list with commas, in V, got {shown(text)}")
-    start, stop, count = _volt(parts[0]), _volt(parts[1]), int(parts[2][:9])
-    if not 1 <= count <= 100_000:
-        raise SceneError("--voltage", f"must ask for 1 to 100000 values, got {count}")
-    if count == 1 and start != stop:
-        raise SceneError(
-            "--voltage", f"must ask for at least 2 values between different ends, got {shown(text)}"
-        )
-    return [start + (stop - start) * i / max(count - 1, 1) for i in range(count)]
-
-
-def _volt(text: str) -> float:
-    value = toml_value(text.strip())
-    if isinstance(value, str) and re.fullmatch(r"[\d.]+\s*(V\s*)?(-|\.\.|to)\s*[\d.]+\s*V?", value):
-        raise SceneError("--voltage", f"must be START:STOP:N or a list with commas, in V, got {shown(value)}")
-    number = si_value("--voltage", value, "V")
-    if number < 0:
-        raise SceneError("--voltage", f"must be zero or positive, got {shown(text.strip())} V")
-    return number

@@ -48,6 +48,8 @@ A scene is one TOML file: what is modelled, no more. A block that is absent is l
 
 - A **quantity** is a number in the SI unit given below, or a string with a unit: `"2.2 MHz"`, `"0.267 g"`, `"5 mN"`.
   Any unit of the right dimension is read. A number needs a digit on both sides of its decimal point: `0.15`, not `.15`.
+- **Several levels** are a list, `voltage = ["5 V", "10 V"]`, or a range: `voltage = "20:100:5"` is five values from 20
+  to 100 V, `normal_amplitude = "1 nm:20 nm:10:log"` ten with even steps of the logarithm.
 - **Amplitudes and voltages are peak values**; x runs along the surface from the stator's left end, z out of
   it.
 - A key **without a default is required** when its block is there, unless its meaning says otherwise. `-` stands for no

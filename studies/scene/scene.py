@@ -10,7 +10,6 @@ from studies.refusal import SceneError, nearest, shown
 from studies.scene.block import Block, Blocks, Within
 from studies.scene.blocks import Drive, Slider, Stator, Transducer, Wave
 from studies.scene.file import SceneFile
-from studies.scene.override import voltages
 from studies.scene.rule import Text
 from studies.scene.uncertain import Uncertain, parted
 
@@ -73,8 +72,7 @@ class Scene(Block):
         ----------
         **blocks
             Block to keys and values, as in a scene file: numbers in SI units or text with a unit.  ``None`` removes
-            a block.  ``transducer`` takes names to keys and values, or a whole list.  A voltage may be
-            ``"START:STOP:N"``.  ``title`` is a text.
+            a block.  ``transducer`` takes names to keys and values, or a whole list.  ``title`` is a text.
 
         Raises
         ------
@@ -101,9 +99,6 @@ class Scene(Block):
                 table[name] = _changed(table.get(name, {}), changes)
             else:
                 table[name] = changes
-        voltage = table.get("drive", {}).get("voltage")
-        if isinstance(voltage, str) and (":" in voltage or "," in voltage):
-            table["drive"]["voltage"] = voltages(voltage)
         return type(self).from_table("", table)
 
     @classmethod

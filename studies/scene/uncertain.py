@@ -10,9 +10,10 @@ from typing import NamedTuple
 
 from studies.refusal import SceneError, shown
 from studies.scene.quantity import NUMBER, si_value
-from studies.scene.rule import Choice, Count, Rule
+from studies.scene.rule import Choice, Count, Impedance, Place, Quantity, Rule
+from studies.scene.rule.numbers import DIGITS, units
 
-__all__ = ["Tolerance", "Uncertain", "half_width", "parted"]
+__all__ = ["Tolerance", "Uncertain", "half_width", "parted", "stated_schema"]
 
 OPTIONS = {"method": Choice(("linear", "sampled")), "samples": Count(100_000)}
 DEFAULTS = {"method": "linear", "samples": 500}
@@ -84,6 +85,19 @@ def half_width(path: str, given: float | str, value: float, unit: str) -> float:
     if size <= 0:
         raise SceneError(path, f"must be positive, got {shown(given)} of {value:g} {unit}".rstrip())
     return size
+
+
+def stated_schema(rule: Rule) -> list[dict]:
+    """Return the JSON Schema of ``"VALUE +- TOLERANCE"`` at a key, in a list; empty where it takes no number."""
+    if not isinstance(rule, (Quantity, Place, Impedance)):
+        return []
+    sign, value = rf"(\s+\+/?-\s+|\s*±\s*){DIGITS}", rf"^\s*[+-]?{DIGITS}"
+    if not rule.unit_name:
+        return [{"type": "string", "pattern": rf"{value}{sign}\s*%?\s*$"}]
+    name = units(rule.unit_name)
+    return [
+        {"type": "string", "pattern": rf"{value}(\s*({name}){sign}(\s*({name}|%))?|{sign}\s*({name}|%))\s*$"}
+    ]
 
 
 def parted(table: dict) -> dict:

@@ -8,8 +8,11 @@ capacitance's within a quarter at the band's edges, where hardly a wave is sent.
 
 from collections.abc import Callable
 
+import numpy as np
+
 from studies.chain import passband
 from studies.chain.spectrum import port_admittances
+from studies.report.figures import lines
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
@@ -37,8 +40,6 @@ def run(
     tolerance : float
         Relative, of the admittances.
     """
-    import numpy as np
-
     import fem
 
     chosen = passband.driven_scene(scene)
@@ -88,20 +89,10 @@ def run(
 @of_record
 def figure(record: Panel, ax):
     """Draw conductance and susceptance, computed points and estimated lines."""
-    from studies.report.figures import COLOURS, finished
-
-    data = record.data
-    at = data["frequency_Hz"] / 1e6
-    for part, theory, colour, label, line in (
-        ("conductance_S", "estimated_conductance_S", "slip", "Re Y", "Re Y, no reflections (estimate)"),
-        (
-            "susceptance_S",
-            "capacitive_susceptance_S",
-            "intermittent",
-            "Im Y",
-            "static capacitance (estimate)",
-        ),
-    ):
-        ax.plot(at, data[part] * 1e3, "o", color=COLOURS[colour], markersize=3, label=label)
-        ax.plot(at, data[theory] * 1e3, "-", color=COLOURS[colour], linewidth=1, label=line)
-    return finished(ax, "frequency (MHz)", "admittance (mS)", record.title, columns=2)
+    rows = (
+        ("conductance_S", "o", "slip", "Re Y"),
+        ("estimated_conductance_S", "-", "slip", "Re Y, no reflections (estimate)"),
+        ("susceptance_S", "o", "intermittent", "Im Y"),
+        ("capacitive_susceptance_S", "-", "intermittent", "static capacitance (estimate)"),
+    )
+    return lines(ax, record, "frequency_Hz", rows, "admittance (mS)", factor=1e3, columns=2)

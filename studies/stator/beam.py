@@ -13,9 +13,12 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from studies.chain import bridge, passband
 from studies.chain.model_error import slit_ratio
 from studies.refusal import RunError
+from studies.report.figures import curve, finished
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
@@ -52,8 +55,6 @@ def run(
     progress : callable, optional
         Told what is being done.
     """
-    import numpy as np
-
     import fem
 
     chosen = passband.driven_scene(scene)
@@ -71,7 +72,7 @@ def run(
     known = np.polynomial.Polynomial.fit(
         x, np.log(abs(wave.rayleigh_motion(x)[1])), 1
     )  # attenuated, no ripple
-    curve, distance = _slowness(beam, wave), abs(place - driven.center)
+    slowness, distance = _slowness(beam, wave), abs(place - driven.center)
     panels = []
     for name, title, label, at, found, line_at, line, lateral in (
         (
@@ -90,12 +91,12 @@ def run(
             "beam_m_per_V": abs(found[2]),
             "line_at": line_at * 1e3,
             "section_m_per_V": abs(wave.motion(line)[1]),
-            "spectrum_m_per_V": surface * curve.spectrum(driven.aperture, away, lateral),
-            "fresnel_m_per_V": surface * curve.fresnel(driven.aperture, away, lateral),
+            "spectrum_m_per_V": surface * slowness.spectrum(driven.aperture, away, lateral),
+            "fresnel_m_per_V": surface * slowness.fresnel(driven.aperture, away, lateral),
         }
         panels.append(Panel(name=name, title=title, data=data))
     inside = across[:, abs(y) <= driven.aperture / 2]
-    return panels, _findings(beam, wave, driven, place, curve, inside, tolerance)
+    return panels, _findings(beam, wave, driven, place, slowness, inside, tolerance)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,8 +117,6 @@ class _Slowness:
 
     def fresnel(self, aperture: float, away, lateral):
         """Return Fresnel's integral at distances and lateral places (m), 1 for the plane wave."""
-        import numpy as np
-
         wavelength, stretch = 2 * math.pi / self.along(0.0).real, abs(1 + self.gamma)
         return np.array(
             [
@@ -128,8 +127,6 @@ class _Slowness:
 
     def spectrum(self, aperture: float, away, lateral):
         """Return the angular spectrum of the aperture at distances and lateral places (m), 1 for the plane wave."""
-        import numpy as np
-
         k = self.along(0.0).real
         t, step = np.linspace(-STEEPEST * k, STEEPEST * k, 2 * SPECTRUM + 1, retstep=True)
         fade = np.cos(np.pi / 2 * np.clip((abs(t) / k - FADES) / (STEEPEST - FADES), 0, 1)) ** 2
@@ -141,8 +138,6 @@ class _Slowness:
 
 def _slowness(beam, wave) -> _Slowness:
     """Return the slowness curve of the surface wave that a beam consists of."""
-    import numpy as np
-
     highest = STEEPEST * 2 * np.pi * wave.frequency / wave.phase_velocity
     lateral = highest * np.cos(np.pi * (np.arange(DIRECTIONS) + 0.5) / DIRECTIONS)
     along = beam.surface_wavenumbers(lateral)
@@ -151,8 +146,6 @@ def _slowness(beam, wave) -> _Slowness:
 
 def _axis(scene: Scene, transducers, driven, place: float, wavelength: float, count: int):
     """Return places in m on the slider's side of the driven transducer, up to the next one or the end."""
-    import numpy as np
-
     clear = CLEAR * wavelength
     if place >= driven.center:
         others = [each.extent[0] - clear for each in transducers if each.center > driven.center]
@@ -162,68 +155,44 @@ def _axis(scene: Scene, transducers, driven, place: float, wavelength: float, co
 
 
 def _findings(
-    beam, wave, driven, place: float, curve: _Slowness, inside, tolerance: float
+    beam, wave, driven, place: float, slowness: _Slowness, inside, tolerance: float
 ) -> tuple[Finding, ...]:
-    import numpy as np
-
     section = abs(wave.motion(place)[1])
     on_axis = float(abs(beam.motion(place)[2]) / section)
     away = np.array([abs(place - driven.center)])
-    expected = float(curve.spectrum(driven.aperture, away, 0.0 * away)[0])
-    angle = math.degrees(math.atan(curve.steering))
+    expected = float(slowness.spectrum(driven.aperture, away, 0.0 * away)[0])
+    angle = math.degrees(math.atan(slowness.steering))
     mean = float(abs(np.mean(inside[2])) / section)
     error = float(beam.relative_error(place))
     return (
-        Finding(
-            statement="Under the slider the amplitude is that of an aperture's near field.",
-            quantity="|u_z| on the axis over that of the plane section",
-            expected=f"{expected:.3f} +- 0.1, angular spectrum",
-            found=on_axis,
-            confirmed=abs(on_axis - expected) < 0.1,
-            remark=f"power-flow angle {angle:.3g} degrees, slowness curvature {curve.gamma:.3g}",
+        Finding.judged(
+            "Under the slider the amplitude is that of an aperture's near field.",
+            "|u_z| on the axis over that of the plane section",
+            on_axis, low=expected - 0.1, high=expected + 0.1, expected=f"{expected:.3f} +- 0.1, angular spectrum",
+            remark=f"power-flow angle {angle:.3g} degrees, slowness curvature {slowness.gamma:.3g}",
         ),
-        Finding(
-            statement="The beam keeps within the aperture.",
-            quantity="mean of u_z over the aperture over that of the plane section",
-            expected="between 0.8 and 1.02",
-            found=mean,
-            confirmed=0.8 < mean < 1.02,
+        Finding.judged(
+            "The beam keeps within the aperture.",
+            "mean of u_z over the aperture over that of the plane section", mean, low=0.8, high=1.02,
         ),
-        Finding(
-            statement="The integral over the lateral wavenumber adds nothing to the section's error.",
-            quantity="estimated relative error under the slider",
-            expected="below twice the tolerance of the section",
-            found=error,
-            confirmed=error < 2 * tolerance,
+        Finding.judged(
+            "The integral over the lateral wavenumber adds nothing to the section's error.",
+            "estimated relative error under the slider",
+            error, high=2 * tolerance, expected="below twice the tolerance of the section",
         ),
-    )
+    )  # fmt: skip
 
 
 @of_record
 def figure(record: Panel, ax):
     """Draw the beam as points, angular spectrum and Fresnel's integral as lines, and the section dashed."""
-    from studies.report.figures import COLOURS, legend_below
-
     data = record.data
     for name, style, colour, label in (
         ("section", "--", "stick", "plane section"),
         ("spectrum", "-", "line", "angular spectrum"),
         ("fresnel", ":", "intermittent", "Fresnel's integral"),
     ):
-        values = data[f"{name}_m_per_V"] * 1e9
-        ax.plot(data["line_at"], values, style, color=COLOURS[colour], linewidth=1, label=label)
-    ax.plot(
-        data["at"],
-        data["beam_m_per_V"] * 1e9,
-        "o",
-        color=COLOURS["slip"],
-        markersize=2,
-        label="finite aperture",
-    )
-    ax.set_xlabel(data["axis"])
-    ax.set_ylabel("|u_z| (nm per V)")
+        curve(ax, data["line_at"], data[f"{name}_m_per_V"] * 1e9, style, colour, label)
+    curve(ax, data["at"], data["beam_m_per_V"] * 1e9, "o", "slip", "finite aperture", size=2.0)
     ax.set_ylim(bottom=0)
-    ax.set_title(record.title, fontsize="medium")
-    ax.grid(alpha=0.3)
-    legend_below(ax, columns=2)
-    return ax
+    return finished(ax, data["axis"], "|u_z| (nm per V)", record.title, columns=2)

@@ -9,7 +9,11 @@ charge at weak coupling; the capacitance of conformal mapping to 1 %.  Run time:
 
 from collections.abc import Callable
 
+import numpy as np
+
 from studies.chain import passband
+from studies.refusal import RunError
+from studies.report.figures import AXES, COLOURS, curve, finished, legend_below, shaded
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
@@ -38,7 +42,6 @@ def run(
     tolerance : float
         Of the stop bands' edges, relative to their width.
     """
-    import numpy as np
     from scipy.special import ellipk, eval_legendre
 
     import fem
@@ -52,8 +55,6 @@ def run(
     try:
         found = fem.cell_parameters(solid, period=period, metallisation=m, above=above, tolerance=tolerance)
     except fem.ConvergenceError as error:
-        from studies.refusal import RunError
-
         raise RunError(str(error)) from None
     progress("Bloch waves")
     cells = grating(solid, period=period, metallisation=m, above=above, resolution=LEVELS[1])
@@ -89,12 +90,11 @@ def run(
         }
     order = found.metallised_velocity < found.shorted.velocity < found.open.velocity < found.free_velocity
     findings = [
-        Finding(
-            statement="Fingers slow the wave, connected ones more: v_metallised < v_shorted < v_open < v_free.",
-            quantity="share of the metallised slowing that connected fingers reach",
-            expected="between 0 and 1, and above that of separate fingers",
-            found=float((found.free_velocity - found.shorted.velocity) / change / found.free_velocity),
-            confirmed=bool(order),
+        Finding.judged(
+            "Fingers slow the wave, connected ones more: v_metallised < v_shorted < v_open < v_free.",
+            "share of the metallised slowing that connected fingers reach",
+            (found.free_velocity - found.shorted.velocity) / change / found.free_velocity,
+            holds=order, expected="between 0 and 1, and above that of separate fingers",
             remark=f"v = {found.metallised_velocity:.6g}, {found.shorted.velocity:.6g}, {found.open.velocity:.6g}, "
             f"{found.free_velocity:.6g} m/s; K2 = {100 * found.coupling:.4g} %",
         ),
@@ -126,34 +126,16 @@ def run(
 @of_record
 def figure(record: Panel, ax):
     """Draw the Bloch waves' phase and decay per finger, with the stop bands."""
-    from studies.report.figures import COLOURS, titled
-
-    data, at = record.data, record.data["frequency_Hz"] / 1e6
-    lines, decay = [], ax.twinx()
+    data, at, decay = record.data, record.data["frequency_Hz"] / 1e6, ax.twinx()
     for name, colour in (("shorted", "slip"), ("open", "intermittent")):
-        lines += ax.plot(
-            at, data[f"{name}_phase_rad"], ".", color=COLOURS[colour], markersize=4, label=f"{name}: phase"
-        )
-        lines += decay.plot(
-            at, data[f"{name}_decay"], "-", color=COLOURS[colour], linewidth=1, label=f"{name}: decay"
-        )
+        curve(ax, at, data[f"{name}_phase_rad"], ".", colour, f"{name}: phase")
+        curve(decay, at, data[f"{name}_decay"], "-", colour, f"{name}: decay")
         edges = data[f"{name}_lower_Hz"] / 1e6, data[f"{name}_upper_Hz"] / 1e6
-        lines.append(
-            ax.axvspan(*edges, color=COLOURS[colour], alpha=0.15, linewidth=0, label=f"{name}: stop band")
-        )
-        lines.append(
-            decay.axhline(data[f"{name}_reflectivity"], color=COLOURS[colour], linestyle=":", linewidth=1,
-                          label=f"{name}: |r| of a finger")
-        )  # fmt: skip
-    ax.set_xlabel("frequency (MHz)")
-    ax.set_ylabel("phase per finger, below pi (rad)")
+        shaded(ax, *edges, f"{name}: stop band", colour=colour)
+        height, label = data[f"{name}_reflectivity"], f"{name}: |r| of a finger"
+        decay.axhline(height, color=COLOURS[colour], linestyle=":", linewidth=1, label=label)
     decay.set_ylabel("decay per finger (neper)")
     decay.set_ylim(0, 1.6 * max(data["shorted_reflectivity"], data["open_reflectivity"]))
-    low, high = ax.get_ylim()
-    ax.set_ylim(low, high + 0.6 * (high - low))
-    titled(ax, record.title)
-    ax.grid(alpha=0.3)
-    ax.legend(
-        lines, [line.get_label() for line in lines], frameon=False, fontsize="x-small", loc="upper left"
-    )
+    finished(ax, AXES["frequency_Hz"][0], "phase per finger, below pi (rad)", record.title)
+    legend_below(ax, [each for side in (ax, decay) for each in side.get_legend_handles_labels()[0]])
     return ax

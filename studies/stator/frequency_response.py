@@ -10,9 +10,12 @@ Run time: about 8 s.
 
 from collections.abc import Callable
 
+import numpy as np
+
 from studies.chain import bridge, passband
 from studies.chain.spectrum import response, spectrum
 from studies.chain.surface_motion import surface_motion
+from studies.report.figures import lines, shaded
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
@@ -40,8 +43,6 @@ def run(
     tolerance : float
         Relative, of the surface motion.
     """
-    import numpy as np
-
     import fem
 
     chosen = passband.driven_scene(scene)
@@ -119,48 +120,25 @@ def _aperture(scene: Scene, place: float, tolerance: float, progress) -> tuple[F
 @of_record
 def figure(record: Panel, ax):
     """Draw the amplitude with its estimate, or the group delay with the way's."""
-    from studies.report.figures import COLOURS, titled
-
     data = record.data
-    at = data["frequency_Hz"] / 1e6
     if "group_delay_s" in data:
-        ax.plot(
-            at, data["group_delay_s"] * 1e6, "o", color=COLOURS["slip"], markersize=3, label="surface mode"
-        )
-        ax.axhline(
-            data["way_s"] * 1e6, color=COLOURS["line"], linewidth=1, label="way over velocity (theory)"
-        )
-        ax.set_ylabel("group delay (us)")
-    else:
-        ax.plot(
-            at,
-            abs(data["normal_m_per_V"]) * 1e9,
-            "-",
-            color=COLOURS["stick"],
-            linewidth=0.8,
-            label="all modes",
-        )
-        ax.plot(
-            at, abs(data["surface_mode_m_per_V"]) * 1e9, "o", color=COLOURS["slip"], markersize=3,
-            label="surface mode",
-        )  # fmt: skip
-        ax.plot(at, data["estimate_m_per_V"] * 1e9, "-", color=COLOURS["line"], linewidth=1,
-                label="no reflections, no bulk waves (estimate)")  # fmt: skip
-        low, high = data["half_power_Hz"] / 1e6
-        ax.axvspan(low, high, color=COLOURS["stick"], alpha=0.2, linewidth=0, label="half of the power")
-        ax.set_ylim(bottom=0)
-        ax.set_ylabel("normal amplitude per volt, peak (nm/V)")
-    ax.set_xlabel("frequency (MHz)")
-    titled(ax, record.title)
-    ax.grid(alpha=0.3)
-    ax.legend(frameon=False, fontsize="small")
-    return ax
+        ax.axhline(data["way_s"] * 1e6, color="black", linewidth=1, label="way over velocity (theory)")
+        rows = (("group_delay_s", "o", "slip", "surface mode"),)
+        return lines(ax, record, "frequency_Hz", rows, "group delay (us)", factor=1e6)
+    rows = (
+        ("normal_m_per_V", "-", "stick", "all modes"),
+        ("surface_mode_m_per_V", "o", "slip", "surface mode"),
+        ("estimate_m_per_V", "-", "line", "no reflections, no bulk waves (estimate)"),
+    )
+    shaded(ax, *data["half_power_Hz"] / 1e6, "half of the power")
+    ax.set_ylim(0, 1.05e9 * max(abs(data[key]).max() for key, *_ in rows))
+    return lines(
+        ax, record, "frequency_Hz", rows, "normal amplitude per volt, peak (nm/V)", factor=1e9, columns=2
+    )
 
 
 def _half_power(at, size) -> tuple[float, float]:
     """Return where the amplitude first falls below its maximum over root 2 on either side, Hz."""
-    import numpy as np
-
     peak = int(np.argmax(size))
     level = size[peak] / np.sqrt(2)
     edges = []

@@ -8,15 +8,18 @@ also a SPICE subcircuit of a static capacitance with one motional branch (Butter
 Expected: passive and reciprocal; several branches nearer to the admittance than one.  Run time: about 15 s.
 """
 
-import math
 from collections.abc import Callable
 from pathlib import Path
+
+import numpy as np
 
 from studies.chain import passband
 from studies.chain.spectrum import port_admittances
 from studies.refusal import SceneError
+from studies.report.figures import AXES, COLOURS, curve, finished, lines
 from studies.scene import Scene, resolved
 from studies.scene.quantity import si_value
+from studies.scene.ranges import is_number, read_range
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
 __all__ = ["figure", "run", "tables"]
@@ -27,6 +30,7 @@ QUICK = {"count": 11, "tolerance": 5e-2}
 COUNT = 401
 BRANCHES = 5
 PASSIVE, RECIPROCAL = 1e-12, 1e-11
+CIRCLES = (0, 0.2, 0.5, 1, 2, 5)  # of the Smith chart, over the reference
 
 
 @study
@@ -59,12 +63,10 @@ def run(
     progress : callable, optional
         Told what is being done.
     """
-    import numpy as np
-
     import fem
 
     chosen = passband.driven_scene(scene)
-    reference = float(z0) if _is_number(z0) else si_value("--z0", z0, "ohm")
+    reference = float(z0) if is_number(z0) else si_value("--z0", z0, "ohm")
     if not reference > 0:
         raise SceneError("--z0", f"must be a positive resistance, got {z0!r} ohm")
     at = passband.frequencies(chosen, count) if band is None else _band(band)
@@ -97,38 +99,25 @@ def run(
     gain = float(np.linalg.svd(scattering, compute_uv=False).max())
     apart = float(abs(scattering - scattering.transpose(0, 2, 1)).max())
     findings = (
-        Finding(
-            statement="Transducers give no more power than they take.",
-            quantity="largest singular value of S, less 1",
-            expected=f"at most {PASSIVE:g}",
-            found=gain - 1,
-            confirmed=gain <= 1 + PASSIVE,
+        Finding.judged(
+            "Transducers give no more power than they take.",
+            "largest singular value of S, less 1", gain - 1, high=PASSIVE,
         ),
-        Finding(
-            statement="The network is reciprocal.",
-            quantity="largest |S_ij - S_ji|",
-            expected=f"at most {RECIPROCAL:g}",
-            found=apart,
-            confirmed=apart <= RECIPROCAL,
-        ),
-        Finding(
-            statement="The admittances are known as well as was asked for.",
-            quantity="estimated error, over the largest admittance",
+        Finding.judged("The network is reciprocal.", "largest |S_ij - S_ji|", apart, high=RECIPROCAL),
+        Finding.judged(
+            "The admittances are known as well as was asked for.",
+            "estimated error, over the largest admittance", ports.relative_error, high=1.000001 * tolerance,
             expected=f"at most {tolerance:g}",
-            found=ports.relative_error,
-            confirmed=ports.relative_error <= tolerance,
         ),
         *(
-            Finding(
-                statement=f"{name}: {BRANCHES} motional branches follow the admittance more closely than one.",
-                quantity="largest error over the largest admittance",
+            Finding.judged(
+                f"{name}: {BRANCHES} motional branches follow the admittance more closely than one.",
+                "largest error over the largest admittance", several.error, high=one.error,
                 expected=f"below that of one branch, {one.error:.2g}",
-                found=several.error,
-                confirmed=several.error < one.error,
             )
             for name, (one, several) in models.items()
         ),
-    )
+    )  # fmt: skip
     return panels, findings
 
 
@@ -149,96 +138,64 @@ def tables(record: StudyRecord) -> dict[str, str]:
 @of_record
 def figure(record: Panel, ax):
     """Draw reflections in the Smith chart, magnitudes in dB, the group delay, or an admittance with its circuits."""
-    from studies.report.figures import COLOURS, legend_below, titled
-
-    data = record.data
-    at = data["frequency_Hz"] / 1e6
+    data, across = record.data, AXES["frequency_Hz"][0]
     if record.name == "smith":
         return _smith(record, ax)
     if "group_delay_s" in data:
-        ax.plot(at, data["group_delay_s"] * 1e6, color=COLOURS["slip"])
-        ax.set_ylabel("group delay (us)")
-    elif "spice" in data:
-        for part, values, line in (
-            ("field", data["admittance_S"], "o"),
-            ("one branch", data["one_branch_S"], "--"),
-            (f"{BRANCHES} branches", data["several_branches_S"], "-"),
+        rows = (("group_delay_s", "-", "slip", None),)
+        return lines(ax, record, "frequency_Hz", rows, "group delay (us)", factor=1e6)
+    if "spice" in data:
+        for key, part, style in (
+            ("admittance_S", "field", "o"),
+            ("one_branch_S", "one branch", "--"),
+            ("several_branches_S", f"{BRANCHES} branches", "-"),
         ):
-            for name, of, colour in (("Re", "real", "slip"), ("Im", "imag", "stick")):
-                y = getattr(values, of) * 1e3
-                ax.plot(
-                    at, y, line, color=COLOURS[colour], markersize=2, linewidth=1, label=f"{name}, {part}"
-                )
-        ax.set_ylabel("admittance (mS)")
-        legend_below(ax, columns=3)
-    else:
-        for prefix, line, f in _sources(data):
-            for i, j in _pairs(data["ports"]):
-                size = 20 * _log10(abs(data[f"{prefix}scattering"][:, i, j]))
-                label = f"S{i + 1}{j + 1}" + (f" ({data['measured_file']})" if prefix else "")
-                ax.plot(f, size, line, color=f"C{i * len(data['ports']) + j}", markersize=3, label=label)
-        ax.set_ylabel("magnitude (dB)")
-        legend_below(ax, columns=4)
-    ax.set_xlabel("frequency (MHz)")
-    titled(ax, record.title)
-    ax.grid(alpha=0.3)
-    return ax
+            at, values = data["frequency_Hz"] / 1e6, data[key] * 1e3
+            curve(ax, at, values.real, style, "slip", f"Re, {part}", size=2.0)
+            curve(ax, at, values.imag, style, "stick", f"Im, {part}", size=2.0)
+        return finished(ax, across, "admittance (mS)", record.title, columns=3)
+    for prefix, style, at, remark in _sources(data):
+        for i, j in _pairs(data["ports"]):
+            size = 20 * np.log10(np.maximum(abs(data[f"{prefix}scattering"][:, i, j]), 1e-15))
+            colour = f"C{i * len(data['ports']) + j}"
+            ax.plot(at, size, style, color=colour, markersize=3, label=f"S{i + 1}{j + 1}{remark}")
+    return finished(ax, across, "magnitude (dB)", record.title)
 
 
 def _smith(record: Panel, ax):
     """Draw the reflections over circles of resistance and arcs of reactance."""
-    import numpy as np
-
-    from studies.report.figures import COLOURS, legend_below, titled
-
-    data, angle = record.data, np.linspace(0, 2 * np.pi, 361)
-    for r in (0, 0.2, 0.5, 1, 2, 5):
-        circle = r / (1 + r) + np.exp(1j * angle) / (1 + r)
-        ax.plot(circle.real, circle.imag, color=COLOURS["line"], linewidth=1 if r == 0 else 0.4)
-        ax.annotate(
-            f"{r:g}",
-            ((r - 1) / (r + 1), 0),
-            (2, 2),
-            textcoords="offset points",
-            fontsize="x-small",
-            alpha=0.7,
-        )
+    data, circle = record.data, np.exp(1j * np.linspace(0, 2 * np.pi, 361))
+    for r in CIRCLES:
+        z = (r + circle) / (1 + r)
+        ax.plot(z.real, z.imag, color=COLOURS["line"], linewidth=1 if r == 0 else 0.4)
+        given = {"textcoords": "offset points", "fontsize": "x-small", "alpha": 0.7}
+        ax.annotate(f"{r:g}", ((r - 1) / (r + 1), 0), (2, 2), **given)
     reactance = np.concatenate([[0], np.geomspace(1e-3, 1e3, 400)])
-    for x in (0, 0.2, 0.5, 1, 2, 5):
-        for sign in (1, -1):
-            z = reactance + 1j * sign * x
-            arc = (z - 1) / (z + 1)
-            ax.plot(arc.real, arc.imag, color=COLOURS["line"], linewidth=0.4)
-    for prefix, line, _ in _sources(data):
+    for x in (*CIRCLES, *np.negative(CIRCLES)):
+        z = reactance + 1j * x
+        arc = (z - 1) / (z + 1)
+        ax.plot(arc.real, arc.imag, color=COLOURS["line"], linewidth=0.4)
+    for prefix, style, _, remark in _sources(data):
         for i, name in enumerate(data["ports"]):
             s = data[f"{prefix}scattering"][:, i, i]
-            label = f"S{i + 1}{i + 1}, {name}" + (f" ({data['measured_file']})" if prefix else "")
-            drawn = line if prefix or i == 0 else "--"  # like transducers lie on each other
+            drawn = style if prefix or i == 0 else "--"  # like transducers lie on each other
+            label = f"S{i + 1}{i + 1}, {name}{remark}"
             ax.plot(s.real, s.imag, drawn, color=f"C{i}", markersize=3, label=label)
     ax.set_aspect("equal")
-    ax.set_xlabel("Re S (resistance over the reference on the axis)")
-    ax.set_ylabel("Im S")
-    titled(ax, record.title)
-    legend_below(ax, columns=2)
-    return ax
+    across = "Re S (resistance over the reference on the axis)"
+    return finished(ax, across, "Im S", record.title, columns=2, grid=False)
 
 
 def _sources(data: dict):
-    """Return prefix, line style and frequencies (MHz) of the prediction and, where there is one, the measurement."""
-    yield "", "-", data["frequency_Hz"] / 1e6
+    """Return prefix, line style, frequencies (MHz) and remark of the prediction and of a measurement."""
+    yield "", "-", data["frequency_Hz"] / 1e6, ""
     if "measured_frequency_Hz" in data:
-        yield "measured_", ".", data["measured_frequency_Hz"] / 1e6
+        yield "measured_", ".", data["measured_frequency_Hz"] / 1e6, f" ({data['measured_file']})"
 
 
 def _pairs(ports) -> list[tuple[int, int]]:
     """Return the parameters drawn: of a reciprocal network one half."""
     return [(i, j) for i in range(len(ports)) for j in range(i + 1)]
-
-
-def _log10(sizes):
-    import numpy as np
-
-    return np.log10(np.maximum(sizes, 1e-15))
 
 
 def _circuit_panel(name: str, at, seen, models) -> Panel:
@@ -257,30 +214,12 @@ def _circuit_panel(name: str, at, seen, models) -> Panel:
 
 def _band(text: str):
     """Return the frequencies in Hz of START:STOP:N, in MHz without a unit."""
-    import numpy as np
-
-    parts = str(text).split(":")
-    try:
-        low, high = (
-            1e6 * float(part) if _is_number(part) else si_value("--band", part, "Hz") for part in parts[:2]
-        )
-        count = int(parts[2])
-    except (ValueError, IndexError):
-        raise SceneError(
-            "--band", f"must be START:STOP:N, such as 1.9:2.5:401 in MHz, got {text!r}"
-        ) from None
-    if not (0 < low < high and len(parts) == 3 and 2 <= count <= 100_000):
+    found = read_range("--band", str(text), "Hz", bare=1e6)
+    if not (0 < found.low < found.high and 2 <= found.count <= 100_000):
         raise SceneError(
             "--band", f"must rise from START above 0 to STOP in 2 to 100000 values, got {text!r}"
         )
-    return np.linspace(low, high, count)
-
-
-def _is_number(text: str | float) -> bool:
-    try:
-        return math.isfinite(float(text))
-    except ValueError:
-        return False
+    return np.array(found.values)
 
 
 def _measured(file: Path, ports: int, reference: float):

@@ -16,7 +16,7 @@ from time import perf_counter
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from studies.refusal import RunError, SceneError, needed, shown
+from studies.refusal import RunError, SceneError, needed
 from studies.scene import Scene, read_table
 from studies.sweep.axes import Axis
 from studies.sweep.design import Design, designed
@@ -152,16 +152,13 @@ class Sweep:
 
 def sweep(
     scene: Scene | str | Path | dict,
-    over: dict | None = None,
+    over=None,
     *,
-    points=None,
-    samples: int | None = None,
-    seed: int = 0,
+    samples: int | tuple[int, int] | None = None,
     tolerance: float = 1e-3,
     also: tuple[str, ...] = (),
     out: str | Path | None = None,
-    workers: int = 1,
-    scheduler: str | None = None,
+    workers: int | str = 1,
     progress: Callable[[int, int, int, float], None] | None = None,
 ) -> Sweep:
     """Compute every point of a sweep that its store does not hold yet.
@@ -170,22 +167,19 @@ def sweep(
     ----------
     scene : Scene, str, Path or dict
         A scene, its file, the name of one that ships, or its TOML document.
-    over : dict
-        Key to values, or to a text such as ``"1 mN:100 mN:50:log"``.
-    points : path, dict or data frame, optional
-        A CSV file or table of points, one more axis.
-    samples, seed : int
-        Of a Latin hypercube, whose keys have ``START:STOP:latin``.
+    over : dict, Path, data frame or list of them
+        Axes: key to values, or to a text such as ``"1 mN:100 mN:50:log"``; or points: a CSV file or a table with a
+        column for each key.  Several are multiplied.
+    samples : int or (int, int)
+        Points of a Latin hypercube, whose keys have ``START:STOP:latin``, and the seed of its random numbers (0).
     tolerance : float
         As in a run.
     also : tuple of str
         Beside the velocity: "limits", "thrust", "efficiency".
     out : path, optional
         Directory of the store; in memory without one.
-    workers : int
-        Processes; 1 for this one.
-    scheduler : str, optional
-        Address of a Dask scheduler instead.
+    workers : int or str
+        Processes, 1 for this one; or the address of a Dask scheduler, such as ``"tcp://127.0.0.1:8786"``.
     progress : callable, optional
         Called with (points, of them kept, of those failed, seconds of work).
 
@@ -197,16 +191,11 @@ def sweep(
         If the store cannot be written, another driver is at work, or the sweep was interrupted.
     """
     begun = perf_counter()
-    if not isinstance(over or {}, dict):
-        raise SceneError("over", f"must be a dict of a key's values, got {shown(over)}")
-    table = _table(scene)
-    design = designed(
-        table, over or {}, points=points, samples=samples, seed=seed, tolerance=tolerance, also=tuple(also)
-    )
+    design = designed(_table(scene), over, samples=samples, tolerance=tolerance, also=tuple(also))
     _refuse_hopeless(design)
     store = Store(None if out is None else Path(out), design)
     try:
-        staff = chosen_workers(workers, scheduler)
+        staff = chosen_workers(workers)
         try:
             Driver(design, store, staff, progress or (lambda *_: None)).run()
         except KeyboardInterrupt:

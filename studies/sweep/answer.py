@@ -24,15 +24,12 @@ def run_sweep(arguments: Namespace, table: dict, over: dict, tolerance: float, o
     with Progress() as progress:
         found = sweep(
             table,
-            over,
-            points=arguments.points,
-            samples=arguments.samples,
-            seed=arguments.seed,
+            over if arguments.points is None else [Path(arguments.points), over],
+            samples=None if arguments.samples is None else (arguments.samples, arguments.seed),
             tolerance=tolerance,
             also=tuple(word.strip() for word in arguments.also.split(",") if word.strip()),
             out=out,
-            workers=arguments.workers,
-            scheduler=arguments.scheduler,
+            workers=arguments.scheduler or arguments.workers,
             progress=progress.points,
         )
     whole = summary(found)

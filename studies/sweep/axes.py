@@ -18,11 +18,10 @@ from studies.refusal import SceneError, shown
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import toml_value
 from studies.scene.quantity import si_value
+from studies.scene.ranges import MAX_COUNT, Range, read_range
 from studies.scene.rule import Count, Listed
 
 __all__ = ["Axis", "axis", "latin_axis", "level_key", "point_axis"]
-
-MOST = 10_000_000  # values of one axis
 
 
 @dataclass(frozen=True)
@@ -36,8 +35,8 @@ class Axis:
         return len(self.columns[0])
 
 
-def axis(key: str, values) -> Axis | tuple:
-    """Return the axis of a key, or its (lowest, highest, logarithmic) as a side of a Latin hypercube.
+def axis(key: str, values) -> Axis | Range:
+    """Return the axis of a key, or its range as a side of a Latin hypercube.
 
     ``key``: dotted; ``values``: a text as in this module's docstring, or the values themselves.
 
@@ -60,27 +59,31 @@ def axis(key: str, values) -> Axis | tuple:
 
 
 def point_axis(source) -> Axis:
-    """Return the axis of a table of points: a CSV file with keys in its first line, or a dict of columns."""
-    if isinstance(source, (str, Path)):
-        source = _read(Path(source))
-    elif not isinstance(source, dict):  # a data frame
+    """Return the axis of a table of points: a CSV file with keys in its first line, or a data frame."""
+    if isinstance(source, Path):
+        source = _read(source)
+    elif hasattr(source, "columns"):
         source = {key: source[key].tolist() for key in source.columns}
+    else:
+        raise SceneError(
+            "over", f"must be a dict of a key's values, a Path or a data frame, got {shown(source)}"
+        )
     axes = [axis(key, values if not isinstance(values, str) else [values]) for key, values in source.items()]
     if not axes or len({len(each) for each in axes}) != 1:
         raise SceneError("--points", "must hold a value for every key in every line")
     return Axis(tuple(source), tuple(each.columns[0] for each in axes))
 
 
-def latin_axis(sides: dict[str, tuple], samples: int | None, seed: int) -> Axis:
+def latin_axis(sides: dict[str, Range], samples: int | None, seed: int) -> Axis:
     """Return the points of a Latin hypercube as one axis (scipy.stats.qmc)."""
-    if not isinstance(samples, int) or not 1 <= samples <= MOST:
-        raise SceneError("--samples", f"must be 1 to {MOST} with a latin range, got {shown(samples)}")
+    if not isinstance(samples, int) or not 1 <= samples <= MAX_COUNT:
+        raise SceneError("--samples", f"must be 1 to {MAX_COUNT} with a latin range, got {shown(samples)}")
     from scipy.stats import qmc
 
     unit = qmc.LatinHypercube(len(sides), rng=seed).random(samples).T
     columns = []
-    for share, (low, high, logarithmic) in zip(unit.tolist(), sides.values(), strict=True):
-        columns.append([_between(low, high, part, logarithmic) for part in share])
+    for shares, side in zip(unit.tolist(), sides.values(), strict=True):
+        columns.append([side.at(share) for share in shares])
     return Axis(tuple(sides), tuple(columns))
 
 
@@ -93,33 +96,13 @@ def level_key(table: dict) -> str | None:
 
 
 def _ranged(key, rule, text):
-    parts = [part.strip() for part in text.split(":")]
-    wanted = "must be START:STOP:N, with :log after it for even steps of the logarithm, or a list with commas"
-    if len(parts) not in (3, 4) or (len(parts) == 4 and parts[3] != "log"):
-        raise SceneError(f"--over {key}", f"{wanted}, got {shown(text)}")
     unit = unit_of(rule)
     if unit is None:
         raise SceneError(f"--over {key}", f"takes words: give a list with commas, got {shown(text)}")
-    ends = [toml_value(part) for part in parts[:2]]
-    low, high = (si_value(f"--over {key}", end, unit) for end in ends)
-    bare = [isinstance(end, int | float) for end in ends]
-    if bare[0] != bare[1] and (low, high)[bare.index(True)] != 0:
-        raise SceneError(f"--over {key}", f"must have a unit at both ends or at neither, got {shown(text)}")
-    logarithmic = len(parts) == 4
-    if logarithmic and not (low > 0 and high > 0):
-        raise SceneError(
-            f"--over {key}", f"must lie above 0 for even steps of the logarithm, got {shown(text)}"
-        )
-    if parts[2] == "latin":
-        return low, high, logarithmic
-    if not (parts[2].isascii() and parts[2].isdigit() and 1 <= int(parts[2][:9]) <= MOST):
-        raise SceneError(f"--over {key}", f"must ask for 1 to {MOST} values, or latin, got {shown(parts[2])}")
-    count = int(parts[2])
-    if count == 1 and low != high:
-        raise SceneError(
-            f"--over {key}", f"must ask for at least 2 values between different ends, got {shown(text)}"
-        )
-    steps = [_between(low, high, k / max(count - 1, 1), logarithmic) for k in range(count)]
+    found = read_range(f"--over {key}", text, unit, latin=True)
+    if found.count is None:
+        return found
+    steps = found.values
     if isinstance(rule, Count) or isinstance(getattr(rule, "alone", None), Count):
         if any(abs(step - round(step)) > 1e-9 for step in steps):
             raise SceneError(f"--over {key}", f"must fall on whole numbers, got {shown(text)}")
@@ -127,15 +110,9 @@ def _ranged(key, rule, text):
     return Axis((key,), (steps,))
 
 
-def _between(low, high, share, logarithmic):
-    if share in (0, 1):
-        return high if share else low
-    return low * (high / low) ** share if logarithmic else low + (high - low) * share
-
-
 def _listed(key, rule, values):
-    if not 1 <= len(values) <= MOST:
-        raise SceneError(f"--over {key}", f"must hold 1 to {MOST} values, got {len(values)}")
+    if not 1 <= len(values) <= MAX_COUNT:
+        raise SceneError(f"--over {key}", f"must hold 1 to {MAX_COUNT} values, got {len(values)}")
     return Axis((key,), ([_entry(rule, value) for value in values],))
 
 

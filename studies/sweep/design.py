@@ -122,21 +122,8 @@ class Design:
         return list(islice(_distinct(self.axes, keys), PLACES + 1))
 
 
-def designed(table: dict, over: dict, *, points=None, samples=None, seed=0, tolerance, also=()) -> Design:
-    """Return the design of a sweep.
-
-    Parameters
-    ----------
-    table : dict
-        TOML document of the scene.
-    over : dict
-        Key to values or text, as in ``studies.sweep.axes``.
-    points : path or dict or data frame, optional
-        A table of points: one more axis, of several keys.
-    samples, seed : int
-        Of the Latin hypercube.
-    tolerance : float
-    also : sequence of str
+def designed(table: dict, over, *, samples=None, tolerance, also=()) -> Design:
+    """Return the design of a sweep of a scene's TOML document; the other arguments are those of `studies.sweep`.
 
     Raises
     ------
@@ -146,16 +133,19 @@ def designed(table: dict, over: dict, *, points=None, samples=None, seed=0, tole
     for word in also:
         if word not in ALSO:
             raise SceneError("--also", f"must be of {', '.join(ALSO)}, got {word!r}")
-    axes = [] if points is None else [point_axis(points)]
-    sides = {}
-    for key, values in over.items():
-        found = axis(key, values)
-        if isinstance(found, Axis):
-            axes.append(found)
-        else:
-            sides[key] = found
+    axes, sides = [], {}
+    for part in over if isinstance(over, list) else [over or {}]:
+        if not isinstance(part, dict):
+            axes.append(point_axis(part))
+            continue
+        for key, values in part.items():
+            found = axis(key, values)
+            if isinstance(found, Axis):
+                axes.append(found)
+            else:
+                sides[key] = found
     if sides:
-        axes.append(latin_axis(sides, samples, seed))
+        axes.append(latin_axis(sides, *(samples if isinstance(samples, tuple) else (samples, 0))))
     elif samples is not None:
         raise SceneError("--samples", "is of a latin range, START:STOP:latin, and there is none")
     keys = [key for each in axes for key in each.keys]

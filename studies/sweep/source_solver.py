@@ -79,9 +79,8 @@ def _in_bands(question: Question, names, step: int) -> None:
     for name in names:
         try:
             scene = variation(question).source(_values(name))
-            groups.setdefault((_Fixed(scene), _places(question, scene, _values(name))), []).append(
-                scene.frequency
-            )
+            along = _along(_places(question, scene, _values(name)))
+            groups.setdefault((_Fixed(scene), along), []).append(scene.frequency)
         except SceneError:
             continue  # said when it is its turn
     for (fixed, places), frequencies in groups.items():
@@ -198,11 +197,16 @@ def _motion(question: Question, scene: Scene, places, step: int) -> SurfaceMotio
     """Return the motion of the finite aperture or of the section, as a run takes it."""
     import fem
 
-    wave = _wave(question, scene, tuple(dict.fromkeys(x for x, _ in places)), step)
+    wave = _wave(question, scene, _along(places), step)
     try:
         return surface_motion(wave, scene.stator, places, slider=question.has_slider)
     except fem.BeamError as error:
         raise SceneError("stator.diffraction", f"must be false or absent: {error}") from None
+
+
+def _along(places) -> tuple[float, ...]:
+    """Return the different x of places (x, y): a plane section knows no y."""
+    return tuple(dict.fromkeys(x for x, _ in places))
 
 
 def _wave(question: Question, scene: Scene, places, step: int):

@@ -144,10 +144,10 @@ class OnDask:
         return self.size
 
 
-def workers(number: int, scheduler: str | None):
-    """Return the workers that a sweep asks for."""
-    if scheduler is not None:
-        return OnDask(scheduler)
+def workers(number: int | str):
+    """Return the workers that a sweep asks for: so many processes, or those of a Dask scheduler's address."""
+    if isinstance(number, str):
+        return OnDask(number)
     if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= 1000:
         raise SceneError("--workers", f"must be a number from 1 to 1000, got {number!r}")
     return Here() if number == 1 else Processes(number)

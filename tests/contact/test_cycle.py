@@ -6,7 +6,6 @@ import pytest
 from contact.kinematics import normal_amplitude, tangential_amplitude
 from contact.solve.cycle_mean import MADE, SLIPS, STUCK, cycle, cycle_room, respond
 from contact.solve.equilibrium import balanced, traction
-from contact.solve.event_driven import TALLY
 from contact.solve.riding import mean_push, quadrature, riding_height
 from tests.contact.motors import orbit, slider
 
@@ -26,7 +25,7 @@ def test_mean_forces_are_those_of_the_general_motion(A, share):
     v = share * float(tangential_amplitude(problem.paths, 0))
     friction = problem.friction * problem.preload
     (push, pull), _ = means(problem, h, v)
-    general, _ = traction(problem, h, v, 0.0, np.zeros(TALLY, int))
+    general, _ = traction(problem, h, v, 0.0)
     # where slip hardly begins both ways lose digits
     assert pull == pytest.approx(general, abs=2e-7 * friction)
     assert push == pytest.approx(problem.preload, rel=1e-11)
@@ -37,7 +36,7 @@ def test_three_contacts_of_general_phase():
     problem = balanced(slider(), trio).problem
     h = riding_height(slider(), trio) / problem.length
     (push, pull), counts = means(problem, h, 0.2)
-    general, _ = traction(problem, h, 0.2, 0.0, np.zeros(TALLY, int))
+    general, _ = traction(problem, h, 0.2, 0.0)
     assert pull == pytest.approx(general, rel=1e-8)
     assert push == pytest.approx(problem.preload, rel=1e-11)
     assert counts[MADE] == 3

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from contact import burst, second_opinion, steady, threshold_amplitude, threshold_factor
+from contact import burst, steady, threshold_amplitude, threshold_factor
 from contact.answers.methods import rest_problem
 from contact.answers.thresholds import release_amplitude
 from contact.drive import reference_speed, towards_plus
@@ -15,6 +15,7 @@ from contact.solve.equilibrium import opposed
 from contact.solve.motion import Motion
 from studies.evidence.stability.case import VERDICTS, Case
 from studies.evidence.stability.contact import RANGES, SWEPT, contact_cases, judge, motor
+from studies.evidence.stability.second_opinion import second_opinion
 from tests.contact.motors import orbit, slider
 
 

@@ -136,9 +136,9 @@ def motion_of(s, A, nodes=16, truncation=1e-12):
 def test_the_balance_of_a_run_closes_and_every_order_gives_the_same_velocity(A):
     s = slider(law="hysteretic")
     fine = motion_of(s, A)
-    begin = fine.energy()
+    fine.begin()
     fine.turn(100)
-    found = ledger(s, fine, begin)
+    found = ledger(s, fine)
     assert found.relative_residual < 1e-9
     assert found.leak == 0.0
     rough = motion_of(s, A, nodes=10, truncation=1e-9)

@@ -7,7 +7,7 @@ from contact.answers.methods import rest, rest_problem
 from tests.contact.motors import orbit, slider
 
 # what depends on how the motion is cut into stretches; a curve of the memory is as long as its stretch
-LAYOUT = ("stretches", "halvings", "sweeps", "wipe_out")
+LAYOUT = ("stretches", "halvings", "sweeps", "wipe_out", "smallest_gap")
 
 
 def run(A, cycles, at_once, contacts=1, **given):

@@ -10,11 +10,11 @@ from contact import (
     mean_motion,
     release_amplitude,
     riding_height,
-    second_opinion,
     steady,
     steady_map,
     threshold_amplitude,
 )
+from studies.evidence.stability.second_opinion import second_opinion
 from tests.contact.motors import FREQUENCY, orbit, slider
 from tests.oracles.contact_springs import velocity_from_rest
 

@@ -77,7 +77,7 @@ def test_an_error_without_a_unit_is_refused(tmp_path):
 def test_a_range_in_words_is_told_how_a_range_is_written(call, text):
     status, _, err = call("run", "twente", "--voltage", text)
     assert status == 2
-    assert "must be START:STOP:N or a list with commas" in err
+    assert "must be START:STOP:N or a list" in err
 
 
 def test_a_misspelt_file_is_found_beside(call, tmp_path, monkeypatch):

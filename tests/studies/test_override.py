@@ -2,9 +2,12 @@
 
 import pytest
 
+from studies.command.calls import changed_scene
+from studies.command.parser import parser
 from studies.refusal import SceneError
 from studies.scene import read_table
-from studies.scene.override import assigned, toml_value, voltages
+from studies.scene.keys import rule_at
+from studies.scene.override import assigned, toml_value
 
 
 def rest_equal(changed, original, key):
@@ -53,26 +56,45 @@ def test_a_value_cannot_smuggle_in_another_key():
     assert toml_value("1\nother = 2") == "1\nother = 2"
 
 
+@pytest.mark.parametrize("key", ["drive.voltage", "drive.power", "wave.normal_amplitude"])
 @pytest.mark.parametrize(
     ("text", "values"),
     [
         ("5:60:12", [5 + 5 * k for k in range(12)]),
-        ("5,10,20", [5, 10, 20]),
-        ("7", [7]),
-        ("0", [0]),
-        ("1 kV, 5", [1000, 5]),
         ("60:5:2", [60, 5]),
         ("5:5:1", [5]),
+        ("1:100:3:log", [1, 10, 100]),
     ],
 )
-def test_voltages(text, values):
-    assert voltages(text) == pytest.approx(values, rel=1e-15)
+def test_a_range_in_a_scene(key, text, values):
+    assert rule_at(key).read(key, text) == pytest.approx(values, rel=1e-15)
+
+
+def test_a_range_has_units_at_both_ends_or_neither():
+    assert rule_at("drive.voltage").read("drive.voltage", "0:1 kV:3") == (0, 500, 1000)
+    with pytest.raises(SceneError, match="a unit at both ends"):
+        rule_at("drive.voltage").read("drive.voltage", "5:1 kV:3")
 
 
 @pytest.mark.parametrize(
     "text",
-    ["", "5:60", "5:60:x", "5:60:0", "5:60:1", "5:60:99999999", "-5", "5,,6", "nan", "1 A", "1:2:3:4", "inf"],
+    ["", "5:60", "5:60:x", "5:60:0", "5:60:1", "5:60:99999999", "-5:5:3", "nan:1:2", "1 A:2 A:2", "1:2:3:4"],
 )
+def test_what_makes_no_range_is_refused(text):
+    with pytest.raises(SceneError, match=r"^drive\.voltage"):
+        rule_at("drive.voltage").read("drive.voltage", text)
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [("5,10,20 V", (5, 10, 20)), ("1 kV, 5", (1000, 5)), ("7", (7,)), ("5:7:3", (5, 6, 7))],
+)
+def test_voltages_of_a_call(text, values):
+    call = parser().parse_args(["run", "twente", "--voltage", text])
+    assert changed_scene(call).drive.voltage == values
+
+
+@pytest.mark.parametrize("text", ["-5", "5,,6", "nan", "inf", "1 A"])
 def test_voltages_that_make_no_list_are_refused(text):
-    with pytest.raises(SceneError, match=r"^--voltage"):
-        voltages(text)
+    with pytest.raises(SceneError, match=r"^drive\.voltage"):
+        changed_scene(parser().parse_args(["run", "twente", f"--voltage={text}"]))

@@ -18,6 +18,7 @@ from studies.scene import read_table, shipped_scenes
 from studies.scene.block import Block, Blocks, OneOf, Within, keys_of
 from studies.scene.quantity import POWERS, si_value
 from studies.scene.reference import BLOCKS
+from studies.scene.resolved import resolved
 from studies.scene.schema import FILE_NAME, schema, schema_text
 
 SCHEMA = schema()
@@ -39,6 +40,9 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "transducer.0.split": [True],
     "drive.frequency": ["2200 kHz", 2.2e6],
     "drive.burst": ["10 ms"],
+    "drive.voltage": [10, ["5 V", 6], "20:100:5", "1 V : 1 kV : 4 : log"],
+    "slider.friction_coefficient": [0.08, "0.08 +- 0.02", "0.08 +/- 20 %"],
+    "slider.radius": ["1 mm", "1 +- 0.01 mm", "1 mm±1 %", "1 mm +- 2 um"],
     "drive.source_impedance": [50, [1, 2]],
     "drive.power": ["1 W", [0.5, "20 mW"]],
     "drive.match": ["auto", [{"series_L": "2.6 uH", "Q": 80}, {"shunt_C": 1e-9}, {"series_R": "3 ohm"}]],
@@ -56,7 +60,7 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "slider.gravity": [0],
     "slider.load": ["1 uN"],
     "slider.law": ["hysteretic"],
-    "slider.position": ["80 mm", ["80 mm", "-2 mm"]],
+    "slider.position": ["80 mm", ["80 mm", "-2 mm"], "80 +- 0.1 mm"],
     "slider.travel": [False],
     "slider.reciprocal": [True],
     "slider.stick_band": ["1 mm/s"],
@@ -173,6 +177,22 @@ def test_a_key_refuses_in_the_schema_what_the_program_refuses(path):
         Scene.from_table("", table)
     with pytest.raises(jsonschema.ValidationError):
         VALIDATOR.validate(table)
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        ("drive.voltage", "20:100"),
+        ("drive.voltage", "20 kg:100 kg:5"),
+        ("slider.friction_coefficient", "0.08+-0.02"),
+        ("slider.radius", "1 mm +- 1 kg"),
+    ],
+)
+def test_what_is_no_range_and_no_tolerance_is_neither_in_the_schema(path, value):
+    with pytest.raises(SceneError):
+        resolved(Scene.from_table("", changed(path, value)))
+    with pytest.raises(jsonschema.ValidationError):
+        VALIDATOR.validate(changed(path, value))
 
 
 @pytest.mark.parametrize(

@@ -108,7 +108,7 @@ def test_values_of_an_axis(key, text, values):
         ({"slider.preload": "1:2:latin"}, {}, "--samples"),
         ({"slider.preload": "1:2:3"}, {"samples": 5}, "latin"),
         ({"slider.preload": "1:2:3"}, {"also": ("speed",)}, "--also"),
-        ({"slider.preload": "1:2:3"}, {"points": {"slider.preload": [1.0]}}, "twice"),
+        ([{"slider.preload": "1:2:3"}, {"slider.preload": [1.0]}], {}, "twice"),
     ],
 )  # fmt: skip
 def test_what_is_wrong_whatever_the_point_is_refused(over, options, sentence):
@@ -124,7 +124,7 @@ def test_a_rule_that_every_point_breaks_is_refused_once():
 def test_axes_multiply_and_a_table_of_points_is_one_axis(tmp_path):
     file = tmp_path / "points.csv"
     file.write_text("slider.radius,slider.mass\n1 mm,0.1 g\n0.002,2e-4\n")
-    found = sweep("twente-contact", {"wave.normal_amplitude": "3 nm"}, points=file).columns()
+    found = sweep("twente-contact", [file, {"wave.normal_amplitude": "3 nm"}]).columns()
     assert found["slider.radius"] == [1e-3, 2e-3]
     assert found["slider.mass"] == [1e-4, 2e-4]
     assert found["wave.normal_amplitude"] == [3e-9, 3e-9]
@@ -135,7 +135,7 @@ def test_axes_multiply_and_a_table_of_points_is_one_axis(tmp_path):
 
 def test_a_latin_hypercube_has_one_point_in_every_stripe():
     over = {"slider.preload": "1 mN:100 mN:latin:log", "slider.radius": "1 mm:2 mm:latin"}
-    design = designed(SMALL, over, samples=20, seed=3, tolerance=1e-3)
+    design = designed(SMALL, over, samples=(20, 3), tolerance=1e-3)
     preloads, radii = (np.array(column) for column in design.axes[0].columns)
     for unit in (np.log(preloads / 1e-3) / np.log(100), (radii - 1e-3) / 1e-3):
         assert sorted(np.floor(unit * 20).astype(int)) == list(range(20))
@@ -220,6 +220,22 @@ def test_the_stator_is_solved_once_for_each_frequency_and_geometry(tmp_path):
     assert columns["power_W"][point] == pytest.approx(power, rel=1e-2, abs=0)
     assert 0 < columns["motor_efficiency"][point] < columns["contact_efficiency"][point] < 1
     assert 0 < columns["thrust_N"][point] < 0.08 * columns["slider.preload"][point]
+
+
+def test_many_frequencies_of_a_plane_section_are_a_band():
+    """A band gives what a run gives at each frequency by itself."""
+    section = SMALL | {"stator": SMALL["stator"] | {"diffraction": False}}
+    found = sweep(
+        section, {"drive.frequency": "2.17 MHz:2.22 MHz:6", "slider.position": [6.5e-3, 7e-3]}, tolerance=2e-2
+    )
+    assert found.counts == {"ok": 12}
+    columns = found.columns()
+    table = section
+    for key in ("drive.frequency", "slider.position"):
+        table = replaced(table, key, columns[key][5])
+    (expected,) = run(Scene.from_table("", table), tolerance=2e-2).points
+    error = 2 * (expected["relative_error"] + columns["relative_error"][5])
+    assert columns["velocity_m_per_s"][5] == pytest.approx(expected["velocity_m_per_s"], rel=error, abs=0)
 
 
 def test_a_stator_without_an_answer_costs_its_own_points_alone(monkeypatch):
@@ -384,7 +400,7 @@ class Poisoned(Here):
 
 def test_a_point_that_kills_its_workers_is_a_row_and_is_tried_again(whole, tmp_path, monkeypatch):
     staff = Poisoned()
-    monkeypatch.setattr("studies.sweep.chosen_workers", lambda number, scheduler: staff)
+    monkeypatch.setattr("studies.sweep.chosen_workers", lambda number: staff)
     found = sweep("twente-contact", OVER, out=tmp_path / "s")
     assert found.counts == {"ok": 47, "lost": 1}
     assert found.columns()["status"][17] == "lost: 3 workers that computed it vanished"
@@ -447,7 +463,7 @@ def test_a_dask_cluster_gives_the_same_bits(whole, tmp_path):
     with distributed.LocalCluster(
         n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
     ) as cluster:
-        found = sweep("twente-contact", OVER, scheduler=cluster.scheduler_address)
+        found = sweep("twente-contact", OVER, workers=cluster.scheduler_address)
     assert found.columns() == whole
 
 

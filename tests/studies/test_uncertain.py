@@ -132,3 +132,14 @@ def test_tolerances_without_a_slider_and_given_twice_are_refused():
         Scene.load("rayleigh").replace(uncertain={"stator": {"length": "1 %"}})
     with pytest.raises(SceneError, match="given twice"):
         motor(slider={"preload": "1 %"}).replace(slider={"preload": "1 +- 0.1 mN"})
+
+
+@pytest.mark.parametrize(
+    "words", [["sweep", "--over", "slider.preload=1 mN,2 mN"], ["study", "regime_map", "--quick"]]
+)
+def test_what_draws_no_bands_says_so(words, tmp_path, capsys):
+    scene = tmp_path / "motor.toml"
+    scene.write_text(document(motor(slider={"preload": "+- 5 %"}).to_table()))
+    place = 2 if words[0] == "study" else 1
+    assert main([*words[:place], str(scene), *words[place:], "--out", str(tmp_path / "out")]) == 0
+    assert "[uncertain] is not used here" in capsys.readouterr().err

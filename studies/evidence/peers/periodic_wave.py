@@ -104,8 +104,7 @@ def periodic_wave(
     *,
     order: int,
     surface: str = "open",
-    columns: int = 1,
-    layers: int | None = None,
+    elements: tuple[int, int | None] = (1, None),
     depth: float | None = None,
     grading: float = 8.0,
     shift: float | None = None,
@@ -122,8 +121,8 @@ def periodic_wave(
         Polynomial order of the elements in both directions.
     surface : str
         "open", "metallised", "vacuum" or "free".
-    columns, layers : int
-        Elements along half a wavelength and through the depth; layers of two wavelengths on average, at
+    elements : (int, int or None)
+        Columns along half a wavelength and layers through the depth; layers of two wavelengths on average, at
         least 4, if absent.
     depth : float, optional
         Of the cell, in wavelengths; where the wave of the half-space has decayed to 4e-8 if absent.
@@ -150,6 +149,7 @@ def periodic_wave(
     for name, (value, unit) in (scales | {"grading": (grading, "")}).items():
         if not (np.isfinite(value) and value > 0):
             raise ValueError(f"{name} must be positive and finite, got {value!r} {unit}".rstrip())
+    columns, layers = elements
     layers = max(4, int(np.ceil(depth / 2))) if layers is None else layers
     for name, value in {"order": order, "columns": columns, "layers": layers}.items():
         if value < 1 or int(value) != value:

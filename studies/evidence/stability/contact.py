@@ -2,7 +2,7 @@
 
 Method: the seed's slider on a wave of 5 nm; one quantity at a time, and then all at random between their ends, laws and
 numbers of balls too.  The steady velocity is asked for at 1e-3 and held against runs in time that start at it
-(`contact.second_opinion`).  Expected: an answer within its stated error, an answer that says that it is not within the
+(`second_opinion`).  Expected: an answer within its stated error, an answer that says that it is not within the
 tolerance, or a refusal with the reason; never NaN, never a traceback.  Run time: about a minute of one processor.
 """
 
@@ -124,6 +124,7 @@ def judge(case: Case) -> Outcome:
 def _judged(case):
     import contact
     from contact.drive import relative_to_reference
+    from studies.evidence.stability.second_opinion import second_opinion
 
     none = math.nan
     with warnings.catch_warnings():
@@ -138,7 +139,7 @@ def _judged(case):
         if not (math.isfinite(found.velocity) and math.isfinite(found.relative_error)):
             return "WRONG", "not finite", none, none
         try:
-            other = contact.second_opinion(found)
+            other = second_opinion(found)
         except contact.ConvergenceError as refused:
             other, guard = None, f"no second way: {refused}"
         except Exception as broken:

@@ -15,6 +15,11 @@ MAX_SIZE = 1e30
 DIGITS = r"(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?"
 
 
+def units(unit: str) -> str:
+    """Return the alternatives of a pattern that matches the usual units of an SI unit's dimension."""
+    return "|".join(sorted(map(re.escape, POWERS[unit])))
+
+
 @dataclass(frozen=True)
 class Quantity(Rule):
     """A number with a unit; ``words`` are the texts that stand for a number found later."""
@@ -70,9 +75,8 @@ class Quantity(Rule):
             number["exclusiveMaximum"] = self.below
         either = [number]
         if self.unit:
-            units = "|".join(sorted(map(re.escape, POWERS[self.unit])))
             sign = "[+-]?" if self.negative else r"\+?"
-            either.append({"type": "string", "pattern": rf"^\s*{sign}{DIGITS}\s*({units})\s*$"})
+            either.append({"type": "string", "pattern": rf"^\s*{sign}{DIGITS}\s*({units(self.unit)})\s*$"})
         if self.words:
             either.append({"enum": list(self.words)})
         return either[0] if len(either) == 1 else {"anyOf": either}
