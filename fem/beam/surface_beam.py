@@ -6,7 +6,8 @@ bare stator's response to it is a sum of guided modes (line_source.py): at x, wh
     u(x, y) = int dk_y / 2 pi  W sinc(k_y W / 2) exp(-i k_y y) sum_p a_p(k_y) sum_j q_j exp(-i kappa_p (x - x_j)),
 
 and the same from the right.  The contributions of all transducers add up: massless fingers scatter by their charges
-alone.  So the field is known between and under the fingers too.
+alone.  So the field is known between and under the fingers too.  Free and clamped ends add what they send back at each
+k_y (faces.py).
 
 On the axis y = 0, u_y vanishes by symmetry.
 
@@ -42,7 +43,6 @@ UNLIKE = (
     0.25  # of what is not followed; half as much fails beside one finger pair on PZT-8 (test_cut_source.py)
 )
 RULE_GAIN = 1.5  # power of the coarse rule's error that bounds the fine one's; 1.8 measured, 2 in theory
-FACES_GAIN = 1.35  # the same between reflecting ends; 1.4 fails in test_faces.py
 DIRECTIONS = 400  # of a transducer's power; enough for 200 wavelengths of aperture
 CHUNK = 2000  # points at a time whose distances to all fingers, or whose spectra, are tabulated
 FULL_GRID = 4  # points of the grid of all x and y per point asked for, up to which the whole grid is computed
@@ -126,8 +126,10 @@ class SurfaceBeam:
         fine, coarse = self._both_rules(x, y)
         size = abs(fine[[0, 2]]).max(axis=0)
         largest = float(size.max())
-        gain = RULE_GAIN if self.faces is None else FACES_GAIN
-        rule = (abs(fine - coarse).max(axis=0) / largest) ** gain * largest / size
+        rule = (abs(fine - coarse).max(axis=0) / largest) ** RULE_GAIN * largest / size
+        if self.faces is not None:  # whose static part depends on |k_y|
+            static = self._returned(*(each.ravel() for each in np.broadcast_arrays(x, y)), self.faces.static)
+            rule = rule + abs(static[0, 0]).reshape(size.shape) / size
         x = np.broadcast_arrays(np.asarray(x, dtype=float), y)[0]
         places, where = np.unique(x, return_inverse=True)
         where = where.reshape(size.shape)
@@ -208,7 +210,7 @@ class SurfaceBeam:
         if self.mirror_width is None:
             total += self._static(x, y)
         if self.faces is not None:
-            total += self._returned(x, y)
+            total += self._returned(x, y, self.faces.wanted)
         return tuple(total.reshape(2, 3, *shape))
 
     def _refuse(self, x, y):
@@ -229,14 +231,14 @@ class SurfaceBeam:
             total += self._inverse(branch.rule, branch.signs, sent, lines, column, row)
         return total
 
-    def _returned(self, x, y) -> np.ndarray:
-        """What the faces send back, by both rules, (2, 3, points)."""
+    def _returned(self, x, y, modes) -> np.ndarray:
+        """What the faces send back in some modes, by both rules, (2, 3, points)."""
         places, column = np.unique(x, return_inverse=True)
         lines, row = np.unique(y, return_inverse=True)
         reach = max(self.apertures) / 2 + abs(y).max()
         found = self.faces.returned(reach, _sources(self.charges), self.mirror_width)
         lobes = self._lobes(found.rule.nodes)
-        sent = found.spectra(places, self.wave.length, lobes, self.faces.surface_only)
+        sent = found.spectra(places, self.wave.length, lobes, modes)
         return self._inverse(found.rule, found.signs, sent, lines, column, row)
 
     def _lobes(self, lateral) -> np.ndarray:
@@ -289,7 +291,7 @@ class SurfaceBeam:
         sent = sum(_sent(nodes, branch, places, ones) for branch in source.plane(self._resolved))[..., 0]
         if self.faces is not None:
             plane = self.faces.plane(_sources(_charges_of(self.wave.solution)))
-            sent = sent + plane.spectra(places, self.wave.length, ones, self.faces.surface_only)[..., 0]
+            sent = sent + plane.spectra(places, self.wave.length, ones, self.faces.wanted)[..., 0]
         to_the_left = np.append(0.0, np.cumsum(nodes.charge))[np.searchsorted(nodes.x, places, side="right")]
         rest = self.wave.motion(places) - sent.T[[0, 2]]
         rest[0] -= source.static * (2 * to_the_left - nodes.charge.sum())
@@ -388,8 +390,9 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     Parameters
     ----------
     wave : SurfaceWave
-        Of `fem.driven_wave`, ends absorbing.  Unless the solid is isotropic about z the first evaluation takes some
-        seconds, for an eigenvalue problem at every lateral wavenumber, and transducers receive as in the section.
+        Of `fem.driven_wave`.  Between free or clamped ends, and unless the solid is isotropic about z, the first
+        evaluation takes some seconds, for a problem at every lateral wavenumber, and transducers receive as in the
+        section.
     mirror_width : float, optional
         Distance in m of two side faces that reflect like mirrors (u_y = 0, no shear traction); without, the stator is
         infinitely wide.  Free faces are neither: the difference shows how much the width could matter.  In cuts without
@@ -402,7 +405,7 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     Raises
     ------
     BeamError
-        For other ends, and a width smaller than an aperture.
+        For free or clamped ends in cuts that are not isotropic about z, and a width smaller than an aperture.
     """
     solution = wave.solution
     refusal = beam_refusal(solution.fields.stator)
