@@ -66,8 +66,8 @@ class SurfaceBeam:
     source : LineSource or CutSource
     charges : tuple of ElectrodeCharges
         Of each transducer from left to right.
-    apertures : tuple of float
-        m.
+    apertures, centers : tuple of float
+        Sizes and middles along y, m.
     mirror_width : float or None
         m between two side faces that reflect like mirrors; None where nothing comes back from the sides.
     complete : bool
@@ -86,6 +86,7 @@ class SurfaceBeam:
     source: LineSource | CutSource = field(repr=False)
     charges: tuple[ElectrodeCharges, ...] = field(repr=False)
     apertures: tuple[float, ...]
+    centers: tuple[float, ...]
     mirror_width: float | None = None
     complete: bool = True
     faces: Faces | None = field(default=None, repr=False)
@@ -96,7 +97,7 @@ class SurfaceBeam:
         Parameters
         ----------
         x, y : float or ndarray
-            m from the stator's left end and from the middle of the apertures; broadcast against each other.  Many
+            m from the stator's left end and from its middle line; broadcast against each other.  Many
             points at few x, or on a grid, cost little more than few points.
 
         Returns
@@ -225,33 +226,43 @@ class SurfaceBeam:
         places, column = np.unique(x, return_inverse=True)
         lines, row = np.unique(y, return_inverse=True)
         total = np.zeros((2, 3, len(x)), dtype=complex)
-        reach = max(self.apertures) / 2 + abs(y).max()
-        for branch in self.source.branches(reach, distance, self._resolved, self.mirror_width):
-            sent = _sent(self._nodes, branch, places, self._lobes(branch.rule.nodes))
-            total += self._inverse(branch.rule, branch.signs, sent, lines, column, row)
+        for branch in self.source.branches(self._reach(y), distance, self._resolved, self.mirror_width):
+            total += self._inverse(
+                branch,
+                lambda spectra, branch=branch: _sent(self._nodes, branch, places, spectra),
+                lines,
+                column,
+                row,
+            )
         return total
 
     def _returned(self, x, y, modes) -> np.ndarray:
         """What the faces send back in some modes, by both rules, (2, 3, points)."""
         places, column = np.unique(x, return_inverse=True)
         lines, row = np.unique(y, return_inverse=True)
-        reach = max(self.apertures) / 2 + abs(y).max()
-        found = self.faces.returned(reach, _sources(self.charges), self.mirror_width)
-        lobes = self._lobes(found.rule.nodes)
-        sent = found.spectra(places, self.wave.length, lobes, modes)
-        return self._inverse(found.rule, found.signs, sent, lines, column, row)
+        found = self.faces.returned(self._reach(y), _sources(self.charges), self.mirror_width)
+        return self._inverse(
+            found, lambda spectra: found.spectra(places, self.wave.length, spectra, modes), lines, column, row
+        )
 
-    def _lobes(self, lateral) -> np.ndarray:
-        """Transforms of the apertures over y, m, shape (transducers, n)."""
-        widths = np.array(self.apertures)[:, None]
-        return widths * np.sinc(lateral * widths / (2 * np.pi))
+    def _reach(self, y) -> float:
+        """Farthest lateral distance from points to an end of a finger, m."""
+        spans = np.subtract.outer(y, self.centers)
+        return float((abs(spans) + np.divide(self.apertures, 2)).max())
 
-    def _inverse(self, rule, signs, sent, lines, column, row) -> np.ndarray:
-        """Fields at points (column of ``sent``, row of ``lines``) from spectra, by both rules, (2, 3, points)."""
-        count, weights = len(column), rule.weights / 2
+    def _inverse(self, waves, sent_by, lines, column, row) -> np.ndarray:
+        """Fields at points (``column`` of the places, ``row`` of the lines y) of waves, by both rules, (2, 3, points).
+
+        ``sent_by``: spectra of u at the places, (places, 3, n), from those of the apertures, (transducers, n).
+        """
+        count, sent = len(column), None
+        lateral, weights = waves.rule.nodes, waves.rule.weights / 2
+        uniform = [each * np.sinc(lateral * each / (2 * np.pi)) for each in self.apertures]
         total = np.zeros((2, 3, count), dtype=complex)
-        for sign, factors in signs:
-            phases = np.exp(-1j * sign * np.outer(rule.nodes, lines))
+        for sign, factors in waves.signs:
+            if sent is None or any(self.centers):
+                sent = sent_by(uniform * np.exp(1j * sign * np.outer(self.centers, lateral)))
+            phases = np.exp(-1j * sign * np.outer(lateral, lines))
             for coarse, step in ((0, 1), (1, 1 if self.mirror_width is not None else 2)):
                 weighted = factors[:, None] * sent[..., ::step] * (step * weights[::step])
                 if len(sent) * len(lines) <= FULL_GRID * count:
@@ -269,7 +280,8 @@ class SurfaceBeam:
         places, column = np.unique(x, return_inverse=True)
         nodes = self._section_nodes
         nearest = nodes.owner[abs(places[:, None] - nodes.x).argmin(axis=1)]
-        within = abs(y) < np.divide(self.apertures, 2)[nearest[column]]
+        owner = nearest[column]
+        within = abs(y - np.array(self.centers)[owner]) < np.divide(self.apertures, 2)[owner]
         return np.insert(self._beyond_the_modes(places), 1, 0.0, axis=0)[:, column] * within
 
     def _spread_alike(self, x, normal) -> np.ndarray:
@@ -314,12 +326,12 @@ class SurfaceBeam:
         out = np.zeros((3, len(x)), dtype=complex)
         if self.source.static == 0:
             return out
-        for charges, aperture in zip(self.charges, self.apertures, strict=True):
+        for charges, aperture, center in zip(self.charges, self.apertures, self.centers, strict=True):
             nodes, charge = charges.pairs
             for start in range(0, len(x), CHUNK):
                 some = slice(start, start + CHUNK)
                 distance = np.subtract.outer(x[some], nodes)
-                above, below = (aperture / 2 + sign * y[some, None] for sign in (1, -1))
+                above, below = (aperture / 2 + sign * (y[some, None] - center) for sign in (1, -1))
                 inward = np.arctan2(above, abs(distance)) + np.arctan2(below, abs(distance))
                 sideways = 0.5 * np.log((distance**2 + above**2) / (distance**2 + below**2))
                 out[0, some] += (np.sign(distance) * inward) @ charge
@@ -417,17 +429,29 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
             f"mirror_width must be at least the largest aperture, {max(apertures):g} m, got {mirror_width!r}"
         )
     isotropic = isotropic_about_normal(solution.fields.stator.solid)
+    centers = tuple(each.center_y for each in solution.fields.transducers)
+    if any(centers) and (mirror_width is not None or not isotropic):
+        raise BeamError(
+            "transducers beside the middle line need a solid isotropic about z and absorbing sides"
+        )
     fields = with_apertures(solution.fields, mirror_width)
     if fields is not solution.fields:
         solution = driven_solution(fields, solution.circuit.drive)
+    return aperture_beam(wave, solution, mirror_width)
+
+
+def aperture_beam(wave: SurfaceWave, solution: Solution, mirror_width: float | None = None) -> SurfaceBeam:
+    """Field of the charges of a solution, whose circuit may be part of a larger one."""
+    transducers, stator = solution.fields.transducers, solution.fields.stator
+    isotropic = isotropic_about_normal(stator.solid)
     source = line_source(solution.fields.modes) if isotropic else cut_source(solution.fields)
-    reflecting = solution.fields.stator.ends != "absorbing"
     return SurfaceBeam(
         wave=wave,
         solution=solution,
         source=source,
-        faces=faces(solution.fields, source) if reflecting else None,
+        faces=None if stator.ends == "absorbing" else faces(solution.fields, source),
         charges=_charges_of(solution),
-        apertures=apertures,
+        apertures=tuple(each.aperture for each in transducers),
+        centers=tuple(each.center_y for each in transducers),
         mirror_width=mirror_width,
     )

@@ -8,8 +8,6 @@ influence), and a delay in that band, its median, of the way from the fingers' m
 Run time: about 8 s.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from studies.chain import bridge, passband
@@ -28,11 +26,7 @@ COUNT = 161
 
 @study
 def run(
-    scene: str | Scene = "twente-left",
-    *,
-    count: int = COUNT,
-    tolerance: float = 1e-2,
-    progress: Callable[[str], None] | None = None,
+    scene: str | Scene = "twente-left", *, count: int = COUNT, tolerance: float = 1e-2, progress=None
 ) -> StudyRecord:
     """Return amplitude and group delay against frequency.
 
@@ -47,12 +41,12 @@ def run(
 
     chosen = passband.driven_scene(scene)
     place, at = passband.place(chosen), passband.frequencies(chosen, count)
-    driven = next(each for each in chosen.transducer if each.name == chosen.drive.transducer)
+    driven = chosen.driven_transducer
     prepared = response(chosen, at[0], at[-1], places=(place,), tolerance=tolerance, progress=progress)
     progress(f"stator: {count} frequencies")
     found = spectrum(chosen, prepared, at, place)
     surface = found.normal if np.isnan(found.rayleigh_normal).any() else found.rayleigh_normal
-    way = abs(place - driven.center)
+    way = abs(place - driven.place[0])
     free = fem.free_wave(resolved.stator(chosen.stator), frequency=float(np.median(at)), tolerance=1e-4)
     theory = passband.expected(chosen).normal(at) * np.exp(-free.attenuation * way)
     delay = passband.group_delay(at, surface, way / free.velocity)

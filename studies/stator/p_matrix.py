@@ -8,7 +8,6 @@ solid is lossless; the cascade within 30 % of the stator in the transfer admitta
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 
@@ -30,11 +29,7 @@ COUNT = 25
 
 @study
 def run(
-    scene: str | Scene = "twente",
-    *,
-    count: int = COUNT,
-    tolerance: float = 3e-2,
-    progress: Callable[[str], None] | None = None,
+    scene: str | Scene = "twente", *, count: int = COUNT, tolerance: float = 3e-2, progress=None
 ) -> StudyRecord:
     """Return P-matrices, their cascade and the whole stator.
 
@@ -49,7 +44,7 @@ def run(
 
     chosen = passband.driven_scene(scene)
     block = resolved.stator(chosen.stator)
-    row = tuple(sorted(resolved.transducers(chosen), key=lambda each: each.center))
+    row = tuple(sorted(resolved.section_row(chosen), key=lambda each: each.center))
     if len({each.aperture for each in row}) > 1:
         chosen.refuse("transducer", "must have equal apertures for this study: their waves are one beam")
     ports = [k for k, each in enumerate(row) if {"+", "-"} <= set(each.signs)]

@@ -61,12 +61,12 @@ def views(found: RunField) -> tuple[View, ...]:
     """Return what is shown unless something else is asked for: the whole, the driven transducer, the slider."""
     if found.free:
         return chosen_views(found, (0.0, found.length))
-    driven = next(each for each in found.scene.transducer if each.name == found.scene.drive.transducer)
+    driven = found.scene.driven_transducer
     near = CLOSE * found.wavelength
     whole = View(name="the whole section", start=0.0, stop=found.length, weight=0.17)
     return whole, *(
         View(name=name, start=max(place - near, 0.0), stop=min(place + near, found.length), weight=0.4)
-        for name, place in ((f"driven transducer {driven.name!r}", driven.center), found.focus)
+        for name, place in ((f"driven transducer {driven.name!r}", driven.place[0]), found.focus)
     )
 
 
