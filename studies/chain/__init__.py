@@ -10,6 +10,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 import fem
 from studies.chain import bridge
 from studies.chain.model_error import model_error
@@ -29,6 +31,7 @@ SHARE = 0.25  # of the tolerance, for the stator at first and for the contact
 STALLED = (
     0.7  # of the motion's error: what is left then is the beam's own, which no finer section makes smaller
 )
+PER_WAVELENGTH = 12  # lines of surface.csv where no section lies along x
 ROUNDS = 3  # of the stator, each with the tolerance that the one before found to be needed
 
 
@@ -209,7 +212,7 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
         + diffraction_left_out(scene, motion.beam is not None, motion.reason)
         + recovery_left_out(scene)
         + ring_up_left_out(scene, ringing, blocks.get("trajectories", ())),
-        surface=_surface_columns(wave),
+        surface=_surface_columns(scene, motion),
         surface_motion=motion,
         **blocks,
     )
@@ -336,8 +339,13 @@ def _wave_block(scene: Scene, motion: SurfaceMotion, place: tuple[float, float])
     }
 
 
-def _surface_columns(wave) -> dict:
-    x, (tangential, normal) = wave.samples()
+def _surface_columns(scene: Scene, motion: SurfaceMotion) -> dict:
+    if scene.driven_obliquely:  # no section lies along x
+        reach = motion.wave.phase_velocity / scene.frequency / PER_WAVELENGTH
+        x = np.linspace(0.0, scene.stator.length, int(scene.stator.length / reach) + 1)
+        tangential, _, normal = motion.along(x, 0.0)
+    else:
+        x, (tangential, normal) = motion.wave.samples()
     return {"x_m": x, "u_x_m_per_V": tangential, "u_z_m_per_V": normal}
 
 

@@ -33,9 +33,8 @@ def diffraction_left_out(scene: Scene, spreads: bool, reason: str) -> tuple[str,
 
 
 def _of_the_section(scene: Scene) -> tuple[str, ...]:
-    reasons = [
-        "diffraction in surface.csv and the interior field: of the plane section; --field adds surface_map.csv"
-    ]
+    where = "the interior field" if scene.driven_obliquely else "surface.csv and the interior field"
+    reasons = [f"diffraction in {where}: of the plane section; --field adds surface_map.csv"]
     if scene.burst is not None and scene.slider is not None:
         reasons.append("diffraction in the shape of the burst's ring-up: that of the plane section")
     if scene.crossed:

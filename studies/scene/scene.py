@@ -146,6 +146,12 @@ class Scene(Block):
         return any(each.turned for each in self.transducer)
 
     @property
+    def driven_obliquely(self) -> bool:
+        """Whether no driven transducer sends along x."""
+        driven = [each for each in self.transducer if self.drive.driven.get(each.name)]
+        return bool(driven) and all(each.angle % 180 for each in driven)
+
+    @property
     def levels(self) -> tuple[float, ...]:
         """Peak voltages in V, or given normal amplitudes in m; empty for a free wave."""
         return self.wave.normal_amplitude if self.wave is not None else self.drive.levels
