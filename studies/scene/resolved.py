@@ -210,10 +210,14 @@ def default_refusal(stator) -> str:
     """Return why the section stands for a `fem.Stator` where a scene does not decide, a sentence; or nothing."""
     import fem
 
-    if fem.beam_refusal(stator) or fem.isotropic_about_normal(stator.solid):
+    if fem.beam_refusal(stator):
         return fem.beam_refusal(stator)
+    reflects, turns = stator.ends != "absorbing", fem.isotropic_about_normal(stator.solid)
+    if turns and not reflects:
+        return ""
+    where, times = ("between reflecting ends", "2 to 4") if turns else ("in this cut", "5 to 10")
     return (
-        "stator.diffraction is absent, and in this cut the beam takes 5 to 10 times as long as the section; true "
+        f"stator.diffraction is absent, and {where} the beam takes {times} times as long as the section; true "
         "computes it"
     )
 
