@@ -14,8 +14,6 @@ from studies.scene.file import SceneFile
 from studies.scene.rule import Text
 from studies.scene.uncertain import Uncertain, parted
 
-__all__ = ["Scene"]
-
 ALONG = 0.7  # cosine of the angle from x up to which a driven transducer may stand alone
 
 
