@@ -174,17 +174,11 @@ def line_source(modes: GuidedModes) -> LineSource:
     # biorthogonal but for rounding, which the two surface waves of a thick plate, 1e-8 apart, enlarge to 1e-4
     products = (k[:, None] + k) * (left.T @ second @ right) + 1j * (left.T @ (first - first.T) @ right)
     norms = np.sqrt(np.diag(products))
-<<<<<<< HEAD
-    # a charge of 1 C/m is a reaction of -potential_unit / stress_unit
-    scale = -section.solid.potential_unit / section.solid.stress_unit
-    received = np.linalg.solve(products / np.outer(norms, norms), section.lift(left)[at["phi"]] / norms)
-=======
     scale = charge_scale(section.solid)
-    received = np.linalg.solve(products / np.outer(norms, norms), left[at["phi"]] / norms)
->>>>>>> main
+    received = np.linalg.solve(products / np.outer(norms, norms), section.lift(left)[at["phi"]] / norms)
     amplitudes = -1j * scale * received / norms
     surface = section.lift(right) * amplitudes
-    static, slope = _static_motion(modes) if section.floating_potential else (0.0, 0.0)
+    slope, motion = static_mode(modes) if section.floating_potential else (0.0, np.zeros(section.size))
     return LineSource(
         surface=np.isin(moving, modes.rayleigh),
         wavenumbers=k / section.length_unit,
@@ -192,38 +186,22 @@ def line_source(modes: GuidedModes) -> LineSource:
         normal=surface[at["uz"]],
         potential=surface[at["phi"]] * section.solid.potential_unit,
         amplitudes=amplitudes,
-        static=scale * static,
+        static=scale * slope * section.lift(motion)[at["ux"]],
         slope=scale * slope * section.solid.potential_unit / section.length_unit,
     )
 
 
-<<<<<<< HEAD
-def _static_motion(modes: GuidedModes) -> tuple[complex, complex]:
-    """Motion u_x = s w at the surface that goes with the potential s |x| of a unit reaction, and s; scaled."""
-=======
 def charge_scale(medium: Medium) -> float:
     """Scaled reaction of a charge of 1 C/m."""
     return -medium.potential_unit / medium.stress_unit
 
 
-def _static_motion(modes: GuidedModes) -> complex:
-    """Motion u_x = s w at the surface that goes with the potential s |x| of a unit reaction."""
-    slope, motion = static_mode(modes)
-    return complex(slope * motion[modes.section.surface_dofs["ux"]])
-
-
 def static_mode(modes: GuidedModes) -> tuple[complex, np.ndarray]:
     """Slope s of the potential s |x| of a unit reaction where nothing grounds the section, and the shape w of u_x."""
->>>>>>> main
     section = modes.section
     second, first, zeroth = section.matrices(modes.frequency)
     constant = section.constant_potential
     border = constant[:, None]
     system = np.block([[zeroth, border], [border.T, np.zeros((1, 1))]])
     motion = np.linalg.solve(system, np.append((first - first.T) @ constant, 0.0))[:-1]
-<<<<<<< HEAD
-    slope = -0.5 / (constant @ (second @ constant + first @ motion))
-    return complex(slope * section.lift(motion)[section.full.surface_dofs["ux"]]), complex(slope)
-=======
     return complex(-0.5 / (constant @ (second @ constant + first @ motion))), motion
->>>>>>> main
