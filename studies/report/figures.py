@@ -313,7 +313,7 @@ def surface(record: Record, ax):
         abs(columns["u_z_m_per_V"]) * 1e9,
         color=COLOURS["slip"],
         linewidth=0.8,
-        label="|u_z|, plane section",
+        label="|u_z|, " + ("y = 0" if record.scene.driven_obliquely else "plane section"),
     )
     ax.plot(x, abs(columns["u_x_m_per_V"]) * 1e9, color=COLOURS["intermittent"], linewidth=0.8, label="|u_x|")
     for transducer in record.scene.transducer:

@@ -53,6 +53,10 @@ class RunField:
     wave: object = field(default=None, repr=False)
     crossed: object = field(default=None, repr=False)
 
+    def in_section(self, place: tuple[float, float]) -> float:
+        """Where a place (x, y) lies along the section, m."""
+        return place[0] if self.crossed is None else float(self.crossed.rows[0].local(*place)[0])
+
     @property
     def scene(self) -> Scene:
         """The run's, as resolved."""
@@ -102,7 +106,7 @@ class RunField:
     def focus(self) -> tuple[str, float]:
         """What to look at from near: its name and place in m."""
         if self.scene.slider is not None:
-            return "slider", self.scene.slider.center[0]
+            return "slider", self.in_section(self.scene.slider.center)
         return "middle", self.length / 2
 
     @property
@@ -180,9 +184,8 @@ def _driven(record: Record, progress) -> RunField:
     wave, crossed = motion.wave, motion.beam
     rows = resolved.transducers(scene) if crossed is None else crossed.rows[0].transducers
     slider = scene.slider
-    places = (scene.stator.length / 2,)
-    if slider is not None:
-        places = tuple(dict.fromkeys(x for x, _ in (slider.center, *slider.places)))
+    places = [(scene.stator.length / 2, 0.0)] if slider is None else [slider.center, *slider.places]
+    places = tuple(dict.fromkeys(map(motion.in_section, places)))
 
     def compute(*, per_wavelength: float = LINES, **wanted):
         return fem.wave_field(wave, places=places, per_wavelength=per_wavelength, **wanted)
