@@ -148,7 +148,9 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[Part], list[str], floa
     """Return the parts of a driven stator, what they leave out, their operations, and the bytes of their blocks."""
     from fem import LEVELS, planned_levels, stator_size
 
-    stator, row = resolved.stator(scene.stator), resolved.transducers(scene)
+    along, _ = resolved.first_row(scene, (0.0, 0.0))
+    stator, row = resolved.stator(along.stator), resolved.transducers(along)
+    sections = len(resolved.rows(scene)) if scene.crossed else 1
     planned = [*planned_levels(stator, tolerance if scene.slider is None else tolerance * SHARE)]
     if scene.stator.ends != "absorbing" and planned[-1] + 1 < len(LEVELS):
         planned.append(planned[-1] + 1)  # resonances of the block multiply the error
@@ -165,6 +167,11 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[Part], list[str], floa
         _where(scene),
         f"transducers: {len(row)}, different ones: {finest.scatterers}, fingers in all: "
         f"{sum(len(each.signs) for each in row)}",
+        *(
+            (f"sections, one for each row of parallel transducers: {sections}; what follows is of the first",)
+            if sections > 1
+            else ()
+        ),
         "two discretisations, the second for the error; one more wherever their difference exceeds the tolerance",
         f"{'complex' if finest.complex else 'real'} arithmetic in the pieces, guided modes between them, {ends}",
     )
@@ -193,7 +200,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[Part], list[str], floa
             parts.append(Part(name="ring-up", facts=(how,)))
         ring_up = RingUp(envelope=None, ring_down=None, found=None, error=0.0) if rings else None
         left_out += ring_up_left_out(scene, ring_up, ())
-    operations = sum(_operations(sizes[k]) for k in planned) + BAND * bands * _operations(sizes[1])
+    operations = sections * sum(_operations(sizes[k]) for k in planned) + BAND * bands * _operations(sizes[1])
     kept = sum(sorted(sizes[k].block_bytes for k in planned)[-2:]) + (
         5 * sizes[1].block_bytes if bands else 0
     )
