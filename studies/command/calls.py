@@ -34,7 +34,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.explain:
         return _explain(scene, wanted, as_json=arguments.json)
     if arguments.plot:
-        from studies.report.figures import refuse_without_toolkit, show
+        from studies.report.figures import pictures, refuse_without_toolkit, show
 
         refuse_without_toolkit("--plot", "without it the same pictures are files in the result directory")
     for option in ("report", "field"):
@@ -75,7 +75,7 @@ def run(arguments: argparse.Namespace) -> int:
     if record.shortfall:
         print(f"sawmotor: {record.shortfall}", file=sys.stderr)
     if arguments.plot:
-        show(record)
+        show(*pictures(record).values())
     return 1 if record.shortfall else 0
 
 
@@ -228,7 +228,7 @@ def view(arguments: argparse.Namespace) -> int:
 
     with Progress() as progress:
         show(arguments.run, wanted, progress=progress, note=note)
-    print("\n".join(wanted.files), end="\n" if wanted.files else "")
+    print("\n".join(wanted.files.values()), end="\n" if wanted.files else "")
     return 0
 
 

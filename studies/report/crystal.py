@@ -8,6 +8,7 @@ from pathlib import Path
 
 from studies.refusal import RunError, SceneError
 from studies.report.answer import table
+from studies.report.figures import COLOURS, arrow, saved
 
 __all__ = ["axes", "axes_figure", "crystal_tables", "save_axes", "tables_text"]
 
@@ -69,16 +70,12 @@ def axes(crystal: dict) -> dict:
 
 def axes_figure(answer: dict, ax):
     """Draw the crystal axes in the section's corner of the material that `half_space_wave` answered for."""
-    from studies.report.figures import COLOURS
-
     colours = {"X": COLOURS["slip"], "Y": COLOURS["second"], "Z": COLOURS["intermittent"]}
     ax.axhspan(-1.5, 0, color=COLOURS["stick"], alpha=0.25, linewidth=0)
     ax.axhline(0, color=COLOURS["line"], linewidth=1.2)
     for name, (x, y, z) in axes(answer["crystal"]).items():
         if x * x + z * z > SEEN**2:
-            ax.annotate(
-                "", (x, z), (0, 0), arrowprops={"arrowstyle": "-|>", "color": colours[name], "linewidth": 2}
-            )
+            arrow(ax, (0, 0), (x, z), colours[name], width=2.0)
         mark = "" if abs(y) < SEEN else f" ({abs(y):.2f} {'into' if y > 0 else 'out of'} the page)"
         size = max((x * x + z * z) ** 0.5, SEEN)
         at = (1.15 * x, 1.15 * z + (0.09 if abs(z) < 0.1 else 0.0)) if size > SEEN else (0.12, -0.12)
@@ -106,8 +103,6 @@ def save_axes(answer: dict, file: str | Path) -> None:
     RunError
         If it cannot be written.
     """
-    from studies.report.figures import saved
-
     if Path(file).suffix.lower() not in FORMATS:
         raise SceneError("--plot", f"must end in one of {', '.join(FORMATS)}, got {str(file)!r}")
     try:

@@ -4,7 +4,7 @@ import numpy as np
 
 from studies.chain.model_error import sentences
 from studies.report.datasheet import SETTLED, Datasheet, Row
-from studies.report.figures import COLOURS, as_svg, finished, velocity
+from studies.report.figures import COLOURS, as_uri, curve, family, finished, velocity
 from studies.report.intermediate import si
 from studies.report.limits import model_limits
 from studies.report.page import rendered
@@ -21,7 +21,6 @@ GROUPS = {
     "resonance": "Resonance",
 }
 PICTURE = (4.6, 3.9)  # inches
-PALETTE = ("stick", "slip", "intermittent")
 
 
 def page(sheet: Datasheet) -> str:
@@ -41,7 +40,7 @@ def page(sheet: Datasheet) -> str:
             title: [_written(row) for row in sheet.rows if row.group == group]
             for group, title in GROUPS.items()
         },
-        pictures=[{"data": as_svg(draw, size=PICTURE), "caption": caption} for draw, caption in drawn],
+        pictures=[{"data": as_uri(draw, size=PICTURE), "caption": caption} for draw, caption in drawn],
         limits=(*(f"{each[0].upper()}{each[1:]}." for each in record.left_out), *model_limits(record.scene)),
         warnings=record.warnings,
         model_error=sentences(record),
@@ -79,15 +78,8 @@ def speed(sheet: Datasheet, ax):
 
 def load_lines(sheet: Datasheet, ax):
     """Draw speed against load at some levels of the drive."""
-    for (name, line), colour in zip(sheet.lines.items(), PALETTE[-len(sheet.lines) :], strict=True):
-        ax.plot(
-            sheet.balls * line.load * 1e6,
-            line.velocity * 1e3,
-            ".-",
-            color=COLOURS[colour],
-            linewidth=1,
-            label=name,
-        )
+    for name, line, colour in family(sheet.lines):
+        curve(ax, sheet.balls * line.load * 1e6, line.velocity * 1e3, ".-", colour, name)
     ax.set_xlim(left=0)
     ax.set_ylim(bottom=0)
     return finished(ax, "load (\u00b5N)", "speed (mm/s)", "speed against load")
@@ -96,15 +88,13 @@ def load_lines(sheet: Datasheet, ax):
 def start_and_stop(sheet: Datasheet, ax):
     """Draw the slider's velocity from rest to its speed and back to rest."""
     motion = sheet.start_stop
-    ax.plot(motion.time * 1e3, motion.velocity * 1e3, color=COLOURS["slip"], linewidth=1.3, label="slider")
-    ax.axvline(motion.duration * 1e3, color=COLOURS["line"], linestyle=":", linewidth=1, label="drive off")
+    curve(ax, motion.time * 1e3, motion.velocity * 1e3, "-", "slip", "slider")
     share = SETTLED * motion.velocity_at_burst_end * 1e3
-    ax.axhline(
-        share, color=COLOURS["stick"], linestyle="--", linewidth=1, label=f"{SETTLED:.0%} of the speed"
-    )
-    return finished(
-        ax, "time (ms)", "slider velocity (mm/s)", f"start and stop at {sheet.driven.named(sheet.rated)}"
-    )
+    ax.axvline(motion.duration * 1e3, color=COLOURS["line"], linestyle=":", linewidth=1, label="drive off")
+    label = f"{SETTLED:.0%} of the speed"
+    ax.axhline(share, color=COLOURS["stick"], linestyle="--", linewidth=1, label=label)
+    title = f"start and stop at {sheet.driven.named(sheet.rated)}"
+    return finished(ax, "time (ms)", "slider velocity (mm/s)", title)
 
 
 def _written(row: Row) -> dict:

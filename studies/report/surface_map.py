@@ -1,12 +1,12 @@
 """The beam over the whole surface: its motion on a grid of places (x, y), as files and as a picture."""
 
-from pathlib import Path
-
+from studies.report.figures import COLOURS, finished
 from studies.scene import Scene
 
-__all__ = ["draw_surface_map", "surface_map", "write_surface_map"]
+__all__ = ["SIZE", "draw_surface_map", "surface_map"]
 
 PER_WAVELENGTH, LINES = 4, 81  # places along x and across the width
+SIZE = (1600, 430)  # of the picture, pixels
 
 
 def surface_map(beam, width: float):
@@ -20,53 +20,24 @@ def surface_map(beam, width: float):
     return x, y, beam.motion(x[:, None], y)
 
 
-def write_surface_map(beam, width: float, folder: Path) -> None:
-    """Write surface_map.vtu and surface_map.csv, a line for every place."""
-    import numpy as np
-
-    import fem
-    from studies.report.files import write_columns
-
-    x, y, motion = surface_map(beam, width)
-    fem.write_surface(x, y, motion, folder / "surface_map.vtu")
-    columns = {"x_m": np.repeat(x, y.size), "y_m": np.tile(y, x.size)}
-    columns |= {f"u_{name}_m_per_V": each.ravel() for name, each in zip("xyz", motion, strict=True)}
-    write_columns(folder / "surface_map.csv", columns)
-
-
 def draw_surface_map(beam, scene: Scene, ax):
     """Draw the size of u_z on the surface, with the transducers' apertures, the balls and the side faces."""
     from matplotlib.patches import Rectangle
 
-    from studies.report.figures import COLOURS
-
-    width = scene.stator.width
-    x, y, motion = surface_map(beam, width)
-    drawn = ax.pcolormesh(
-        x * 1e3, y * 1e3, abs(motion[2]).T * 1e9, cmap="viridis", shading="gouraud", rasterized=True
-    )
+    x, y, motion = surface_map(beam, scene.stator.width)
+    size = abs(motion[2]).T * 1e9
+    drawn = ax.pcolormesh(x * 1e3, y * 1e3, size, cmap="viridis", shading="gouraud", rasterized=True)
     ax.figure.colorbar(drawn, ax=ax, label="|u_z| (nm per V)")
     for each in scene.transducer:
         length = each.finger_pairs * each.period
         corner = (each.center - length / 2) * 1e3, -each.aperture / 2 * 1e3
-        size = length * 1e3, each.aperture * 1e3
-        ax.add_patch(Rectangle(corner, *size, fill=False, edgecolor="white", linewidth=1.2))
+        sides = length * 1e3, each.aperture * 1e3
+        ax.add_patch(Rectangle(corner, *sides, fill=False, edgecolor="white", linewidth=1.2))
+    ball = {"color": COLOURS["intermittent"], "markeredgecolor": "white", "markersize": 6}
     for place in () if scene.slider is None else scene.slider.places:
-        ax.plot(
-            *(1e3 * each for each in place),
-            "o",
-            color=COLOURS["intermittent"],
-            markeredgecolor="white",
-            markersize=6,
-        )
+        ax.plot(*(1e3 * each for each in place), "o", **ball)
     for side in (-1, 1):
-        ax.axhline(side * width / 2 * 1e3, color=COLOURS["line"], linewidth=2)
-    ax.set_xlabel("x along the surface (mm)")
-    ax.set_ylabel("y (mm)")
-    ax.set_aspect("equal" if beam.wave.length < 12 * width else "auto")
-    ax.set_title(
-        f"{scene.title}: u_z of the beam; frames: apertures, points: balls, lines: side faces",
-        fontsize="medium",
-        parse_math=False,
-    )
-    return ax
+        ax.axhline(side * y[-1] * 1e3, color=COLOURS["line"], linewidth=2)
+    ax.set_aspect("equal" if beam.wave.length < 12 * scene.stator.width else "auto")
+    title = f"{scene.title}: u_z of the beam; frames: apertures, points: balls, lines: side faces"
+    return finished(ax, "x along the surface (mm)", "y (mm)", title, columns=0, grid=False)

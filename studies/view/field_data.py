@@ -10,24 +10,15 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from studies.refusal import RunError, SceneError
+from studies.refusal import RunError
 from studies.report.files import write_columns
 from studies.view.run_field import LINES, RunField
 
-__all__ = ["FORMATS", "check", "save"]
+__all__ = ["save"]
 
-FORMATS = (".vtu", ".pvd", ".csv")
 LARGE = 20e6  # bytes: from here on the size is said before it is written
 # bytes per number: of a table; of a .vtu, whose vectors have a third component; of an instant, in single precision
 TABLE, COMPLEX, INSTANT = 19.5, 9.0, 2.2
-
-
-def check(file: str | Path, *, surface: bool = False) -> None:
-    """Refuse a file that is none of `FORMATS`, or of the surface alone and no table."""
-    if surface and Path(file).suffix.lower() != ".csv":
-        raise SceneError("--surface", f"is a table: --data must end in .csv, got {str(file)!r}")
-    if Path(file).suffix.lower() not in FORMATS:
-        raise SceneError("--data", f"must end in one of {', '.join(FORMATS)}, got {str(file)!r}")
 
 
 def save(
@@ -47,7 +38,6 @@ def save(
     row for each node, complex columns as two; with ``surface`` of the surface alone.  ``note`` is told the size of a
     large file before it is written.
     """
-    check(file, surface=surface)
     file = Path(file)
     energies = not surface
     if span is None:

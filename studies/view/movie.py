@@ -1,13 +1,14 @@
-"""Figures in a row as a moving picture GIF by Pillow, which every installation has, MP4 by ffmpeg."""
+"""Moving pictures of a figure, GIF by Pillow, which every installation has, MP4 by ffmpeg; pages that hold pictures."""
 
 import shutil
 import subprocess
 from collections.abc import Callable
+from html import escape
 from pathlib import Path
 
 from studies.refusal import RunError, SceneError
 
-__all__ = ["check", "save"]
+__all__ = ["check", "image", "page", "save"]
 
 FORMATS = (".gif", ".mp4")
 COLOURS = 128  # of a GIF whose palette is found in its pictures
@@ -28,7 +29,7 @@ def save(
     file: str | Path,
     *,
     rate: float,
-    progress=None,
+    progress=lambda text: None,
     palette=None,
 ) -> None:
     """Write a count of pictures as a movie that repeats (GIF) or plays (MP4), ``rate`` per second.
@@ -40,8 +41,7 @@ def save(
 
     def pictures():
         for number in range(count):
-            if progress is not None:
-                progress(f"picture {number + 1} of {count}")
+            progress(f"picture {number + 1} of {count}")
             show(number)
             yield
 
@@ -52,6 +52,18 @@ def save(
             _mp4(figure, pictures(), file, rate)
     except OSError as error:
         raise RunError(f"the movie {str(file)!r} cannot be written: {error.strerror or error}") from None
+
+
+def image(uri: str, words: str) -> str:
+    """Return a data URI of a picture as an element of HTML, with words for who cannot see it."""
+    return f'<img alt="{escape(words)}" src="{uri}" style="max-width: 100%">'
+
+
+def page(title: str, images: list[str]) -> str:
+    """Return an HTML page that holds pictures."""
+    head = f'<meta charset="utf-8"><link rel="icon" href="data:,"><title>{escape(title)}</title>'
+    shown = "\n".join(f"<p>{each}</p>" for each in images)
+    return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n<body>\n{shown}\n</body></html>\n'
 
 
 def _gif(figure, pictures, file, rate: float, palette) -> None:
@@ -81,9 +93,8 @@ def _mp4(figure, pictures, file, rate: float) -> None:
             for _ in pictures:
                 writer.grab_frame()
     except subprocess.CalledProcessError as error:
-        raise RunError(
-            f"the movie {str(file)!r} cannot be written: ffmpeg ends with {error.returncode}"
-        ) from None
+        reason = f"ffmpeg ends with {error.returncode}"
+        raise RunError(f"the movie {str(file)!r} cannot be written: {reason}") from None
 
 
 def _ffmpeg() -> str:

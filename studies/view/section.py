@@ -12,13 +12,14 @@ from itertools import pairwise
 import numpy as np
 
 from studies.refusal import SceneError
+from studies.report.figures import arrow, new_figure
 from studies.view import description
 from studies.view.quantities import Shade, shade
 from studies.view.run_field import LINES, RunField
-from studies.view.surface_pictures import MM, new_figure
 
 __all__ = ["Section", "View", "chosen_views", "limits", "magnification", "piece", "thinned", "views"]
 
+MM = 1e3
 AMPLITUDE = 0.08  # of a wavelength: as large as the largest displacement is drawn
 CLOSE = 7.0  # wavelengths either side, in the close views
 NARROWEST = 0.05  # wavelengths
@@ -276,10 +277,8 @@ class Section:
                     axis, (0, 0), (40 + 30 * x, 30 + 30 * z), xycoords="axes fraction", textcoords="offset pixels",
                     color=description.AXIS_COLOUR, ha="center", va="center", fontsize="small",
                 )  # fmt: skip
-                ax.annotate(
-                    "", (40 + 24 * x, 30 + 24 * z), (40, 30), xycoords="axes pixels", textcoords="axes pixels",
-                    arrowprops={"arrowstyle": "-|>", "color": description.AXIS_COLOUR, "shrinkA": 0, "shrinkB": 0},
-                )  # fmt: skip
+                given = {"xycoords": "axes pixels", "textcoords": "axes pixels"}
+                arrow(ax, (40, 30), (40 + 24 * x, 30 + 24 * z), description.AXIS_COLOUR, width=1.0, **given)
         if row == 0:
             handles = [
                 Line2D([], [], color=each.colour, linewidth=3, label=each.label)

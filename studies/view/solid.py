@@ -6,21 +6,20 @@ transducers, as far as the beam does not spread.  There the field is extruded; b
 the picture says so.  A free wave has no aperture and fills the width.  Lengths are in mm.
 """
 
-import os
 import time
 from typing import NamedTuple
 
 import numpy as np
 
-from studies.refusal import RunError, SceneError, needed
+from studies.refusal import SceneError, needed
 from studies.view import description
 from studies.view.quantities import QUANTITIES, Shade, present, shade
 from studies.view.run_field import RunField
 from studies.view.section import magnification, piece
-from studies.view.surface_pictures import MM
 
-__all__ = ["Solid", "open_window", "refuse_without_display"]
+__all__ = ["Solid", "open_window"]
 
+MM = 1e3
 BARE, EDGE = "#D9D9D9", "#606060"
 LINES = 24  # per wavelength, of what is drawn
 BEAM_LINES, ACROSS = 12, 81  # of the surface of a beam: per wavelength along x, and across the width
@@ -338,11 +337,3 @@ def _pyvista():
     pyvista = needed("pyvista", "a solid or a window of the field")
     pyvista.vtk_verbosity("off")
     return pyvista
-
-
-def refuse_without_display() -> None:
-    """Refuse to open a window where there is nothing to open it on, and name what to do instead."""
-    if os.name == "posix" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        raise RunError(
-            "there is no display to open a window on; --screenshot FILE, --movie FILE and --html FILE draw without one"
-        )

@@ -7,11 +7,15 @@ and coloured at any phase.  A wave that spreads in three dimensions is shown fro
 import base64
 import gzip
 import json
+from functools import partial
 from importlib.resources import files
 
 import numpy as np
 
+from studies.report.figures import DPI, as_uri
+from studies.report.surface_map import SIZE, draw_surface_map
 from studies.view import description
+from studies.view.movie import image
 from studies.view.quantities import Shade, present, shade
 from studies.view.run_field import RunField
 from studies.view.section import magnification, thinned
@@ -80,11 +84,11 @@ def _beam(found: RunField) -> str:
     """Return the picture of a beam from above, and what the moving field is beside it; nothing without one."""
     if found.beam is None:
         return ""
-    from studies.view.beam_view import drawn, image
-
+    draw = partial(draw_surface_map, found.beam, found.scene)
+    uri = as_uri(draw, size=tuple(each / DPI for each in SIZE), kind="png")
     return (
         "<p>The moving field is that of the plane section, which does not spread; over the whole surface the finite "
-        f"apertures give:</p>\n{image(drawn(found.beam, found.scene))}"
+        f"apertures give:</p>\n{image(uri, 'size of u_z over the surface')}"
     )
 
 
