@@ -14,7 +14,7 @@ from studies.chain.neglected import diffraction_left_out, driven_left_out, free_
 from studies.chain.ring_up import RingUp, ring_up_left_out
 from studies.chain.surface_motion import wanted_diffraction
 from studies.refusal import RunError
-from studies.report.answer import table
+from studies.report.answer import labelled, table
 from studies.scene import Scene, resolved
 
 __all__ = ["MEMORY_WITHIN", "TIME_WITHIN", "Plan", "explanation", "plan"]
@@ -138,14 +138,8 @@ def explanation(plan: Plan) -> str:
                            f"operations at {SPEED:.1e} per second"]),
         ("expected memory", [f"{plan.bytes / 1e6:.0f} MB within a factor of {MEMORY_WITHIN:g}, pictures apart"]),
     ]  # fmt: skip
-    text = [
-        f"{name if index == 0 else '':<18}{line}".rstrip()
-        for name, lines in rows
-        for index, line in enumerate(lines)
-    ]
-    return "\n".join(
-        [plan.scene.title or "no title", "what a run would compute; nothing has been computed", "", *text]
-    )
+    title = plan.scene.title or "no title"
+    return "\n".join([title, "what a run would compute; nothing has been computed", "", *labelled(rows)])
 
 
 def _driven(scene: Scene, tolerance: float) -> tuple[list[Part], list[str], float, float]:
