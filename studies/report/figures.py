@@ -100,20 +100,19 @@ def show(*drawings: Callable) -> None:
     pyplot.show()
 
 
-def new_figure(width: float, height: float, *, rows: int = 1, columns: int = 1, **kwargs):
+def new_figure(width: float, height: float, *, rows: int = 1, columns: int = 1, dpi: float = 100, **kwargs):
     """Return a Figure of some size in inches that is drawn off screen, and its Axes; None for no rows."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(width, height), layout="constrained")
+    figure = Figure(figsize=(width, height), dpi=dpi, layout="constrained")
     FigureCanvasAgg(figure)
     return figure, figure.subplots(rows, columns, **kwargs) if rows else None
 
 
 def saved(file, draw: Callable, *, size: tuple[float, float] = SIZE, **options) -> None:
     """Make a figure with one Axes, let it be drawn and save it; nothing is shown."""
-    figure, ax = new_figure(*size)
-    figure.set_dpi(DPI)
+    figure, ax = new_figure(*size, dpi=DPI)
     draw(ax)
     # laid out once; savefig would draw everything for the layout first
     figure.get_layout_engine().execute(figure)

@@ -39,5 +39,5 @@ def draw_surface_map(beam, scene: Scene, ax):
     for side in (-1, 1):
         ax.axhline(side * y[-1] * 1e3, color=COLOURS["line"], linewidth=2)
     ax.set_aspect("equal" if beam.wave.length < 12 * scene.stator.width else "auto")
-    title = f"{scene.title}: u_z of the beam; frames: apertures, points: balls, lines: side faces"
+    title = f"{scene.title}: u_z of the beam; frames: apertures, points: balls"
     return finished(ax, "x along the surface (mm)", "y (mm)", title, columns=0, grid=False)

@@ -102,19 +102,19 @@ def plotter(
     size : tuple of int
         Pixels.
     """
-    from studies.view.section import limits
+    from studies.view.section import limits, near
     from studies.view.solid import Solid
 
     found = run_field(folder, progress=lambda text: None)
     given = {"quantity": quantity, "phase": phase, "factor": None, "size": size, "off_screen": True}
-    return Solid(found, section=True, span=limits(found, span), **given).plotter
+    return Solid(found, span=limits(found, span) or near(found), **given).plotter
 
 
 def _field_writers(folder, wanted: Wanted, show: str, progress, note) -> dict[str, Callable]:
     """Return what writes each option's file of a run's field, and what opens its window."""
     from studies.view import field_data
     from studies.view.quantities import palette
-    from studies.view.section import Section, chosen_views, limits, views
+    from studies.view.section import Section, chosen_views, limits, near, views
 
     found = run_field(folder, progress=progress)
     span = limits(found, wanted.span)
@@ -160,9 +160,8 @@ def _field_writers(folder, wanted: Wanted, show: str, progress, note) -> dict[st
     def window() -> None:
         from studies.view.solid import open_window
 
-        section = show != "solid"
-        drawn = solid(WINDOW_SIZE, off_screen=False, section=section, span=span)
-        open_window(drawn, section=section)
+        stretch = None if show == "solid" else span or near(found)
+        open_window(solid(WINDOW_SIZE, off_screen=False, span=stretch))
 
     return {"screenshot": still, "movie": film, "html": page, "data": data, "window": window}
 

@@ -18,40 +18,22 @@ KINDS = {"+": ("#000000", "+ fingers"), "-": ("#CC79A7", "- fingers"), "o": ("#E
 
 @dataclass(frozen=True, kw_only=True)
 class Electrode:
-    """The strips of one electrode, or the open strips, of all transducers.
+    """The strips of one electrode, or the open strips, of all transducers."""
 
-    Attributes
-    ----------
-    sign : str
-        "+", "-" or "o".
-    colour, label : str
-        How it is drawn and what the legend calls it.
-    strips : tuple of (float, float)
-        Left and right edges, m.
-    """
-
-    sign: str
+    sign: str  # "+", "-" or "o"
     colour: str
-    label: str
-    strips: tuple[tuple[float, float], ...] = field(repr=False)
+    label: str  # of the legend
+    strips: tuple[tuple[float, float], ...] = field(repr=False)  # left and right edges, m
 
 
 @dataclass(frozen=True, kw_only=True)
 class Ball:
-    """A ball of the slider.
+    """A ball of the slider."""
 
-    Attributes
-    ----------
-    place, lateral, radius : float
-        x and y of the contact, and the ball's own, m.
-    crest : float
-        |u_z| of the surface under it, m per V: it rides on the crests of the enlarged wave.
-    """
-
-    place: float
-    lateral: float
-    radius: float
-    crest: float
+    place: float  # x of the contact, m
+    lateral: float  # y of it, m
+    radius: float  # m
+    crest: float  # |u_z| of the surface under it, m per V: it rides on the crests of the enlarged wave
 
 
 def electrodes(found: RunField) -> tuple[Electrode, ...]:
@@ -72,7 +54,6 @@ def shown_fingers(found: RunField, start: float, stop: float) -> str:
 
 def balls(found: RunField, *, spreads: bool = False) -> tuple[Ball, ...]:
     """Return the balls of the slider, on the crests of the section or of the beam."""
-    places = () if found.scene.slider is None else found.scene.slider.places
     return tuple(
         Ball(
             place=x,
@@ -80,7 +61,7 @@ def balls(found: RunField, *, spreads: bool = False) -> tuple[Ball, ...]:
             radius=found.radius,
             crest=abs(found.beam.motion(x, y)[2]) if spreads else found.crest(x),
         )
-        for x, y in places
+        for x, y in found.places
     )
 
 

@@ -150,7 +150,7 @@ def amplitude(x, tangential, normal, *, wavelength: float, covered, focus: tuple
     for span in covered:
         shaded(whole, *np.multiply(span, MM))
     size = abs(normal[abs(x - place) <= wavelength])
-    ripple = f"largest over smallest |u_z| {size.max() / size.min():.3g} (within one wavelength)"
+    ripple = f"largest over smallest |u_z| {size.max() / size.min():.3g} within one"
     across, up = "x along the surface (mm)", "amplitude, peak (nm per V)"
     finished(whole, across, up, f"{title}\namplitude along the surface (grey: transducers)", columns=0)
     finished(near, across, up, f"within 4 wavelengths of the {name}: {ripple}")

@@ -20,34 +20,19 @@ NO_STATOR = "there is no wave field: the scene of this run gives the surface mot
 
 @dataclass(frozen=True, kw_only=True)
 class RunField:
-    """A field and what stands on it.
+    """A field and what stands on it."""
 
-    Attributes
-    ----------
-    compute : callable
-        Gives the field in m per V, or over u_z at the surface of a free wave; keywords ``span`` (m), ``per_wavelength``
-        and ``energies`` as in `fem.wave_field`.
-    length : float
-        Of what is shown at most, m.
-    record : Record
-        Of the run.
-    wavelength : float
-        Of the surface wave, m.
-    fingers : dict
-        Edges of the electrodes in m by sign: "+" and "-" the combs, "o" open strips.
-    spans : tuple of (float, float)
-        From end to end of each transducer, m.
-    wave : fem.SurfaceWave or None
-        Of a driven stator.
-    """
-
+    # the field in m per V, or over u_z at the surface of a free wave; keywords ``span`` (m), ``per_wavelength`` and
+    # ``energies`` as in `fem.wave_field`
     compute: Callable = field(repr=False)
-    length: float
-    record: Record = field(repr=False)
-    wavelength: float
-    fingers: dict = field(repr=False)
-    spans: tuple[tuple[float, float], ...]
-    wave: object = field(default=None, repr=False)
+    length: float  # of what is shown at most, m
+    record: Record = field(repr=False)  # of the run
+    wavelength: float  # of the surface wave, m
+    fingers: dict = field(
+        repr=False
+    )  # edges of the electrodes in m by sign: "+" and "-" the combs, "o" open strips
+    spans: tuple[tuple[float, float], ...]  # from end to end of each transducer, m
+    wave: object = field(default=None, repr=False)  # the fem.SurfaceWave of a driven stator
 
     @property
     def scene(self) -> Scene:
@@ -82,12 +67,14 @@ class RunField:
         return surface_beam(self.wave, mirror_width=self.scene.stator.mirror_width)
 
     @property
+    def places(self) -> tuple[tuple[float, float], ...]:
+        """Places (x, y) of the contacts, m."""
+        return () if self.scene.slider is None else self.scene.slider.places
+
+    @property
     def balls(self) -> tuple[float, ...]:
-        """Places of the contacts, m."""
-        slider = self.scene.slider
-        if slider is None:
-            return ()
-        return tuple(x for x, _ in slider.places)
+        """Their places along the surface, m."""
+        return tuple(x for x, _ in self.places)
 
     @property
     def radius(self) -> float:
@@ -173,11 +160,9 @@ def _driven(record: Record, progress) -> RunField:
     import fem
 
     scene, wave = record.scene, solved_again(record, progress=progress)
-    rows = resolved.transducers(scene)
-    slider = scene.slider
-    places = (scene.stator.length / 2,)
-    if slider is not None:
-        places = tuple(dict.fromkeys(x for x, _ in (slider.center, *slider.places)))
+    rows, places = resolved.transducers(scene), (scene.stator.length / 2,)
+    if scene.slider is not None:
+        places = tuple(dict.fromkeys(x for x, _ in (scene.slider.center, *scene.slider.places)))
 
     def compute(*, per_wavelength: float = LINES, **wanted):
         return fem.wave_field(wave, places=places, per_wavelength=per_wavelength, **wanted)

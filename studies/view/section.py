@@ -17,7 +17,7 @@ from studies.view import description
 from studies.view.quantities import Shade, shade
 from studies.view.run_field import LINES, RunField
 
-__all__ = ["Section", "View", "chosen_views", "limits", "magnification", "piece", "thinned", "views"]
+__all__ = ["Section", "View", "chosen_views", "limits", "magnification", "near", "piece", "thinned", "views"]
 
 MM = 1e3
 AMPLITUDE = 0.08  # of a wavelength: as large as the largest displacement is drawn
@@ -58,15 +58,20 @@ def limits(found: RunField, span) -> tuple[float, float] | None:
     return span
 
 
+def near(found: RunField) -> tuple[float, float]:
+    """Return the two wavelengths (m) about what is to be looked at from near."""
+    return found.focus[1] - found.wavelength, found.focus[1] + found.wavelength
+
+
 def views(found: RunField) -> tuple[View, ...]:
     """Return what is shown unless something else is asked for: the whole, the driven transducer, the slider."""
     if found.free:
         return chosen_views(found, (0.0, found.length))
     driven = next(each for each in found.scene.transducer if each.name == found.scene.drive.transducer)
-    near = CLOSE * found.wavelength
+    reach = CLOSE * found.wavelength
     whole = View(name="the whole section", start=0.0, stop=found.length, weight=0.17)
     return whole, *(
-        View(name=name, start=max(place - near, 0.0), stop=min(place + near, found.length), weight=0.4)
+        View(name=name, start=max(place - reach, 0.0), stop=min(place + reach, found.length), weight=0.4)
         for name, place in ((f"driven transducer {driven.name!r}", driven.center), found.focus)
     )
 
@@ -170,8 +175,7 @@ class Section:
         self.found, self.shown, self.size = found, shown, size
         self.factor = magnification(found) if factor is None else factor
         self.shade: Shade = shade(found, quantity)
-        self.figure, _ = new_figure(size[0] / DPI, size[1] / DPI, rows=0)
-        self.figure.set_dpi(DPI)
+        self.figure, _ = new_figure(size[0] / DPI, size[1] / DPI, rows=0, dpi=DPI)
         self.figure.set_layout_engine("none")
         total, upper = sum(view.weight for view in shown), 1.0
         self.pieces, self._moving = [], []

@@ -13,7 +13,7 @@ import numpy as np
 
 from studies.refusal import SceneError, needed
 from studies.view import description
-from studies.view.quantities import QUANTITIES, Shade, present, shade
+from studies.view.quantities import QUANTITIES, present, shade, shade_of
 from studies.view.run_field import RunField
 from studies.view.section import magnification, piece
 
@@ -38,7 +38,7 @@ class _Moving(NamedTuple):
 
 
 class Solid:
-    """A pyvista plotter with the field at any instant.
+    """A pyvista plotter with the field at any instant: the whole solid, or the section seen along y.
 
     Parameters
     ----------
@@ -52,42 +52,29 @@ class Solid:
     size : tuple of int
         Pixels.
     off_screen : bool
-    section : bool
-        Whether to look at the section alone, along y, instead of the whole solid.
     span : tuple of float or None
-        m, of the section that is looked at; two wavelengths about the slider if None.
+        m, of the section that is looked at; None for the whole solid.
 
     Attributes
     ----------
     plotter : pyvista.Plotter
     """
 
-    def __init__(
-        self, found: RunField, *, quantity, phase, factor, size, off_screen, section=False, span=None
-    ):
-        self.pyvista = _pyvista()
-        self.found, self.phase = found, phase
+    def __init__(self, found: RunField, *, quantity, phase, factor, size, off_screen, span=None):
+        self.pyvista = needed("pyvista", "a solid or a window of the field")
+        self.pyvista.vtk_verbosity(
+            "off"
+        )  # without a display VTK says so on stderr before it finds another way
+        self.found, self.phase, self.span = found, phase, span
         self.factor = magnification(found) if factor is None else factor
-        self.aperture, self._span = found.aperture, (0.0, found.length)
-        self.spreads = not section and found.beam is not None
-        if section and span is not None:
-            room = span[1] - span[0]
-            self._span = max(span[0] - room, 0.0), min(span[1] + room, found.length)
+        self.spreads = span is None and found.beam is not None
         self.plotter = self.pyvista.Plotter(off_screen=off_screen, window_size=size)
         self.set_quantity(quantity)
         self._stand()
-        if not section:
+        if span is None:
             self._bare()
-        self._write(section, size)
-        if section:
-            start, stop = span or (found.focus[1] - found.wavelength, found.focus[1] + found.wavelength)
-            self._look(start, stop, size)
-        else:
-            self.plotter.camera_position = "xz"
-            self.plotter.camera.azimuth, self.plotter.camera.elevation = 35, 28
-            self.plotter.enable_parallel_projection()
-            self.plotter.reset_camera()
-            self.plotter.camera.zoom(1.35)  # room for the colour bar
+        self._write(size)
+        self._look(size)
 
     def set_quantity(self, name: str) -> None:
         """Colour the field by a quantity."""
@@ -96,7 +83,7 @@ class Solid:
             x, top = self._lay_beam(name)
         else:
             x, top = self._lay_section(name)
-        edges = np.array([-0.5, 0.5]) * self.aperture
+        edges = np.array([-0.5, 0.5]) * self.found.aperture
         for electrode in description.electrodes(self.found):
             strips = np.array(electrode.strips)
             corners = strips[:, [0, 1, 1, 0]].ravel()
@@ -130,13 +117,15 @@ class Solid:
 
     def _lay_section(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         """Add the surface, the section in front and the right end; return x (m) and the surface's motion there."""
-        self.shade = shade(self.found, name)
-        spacing = min(self.found.wavelength / LINES, (self._span[1] - self._span[0]) / 1000)
-        self._piece = drawn = piece(
-            self.found, self.shade, span=self._span, bottom=self.found.field.z[0], spacing=spacing
-        )
+        found, (start, stop) = self.found, self.span or (0.0, self.found.length)
+        self.shade, room = shade(found, name), stop - start
+        kept = (0.0, found.length)  # a short stretch is finer, and less is kept beside it
+        if room < 1.99 * found.wavelength:
+            kept = max(start - room, 0.0), min(stop + room, found.length)
+        spacing = min(found.wavelength / LINES, (kept[1] - kept[0]) / 1000)
+        self._piece = drawn = piece(found, self.shade, span=kept, bottom=found.field.z[0], spacing=spacing)
         moved = np.insert(drawn.displacement, 1, 0.0, axis=-1)
-        edges = np.array([-0.5, 0.5]) * self.aperture
+        edges = np.array([-0.5, 0.5]) * found.aperture
         for part, lines, rows, y in (
             ("surface", slice(None), slice(-1, None), edges),
             ("section", slice(None), slice(None), edges[:1]),
@@ -162,16 +151,9 @@ class Solid:
         x, half = np.linspace(0.0, found.length, count), found.scene.stator.width / 2
         y = np.linspace(-half, half, ACROSS)
         moved = found.beam.motion(x[:, None], y)
-        one, size = QUANTITIES[name], moved[MOTIONS.index(name)]
-        scale = one.scales[0]
-        self.shade = Shade(
-            quantity=one,
-            label=f"{one.title} ({one.units[0]})",
-            scale=scale,
-            reach=float(abs(size).max()) * scale,
-        )
-        rest = np.stack(np.meshgrid(x, y, 0.0, indexing="ij"), axis=-1)
-        amplitude = size[..., None] * scale
+        size = moved[MOTIONS.index(name), ..., None]
+        self.shade = shade_of(QUANTITIES[name], abs(size), free=False)
+        rest, amplitude = np.stack(np.meshgrid(x, y, 0.0, indexing="ij"), axis=-1), size * self.shade.scale
         self._lay("surface", rest, np.moveaxis(moved, 0, -1)[:, :, None], 0.0 * amplitude.real, amplitude)
         return x, moved[:, :, ACROSS // 2].T
 
@@ -200,7 +182,8 @@ class Solid:
 
     def _bare(self) -> None:
         """Draw the parts of the solid that carry no field: beside the aperture, or below the surface of a beam."""
-        half, width, depth = 0.5 * self.aperture, 0.5 * self.found.scene.stator.width, self.found.field.z[0]
+        found = self.found
+        half, width, depth = 0.5 * found.aperture, 0.5 * found.scene.stator.width, found.field.z[0]
         parts = [(-width, -half, 0.25), (half, width, 1.0)]  # the half in front is seen through
         if self.spreads:
             parts = [(-width, width, 1.0)]
@@ -210,22 +193,20 @@ class Solid:
         if self.spreads:  # below the troughs
             top = -self.factor * max(float(abs(each.displacement).max()) for each in self._moving)
         for low, high, opacity in parts:
-            ends = (0.0, self.found.length, low, high, depth, top)
+            ends = (0.0, found.length, low, high, depth, top)
             box = self.pyvista.Box(tuple(MM * each for each in ends))
             self.plotter.add_mesh(box, color=BARE, opacity=opacity, lighting=False)
             self.plotter.add_mesh(box, style="wireframe", color=EDGE, line_width=1)
         if not self.spreads:
             return
-        for block in self.found.scene.transducer:
-            reach = 0.5 * block.finger_pairs * block.period
-            frame = (block.center - reach, block.center + reach, -block.aperture / 2, block.aperture / 2)
-            x, y = np.array(frame)[[0, 1, 1, 0, 0]], np.array(frame)[[2, 2, 3, 3, 2]]
-            outline = np.stack([x, y, np.full(5, 0.1 * self.found.wavelength)], axis=-1)
+        for (start, stop), block in zip(found.spans, found.scene.transducer, strict=True):
+            x, y = np.array([start, stop, stop, start, start]), np.array([-0.5, -0.5, 0.5, 0.5, -0.5])
+            outline = np.stack([x, y * block.aperture, np.full(5, 0.1 * found.wavelength)], axis=-1)
             self.plotter.add_mesh(self.pyvista.lines_from_points(MM * outline), color="black", line_width=2)
 
-    def _write(self, section: bool, size: tuple[int, int]) -> None:
+    def _write(self, size: tuple[int, int]) -> None:
         """Write the caption and the names of the electrodes; show the directions, or of the section the scale."""
-        found = self.found
+        found, section = self.found, self.span is not None
         extents = found.length, found.scene.stator.width, -found.field.z[0]
         extent = " x ".join(f"{each * MM:.4g}" for each in extents)
         lines = [
@@ -248,15 +229,23 @@ class Solid:
         else:
             self.plotter.add_axes(xlabel="x", ylabel="y", zlabel="z", line_width=3)
 
-    def _look(self, start: float, stop: float, size: tuple[int, int]) -> None:
-        """Look along y at a stretch (m)."""
-        middle, reach = 0.5 * (start + stop) * MM, (stop - start) * MM
-        height = 1.1 * reach * size[1] / size[0]
+    def _look(self, size: tuple[int, int]) -> None:
+        """Look at the whole solid from a corner, or along y at the stretch."""
+        camera = self.plotter.camera
+        if self.span is None:
+            self.plotter.camera_position = "xz"
+            camera.azimuth, camera.elevation = 35, 28
+            self.plotter.enable_parallel_projection()
+            self.plotter.reset_camera()
+            camera.zoom(1.35)  # room for the colour bar
+            return
+        start, stop = self.span
+        middle, height = 0.5 * (start + stop) * MM, 1.1 * (stop - start) * MM * size[1] / size[0]
         self.plotter.enable_parallel_projection()
-        self.plotter.camera.up = (0, 0, 1)
-        self.plotter.camera.focal_point = middle, 0.0, -0.15 * height
-        self.plotter.camera.position = middle, -10 * self.found.length * MM, -0.15 * height
-        self.plotter.camera.parallel_scale = 0.5 * height
+        camera.up = (0, 0, 1)
+        camera.focal_point = middle, 0.0, -0.15 * height
+        camera.position = middle, -10 * self.found.length * MM, -0.15 * height
+        camera.parallel_scale = 0.5 * height
         self.plotter.reset_camera_clipping_range()
 
 
@@ -323,17 +312,10 @@ class Controls:
             self.solid.set_quantity(name)
 
 
-def open_window(solid: Solid, *, section: bool) -> None:
+def open_window(solid: Solid) -> None:
     """Show a solid with its controls until the window is closed; of a section a drag moves and the wheel zooms."""
     controls = Controls(solid)
-    if section:
+    if solid.span is not None:
         solid.plotter.enable_2d_style()
     solid.plotter.add_timer_event(max_steps=2**31 - 1, duration=TICK, callback=controls.tick)
     solid.plotter.show(title=f"sawmotor: {solid.found.scene.title}")
-
-
-def _pyvista():
-    """Import pyvista, quietly: without a display VTK says so on stderr before it finds another way."""
-    pyvista = needed("pyvista", "a solid or a window of the field")
-    pyvista.vtk_verbosity("off")
-    return pyvista

@@ -34,7 +34,7 @@ from studies.view import field_data, movie, wave_page
 from studies.view.options import Wanted
 from studies.view.quantities import shade
 from studies.view.run_field import run_field
-from studies.view.section import Section, View, chosen_views, limits, magnification, views
+from studies.view.section import Section, View, chosen_views, limits, magnification, near, views
 from studies.view.solid import Solid
 from tests.studies.legible import assert_legible
 
@@ -458,9 +458,8 @@ def test_without_a_toolkit_the_contact_s_window_is_refused_with_what_to_install(
 def test_the_window_plays_pauses_and_picks(found):
     from studies.view.solid import Controls
 
-    solid = Solid(
-        found, quantity="u_z", phase=1.0, factor=None, size=(600, 400), off_screen=True, section=True
-    )
+    given = {"quantity": "u_z", "phase": 1.0, "factor": None, "size": (600, 400), "off_screen": True}
+    solid = Solid(found, span=near(found), **given)
     window = Controls(solid)
     assert window.playing
     assert solid.plotter.camera.parallel_scale == pytest.approx(1.1 * found.wavelength * MM * 400 / 600)
