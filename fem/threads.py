@@ -74,8 +74,6 @@ def one_blas_thread(work: Callable) -> Callable:
 
     @wraps(work)
     def limited(*args, **kwargs):
-        import scipy.linalg  # noqa: F401  so that its BLAS is limited too
-
         with blas_on_one_thread():
             return work(*args, **kwargs)
 

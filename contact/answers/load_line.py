@@ -18,6 +18,7 @@ from contact.drive import towards_plus
 from contact.orbit import Orbit, as_orbits
 from contact.problem import scaled
 from contact.slider import Slider
+from contact.solve import averaged
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,23 +33,17 @@ class LoadLine:
         m/s, positive in that direction.
     power : (k,) array
         Mechanical, load times velocity, W.
-    wave_power : (k,) array
-        What the wave gives the contacts, W.
     efficiency : (k,) array
-        Power over wave power, 0 where the slider is held.
+        Power over what the wave gives the contacts, 0 where the slider is held.
     blocked_thrust : float
         N, the load at which the motor stalls.
-    holding_thrust : float
-        N, the largest load that is held at rest on the wave, at least the blocked thrust.
     """
 
     load: np.ndarray
     velocity: np.ndarray
     power: np.ndarray
-    wave_power: np.ndarray
     efficiency: np.ndarray
     blocked_thrust: float
-    holding_thrust: float
 
 
 def blocked_thrust(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[float, float]:
@@ -66,8 +61,6 @@ def blocked_thrust(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[f
     ConvergenceError
         Status "not applicable" where the averaged way does not apply.
     """
-    from contact.solve import averaged
-
     _, problem, unit = _unloaded(slider, orbits)
     low, high = averaged.rest_tractions(problem)
     # driven forwards: stalls at the lower traction, holds up to the upper; driven against its crests: mirrored
@@ -97,8 +90,6 @@ def mean_traction(slider: Slider, orbits: Orbit | tuple[Orbit, ...], velocities:
     ConvergenceError
         Status "not applicable" where the averaged way does not apply.
     """
-    from contact.solve import averaged
-
     side, problem, unit = _unloaded(slider, orbits)
     speeds = side * np.asarray(velocities, float) / problem.speed
     return side * averaged.tractions(problem, speeds) * unit
@@ -132,7 +123,7 @@ def load_line(
     """
     listed = as_orbits(orbits)
     bounds.count("points", points, 2)
-    stall, held = blocked_thrust(slider, listed)
+    stall, _ = blocked_thrust(slider, listed)
     if stall <= 0.0:
         raise ConvergenceError(
             "held", "the wave does not move the unloaded slider; raise the amplitude above the threshold"
@@ -146,8 +137,4 @@ def load_line(
         wave_power[k] = state.ledger.wave * listed[0].frequency
     power = loads * velocity
     efficiency = np.divide(power, wave_power, out=np.zeros(points), where=wave_power > 0.0)
-    wave_power[-1] = np.nan
-    return LoadLine(
-        load=loads, velocity=velocity, power=power, wave_power=wave_power, efficiency=efficiency,
-        blocked_thrust=stall, holding_thrust=held,
-    )  # fmt: skip
+    return LoadLine(load=loads, velocity=velocity, power=power, efficiency=efficiency, blocked_thrust=stall)

@@ -155,8 +155,7 @@ def _divisor(number, most):
 
 def _averaged(burst):
     """Follow the averaged equations."""
-    begin = rest(burst.slider, burst.orbits, burst.problem, nodes=14, truncation=1e-11)
-    return averaged_run(*burst[:3], begin, *burst[3:6])
+    return averaged_run(burst, rest(burst.slider, burst.orbits, burst.problem, nodes=14, truncation=1e-11))
 
 
 def _refined(burst, follow, error, levels, least):

@@ -12,6 +12,7 @@ leave a whole interval of mean tractions. If load lies in it the slider stays, a
 
 import time
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,14 +20,17 @@ from contact import bounds
 from contact.answers.averaged import STIFFEST_STEADY, why_not
 from contact.answers.closed_forms import closed_form
 from contact.answers.ledger import Ledger, ledger
-from contact.answers.sweep import MeanMotion, mean_motion
+from contact.answers.sweep import mean_motion
 from contact.convergence import ConvergenceError
-from contact.drive import reference_speed, relative_to_reference, towards_plus
+from contact.drive import relative_to_reference, towards_plus
 from contact.orbit import Orbit, as_orbits
 from contact.problem import scaled
 from contact.slider import Slider
 from contact.solve.averaged_sweep import MAX_RATIO_HELD, MAX_THRESHOLD_ERROR, THRESHOLD_ERROR
+from contact.solve.bounce import speed_lost
 from contact.solve.equilibrium import Balance, balanced, cycle_at
+from contact.solve.settling import long_run, reached_instead
+from contact.solve.shooting import periodic
 
 METHODS = ("auto", "exact", "averaged")
 # largest ratio of contact resonance to wave for which a periodic motion is searched, and cycles to settle before
@@ -64,7 +68,7 @@ class SteadyState:
         but is not reached from rest, or the one that a start from rest goes on with where nothing damps the bounce.
     statistics : dict
         Events by kind in one cycle, smallest gap between two in s (inf: fewer), chatter (whether events crowded at
-        one instant); segments (`stretches`) and sweeps of the cycles counted; growth per cycle.
+        one instant); segments (`stretches`) and sweeps of the cycles counted.
     seconds : float
         Time taken.
     """
@@ -117,8 +121,15 @@ def steady(
     listed = as_orbits(orbits)
     bounds.positive("tolerance", tolerance, "")
     bounds.choice("method", method, METHODS)
-    found = _closed(slider, listed) or _searched(slider, listed, tolerance, method)
-    return SteadyState(slider=slider, orbits=listed, seconds=time.perf_counter() - begun, **found)
+    found = _closed(slider, listed) or _searched(slider, listed, method)
+    error, status = found["relative_error"], "ok"
+    if error > tolerance:
+        status = "above tolerance"
+        found["message"] += f"; estimated error {error:.2g} exceeds {tolerance:.2g}"
+        if found["method"] == "averaged" and found["velocity"] == 0.0:
+            found["message"] += ", for so near the threshold the slider may move"
+    seconds = time.perf_counter() - begun
+    return SteadyState(slider=slider, orbits=listed, status=status, seconds=seconds, **found)
 
 
 def _closed(slider, orbits):
@@ -126,21 +137,17 @@ def _closed(slider, orbits):
     found = closed_form(slider, orbits)
     if found is None:
         return None
-    why = found.pop("why")
-    return found | {
-        "relative_error": 0.0, "status": "ok", "message": f"{why}: closed form", "method": "exact", "statistics": {},
-        "ledger": Ledger(**dict.fromkeys(Ledger.__annotations__, 0.0)),
-    }  # fmt: skip
+    message, nothing = f"{found.pop('why')}: closed form", dict.fromkeys(Ledger.__annotations__, 0.0)
+    known = {"relative_error": 0.0, "message": message, "method": "exact", "statistics": {}}
+    return found | known | {"ledger": Ledger(**nothing)}
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Search:
+class _Search(NamedTuple):
     """A steady state, searched on the side on which the crests drive towards +x: mirrored waves, mirrored answers."""
 
     slider: Slider
     orbits: tuple[Orbit, ...]
     side: float
-    tolerance: float
     ratio: float
     balance: Balance
 
@@ -148,27 +155,23 @@ class _Search:
         """Return a difference of velocities over the reference speed."""
         return relative_to_reference(difference, velocity, self.orbits)
 
-    def answer(self, note, motion, *, velocity, error, height, sticks, cycles=1, **statistics):
+    def answer(self, message, motion, *, velocity, error, height, sticks, cycles=1, **statistics):
         """Return the answer of a motion whose sums cover some cycles; `velocity` on this side, `height` in m."""
         counted = motion.events()
-        status, message = _judged(error, self.tolerance, note)
         moving = "intermittent" if counted["release"] else "slip"
         return {
             "velocity": float(self.side * velocity) if velocity else 0.0, "regime": "stick" if sticks else moving,
-            "relative_error": float(error), "height": float(height), "status": status, "message": message,
-            "method": "exact", "statistics": counted | statistics,
-            "ledger": ledger(self.slider, motion, spans=cycles),
+            "relative_error": float(error), "height": float(height), "message": message, "method": "exact",
+            "statistics": counted | statistics, "ledger": ledger(self.slider, motion, spans=cycles),
         }  # fmt: skip
 
 
-def _searched(slider, orbits, tolerance, method):
+def _searched(slider, orbits, method):
     side, driven = towards_plus(orbits)
     ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
     mean, balance = _equilibrium(slider, driven, ratio, method)
-    search = _Search(
-        slider=slider, orbits=driven, side=side, tolerance=tolerance, ratio=ratio, balance=balance
-    )
-    if method == "averaged" or (mean is not None and mean.held):
+    search = _Search(slider, driven, side, ratio, balance)
+    if method == "averaged" or (mean is not None and mean["held"]):
         return _averaged(search, mean)
     if balance.held or ratio > SLOWEST_WAVE:
         return _waited(search)
@@ -187,8 +190,6 @@ def _searched(slider, orbits, tolerance, method):
 
 def _reached(search):
     """Return the motion that repeats with the wave's period, or the one that a slider from rest reaches instead."""
-    from contact.solve.settling import reached_instead
-
     slider, answer, periodic_motion = search.slider, *_repeating(search)
     if search.ratio <= MAX_RATIO_HELD:
         undamped = slider.normal_damping == 0.0 and slider.contact_damping == 0.0
@@ -210,28 +211,29 @@ def _bouncing(search, answer):
 
     For the laws that the cycle means do not know the difference in velocity is that of the elastic law.
     """
-    from contact.solve.bounce import speed_lost
-
     elastic = replace(search.slider, law="elastic", reciprocal=False)
     problem = scaled(elastic, search.orbits, direction=search.balance.load_sign, start=0.0)
-    heights = elastic.rest_approach(len(search.orbits)) / problem.length, answer["height"] / problem.length
-    near = search.side * answer["velocity"] / problem.speed
-    lost = speed_lost(problem, heights, search.ratio, near) * problem.speed
+    rest, level = (
+        elastic.rest_approach(len(search.orbits)) / problem.length,
+        answer["height"] / problem.length,
+    )
+    lost = speed_lost(problem, rest, level, search.side * answer["velocity"] / problem.speed) * problem.speed
     if not np.isfinite(lost):
         return answer
     other = answer["velocity"] + search.side * lost
     error = answer["relative_error"] + search.relative(lost, answer["velocity"])
-    note = (
-        "periodic motion of the full equations; without normal damping a start from rest goes on bouncing, "
-        f"at {other:.4g} m/s in the mean: give slider.damping.normal or slider.damping.contact"
+    message = (
+        f"{answer['message']}; without normal damping a start from rest goes on bouncing, at {other:.4g} m/s in the "
+        "mean: give slider.damping.normal or slider.damping.contact"
     )
-    status, note = _judged(error, search.tolerance, note)
-    changed = {"relative_error": error, "status": status, "message": note, "other_velocity": float(other)}
-    return answer | changed
+    return answer | {"relative_error": error, "message": message, "other_velocity": float(other)}
 
 
 def _equilibrium(slider, orbits, ratio, method):
-    """Return (averaged steady state or None where averaging is no answer, balance to start the full motion from)."""
+    """Return (averaged steady state or None where averaging is no answer, balance to start the full motion from).
+
+    The averaged state is a dictionary: velocity on this side, height, held, error (relative) and regime.
+    """
     if not why_not(slider, orbits, STIFFEST_STEADY):
         try:
             mean = mean_motion(slider, orbits)
@@ -239,8 +241,10 @@ def _equilibrium(slider, orbits, ratio, method):
             if failed.status == "runaway" or method == "averaged":
                 raise
         else:
-            known = {"height": mean.height, "velocity": mean.first_order, "held": mean.held}
-            return mean, cycle_at(slider, orbits, load_sign=mean.load_sign, **known)
+            known = {"height": mean.height, "held": bool(mean.held)}
+            balance = cycle_at(slider, orbits, velocity=mean.first_order, load_sign=mean.load_sign, **known)
+            known |= {"velocity": mean.velocity, "error": mean.relative_error, "regime": str(mean.regime)}
+            return known, balance
     elif method == "averaged" and ratio > MAX_RATIO_HELD:
         raise ConvergenceError(
             "not applicable",
@@ -253,31 +257,26 @@ def _equilibrium(slider, orbits, ratio, method):
 
 def _first_order(slider, orbits, balance, ratio):
     """Return the averaged steady state of a law that only the event-driven solver knows; of first order."""
-    velocity, error = balance.speed * balance.problem.speed, AVERAGING_ERROR * ratio**2
+    error = AVERAGING_ERROR * ratio**2
     if balance.held:
         larger = 1.0 + min(THRESHOLD_ERROR * ratio**2, MAX_THRESHOLD_ERROR)
         beyond = balanced(slider, tuple(orbit.scaled(larger) for orbit in orbits))
         error = relative_to_reference(beyond.speed * beyond.problem.speed, 0.0, orbits)
     events = balance.motion.events()
     slips = "slip" if events["stick_to_slip"] or not balance.held else "stick"
-    return MeanMotion(
-        velocity=velocity, first_order=velocity, height=balance.height * balance.problem.length,
-        regime="intermittent" if events["release"] else slips, held=balance.held, relative_error=error,
-        error=error * reference_speed(velocity, orbits),
-        load_sign=1.0 if balance.problem.load >= 0.0 else -1.0,
-    )  # fmt: skip
+    return {
+        "velocity": balance.speed * balance.problem.speed, "height": balance.height * balance.problem.length,
+        "regime": "intermittent" if events["release"] else slips, "held": balance.held, "error": error,
+    }  # fmt: skip
 
 
 def _repeating(search):
     """Return (answer of the full equations, the motion): stable, and repeating with the wave's period."""
-    from contact.solve.shooting import periodic
-
     balance = search.balance
-    unit = balance.problem.speed
-    if balance.problem.segments > MAX_SEGMENTS:
+    unit, segments = balance.problem.speed, balance.problem.segments
+    if segments > MAX_SEGMENTS:
         raise ConvergenceError(
-            "out of reach",
-            f"a cycle takes {balance.problem.segments:.3g} stretches of the motion; raise the mass",
+            "out of reach", f"a cycle takes {segments:.3g} stretches of the motion; raise the mass"
         )
     try:
         fine = periodic(balance, nodes=16, truncation=1e-12)
@@ -291,22 +290,20 @@ def _repeating(search):
             "unstable",
             f"the motion that repeats with the wave's period grows by {fine.growth:.6g} per cycle: the slider hops",
         )
-    velocity = fine.speed * unit
-    error = search.relative((abs(fine.speed - coarse.speed) + fine.step + fine.rounding) * unit, velocity)
     sticks = fine.motion.memory is None and fine.motion.sticks
-    if sticks:  # what is left is rounding
-        velocity, error = 0.0, 0.0
+    velocity, error = fine.speed * unit, (abs(fine.speed - coarse.speed) + fine.step + fine.rounding) * unit
+    velocity, error = (
+        (0.0, 0.0) if sticks else (velocity, search.relative(error, velocity))
+    )  # sticks: rounding
     answer = search.answer(
         "periodic motion of the full equations", fine.motion, velocity=velocity, error=error, sticks=sticks,
-        height=-fine.state[0] * balance.problem.length, growth_per_cycle=fine.growth,
+        height=-fine.state[0] * balance.problem.length,
     )  # fmt: skip
     return answer, fine
 
 
 def _waited(search):
     """Return the answer of a long run from rest: the slider hops, or is carried by a slow wave."""
-    from contact.solve.settling import long_run
-
     return _settled(search, long_run(search.slider, search.orbits, search.balance.load_sign))
 
 
@@ -332,17 +329,8 @@ def _settled(search, run):
 
 def _averaged(search, mean):
     """Return the averaged answer; the energies are those of a cycle at constant height and velocity."""
-    answer = search.answer(
-        "held by friction" if mean.held else "cycle means", search.balance.motion, velocity=mean.velocity,
-        error=mean.relative_error, height=mean.height, sticks=mean.held,
-    )  # fmt: skip
-    if mean.held and answer["status"] != "ok":
-        answer["message"] += ", for so near the threshold the slider may move"
-    return answer | {"method": "averaged", "regime": mean.regime}
-
-
-def _judged(error, tolerance, note):
-    """Return status and sentence of an answer with an estimated error."""
-    if error <= tolerance:
-        return "ok", note
-    return "above tolerance", f"{note}; estimated error {error:.2g} exceeds {tolerance:.2g}"
+    held = mean.pop("held")
+    regime = mean.pop("regime")
+    note = "held by friction" if held else "cycle means"
+    answer = search.answer(note, search.balance.motion, sticks=held, **mean)
+    return answer | {"method": "averaged", "regime": regime}

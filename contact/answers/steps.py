@@ -12,14 +12,17 @@ import numpy as np
 
 from contact import bounds
 from contact.answers.methods import EXACT_CYCLES, rest, rest_problem, silence, why_not_stepped
+from contact.codes import Regime
 from contact.convergence import ConvergenceError
 from contact.drive import towards_plus
 from contact.envelope import Envelope
 from contact.law.normal import slope
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
+from contact.solve.energy import DISPLACEMENT
+from contact.solve.time_stepping import steps
 
-MOST_CYCLES = 3_000_000
+MAX_CYCLES, STEPS_PER_CYCLE = 3_000_000, 96
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,8 +75,21 @@ def step(
     Step
     """
     listed = as_orbits(orbits)
-    bounds.count("cycles", cycles, 1)
-    return next(iter(_steps(slider, listed, [int(cycles)], envelope)))
+    cycles = bounds.count("cycles", cycles, 1)
+    if slider.friction_coefficient * slider.preload <= slider.load:
+        raise ConvergenceError(
+            "runaway", "friction cannot hold the load, so the slider never stops; lower slider.load"
+        )
+    side, driven = towards_plus(listed)
+    problem = rest_problem(slider, driven)
+    motion, unit = rest(slider, driven, problem, nodes=12, truncation=1e-10), side * problem.length
+    travelled = _drive(slider, motion, cycles, envelope)
+    relaxed, last, ring = _stopped(slider, motion)
+    return Step(
+        cycles=cycles, displacement=unit * (travelled + relaxed), during=unit * travelled, stopping=unit * relaxed,
+        velocity=side * float(motion.state[2]) * problem.speed, stopping_time=last / problem.omega,
+        ring=ring * problem.length,
+    )  # fmt: skip
 
 
 def cycles_for(
@@ -111,7 +127,7 @@ def cycles_for(
     low, high = 0, 8
     while way * at(high).displacement < wanted:
         low, high = high, 2 * high
-        if high > MOST_CYCLES:
+        if high > MAX_CYCLES:
             raise ConvergenceError(
                 "out of reach",
                 f"{low} cycles move the slider by {at(low).displacement:.3g} m; raise the amplitude or the time",
@@ -122,85 +138,49 @@ def cycles_for(
     return at(max(low, 1)), at(high)
 
 
-def _steps(slider, orbits, numbers, envelope):
-    """Yield the step of each number of cycles."""
-    if slider.friction_coefficient * slider.preload <= slider.load:
-        raise ConvergenceError(
-            "runaway", "friction cannot hold the load, so the slider never stops; lower slider.load"
-        )
-    side, driven = towards_plus(orbits)
-    problem = rest_problem(slider, driven)
-    for cycles in numbers:
-        motion = rest(slider, driven, problem, nodes=12, truncation=1e-10)
-        travelled = _drive(slider, problem, motion, cycles, envelope, driven[0].frequency)
-        yield _stopped(slider, problem, motion, travelled, side, cycles)
-
-
-def _drive(slider, problem, motion, cycles, envelope, frequency):
+def _drive(slider, motion, cycles, envelope):
     """Move through the burst; return the distance travelled, scaled."""
-    from contact.solve.energy import DISPLACEMENT
-    from contact.solve.time_stepping import steps
-
-    if envelope is None and cycles <= EXACT_CYCLES:
+    problem, reason = motion.problem, why_not_stepped(slider, motion.problem, STEPS_PER_CYCLE)
+    if envelope is None and (reason or cycles <= EXACT_CYCLES):
         motion.turn(cycles)
         return float(motion.sums[DISPLACEMENT])
-    reason = why_not_stepped(slider, problem, 96)
     if reason:
-        if envelope is not None:
-            raise ConvergenceError("not applicable", f"an envelope needs fixed steps: {reason}")
-        motion.turn(cycles)
-        return float(motion.sums[DISPLACEMENT])
-    shape = envelope.at(np.arange(cycles + 1) / frequency) if envelope is not None else None
-    rows = steps(problem, motion.state, cycles, 96, envelope=shape)
+        raise ConvergenceError("not applicable", f"an envelope needs fixed steps: {reason}")
+    shape = None if envelope is None else envelope.at(np.arange(cycles + 1) * (2.0 * math.pi / problem.omega))
+    rows = steps(problem, motion.state, cycles, STEPS_PER_CYCLE, envelope=shape)
     return float(2.0 * math.pi * np.sum(rows[:, 2]))
 
 
-def _stopped(slider, problem, motion, travelled, side, cycles):
-    """Follow the slider until it has slipped for the last time; return the step."""
-    from contact.codes import Regime
-    from contact.solve.energy import DISPLACEMENT
-
-    speed, contacts = float(motion.state[2]), problem.contacts
+def _stopped(slider, motion):
+    """Follow the slider until its last slip; return (travel, phase of that slip, ring that is left), scaled."""
+    problem, contacts, speed = motion.problem, motion.problem.contacts, abs(float(motion.state[2]))
     # what the load alone leaves of the deformations, each with its contact's share in the stiffness
     share = slope(slider.rest_approach(contacts) + slider.offsets(contacts), slider.contact_shape)
     share = share / np.sum(share)
     spring = np.copysign(share @ slider.rest_deformations(contacts), problem.load) / problem.length
     still = silence(motion)
-    friction = slider.friction_coefficient * slider.preload - slider.load
-    omega = problem.omega
     # long enough to brake, and then bounce periods until no contact slips through a whole one
-    period = 2.0 * math.pi * omega / (2.0 * math.pi * slider.tangential_resonance(contacts))
-    phase, last, quiet = 0.0, 0.0, 0
-    brake = abs(speed) * problem.speed * slider.mass / friction * omega
-    largest = 0.0
+    period = problem.omega / slider.tangential_resonance(contacts)
+    friction = slider.friction_coefficient * slider.preload - slider.load
+    brake = speed * problem.speed * slider.mass / friction * problem.omega
+    phase, last, quiet, largest = 0.0, 0.0, 0, 0.0
     while quiet < 12:
         span = 0.5 * period if phase >= brake else max(0.5 * period, 0.25 * brake)
         at = phase + span * np.arange(1, 33) / 32
         samples = still.move(phase, float(at[-1]) * (1.0 + 1e-14), at)
         phase = float(at[-1])
         _, deformation, _, _, regime, _ = np.moveaxis(samples, -1, 0)
-        apart, sticks = regime == Regime.SEPARATED, regime == Regime.STICK
         # a contact that does not touch at rest holds nothing
-        slipping = np.any(~sticks & ~(apart & (share == 0.0)), axis=1)
-        if np.any(slipping):
-            last, quiet, largest = float(at[np.flatnonzero(slipping)[-1]]), 0, 0.0
+        holds = (regime == Regime.STICK) | ((regime == Regime.SEPARATED) & (share == 0.0))
+        slipping = np.flatnonzero(~np.all(holds, axis=1))
+        if slipping.size:
+            last, quiet, largest = float(at[slipping[-1]]), 0, 0.0
         else:
             quiet += 1
-            x = deformation @ share
-            largest = max(largest, float(np.max(np.abs(x - spring))))
+            largest = max(largest, float(np.max(np.abs(deformation @ share - spring))))
         if phase > 1e9:
             raise ConvergenceError(
                 "not converged", "the slider goes on slipping; give it normal or tangential damping"
             )
     # the contacts stick: position plus deformation stays, and the load's own deformation is what remains
-    relaxed = float(still.sums[DISPLACEMENT] + still.state[3:] @ share - spring)
-    unit = side * problem.length
-    return Step(
-        cycles=cycles,
-        displacement=unit * (travelled + relaxed),
-        during=unit * travelled,
-        stopping=unit * relaxed,
-        velocity=side * speed * problem.speed,
-        stopping_time=last / omega,
-        ring=largest * problem.length,
-    )
+    return float(still.sums[DISPLACEMENT] + still.state[3:] @ share - spring), last, largest

@@ -22,36 +22,47 @@ from contact.answers.averaged import HARMONICS, STIFFEST_STEADY, refuse_unless_a
 from contact.answers.closed_forms import closed_form
 from contact.codes import Status, Steady
 from contact.convergence import ConvergenceError
-from contact.drive import reference_speed, towards_plus
+from contact.drive import towards_plus
 from contact.kinematics import Paths
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
+from contact.solve import averaged_sweep as columns
+from contact.solve.equilibrium import RUNAWAY
 
 REGIMES = np.array([regime.name.lower() for regime in Steady])
+REFUSALS = {
+    Status.RUNAWAY: ("runaway", RUNAWAY),
+    Status.NEAR_THRESHOLD: (
+        "not applicable",
+        "the slider is held, but so near the threshold that averaging cannot tell; use method exact",
+    ),
+}
 
 
-@dataclass(frozen=True, kw_only=True)
-class Sweep:
-    """Steady states of many problems; arrays of one shape, NaN where the regime is "unknown".
+@dataclass(frozen=True)
+class MeanMotion:
+    """Averaged steady state of one problem (numbers), or of many (arrays of one shape, NaN where "unknown").
 
     Attributes
     ----------
-    velocity : ndarray
+    velocity : float or ndarray
         Mean, m/s; exactly 0 where held.
-    first_order : ndarray
+    first_order : float or ndarray
         The velocity without the second-order correction, m/s.
-    height : ndarray
+    height : float or ndarray
         Mean approach h, m; negative where the slider rides above the surface at rest.
-    regime : ndarray of str
+    regime : str or ndarray of str
         "stick", "slip", "intermittent", or "unknown" where averaging does not apply or did not settle.
-    held : ndarray of bool
+    held : bool or ndarray of bool
         Whether friction keeps the slider at rest.
-    error : ndarray
+    relative_error : float or ndarray
         Of the velocity as computed, over max(|v|, omega |u_x|/10).
-    error_from_wave : ndarray
+    error_from_wave : float or ndarray
         What the wave's error makes of it, over the same.
-    blocked_thrust : ndarray
+    blocked_thrust : float or ndarray
         Load at which the slider stalls, N; 0 where the unloaded slider is held.
+    load_sign : float or ndarray
+        +1 where the load opposes motion in the direction in which the crests drive, -1 where the opposite.
     """
 
     velocity: np.ndarray
@@ -59,43 +70,10 @@ class Sweep:
     height: np.ndarray
     regime: np.ndarray
     held: np.ndarray
-    error: np.ndarray
+    relative_error: np.ndarray
     error_from_wave: np.ndarray
     blocked_thrust: np.ndarray
-
-
-@dataclass(frozen=True, kw_only=True)
-class MeanMotion:
-    """One averaged steady state.
-
-    Attributes
-    ----------
-    velocity : float
-        Mean, m/s; exactly 0 when held.
-    first_order : float
-        The velocity without the second-order correction, m/s.
-    height : float
-        Mean approach h, m.
-    regime : str
-        "stick", "slip" or "intermittent".
-    held : bool
-        Whether friction keeps the slider at rest.
-    relative_error : float
-        Estimated error of `velocity` over max(|v|, omega |u_x|/10).
-    error : float
-        The same in m/s.
-    load_sign : float
-        +1 where the load opposes motion in the direction in which the crests drive, -1 where the opposite.
-    """
-
-    velocity: float
-    first_order: float
-    height: float
-    regime: str
-    held: bool
-    relative_error: float
-    error: float
-    load_sign: float
+    load_sign: np.ndarray
 
 
 def steady_sweep(
@@ -106,7 +84,7 @@ def steady_sweep(
     factors: np.ndarray,
     wave_errors: np.ndarray,
     threads: int | None = None,
-) -> Sweep:
+) -> MeanMotion:
     """Return the steady states of n problems, as arrays (n,).
 
     Parameters
@@ -123,8 +101,7 @@ def steady_sweep(
     threads : int, optional
         As many as there are processors when absent.
     """
-    rows = _rows(sliders, waves, np.asarray(which, np.int64).reshape(-1, 2), factors, wave_errors, threads)
-    return _sweep(rows, (len(rows),))
+    return _answer(_rows(sliders, waves, which, factors, wave_errors, threads))
 
 
 def steady_map(
@@ -134,7 +111,7 @@ def steady_map(
     factors: np.ndarray,
     preloads: np.ndarray,
     threads: int | None = None,
-) -> Sweep:
+) -> MeanMotion:
     """Return steady states over factors on the orbits and preloads in N, as arrays (preloads, factors).
 
     Parameters
@@ -156,10 +133,9 @@ def steady_map(
     for preload in preloads:
         bounds.positive("preloads", preload, "N")
     sliders = [replace(slider, preload=float(preload)) for preload in preloads]
-    which = np.zeros((preloads.size * factors.size, 2), np.int64)
-    which[:, 0] = np.repeat(np.arange(preloads.size), factors.size)
-    rows = _rows(sliders, [as_orbits(orbits)], which, np.tile(factors, preloads.size), np.zeros(1), threads)
-    return _sweep(rows, (preloads.size, factors.size))
+    which = np.indices((preloads.size, 1)).reshape(2, -1).T.repeat(factors.size, axis=0)
+    rows = _rows(sliders, [as_orbits(orbits)], which, np.tile(factors, preloads.size), [0.0], threads)
+    return _answer(rows.reshape(preloads.size, factors.size, -1))
 
 
 def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion:
@@ -177,59 +153,30 @@ def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion
     ConvergenceError
         Status "not applicable", "runaway" or "not converged".
     """
-    from contact.solve import averaged_sweep
-
     listed = as_orbits(orbits)
-    row = _rows([slider], [listed], np.zeros((1, 2), np.int64), np.ones(1), np.zeros(1), 1)[0]
-    status = row[averaged_sweep.STATUS]
+    row = _rows([slider], [listed], [(0, 0)], [1.0], [0.0], 1)[0]
+    status = row[columns.STATUS]
     if math.isnan(status):
         closed_form(slider, listed)  # says so if it runs away
         refuse_unless_applicable(slider, listed, STIFFEST_STEADY)
-    if status == Status.RUNAWAY:
-        raise ConvergenceError(
-            "runaway",
-            "friction cannot balance the load at any speed and no tangential damping bounds it; "
-            "lower slider.load or give slider.damping.tangential",
-        )
-    if status == Status.NEAR_THRESHOLD:
-        raise ConvergenceError(
-            "not applicable",
-            "the slider is held, but so near the threshold that averaging cannot tell; use method exact",
-        )
-    if status != Status.DONE or row[averaged_sweep.REGIME] == Steady.UNKNOWN:
-        raise ConvergenceError("not converged", "the averaged motion was not reached; use method exact")
-    velocity, relative = float(row[averaged_sweep.VELOCITY]), float(row[averaged_sweep.ERROR])
-    return MeanMotion(
-        velocity=velocity, first_order=float(row[averaged_sweep.FIRST_ORDER]),
-        height=float(row[averaged_sweep.HEIGHT]), regime=str(REGIMES[int(row[averaged_sweep.REGIME])]),
-        held=bool(row[averaged_sweep.HELD]), relative_error=relative,
-        error=relative * reference_speed(velocity, listed),
-        load_sign=float(row[averaged_sweep.SIGN_OF_LOAD]),
-    )  # fmt: skip
+    if status != Status.DONE or row[columns.REGIME] == Steady.UNKNOWN:
+        unreached = "not converged", "the averaged motion was not reached; use method exact"
+        raise ConvergenceError(*REFUSALS.get(status, unreached))
+    return _answer(row)
 
 
-def _sweep(rows, shape):
-    from contact.solve import averaged_sweep as columns
-
-    regime = np.nan_to_num(rows[:, columns.REGIME]).astype(int)
-    rows[regime == Steady.UNKNOWN] = math.nan
-    column = {
-        name: rows[:, getattr(columns, name)].reshape(shape)
-        for name in ("VELOCITY", "FIRST_ORDER", "HEIGHT", "HELD", "ERROR", "FROM_WAVE", "THRUST")
-    }
-    return Sweep(
-        velocity=column["VELOCITY"], first_order=column["FIRST_ORDER"], height=column["HEIGHT"],
-        regime=REGIMES[regime].reshape(shape), held=column["HELD"] == 1.0, error=column["ERROR"],
-        error_from_wave=column["FROM_WAVE"], blocked_thrust=column["THRUST"],
-    )  # fmt: skip
+def _answer(rows):
+    """Return the answer that the columns of `averaged_sweep` hold."""
+    regime = np.nan_to_num(rows[..., columns.REGIME]).astype(int)
+    rows = np.where(regime[..., None] == Steady.UNKNOWN, math.nan, rows)
+    found = MeanMotion(*np.moveaxis(rows[..., : columns.STATUS], -1, 0))
+    return replace(found, regime=REGIMES[regime], held=found.held == 1.0)
 
 
 def _rows(sliders, waves, which, factors, wave_errors, threads):
     """Return the columns of `averaged_sweep` of every problem; NaN as status where averaging does not apply."""
-    from contact.solve import averaged_sweep as columns
-
+    which, factors = np.asarray(which, np.int64).reshape(-1, 2), np.asarray(factors, float)
     number, contacts = len(which), len(waves[0])
-    factors = np.asarray(factors, float)
     parameters = np.array([_parameters(slider, contacts) for slider in sliders])
     heights = np.array([slider.offsets(contacts) for slider in sliders])
     sides, driven = zip(*(towards_plus(orbits) for orbits in waves), strict=True)
@@ -263,8 +210,6 @@ def _rows(sliders, waves, which, factors, wave_errors, threads):
 
 def _fill_closed(slider, orbits, factor, row):
     """Fill the row of a problem with a closed form, if it has one; its errors are zero."""
-    from contact.solve import averaged_sweep as columns
-
     try:
         found = closed_form(slider, tuple(orbit.scaled(factor) for orbit in orbits))
     except ConvergenceError:
@@ -287,13 +232,14 @@ def _parameters(s: Slider, contacts: int) -> tuple[float, ...]:
 
 
 def _spread(given, out, todo, threads):
-    from contact.solve.averaged_sweep import states
-
     threads = min(threads or os.cpu_count() or 1, max(1, len(todo) // 8))
     if threads == 1:
-        states(given, out, todo, HARMONICS, 0, 1)
+        columns.states(given, out, todo, HARMONICS, 0, 1)
         return
     with ThreadPoolExecutor(threads) as pool:  # interleaved: neighbours cost alike
-        jobs = [pool.submit(states, given, out, todo, HARMONICS, first, threads) for first in range(threads)]
+        jobs = [
+            pool.submit(columns.states, given, out, todo, HARMONICS, first, threads)
+            for first in range(threads)
+        ]
         for job in jobs:
             job.result()

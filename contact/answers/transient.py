@@ -11,6 +11,7 @@ With an envelope the wave swells and fades as it says; what is left of it at the
 fades as a ring-down says, followed in fixed steps.
 """
 
+import math
 import time as clock
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -19,13 +20,17 @@ import numpy as np
 
 from contact import bounds
 from contact.answers.ledger import Ledger, ledger, together
-from contact.answers.methods import METHODS, Burst, rest_problem, run, silence
-from contact.answers.ring_down import ring_down as ringing_down
+from contact.answers.methods import METHODS, STEPS, Burst, rest_problem, run, silence, why_not_stepped
+from contact.convergence import ConvergenceError
 from contact.drive import relative_to_reference, towards_plus
 from contact.envelope import Envelope
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
 from contact.solve.segment import POSITION, ROW_POSITION, ROW_VELOCITY, VELOCITY
+from contact.solve.time_stepping import steps
+
+# amplitude over the envelope's largest below which a surface that rings down stands still; least steps per cycle there
+SPENT, RINGING_STEPS = 1e-3, 64
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -185,14 +190,11 @@ class _Slide(NamedTuple):
     statistics: dict
 
 
-def _follow_on(slider, motion, frequency, after, ring_down, samples):
+def _follow_on(slider, motion, frequency, after, envelope, samples):
     """Follow the slider for some seconds after the burst, while the surface rings down and on a surface at rest."""
     parts, rang, problem = [], 0.0, motion.problem
-    if ring_down is not None:
-        rows = max(2, round(samples / 2.0))
-        times, rows = ringing_down(
-            slider, problem, motion, ring_down, frequency=frequency, longest=after, rows=rows
-        )
+    if envelope is not None:
+        times, rows = _ring_down(slider, motion, frequency, after, envelope, max(2, round(samples / 2.0)))
         if times.size:
             rang = float(times[-1])
             parts.append((times, rows[:, ROW_VELOCITY], rows[:, ROW_POSITION]))
@@ -205,3 +207,19 @@ def _follow_on(slider, motion, frequency, after, ring_down, samples):
     parts.append((rang + at, velocity, problem.paths.height[0] - z))
     statistics = {f"after_{name}": number for name, number in still.events().items()}
     return _Slide(parts, rang, ledger(slider, still), statistics)
+
+
+def _ring_down(slider, motion, frequency, longest, envelope, samples):
+    """Move the slider in fixed steps while the surface rings down; return (times in s, rows)."""
+    serving = [n for n, _ in STEPS if n >= RINGING_STEPS and not why_not_stepped(slider, motion.problem, n)]
+    if not serving:
+        reason = why_not_stepped(slider, motion.problem, STEPS[-1][0])
+        raise ConvergenceError("not applicable", f"a ring-down needs fixed steps: {reason}")
+    loud = np.flatnonzero(envelope.amplitude > SPENT * np.max(envelope.amplitude))
+    until = min(float(envelope.time[loud[-1]]) if loud.size else 0.0, longest)
+    cycles = max(0, math.ceil(until * frequency))
+    stride = max(1, cycles // samples)
+    cycles -= cycles % stride
+    shape = envelope.at(np.arange(cycles + 1) / frequency)
+    rows = steps(motion.problem, motion.state, cycles, serving[0], stride=stride, envelope=shape)
+    return stride * np.arange(1, len(rows) + 1) / frequency, rows

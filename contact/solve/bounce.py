@@ -5,8 +5,8 @@ velocity and <> the cycle means at constant height and velocity,
 
     h'' = p - <sum P>(h),    0 = mean over the bounce of <sum Q>(h, V) - d_t V - q:
 
-without normal damping h swings for ever between the approach at rest and its counterpart, and V is another than that of
-the periodic motion, whose height is constant. First-order averaging: error O((f_n/f)^2).
+without normal damping h swings for ever between the approach at rest and its counterpart, h'^2/2 = int (p - <sum P>) dh
+(V then is not that of the periodic motion, whose height is constant). First-order averaging: error O((f_n/f)^2).
 """
 
 import math
@@ -15,44 +15,38 @@ import numpy as np
 
 from contact.kinematics import tangential_amplitude
 from contact.problem import Problem
+from contact.solve.collocation import SMOOTH, collocation
 from contact.solve.cycle_mean import NORMAL, TANGENTIAL, cycle, cycle_room
 from contact.solve.riding import quadrature
 from contact.solve.roots import bracketed
 
-# steps of the classical Runge-Kutta method per period of the small bounce, and at most in half a bounce
-PER_PERIOD, MAX_STEPS = 48, 4000
+NODES = 32  # from one turning point to the other
 
 
-class CycleMeans:
-    """Cycle means of the elastic law at constant height and velocity."""
+def speed_lost(problem: Problem, rest: float, level: float, near: float) -> float:
+    """Return by how much a bounce that goes on for ever changes the mean velocity, scaled, or NaN.
 
-    def __init__(self, problem: Problem):
-        self.problem, self.rule, self.work = problem, quadrature(12), cycle_room(1)
-
-    def forces(self, height: float, speed: float) -> tuple[float, float]:
-        """Return (<sum P>, <sum Q>)."""
-        cycle(self.problem, height, speed, self.rule, self.work)
-        return float(self.work.means[NORMAL]), float(self.work.means[TANGENTIAL])
-
-
-def speed_lost(problem: Problem, heights: tuple[float, float], ratio: float, near: float) -> float:
-    """Return by how much a bounce from rest that goes on for ever changes the mean velocity, scaled, or NaN.
-
-    `heights`: approach at rest, where the bounce begins, and mean approach of the periodic motion; `ratio`: contact
-    resonance over the frequency of the wave; `near`: velocity of the periodic motion. The law is the elastic one.
+    `rest`: approach at rest, where the bounce begins; `level` and `near`: mean approach and velocity of the periodic
+    motion. The law is the elastic one.
     """
-    means = CycleMeans(problem)
-    steady = _balanced_speed(means, [heights[1]], [1.0], near)
-    bounce = _half_bounce(means, heights[0], 2.0 * math.pi / (ratio * PER_PERIOD))
-    return _balanced_speed(means, *bounce, near) - steady
+    if abs(level - rest) < 1e-9 * (abs(level) + abs(rest)):
+        return 0.0  # the slider rides where it rests
+    rule, work = quadrature(12), cycle_room(1)
+
+    def means(height, speed):
+        cycle(problem, height, speed, rule, work)
+        return float(work.means[NORMAL]), float(work.means[TANGENTIAL])
+
+    heights, weights = _half_bounce(lambda h: problem.preload - means(h, 0.0)[0], rest, level)
+    still = _balanced_speed(problem, means, [level], [1.0], near)
+    return _balanced_speed(problem, means, heights, weights, near) - still
 
 
-def _balanced_speed(means, heights, weights, near):
+def _balanced_speed(problem, means, heights, weights, near):
     """Return the velocity at which the mean tangential force over some heights balances damper and load, or NaN."""
-    problem = means.problem
 
     def excess(speed):
-        mean = sum(w * means.forces(h, speed)[1] for h, w in zip(heights, weights, strict=True))
+        mean = sum(w * means(h, speed)[1] for h, w in zip(heights, weights, strict=True))
         return mean - problem.tangential_damping * speed - problem.load
 
     reach = 1.05 * float(np.max(tangential_amplitude(problem.paths, np.arange(problem.contacts))))
@@ -69,34 +63,23 @@ def _balanced_speed(means, heights, weights, near):
     return math.nan
 
 
-def _half_bounce(means, rest, step):
-    """Return heights from one turning point to the other and their weights in time, which sum to one."""
-    preload = means.problem.preload
+def _half_bounce(force, rest, level):
+    """Return heights from one turning point to the other and their shares of the time."""
+    grid = collocation(NODES)
+    tau, areas = grid.tau[SMOOTH], grid.integrals[SMOOTH, 0]
 
-    def fall(height):
-        return preload - means.forces(height, 0.0)[0]
+    def bounce(far):
+        heights = rest + (far - rest) * tau
+        forces = np.array([force(height) for height in heights])
+        return heights, forces, (far - rest) * (forces @ areas)
 
-    h, w = rest, 0.0
-    heights, times = [h], [0.0]
-    falling = fall(h) < 0.0
-    for _ in range(MAX_STEPS):
-        a1 = fall(h)
-        a2 = fall(h + 0.5 * step * w)
-        a3 = fall(h + 0.5 * step * (w + 0.5 * step * a1))
-        a4 = fall(h + step * (w + 0.5 * step * a2))
-        new_h = h + step * w + step**2 / 6.0 * (a1 + a2 + a3)
-        new_w = w + step / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
-        if (new_w > 0.0) == falling and len(heights) > 1:
-            last = step * w / (w - new_w)
-            heights.append(h + 0.5 * last * w)
-            times.append(times[-1] + last)
-            break
-        h, w = new_h, new_w
-        heights.append(h)
-        times.append(times[-1] + step)
-    time = np.array(times)
-    weights = np.zeros(time.size)
-    gaps = np.diff(time)
-    weights[:-1] += 0.5 * gaps
-    weights[1:] += 0.5 * gaps
-    return heights, weights / time[-1]
+    far = 2.0 * level - rest
+    while bounce(far)[2][-1] > 0.0:
+        far += level - rest
+    far = bracketed(lambda far: bounce(far)[2][-1], level, far, tolerance=1e-12 * abs(level - rest))
+    heights, forces, energy = bounce(far)
+    # dt = dh/h' with h = rest + (far - rest) (1 - cos theta)/2; at the ends h' vanishes with sin theta
+    weights = np.sin(np.linspace(0.0, np.pi, NODES))
+    weights[1:-1] /= np.sqrt(energy[1:-1])
+    weights[[0, -1]] = 1.0 / np.sqrt(np.abs((far - rest) * forces[[0, -1]]))
+    return heights, weights / np.sum(weights)

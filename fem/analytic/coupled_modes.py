@@ -35,7 +35,7 @@ def stop_band_edges(metallisation: float) -> tuple[float, float]:
     [0.5, 0.9569]
     """
     cos = np.cos(np.pi * metallisation)
-    return float((1 - cos) / 2), float((1 + cos) / 2 + _legendre(0.5, -cos) / _legendre(-0.5, -cos))
+    return float((1 - cos) / 2), float((1 + cos) / 2 + _legendre_ratio(-cos))
 
 
 def relative_amplitude(
@@ -87,7 +87,11 @@ def _leaving(detuning: np.ndarray, coupling: float) -> np.ndarray:
     return abs(driven / (cos + 1j * detuning * sine))
 
 
-def _legendre(degree: float, x: float) -> float:
-    from scipy.special import hyp2f1
-
-    return float(hyp2f1(-degree, degree + 1, 1.0, (1 - x) / 2))
+def _legendre_ratio(x: float) -> float:
+    """P_1/2 / P_-1/2 = 2 E / K - 1 for the parameter (1 - x) / 2, by the arithmetic-geometric mean."""
+    ratio, weight, above, below = (1 + x) / 2, 1.0, 1.0, np.sqrt((1 + x) / 2)
+    for _ in range(10):
+        difference = (above - below) / 2
+        above, below, weight = (above + below) / 2, np.sqrt(above * below), 2 * weight
+        ratio -= weight * difference**2
+    return ratio

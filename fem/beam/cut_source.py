@@ -18,7 +18,6 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve
 
 from fem.beam.lateral import LateralRule, lateral_rule
 from fem.beam.line_source import KEPT, LOCAL, Branch
@@ -207,9 +206,8 @@ def _tracked(second, skew, zeroth, k: complex, right: np.ndarray, left: np.ndarr
     """Eigenvalue and both eigenvectors of L next to an estimate: two-sided Rayleigh quotient iteration."""
     for _ in range(MAX_ITERATIONS):
         matrix, slope = k**2 * second + 1j * k * skew + zeroth, 2 * k * second + 1j * skew
-        factors = lu_factor(matrix, check_finite=False)
-        right = lu_solve(factors, slope @ right, check_finite=False)
-        left = lu_solve(factors, slope.T @ left, trans=1, check_finite=False)
+        right = np.linalg.solve(matrix, slope @ right)
+        left = np.linalg.solve(matrix.T, slope.T @ left)
         right, left = right / np.linalg.norm(right), left / np.linalg.norm(left)
         step = (left @ matrix @ right) / (left @ slope @ right)
         k -= step

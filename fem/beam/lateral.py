@@ -12,10 +12,10 @@ the integrand grows, r the farthest lateral distance from a point to the apertur
 Between two faces that reflect like mirrors the field is periodic in y: a sum over k_y = 2 pi n / width.
 """
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.special import erfc
 
 GROWTH = 4.0  # D r; half or twice as much takes 1.5 times as many nodes
 MAX_TILT = 0.04  # D over the largest wavenumber, where the aperture is a few wavelengths only
@@ -86,4 +86,4 @@ def evanescent(highest: float, distance: float) -> tuple[float, float]:
 
 
 def _faded(t: np.ndarray, start: float, stop: float) -> np.ndarray:
-    return 0.5 * erfc(5.0 * (2.0 * (t - start) / (stop - start) - 1.0))
+    return np.array([0.5 * math.erfc(5.0 * (2.0 * (each - start) / (stop - start) - 1.0)) for each in t])

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from fem.condense.superelement import PORTS, Superelement, folded, refuse_resonance
+from fem.condense.superelement import PORTS, Superelement, eliminated, folded
 
 
 def joined(
@@ -21,8 +21,6 @@ def joined(
     If that line's surface node lies on a finger: ``phi``, the number of the potential there, and the finger's
     electrode.
     """
-    from scipy.linalg import lu_factor, lu_solve
-
     n = left.size
     first, second = left.matrix, right.matrix
     if electrode is not None:
@@ -34,8 +32,7 @@ def joined(
     coupling[:, 2 * n :] = first[n : 2 * n, 2 * n :] + second[:n, 2 * n :]
     if electrode is not None:
         middle[phi, phi] = 1.0
-    back = -lu_solve(lu_factor(middle, check_finite=False), coupling, check_finite=False)
-    refuse_resonance(back)
+    back = eliminated(middle, coupling)
     matrix = coupling.T @ back
     matrix[:n, :n] += first[:n, :n]
     matrix[n : 2 * n, n : 2 * n] += second[n : 2 * n, n : 2 * n]

@@ -170,26 +170,27 @@ def folded(piece: Superelement, side: int, phi: int, electrode: int) -> np.ndarr
 
 def _schur(matrix, keep, drop):
     """Schur complement onto ``keep``, symmetrised against rounding, and ``drop`` from ``keep``."""
-    from scipy.linalg import lu_factor, lu_solve
-
     coupling = matrix[np.ix_(drop, keep)]
     kept = matrix[np.ix_(keep, keep)]
     if not len(drop):
         return kept, coupling
-    factor = lu_factor(matrix[np.ix_(drop, drop)], overwrite_a=True, check_finite=False)
-    back = -lu_solve(factor, coupling, check_finite=False)
-    refuse_resonance(back)
+    back = eliminated(matrix[np.ix_(drop, drop)], coupling)
     reduced = kept + coupling.T @ back
     return 0.5 * (reduced + reduced.T), back
 
 
-def refuse_resonance(back: np.ndarray) -> None:
-    """Refuse a piece that resonates between clamped lines: its condensation, though not the stator, is singular.
+def eliminated(inside: np.ndarray, coupling: np.ndarray) -> np.ndarray:
+    """Fields inside for unit fields at the sides, each decade of which costs the answer a digit.
 
-    ``back``: fields inside for unit fields at the sides; each decade of them costs the answer a digit.
+    A piece that resonates between clamped lines is refused: its condensation, though not the stator, is singular.
     """
+    try:
+        back = -np.linalg.solve(inside, coupling)
+    except np.linalg.LinAlgError:
+        back = np.array(np.inf)
     if not abs(back).max(initial=0.0) < MAX_AMPLIFICATION:
         raise ConvergenceError(
             "a piece of the transducer, clamped at its sides, resonates at this very frequency: "
             "change the frequency by a part in a million, or give the solid a mechanical_quality"
         )
+    return back

@@ -44,21 +44,18 @@ def _graded_eigenpairs(left, right, shift):
 
     The shift-inverted problem gives the small eigenvalues to all digits and the direct one the large ones.
     """
-    from scipy.linalg import lu_factor, lu_solve
-
-    def over(matrix, load):  # the matrix is ill-conditioned; only the accurate half of the spectrum is used
-        return lu_solve(lu_factor(matrix, check_finite=False), load, check_finite=False)
 
     def sorted_pairs(values, vectors):
         order = np.argsort(abs(values))
         return values[order], vectors[:, order]
 
-    # numpy's eigensolver releases the global interpreter lock, scipy's does not
-    values, vectors = np.linalg.eig(over(right - shift * left, left))
+    # numpy's eigensolver releases the global interpreter lock, scipy's does not; the matrices are ill-conditioned, and
+    # only the accurate half of each spectrum is used
+    values, vectors = np.linalg.eig(np.linalg.solve(right - shift * left, left))
     small, small_vectors = sorted_pairs(shift + 1.0 / values, vectors)
     if abs(small[-1]) < WIDE_SPECTRUM * abs(shift):
         return small, small_vectors
-    large, large_vectors = sorted_pairs(*np.linalg.eig(over(left, right)))
+    large, large_vectors = sorted_pairs(*np.linalg.eig(np.linalg.solve(left, right)))
     middle = int(np.searchsorted(abs(large), np.sqrt(abs(large[-1]) * abs(shift))))
     near = np.arange(max(1, middle - 8), min(len(large) - 1, middle + 8))
     gaps = np.minimum(abs(large[near]) / abs(large[near - 1]), abs(small[near]) / abs(small[near - 1]))

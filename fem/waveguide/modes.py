@@ -87,23 +87,13 @@ class GuidedModes:
         """Sum of the radiation impedances, which relates a jump of the flux to the field that it sends both ways."""
         return self.right_impedance + self.left_impedance
 
-    @cached_property
-    def _factors(self):
-        from scipy.linalg import lu_factor
-
-        return lu_factor(self.right, check_finite=False), lu_factor(self.left, check_finite=False)
-
     def right_amplitudes(self, field_right: np.ndarray) -> np.ndarray:
         """Amplitudes of the modes in a field that goes right, shape as the field (n, ...)."""
-        from scipy.linalg import lu_solve
-
-        return lu_solve(self._factors[0], field_right, check_finite=False)
+        return np.linalg.solve(self.right, field_right)
 
     def left_amplitudes(self, field_left: np.ndarray) -> np.ndarray:
         """Amplitudes of the modes in a field that goes left, shape as the field (n, ...)."""
-        from scipy.linalg import lu_solve
-
-        return lu_solve(self._factors[1], field_left, check_finite=False)
+        return np.linalg.solve(self.left, field_left)
 
     @property
     def nearest_cut_off(self) -> float:
@@ -212,18 +202,14 @@ def _radiation_impedance(second, first, zeroth, wavenumbers, shapes, flux):
     The eigensolver gives strongly evanescent modes to few digits.  The correction Z obeys G^T Z + Z G = -R with
     G = K2^-1 (X - K1) = V (-i k) V^-1, so that in the basis of the modes it is one division.
     """
-    from scipy.linalg import lu_factor, lu_solve
-
-    factor = lu_factor(shapes, check_finite=False)
-    stiff = lu_factor(second, check_finite=False)
-    ends = _symmetric(lu_solve(factor, flux.T, trans=1, check_finite=False).T)
+    ends = _symmetric(np.linalg.solve(shapes.T, flux.T).T)
     sums = 1j * (wavenumbers[:, None] + wavenumbers[None, :])
     weights = np.where(sums == 0, 0.0, 1.0 / np.where(sums == 0, 1.0, sums))
     scale = abs(zeroth).max()
     before, best = np.inf, ends
     for _ in range(POLISHING_STEPS):
         slope = ends - first
-        residual = slope.T @ lu_solve(stiff, slope, check_finite=False) - zeroth
+        residual = slope.T @ np.linalg.solve(second, slope) - zeroth
         size = float(abs(residual).max() / scale)
         if size >= 0.5 * before:
             break
@@ -231,8 +217,8 @@ def _radiation_impedance(second, first, zeroth, wavenumbers, shapes, flux):
         if size < 1e-15:
             break
         in_modes = weights * (shapes.T @ residual @ shapes)
-        half = lu_solve(factor, in_modes, trans=1, check_finite=False)
-        ends = _symmetric(ends + lu_solve(factor, half.T, trans=1, check_finite=False).T)
+        half = np.linalg.solve(shapes.T, in_modes)
+        ends = _symmetric(ends + np.linalg.solve(shapes.T, half.T).T)
     if not before < RICCATI_TOLERANCE:
         raise ConvergenceError(
             f"the guided modes leave a residual of {before:.1e} in the equation of the radiation impedance: "

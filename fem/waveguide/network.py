@@ -33,14 +33,12 @@ class Scatterer:
     potentials: np.ndarray
 
     @cached_property
-    def _factor(self):
-        from scipy.linalg import lu_factor
-
+    def _between_ends(self):
         n = self.superelement.size
         system = self.superelement.matrix[: 2 * n, : 2 * n].astype(complex)
         system[:n, :n] -= self.modes.left_impedance
         system[n:, n:] -= self.modes.right_impedance
-        return lu_factor(system, overwrite_a=True, check_finite=False)
+        return system
 
     def sides(self, incoming: np.ndarray, potentials: np.ndarray) -> np.ndarray:
         """Both lines' unknowns, shape (2 n, m).
@@ -48,15 +46,13 @@ class Scatterer:
         ``incoming``: field going right at the left line, then field going left at the right line, (2 n, m);
         ``potentials`` of the electrodes, scaled, (2, m).
         """
-        from scipy.linalg import lu_solve
-
         n = self.superelement.size
         both = self.modes.impedance_sum
         load = -self.superelement.matrix[: 2 * n, 2 * n :] @ potentials
         load = load.astype(complex)
         load[:n] -= both @ incoming[:n]
         load[n:] -= both @ incoming[n:]
-        return lu_solve(self._factor, load, overwrite_b=True, check_finite=False)
+        return np.linalg.solve(self._between_ends, load)
 
     def charge(self, sides: np.ndarray, potentials: np.ndarray) -> np.ndarray:
         """Reactions q of the ports, scaled (minus the charge), shape (ports, m)."""

@@ -33,7 +33,7 @@ def frequencies(scene: Scene, count: int):
 
     from fem import rayleigh
 
-    driven = _driven(scene)
+    driven = scene.driven_transducer
     middle = rayleigh(resolved.solid(scene.stator), "open").velocity / driven.period
     half = middle * min(LOBES / driven.finger_pairs, WIDEST)
     return np.linspace(middle - half, middle + half, count)
@@ -62,11 +62,5 @@ def expected(scene: Scene):
     """Return the ``fem.TransducerEstimate`` of the driven transducer: no reflections, bulk waves, bottom or ends."""
     import fem
 
-    name = _driven(scene).name
-    transducer = next(each for each in resolved.transducers(scene) if each.name == name)
     surface = "open" if scene.stator.above == "none" else "vacuum"
-    return fem.transducer_estimate(resolved.solid(scene.stator), transducer, surface)
-
-
-def _driven(scene: Scene):
-    return next(each for each in scene.transducer if each.name == scene.drive.transducer)
+    return fem.transducer_estimate(resolved.solid(scene.stator), resolved.driven(scene), surface)

@@ -46,7 +46,7 @@ def ring_up(scene: Scene, place: float, *, progress: Callable[[str], None]) -> R
     import fem
     from contact import Envelope
 
-    driven = next(each for each in scene.transducer if each.name == scene.drive.transducer)
+    driven = scene.driven_transducer
     half = min(LOBES / driven.finger_pairs, WIDEST) * scene.frequency
     prepared = response(
         scene,

@@ -20,13 +20,9 @@ def _largest_voltage(record: Record) -> float:
     return max(record.scene.levels) * max(map(abs, [electrical["comb_voltage_per_volt"], *several]))
 
 
-def _driven(scene: Scene):
-    return next(each for each in scene.transducer if each.name == scene.drive.transducer)
-
-
 def _gap(scene: Scene) -> float:
     """Return the width of a gap between fingers in m."""
-    driven = _driven(scene)
+    driven = scene.driven_transducer
     return (1 - driven.metallisation) * driven.period * driven.finger_pairs / driven.fingers
 
 
@@ -94,7 +90,7 @@ def _stress(record: Record) -> Iterator[str]:
 def _off_resonance(record: Record) -> Iterator[str]:
     """Yield a warning where another frequency would give a larger wave, by coupled modes of the driven transducer."""
     scene = record.scene
-    driven = _driven(scene)
+    driven = scene.driven_transducer
     if (
         driven.pattern is not None
         or driven.split
@@ -107,12 +103,11 @@ def _off_resonance(record: Record) -> Iterator[str]:
     from fem import ConvergenceError, relative_amplitude
 
     solid, present = resolved.solid(scene.stator), scene.frequency
-    transducer = next(each for each in resolved.transducers(scene) if each.name == driven.name)
     surface = "open" if scene.stator.above == "none" else "vacuum"
     reach = 2 / max(driven.finger_pairs, 4)
     frequencies = np.append(np.linspace(1 - reach, 1 + reach, 801) * present, present)
     try:
-        sizes = relative_amplitude(solid, transducer, frequencies, surface=surface)
+        sizes = relative_amplitude(solid, resolved.driven(scene), frequencies, surface=surface)
     except ConvergenceError:
         return  # a cut whose half-space has no such wave: there is no estimate
     best = int(np.argmax(sizes))

@@ -181,7 +181,7 @@ class Predictor:
                 sliders, list(waves), which=np.array(which), factors=np.array(factors),
                 wave_errors=np.zeros(len(waves)),
             )  # fmt: skip
-            good = (found.regime != "unknown") & (found.error < TRUSTED)
+            good = (found.regime != "unknown") & (found.relative_error < TRUSTED)
             velocity, first = np.where(good, found.velocity, math.nan), 0
             for at in members:
                 _, contact, own = states[at]

@@ -41,20 +41,16 @@ def run(
     *,
     outcomes: tuple[str, ...] = tuple(ACCURACY),
     tolerance: float = 1e-2,
-    progress: Callable[[str], None] | None = None,
+    progress=None,
 ) -> StudyRecord:
     """Return the elasticities of a motor.
 
     Parameters
     ----------
-    scene : str or Scene
-        A path, a shipped name or a scene with a slider and either a [wave] or a driven stator.
     outcomes : tuple of str
         Of velocity, threshold, release, thrust, efficiency and start-up time.
     tolerance : float
         Of the velocity, for the stator.
-    progress : callable, optional
-        Told what is being done.
     """
     predictor = Predictor(scene, tolerance=tolerance, progress=progress)
     level = max(predictor.contact({}).scene.levels)

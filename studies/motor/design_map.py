@@ -9,7 +9,6 @@ about 5 s.
 """
 
 import math
-from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
@@ -45,7 +44,7 @@ def run(
     *,
     over: dict | None = None,
     counts: tuple[int, int] = COUNTS,
-    progress: Callable[[str], None] | None = None,
+    progress=None,
 ) -> StudyRecord:
     """Return the maps, their lines and the scene's own point.
 

@@ -7,8 +7,6 @@ preload; efficiency between 0 and 1, largest inside the line; the ledger closes 
 and the stator's.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from studies.chain.driven_contact import driven_contact
@@ -24,9 +22,7 @@ LINES = 4
 
 
 @study
-def run(
-    scene: str | Scene = "twente-contact", *, points: int = 17, progress: Callable[[str], None] | None = None
-) -> StudyRecord:
+def run(scene: str | Scene = "twente-contact", *, points: int = 17, progress=None) -> StudyRecord:
     """Return load lines and efficiencies.
 
     Parameters

@@ -9,7 +9,6 @@ event-driven method to 1e-6.  Run time: about 1 s, and the stator's.
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -34,7 +33,7 @@ def run(
     amplitudes: int = 36,
     preloads: int = 28,
     checked: int = 12,
-    progress: Callable[[str], None] | None = None,
+    progress=None,
 ) -> StudyRecord:
     """Return the map, its lines and the operating points.
 

@@ -9,7 +9,6 @@ how it builds up is not in the steps.  Run time: about 5 s, and the stator's.
 """
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
@@ -34,7 +33,7 @@ def run(
     cycles: tuple[int, ...] = CYCLES,
     wanted: tuple[float, ...] = WANTED,
     lines: int = 4,
-    progress: Callable[[str], None] | None = None,
+    progress=None,
 ) -> StudyRecord:
     """Return steps over cycles, and cycles over steps.
 

@@ -8,8 +8,6 @@ Dashed: a slider that starts at the scene's place and moves through the field fo
 mean.  Expected: Fresnel's fringes of the aperture.  Run time: about 30 s.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from studies.chain import bridge
@@ -29,24 +27,16 @@ CLEAR = 0.5  # wavelengths from the fingers
 
 @study
 def run(
-    scene: str | Scene = "twente",
-    *,
-    count: int = COUNT,
-    duration: float = 0.3,
-    progress: Callable[[str], None] | None = None,
+    scene: str | Scene = "twente", *, count: int = COUNT, duration: float = 0.3, progress=None
 ) -> StudyRecord:
     """Return amplitude and steady velocity against the slider's place, and the motion of a slider that travels.
 
     Parameters
     ----------
-    scene : str or Scene
-        A path, a shipped name or a scene with a slider and a driven stator.
     count : int
         Places.
     duration : float
         s, of the motion along the field.
-    progress : callable, optional
-        Told what is being done.
     """
     import contact
     from studies.chain.travel import travelled

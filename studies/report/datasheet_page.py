@@ -116,7 +116,7 @@ def _conditions(sheet: Datasheet) -> str:
     feet += ("es" if slider.shape == "punch" else "s") * (balls > 1)
     sentences = []
     if scene.stator is not None:
-        driven = next(each for each in scene.transducer if each.name == scene.drive.transducer)
+        driven = scene.driven_transducer
         material = scene.stator.material
         name = material if isinstance(material, str) else getattr(material, "name", None) or "own material"
         size = f"{scene.stator.length * 1e3:g} mm long"

@@ -152,6 +152,11 @@ def transducers(scene: Scene) -> tuple:
         return tuple(_transducer(block, block.period) for block in scene.transducer)
 
 
+def driven(scene: Scene):
+    """Return the ``fem.Transducer`` that is driven; of several the first."""
+    return next(each for each in transducers(scene) if each.name == scene.drive.transducer)
+
+
 def _transducer(block: Transducer, period: float):
     import fem
 
@@ -282,7 +287,7 @@ def _with_source_numbers(scene: Scene) -> Scene:
         raise SceneError("transducer", rule)
     with _refused("drive.frequency"):
         if scene.frequency == "center":
-            driven = next(each for each in scene.transducer if each.name == scene.drive.transducer)
+            driven = scene.driven_transducer
             frequency = fem.best_frequency(block, _transducer(driven, driven.period))
             return replace(scene, drive=replace(scene.drive, frequency=frequency))
 

@@ -142,6 +142,11 @@ class Scene(Block):
         return self.wave.normal_amplitude if self.wave is not None else self.drive.levels
 
     @property
+    def driven_transducer(self) -> Transducer:
+        """The driven transducer; of several the first."""
+        return next(each for each in self.transducer if each.name == self.drive.transducer)
+
+    @property
     def frequency(self) -> float | str:
         """Of the drive or the given wave, in Hz."""
         return (self.wave or self.drive).frequency

@@ -6,8 +6,6 @@ conductance that is never negative, its largest value within a factor of 2 of th
 capacitance's within a quarter at the band's edges, where hardly a wave is sent.  Run time: about 10 s.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from studies.chain import passband
@@ -25,11 +23,7 @@ COUNT = 81
 
 @study
 def run(
-    scene: str | Scene = "twente",
-    *,
-    count: int = COUNT,
-    tolerance: float = 1e-2,
-    progress: Callable[[str], None] | None = None,
+    scene: str | Scene = "twente", *, count: int = COUNT, tolerance: float = 1e-2, progress=None
 ) -> StudyRecord:
     """Return the admittance against frequency and its estimate.
 

@@ -36,30 +36,22 @@ SPECTRUM = 400  # lateral wavenumbers on either side
 
 @study
 def run(
-    scene: str | Scene = "twente",
-    *,
-    count: int = COUNT,
-    tolerance: float = 1e-3,
-    progress: Callable[[str], None] | None = None,
+    scene: str | Scene = "twente", *, count: int = COUNT, tolerance: float = 1e-3, progress=None
 ) -> StudyRecord:
     """Return the amplitude on the axis and across the beam.
 
     Parameters
     ----------
-    scene : str or Scene
-        A path, a shipped name or a scene with transducers.
     count : int
         Points of each line.
     tolerance : float
         Relative, of the section's surface motion.
-    progress : callable, optional
-        Told what is being done.
     """
     import fem
 
     chosen = passband.driven_scene(scene)
     place, transducers = passband.place(chosen), resolved.transducers(chosen)
-    driven = next(each for each in transducers if each.name == chosen.drive.transducer)
+    driven = resolved.driven(chosen)
     try:
         wave = bridge.driven_section(chosen, tolerance=tolerance, places=(place,), progress=progress)
         beam = fem.surface_beam(wave, mirror_width=chosen.stator.mirror_width)

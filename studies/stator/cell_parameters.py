@@ -7,8 +7,6 @@ the free wave; one edge common to both where x -> -x is a symmetry; reflectiviti
 charge at weak coupling; the capacitance of conformal mapping to 1 %.  Run time: about 10 s.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from studies.chain import passband
@@ -27,11 +25,7 @@ REACH = 2.0  # widths of the stop bands shown on either side
 
 @study
 def run(
-    scene: str | Scene = "twente-left",
-    *,
-    count: int = COUNT,
-    tolerance: float = 1e-2,
-    progress: Callable[[str], None] | None = None,
+    scene: str | Scene = "twente-left", *, count: int = COUNT, tolerance: float = 1e-2, progress=None
 ) -> StudyRecord:
     """Return the cells' numbers and the gratings' Bloch waves.
 
@@ -48,7 +42,7 @@ def run(
     from fem import LEVELS, grating, surface_permittivity
 
     chosen = passband.driven_scene(scene)
-    driven = next(each for each in chosen.transducer if each.name == chosen.drive.transducer)
+    driven = chosen.driven_transducer
     solid, above, m = resolved.solid(chosen.stator), chosen.stator.above, driven.metallisation
     period = driven.period / (2 if driven.split else 1)  # of two fingers and two gaps
     progress(f"gratings of {solid.name}")

@@ -8,7 +8,6 @@ plate: no such thing).  Run time: about 5 s.
 """
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
@@ -28,9 +27,7 @@ THICK = 4.0  # wavelengths: above it the faces' waves hardly split
 
 
 @study
-def run(
-    scene: str | Scene = "rayleigh", *, count: int = COUNT, progress: Callable[[str], None] | None = None
-) -> StudyRecord:
+def run(scene: str | Scene = "rayleigh", *, count: int = COUNT, progress=None) -> StudyRecord:
     """Return propagating wavenumbers against frequency.
 
     Parameters

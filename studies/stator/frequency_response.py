@@ -8,8 +8,6 @@ influence), and a delay in that band, its median, of the way from the fingers' m
 Run time: about 8 s.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from studies.chain import bridge, passband
@@ -28,11 +26,7 @@ COUNT = 161
 
 @study
 def run(
-    scene: str | Scene = "twente-left",
-    *,
-    count: int = COUNT,
-    tolerance: float = 1e-2,
-    progress: Callable[[str], None] | None = None,
+    scene: str | Scene = "twente-left", *, count: int = COUNT, tolerance: float = 1e-2, progress=None
 ) -> StudyRecord:
     """Return amplitude and group delay against frequency.
 
@@ -47,7 +41,7 @@ def run(
 
     chosen = passband.driven_scene(scene)
     place, at = passband.place(chosen), passband.frequencies(chosen, count)
-    driven = next(each for each in chosen.transducer if each.name == chosen.drive.transducer)
+    driven = chosen.driven_transducer
     prepared = response(chosen, at[0], at[-1], places=(place,), tolerance=tolerance, progress=progress)
     progress(f"stator: {count} frequencies")
     found = spectrum(chosen, prepared, at, place)

@@ -8,7 +8,6 @@ also a SPICE subcircuit of a static capacitance with one motional branch (Butter
 Expected: passive and reciprocal; several branches nearer to the admittance than one.  Run time: about 15 s.
 """
 
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -42,14 +41,12 @@ def run(
     measured: str | None = None,
     count: int = COUNT,
     tolerance: float = 1e-3,
-    progress: Callable[[str], None] | None = None,
+    progress=None,
 ) -> StudyRecord:
     """Return the S-parameters of a scene's transducers and their circuits.
 
     Parameters
     ----------
-    scene : str or Scene
-        A path, a shipped name or a scene with transducers.
     band : str, optional
         START:STOP:N in MHz, or with units.
     z0 : str or float
@@ -60,8 +57,6 @@ def run(
         Frequencies where no band is given.
     tolerance : float
         Relative, of the admittances.
-    progress : callable, optional
-        Told what is being done.
     """
     import fem
 

@@ -8,7 +8,6 @@ solid is lossless; the cascade within 30 % of the stator in the transfer admitta
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 
@@ -30,11 +29,7 @@ COUNT = 25
 
 @study
 def run(
-    scene: str | Scene = "twente",
-    *,
-    count: int = COUNT,
-    tolerance: float = 3e-2,
-    progress: Callable[[str], None] | None = None,
+    scene: str | Scene = "twente", *, count: int = COUNT, tolerance: float = 3e-2, progress=None
 ) -> StudyRecord:
     """Return P-matrices, their cascade and the whole stator.
 

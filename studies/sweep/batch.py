@@ -145,7 +145,13 @@ def _mapped(question, ready: dict[int, Driven], threads) -> dict[int, dict]:
             wave_errors=[error for _, error in waves],
             threads=threads,
         )
-        columns = (found.velocity, found.regime, found.error, found.error_from_wave, found.blocked_thrust)
+        columns = (
+            found.velocity,
+            found.regime,
+            found.relative_error,
+            found.error_from_wave,
+            found.blocked_thrust,
+        )
         for k, row in zip(kept, zip(*(column.tolist() for column in columns), strict=True), strict=True):
             velocity, regime, of_contact, of_stator, thrust = row
             if regime == "unknown" or of_contact > SHARE * question.tolerance:

@@ -67,8 +67,7 @@ def views(found: RunField) -> tuple[View, ...]:
     """Return what is shown unless something else is asked for: the whole, the driven transducer, the slider."""
     if found.free:
         return chosen_views(found, (0.0, found.length))
-    driven = next(each for each in found.scene.transducer if each.name == found.scene.drive.transducer)
-    reach = CLOSE * found.wavelength
+    driven, reach = found.scene.driven_transducer, CLOSE * found.wavelength
     whole = View(name="the whole section", start=0.0, stop=found.length, weight=0.17)
     return whole, *(
         View(name=name, start=max(place - reach, 0.0), stop=min(place + reach, found.length), weight=0.4)

@@ -119,7 +119,7 @@ def steady_states():
         print(
             f"{A * 1e9:7.2f} nm: {spent * 1e3:6.3f} ms {asked(spent * 1e3, 1.0, 'ms')}, error {second:.1e} "
             f"{asked(second, 2e-6, '')}, first order {first:.1e}, "
-            f"estimate {over(found.error, found.velocity, A):.1e}; periodic motion {full.seconds * 1e3:.2f} ms"
+            f"estimate {found.relative_error:.1e}; periodic motion {full.seconds * 1e3:.2f} ms"
         )
     factors, preloads = np.linspace(0.5, 20.0, 40), np.geomspace(1e-4, 1e-2, 25)
     for workers in (1, 2):

@@ -39,7 +39,7 @@ def stepped(**given):
 def averaged(**given):
     """Return the averaged equilibrium of second order."""
     found = mean_motion(slider(**given), PAIR)
-    return [found.velocity, found.first_order, found.height, found.error]
+    return [found.velocity, found.first_order, found.height, found.relative_error]
 
 
 def transient():

@@ -55,7 +55,7 @@ def test_errors_are_those_of_the_wave_carried_through_the_contact():
 def test_an_answer_knows_neither_its_neighbours_nor_the_threads():
     found, threaded = solved(), solved(threads=3)
     one_by_one = [solved([problem]) for problem in ALL]
-    for name in ("velocity", "height", "error", "error_from_wave", "blocked_thrust"):
+    for name in ("velocity", "height", "relative_error", "error_from_wave", "blocked_thrust"):
         whole = getattr(found, name)
         assert np.array_equal(whole, getattr(threaded, name))
         assert np.array_equal(whole, [getattr(each, name)[0] for each in one_by_one])
@@ -97,5 +97,5 @@ def test_what_is_close_to_the_threshold_may_be_wrong_by_what_lies_beyond_it(belo
     orbits = tuple(each.scaled(factor) for each in WAVES[0])
     full = steady(SLIDERS[3], orbits, tolerance=1e-3)
     assert full.relative_error > 0.0
-    assert found.error[0] == full.relative_error
-    assert abs(found.velocity[0] - full.velocity) <= found.error[0] * reference_speed(0.0, orbits)
+    assert found.relative_error[0] == full.relative_error
+    assert abs(found.velocity[0] - full.velocity) <= found.relative_error[0] * reference_speed(0.0, orbits)

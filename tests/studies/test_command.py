@@ -314,7 +314,7 @@ def test_a_contact_scene_imports_no_field_solver():
 
 def test_a_stator_scene_imports_no_contact_solver():
     found = imported(run_of("run", "rayleigh", "--json"))
-    assert set(found).isdisjoint({"numba", "pyvista", "matplotlib", "pint"})
+    assert set(found).isdisjoint({"numba", "pyvista", "matplotlib", "pint", "scipy"})
 
 
 def test_a_closed_pipe_is_no_traceback():
