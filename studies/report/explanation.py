@@ -176,7 +176,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[Part], list[str], floa
     left_out = [*driven_left_out(stator, scene.frequency), *diffraction_left_out(scene, spreads, refusal)]
     if slider is not None and scene.burst is not None:
         covered = any(
-            abs(slider.center[0] - each.center) <= each.finger_pairs * each.period / 2
+            abs(slider.center[0] - each.place[0]) <= each.finger_pairs * each.period / 2
             for each in scene.transducer
         )
         ring_up = None if covered else RingUp(envelope=None, ring_down=None, found=None, error=0.0)

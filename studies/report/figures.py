@@ -311,8 +311,9 @@ def surface(record: Record, ax):
     curve(ax, x, abs(columns["u_z_m_per_V"]) * 1e9, "-", "slip", "|u_z|, plane section")
     curve(ax, x, abs(columns["u_x_m_per_V"]) * 1e9, "-", "intermittent", "|u_x|")
     for each in scene.transducer:
-        half = each.finger_pairs * each.period / 2
-        shaded(ax, (each.center - half) * scale, (each.center + half) * scale)
+        if each.angle % 180 == 0:  # in the section
+            half, center = each.finger_pairs * each.period / 2, each.place[0]
+            shaded(ax, (center - half) * scale, (center + half) * scale)
     if scene.slider is not None:
         ax.axvline(scene.slider.center[0] * scale, color=COLOURS["line"], linestyle=":", label="slider")
     ax.set_ylim(bottom=0)

@@ -50,7 +50,7 @@ def write_run(record: Record, folder: Path, *, field: bool) -> None:
 
         fem.write_vtu(fem.wave_field(record.surface_wave), folder / "field.vtu")
         if record.surface_motion.beam is not None:
-            x, y, motion = surface_map(record.surface_motion.beam, record.scene.stator.width)
+            x, y, motion = surface_map(record.surface_motion.beam, record.scene.stator)
             fem.write_surface(x, y, motion, folder / "surface_map.vtu")
             columns = {"x_m": x.repeat(y.size), "y_m": y[None].repeat(x.size, axis=0).ravel()}
             columns |= {f"u_{name}_m_per_V": each.ravel() for name, each in zip("xyz", motion, strict=True)}

@@ -16,7 +16,7 @@ from studies.record import Record
 from studies.refusal import RunError, SceneError
 from studies.view import movie
 from studies.view.options import Wanted
-from studies.view.run_field import NO_STATOR, left_run, run_field, solved_again
+from studies.view.run_field import NO_STATOR, left_run, motion_again, run_field
 
 __all__ = ["plotter", "view"]
 
@@ -170,21 +170,20 @@ def _beam_writers(record: Record, wanted: Wanted, progress) -> dict[str, Callabl
     """Return what draws the beam of a run from above into each option's file, and in a window."""
     import fem
     from studies.report import figures
-    from studies.report.surface_map import SIZE, draw_surface_map
+    from studies.report.surface_map import draw_surface_map, pixels
 
     scene = record.scene
     if not scene.transducer:
         raise SceneError("--show", "beam needs a driven stator: this run has none")
     progress("solving the stator")
     try:
-        beam = fem.surface_beam(
-            solved_again(record, progress=progress), mirror_width=scene.stator.mirror_width
-        )
+        motion = motion_again(record, progress=progress)
+        beam = motion.beam or fem.surface_beam(motion.wave, mirror_width=scene.stator.mirror_width)
     except fem.BeamError as error:
         raise RunError(f"no beam to show: {error}") from None
 
     size, draw = (
-        tuple(each / figures.DPI for each in wanted.size or SIZE),
+        tuple(each / figures.DPI for each in wanted.size or pixels(scene.stator)),
         partial(draw_surface_map, beam, scene),
     )
 

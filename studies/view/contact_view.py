@@ -13,7 +13,7 @@ from studies.report.figures import data_uri, refuse_without_toolkit
 from studies.report.files import write_columns
 from studies.view import movie
 from studies.view.contact_pictures import SlowMotion, moments, strip
-from studies.view.run_field import solved_again
+from studies.view.run_field import motion_again
 
 __all__ = ["contact_moments", "contact_writers", "slow_motion"]
 
@@ -66,8 +66,10 @@ def contact_moments(record: Record, *, level: float | None, progress: Callable[[
         raise SceneError("--voltage", "must be above 0: at 0 nothing moves")
     if scene.wave is None and record.surface_motion is None:
         progress("solving the stator")
-        wave = solved_again(record, progress=progress)
-        record = replace(record, surface_motion=surface_motion(wave, scene.stator, scene.slider.places))
+        motion = motion_again(record, progress=progress)
+        if motion.beam is None:
+            motion = surface_motion(motion.wave, scene.stator, scene.slider.places)
+        record = replace(record, surface_motion=motion)
     progress("following the contact")
     driven = DrivenContact.of_run(record)
     slider, orbits = driven.slider, driven.at(level)

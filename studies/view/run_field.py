@@ -7,11 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+from studies.chain.surface_motion import SurfaceMotion, crossed_motion
 from studies.record import Record
 from studies.refusal import RunError, SceneError, shown
 from studies.scene import Scene, resolved
 
-__all__ = ["NO_STATOR", "RunField", "left_run", "of_record", "run_field", "solved_again"]
+__all__ = ["NO_STATOR", "RunField", "left_run", "motion_again", "of_record", "run_field"]
 
 LINES = 16  # per wavelength in the stretches of a driven stator
 FREE_WAVELENGTHS = 10  # of a free wave are shown
@@ -28,11 +29,11 @@ class RunField:
     length: float  # of what is shown at most, m
     record: Record = field(repr=False)  # of the run
     wavelength: float  # of the surface wave, m
-    fingers: dict = field(
-        repr=False
-    )  # edges of the electrodes in m by sign: "+" and "-" the combs, "o" open strips
+    # edges of the electrodes in m by sign: "+" and "-" the combs, "o" open strips
+    fingers: dict = field(repr=False)
     spans: tuple[tuple[float, float], ...]  # from end to end of each transducer, m
     wave: object = field(default=None, repr=False)  # the fem.SurfaceWave of a driven stator
+    crossed: object = field(default=None, repr=False)  # the fem.CrossedBeam of turned transducers
 
     @property
     def scene(self) -> Scene:
@@ -59,9 +60,9 @@ class RunField:
 
     @cached_property
     def beam(self):
-        """The `fem.SurfaceBeam` of a run whose wave spreads in three dimensions, or None."""
-        if self.wave is None or not self.scene.stator.diffraction:
-            return None
+        """The beam of a run whose wave spreads in three dimensions, or None."""
+        if self.crossed is not None or self.wave is None or not self.scene.stator.diffraction:
+            return self.crossed
         from fem import surface_beam
 
         return surface_beam(self.wave, mirror_width=self.scene.stator.mirror_width)
@@ -159,8 +160,9 @@ def of_record(record: Record, *, progress: Callable[[str], None]) -> RunField:
 def _driven(record: Record, progress) -> RunField:
     import fem
 
-    scene, wave = record.scene, solved_again(record, progress=progress)
-    rows, places = resolved.transducers(scene), (scene.stator.length / 2,)
+    scene, motion = record.scene, motion_again(record, progress=progress)
+    wave, crossed, places = motion.wave, motion.beam, (scene.stator.length / 2,)
+    rows = resolved.transducers(scene) if crossed is None else crossed.rows[0].transducers
     if scene.slider is not None:
         places = tuple(dict.fromkeys(x for x, _ in (scene.slider.center, *scene.slider.places)))
 
@@ -169,17 +171,18 @@ def _driven(record: Record, progress) -> RunField:
 
     return RunField(
         compute=compute,
-        length=scene.stator.length,
+        length=wave.length,
         record=record,
         wavelength=record.wave["phase_velocity_m_per_s"] / scene.frequency,
         fingers={sign: [tuple(edges) for row in rows for edges in row.strips(sign)] for sign in "+-o"},
         spans=tuple(tuple(row.extent) for row in rows),
         wave=wave,
+        crossed=crossed,
     )
 
 
-def solved_again(record: Record, *, progress):
-    """Return the surface wave of a run, solved at the resolution that run.json tells; without one, run again."""
+def motion_again(record: Record, *, progress) -> SurfaceMotion:
+    """Return the section of a run, or its crossing beams, at the resolution that run.json tells; else run again."""
     from fem import LEVELS, one_blas_thread, solve_driven, surface_wave
 
     scene, named = record.scene, record.wave.get("resolution")
@@ -188,19 +191,22 @@ def solved_again(record: Record, *, progress):
         from studies.chain import run
 
         bare = replace(scene, slider=None)
-        return run(bare, tolerance=record.tolerance, progress=progress).surface_wave
-    found = one_blas_thread(solve_driven)(
-        resolved.stator(scene.stator),
-        resolved.transducers(scene),
-        frequency=scene.frequency,
-        drive=resolved.drive(scene),
-        resolution=level[0],
-    )
-    return surface_wave(
-        found,
-        relative_error=record.error["relative"],
-        admittance_error=record.electrical["admittance_relative_error"],
-    )
+        found = run(bare, tolerance=record.tolerance, progress=progress).surface_motion
+        return found if scene.crossed else SurfaceMotion(wave=found.wave)
+
+    def solve(stator, row, drive, _places=()):
+        return surface_wave(
+            one_blas_thread(solve_driven)(
+                stator, row, frequency=scene.frequency, drive=drive, resolution=level[0]
+            ),
+            relative_error=record.error["relative"],
+            admittance_error=record.electrical["admittance_relative_error"],
+        )
+
+    if scene.crossed:
+        return crossed_motion(scene, (), solve)
+    whole = resolved.stator(scene.stator), resolved.transducers(scene), resolved.drive(scene)
+    return SurfaceMotion(wave=solve(*whole))
 
 
 def _free(record: Record) -> RunField:

@@ -13,7 +13,7 @@ from importlib.resources import files
 import numpy as np
 
 from studies.report.figures import DPI, as_uri
-from studies.report.surface_map import SIZE, draw_surface_map
+from studies.report.surface_map import draw_surface_map, pixels
 from studies.view import description
 from studies.view.movie import image
 from studies.view.quantities import Shade, present, shade
@@ -85,7 +85,7 @@ def _beam(found: RunField) -> str:
     if found.beam is None:
         return ""
     draw = partial(draw_surface_map, found.beam, found.scene)
-    uri = as_uri(draw, size=tuple(each / DPI for each in SIZE), kind="png")
+    uri = as_uri(draw, size=tuple(each / DPI for each in pixels(found.scene.stator)), kind="png")
     return (
         "<p>The moving field is that of the plane section, which does not spread; over the whole surface the finite "
         f"apertures give:</p>\n{image(uri, 'size of u_z over the surface')}"
@@ -160,7 +160,7 @@ def _places(found: RunField, span) -> list[dict]:
 
     name, focus = found.focus
     listed = [{"name": "whole", "from": 0.0, "to": found.length}]
-    listed += [about(f"transducer {each.name}", each.center, 14) for each in found.scene.transducer]
+    listed += [about(f"transducer {each.name}", each.place[0], 14) for each in found.scene.transducer]
     listed += [about(name, focus, 14), about("one wavelength", focus, 1)]
     return listed + ([{"name": "chosen", "from": span[0], "to": span[1]}] if span is not None else [])
 
