@@ -12,11 +12,18 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+import contact
+from studies.chain import run as run_chain
 from studies.chain.driven_contact import DrivenContact
+from studies.motor import regime_map
 from studies.record import Record
 from studies.report.figures import velocity
 from studies.scene import Scene
+from studies.stator import admittance
 from studies.study import Panel, StudyRecord
+from studies.view.contact_view import contact_moments
+from studies.view.gallery_pictures import draw_all
+from studies.view.run_field import of_record
 
 __all__ = ["draw", "figure", "run"]
 
@@ -61,13 +68,6 @@ def run(
     progress : callable, optional
         Told what is being done.
     """
-    import contact
-    from studies.chain import run as run_chain
-    from studies.motor import regime_map
-    from studies.stator import admittance
-    from studies.view.contact_view import contact_moments
-    from studies.view.run_field import of_record
-
     begun = time.perf_counter()
     say = progress or (lambda text: None)
     chosen = scene if isinstance(scene, Scene) else Scene.load(scene)
@@ -116,6 +116,4 @@ def figure(record: Gallery, ax):
 
 def draw(gallery: Gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
     """Draw the gallery's pictures into a directory."""
-    from studies.view.gallery_pictures import draw_all
-
     draw_all(gallery, folder, progress=progress)

@@ -6,6 +6,7 @@ the page.  A crystal axis X, Y or Z (1, 2, 3 of the material's tables) is drawn 
 
 from pathlib import Path
 
+from fem import VACUUM_PERMITTIVITY, rotation_matrix
 from studies.refusal import RunError, SceneError
 from studies.report.answer import table
 from studies.report.figures import COLOURS, arrow, saved
@@ -34,8 +35,6 @@ def crystal_tables(solid, orientation) -> dict:
         ``stiffness_Pa``, ``coupling_C_per_m2``, ``permittivity_relative``, ``density_kg_per_m3``, and
         ``axes_in_crystal``: unit vectors of x, y and z along the crystal's axes.
     """
-    from fem import VACUUM_PERMITTIVITY, rotation_matrix
-
     rows = rotation_matrix(orientation)
     return {
         "stiffness_Pa": solid.stiffness,
@@ -48,18 +47,16 @@ def crystal_tables(solid, orientation) -> dict:
 
 def tables_text(crystal: dict) -> list[str]:
     """Return the tensors and axes as lines of text, Voigt order 11 22 33 23 13 12."""
-    lines = ["stiffness c (GPa), rotated"]
-    lines += _table(crystal["stiffness_Pa"], VOIGT, VOIGT, 1e-9)
-    lines += ["", "coupling e (C/m^2), rotated"]
-    lines += _table(crystal["coupling_C_per_m2"], "xyz", VOIGT, 1.0)
-    lines += ["", "permittivity (relative to vacuum, clamped), rotated"]
-    lines += _table(crystal["permittivity_relative"], "xyz", "xyz", 1.0)
-    lines += ["", "axes of the cut along the crystal's"]
-    cut = crystal["axes_in_crystal"]
-    names = {"x": "x, propagation", "y": "y", "z": "z, outward normal"}
-    rows = [["", "X", "Y", "Z"]]
-    rows += [[names[name], *(f"{part + 0.0:.5f}" for part in _clean(cut[name]))] for name in "xyz"]
-    return lines + table(rows)
+    lines = []
+    for head, key, rows, columns, unit in (
+        ("stiffness c (GPa), rotated", "stiffness_Pa", VOIGT, VOIGT, 1e-9),
+        ("coupling e (C/m^2), rotated", "coupling_C_per_m2", "xyz", VOIGT, 1.0),
+        ("permittivity (relative to vacuum, clamped), rotated", "permittivity_relative", "xyz", "xyz", 1.0),
+    ):
+        lines += [head, *_table(crystal[key], rows, columns, unit), ""]
+    cut, names = crystal["axes_in_crystal"], {"x": "x, propagation", "y": "y", "z": "z, outward normal"}
+    rows = [[name, *(f"{part + 0.0:.5f}" for part in _clean(cut[axis]))] for axis, name in names.items()]
+    return [*lines, "axes of the cut along the crystal's", *table([["", "X", "Y", "Z"], *rows])]
 
 
 def axes(crystal: dict) -> dict:

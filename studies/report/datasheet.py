@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+import contact
 from studies.chain import run
 from studies.chain.driven_contact import DrivenContact
 from studies.record import Record
@@ -86,8 +87,6 @@ def datasheet(
     RunError
         If a number of the datasheet has no answer.
     """
-    import contact
-
     say = progress or (lambda text: None)
     if scene.slider is None:
         scene.refuse("slider", "is missing: a datasheet is of a whole motor")
@@ -136,8 +135,6 @@ def datasheet(
 
 def _start_stop(driven: DrivenContact, rated: float):
     """Return a burst from rest that reaches the steady velocity, and the stop after it."""
-    import contact
-
     slider, orbits = driven.slider, driven.at(rated)
     acceleration = slider.friction_coefficient * slider.preload / slider.mass
     steady = contact.steady(slider, orbits, tolerance=CONTACT_TOLERANCE).velocity
@@ -161,8 +158,6 @@ def _speeds(record: Record, driven: DrivenContact, rated: float):
 
 
 def _forces(driven: DrivenContact, rated: float, balls: float):
-    import contact
-
     slider = driven.slider
     stall, held = contact.blocked_thrust(slider, driven.at(rated))
     more, _ = contact.blocked_thrust(slider, driven.at(rated * (1.0 + driven.stator_error)))
@@ -179,8 +174,6 @@ def _forces(driven: DrivenContact, rated: float, balls: float):
 
 
 def _positioning(driven: DrivenContact, rated: float, steps, start_stop):
-    import contact
-
     more = driven.at(rated * (1.0 + driven.stator_error))
     for size, step in zip(STEPS, steps, strict=True):
         error = None

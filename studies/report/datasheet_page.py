@@ -51,14 +51,16 @@ def page(sheet: Datasheet) -> str:
 
 def table(sheet: Datasheet) -> str:
     """Return the datasheet's table as text."""
-    rows = [_written(row) for row in sheet.rows]
-    name, value = (max(len(row[key]) for row in rows) for key in ("name", "value"))
+    written = {group: [_written(row) for row in sheet.rows if row.group == group] for group in GROUPS}
+    name, value = (
+        max(len(row[key]) for rows in written.values() for row in rows) for key in ("name", "value")
+    )
     lines = [f"{sheet.record.scene.title}: rated at {sheet.driven.named(sheet.rated)} peak"]
-    for group, title in GROUPS.items():
-        lines += ["", title]
+    for group, rows in written.items():
+        lines += ["", GROUPS[group]]
         lines += [
             f"  {each['name']:<{name}}  {each['value']:>{value}}  {each['error']:<10}  {each['condition']}".rstrip()
-            for each in (_written(row) for row in sheet.rows if row.group == group)
+            for each in rows
         ]
     if sheet.record.model_error:
         lines += [
@@ -112,25 +114,20 @@ def _conditions(sheet: Datasheet) -> str:
     """Return what the motor is, in two sentences."""
     scene, slider = sheet.record.scene, sheet.record.scene.slider
     balls = len(slider.offsets)
-    feet = {"sphere": "ball", "punch": "flat punch"}[slider.shape]
-    feet += ("es" if slider.shape == "punch" else "s") * (balls > 1)
-    sentences = []
+    foot, more = {"sphere": ("ball", "s"), "punch": ("flat punch", "es")}[slider.shape]
+    at = si(scene.frequency, "Hz", 6)
+    text = f"Given wave at {at}. "
     if scene.stator is not None:
-        driven = scene.driven_transducer
-        material = scene.stator.material
+        driven, material = scene.driven_transducer, scene.stator.material
         name = material if isinstance(material, str) else getattr(material, "name", None) or "own material"
         size = f"{scene.stator.length * 1e3:g} mm long"
-        sentences.append(
-            f"Stator of {name}, {size}, {driven.finger_pairs} finger pairs driven at {si(scene.frequency, 'Hz', 6)}."
-        )
-    else:
-        sentences.append(f"Given wave at {si(scene.frequency, 'Hz', 6)}.")
-    sentences.append(
-        f"Slider of {si(1e3 * slider.mass, 'g', 4)} on {balls} {feet} of radius "
+        text = f"Stator of {name}, {size}, {driven.finger_pairs} finger pairs driven at {at}. "
+    text += (
+        f"Slider of {si(1e3 * slider.mass, 'g', 4)} on {balls} {foot}{more * (balls > 1)} of radius "
         f"{si(slider.radius, 'm', 4)}, preload {si(slider.preload, 'N', 4)}, friction coefficient "
         f"{slider.friction_coefficient:g}, {slider.law} contact law"
-        + (", contacts of different height." if slider.heights else ".")
+        f"{', contacts of different height' if slider.heights else ''}."
     )
     if slider.load and np.isfinite(slider.load):
-        sentences.append(f"The scene's load of {si(slider.load, 'N', 4)} is part of the speed above.")
-    return " ".join(sentences)
+        text += f" The scene's load of {si(slider.load, 'N', 4)} is part of the speed above."
+    return text

@@ -1,5 +1,7 @@
 """``sawmotor wave``: the Rayleigh wave of a material's half-space, without a mesh and without loss."""
 
+import fem
+from fem import surface_named
 from studies.refusal import RunError, SceneError
 from studies.report.answer import labelled, table
 from studies.report.crystal import crystal_tables, tables_text
@@ -30,9 +32,6 @@ def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") 
         ``depth_profile`` with displacements over u_z at the surface and the potential in V per m of it,
         ``material``, ``crystal`` with the rotated tensors and the cut's axes.
     """
-    import fem
-    from fem import surface_named
-
     orientation = Orientation().read("--orientation", orientation)
     try:
         solid = fem.rotated(fem.material(material), orientation)

@@ -12,11 +12,18 @@ from pathlib import Path
 
 import numpy as np
 
+import fem
 from studies.record import Record
 from studies.refusal import RunError, SceneError
-from studies.view import movie
+from studies.report import figures
+from studies.report.surface_map import draw_surface_map, pixels
+from studies.view import field_data, movie, wave_page
+from studies.view.contact_view import contact_writers
 from studies.view.options import Wanted
+from studies.view.quantities import palette, quantity
 from studies.view.run_field import NO_STATOR, left_run, motion_again, run_field
+from studies.view.section import Section, chosen_views, limits, near, views
+from studies.view.solid import Solid, open_window
 
 __all__ = ["plotter", "view"]
 
@@ -51,9 +58,6 @@ def view(
     RunError
         If something is missing on this machine, or a file cannot be written.
     """
-    from studies.view.contact_view import contact_writers
-    from studies.view.quantities import quantity
-
     record = left_run(folder)
     show = wanted.show or ("field" if record.scene.stator is not None else "contact")
     wanted.check(show)
@@ -102,9 +106,6 @@ def plotter(
     size : tuple of int
         Pixels.
     """
-    from studies.view.section import limits, near
-    from studies.view.solid import Solid
-
     found = run_field(folder, progress=lambda text: None)
     given = {"quantity": quantity, "phase": phase, "factor": None, "size": size, "off_screen": True}
     return Solid(found, span=limits(found, span) or near(found), **given).plotter
@@ -112,10 +113,6 @@ def plotter(
 
 def _field_writers(folder, wanted: Wanted, show: str, progress, note) -> dict[str, Callable]:
     """Return what writes each option's file of a run's field, and what opens its window."""
-    from studies.view import field_data
-    from studies.view.quantities import palette
-    from studies.view.section import Section, chosen_views, limits, near, views
-
     found = run_field(folder, progress=progress)
     span = limits(found, wanted.span)
     most = -float(found.field.z[0]) / (float(abs(found.field.displacement).max()) or 1.0)
@@ -125,8 +122,6 @@ def _field_writers(folder, wanted: Wanted, show: str, progress, note) -> dict[st
     given = {"quantity": wanted.quantity, "phase": wanted.phase, "factor": wanted.factor}
 
     def solid(size, **changes):
-        from studies.view.solid import Solid
-
         return Solid(found, size=size, **given, **changes)
 
     def still(file) -> None:
@@ -149,8 +144,6 @@ def _field_writers(folder, wanted: Wanted, show: str, progress, note) -> dict[st
         )  # fmt: skip
 
     def page(file) -> None:
-        from studies.view import wave_page
-
         Path(file).write_text(wave_page.page(found, span=span, **given), encoding="utf-8")
 
     def data(file) -> None:
@@ -158,8 +151,6 @@ def _field_writers(folder, wanted: Wanted, show: str, progress, note) -> dict[st
         field_data.save(found, file, span=span, surface=wanted.surface, **told)
 
     def window() -> None:
-        from studies.view.solid import open_window
-
         stretch = None if show == "solid" else span or near(found)
         open_window(solid(WINDOW_SIZE, off_screen=False, span=stretch))
 
@@ -168,10 +159,6 @@ def _field_writers(folder, wanted: Wanted, show: str, progress, note) -> dict[st
 
 def _beam_writers(record: Record, wanted: Wanted, progress) -> dict[str, Callable]:
     """Return what draws the beam of a run from above into each option's file, and in a window."""
-    import fem
-    from studies.report import figures
-    from studies.report.surface_map import draw_surface_map, pixels
-
     scene = record.scene
     if not scene.transducer:
         raise SceneError("--show", "beam needs a driven stator: this run has none")

@@ -7,6 +7,7 @@ is a table of columns in SI units, as `moments` returns it; nothing is shown or 
 from itertools import pairwise
 
 import numpy as np
+from matplotlib.patches import Circle, Patch
 
 from studies.report.figures import COLOURS, arrow, curve, new_figure
 
@@ -109,8 +110,6 @@ def strip(table: dict, *, title: str):
 
 def traces(figure, table: dict) -> list:
     """Draw z, x, P, Q and the velocities on one clock, the regime behind them; return the Axes."""
-    from matplotlib.patches import Patch
-
     axes, time, regime = figure.subplots(len(TRACES), 1, sharex=True), table["time_s"] * 1e9, table["regime"]
     ends = [0, *np.flatnonzero(regime[1:] != regime[:-1]) + 1, len(time) - 1]
     for ax, (label, factor, curves) in zip(axes, TRACES, strict=True):
@@ -133,8 +132,6 @@ def traces(figure, table: dict) -> list:
 
 def _draw(ax, table: dict, index: int) -> None:
     """Draw ball, surface, orbit and forces of one instant."""
-    from matplotlib.patches import Circle
-
     u_x, u_z, approach = (table[key] * NM for key in ("u_x_m", "u_z_m", "approach_m"))
     across, up = u_x[index], u_z[index]
     scale = max(np.hypot(u_x, u_z).max(), 0.4 * approach.max())

@@ -5,6 +5,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+from matplotlib.animation import FuncAnimation
+
+import contact
 from studies.chain.driven_contact import DrivenContact
 from studies.chain.surface_motion import surface_motion
 from studies.record import Record
@@ -56,8 +59,6 @@ def contact_moments(record: Record, *, level: float | None, progress: Callable[[
 
     The level is a voltage in V, or the amplitude of a given wave in m; the largest of the scene if None.
     """
-    import contact
-
     scene = record.scene
     if scene.slider is None:
         raise SceneError("", "there is no contact to show: the scene of this run has no slider")
@@ -93,7 +94,6 @@ def slow_motion(found, title: str, count: int, figure=None):
 def _window(found, title: str) -> None:
     """Show the slow motion until its window is closed."""
     from matplotlib import pyplot
-    from matplotlib.animation import FuncAnimation
 
     refuse_without_toolkit("a window of the contact", "--screenshot, --movie and --html FILE need none")
     figure = pyplot.figure(figsize=(9.0, 4.6), layout="constrained")

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fem import rotation_matrix
+from studies.report.crystal import SEEN
 from studies.view.run_field import RunField
 
 __all__ = ["AXIS_COLOUR", "BALL_COLOUR", "Electrode", "balls", "crystal_axes", "electrodes", "shown_fingers"]
@@ -67,9 +69,6 @@ def balls(found: RunField, *, spreads: bool = False) -> tuple[Ball, ...]:
 
 def crystal_axes(found: RunField) -> tuple[tuple[str, float, float], ...]:
     """Return name and x and z components of the crystal axes that lie in the section, at least in part."""
-    from fem import rotation_matrix
-    from studies.report.crystal import SEEN
-
     columns = rotation_matrix(found.scene.stator.orientation).T
     return tuple(
         (name, float(x), float(z))

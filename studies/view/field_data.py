@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from fem import write_instant, write_vtu
 from studies.refusal import RunError
 from studies.report.files import write_columns
 from studies.view.run_field import LINES, RunField
@@ -58,8 +59,6 @@ def save(
         elif file.suffix.lower() == ".csv":
             write_columns(file, columns(field))
         elif file.suffix.lower() == ".vtu":
-            from fem import write_vtu
-
             write_vtu(field, file)
         else:
             _series(field, file, instants, progress)
@@ -100,8 +99,6 @@ def columns(field) -> dict[str, np.ndarray]:
 
 
 def _series(field, file: Path, instants: int, progress) -> None:
-    from fem import write_instant
-
     folder = file.with_suffix("")
     folder.mkdir(parents=True, exist_ok=True)
     root = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")

@@ -7,10 +7,30 @@ line, computed values are points.
 from collections.abc import Callable
 from pathlib import Path
 
+import matplotlib
 import numpy as np
+from PIL import Image
 
-from studies.report.figures import COLOURS, arrow, curve, finished, legend_below, new_figure, shaded
+import fem
+from fem import reference_matrices
+from studies.report.figures import (
+    COLOURS,
+    arrow,
+    curve,
+    finished,
+    legend_below,
+    new_figure,
+    saved,
+    shaded,
+    velocity,
+)
+from studies.scene import resolved
+from studies.view import movie
 from studies.view.contact_pictures import strip
+from studies.view.contact_view import slow_motion
+from studies.view.quantities import DIVERGING, palette
+from studies.view.section import Section, chosen_views, views
+from studies.view.solid import Solid
 
 __all__ = [
     "amplitude",
@@ -52,9 +72,6 @@ GIVEN = ("wave_normal", "wave_tangential")
 
 def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
     """Draw the pictures of a gallery into a directory, and tell what is being done."""
-    from studies.report.figures import saved, velocity
-    from studies.view.section import Section, views
-
     found, record = gallery.found, gallery.record
     title, top, (name, place) = record.scene.title, found.field.displacement[:, -1].T, found.focus
     places = (np.arange(ORBITS) + 0.5) / ORBITS * found.length
@@ -173,8 +190,6 @@ def depth_profile(line_depth, analytic, computed, *, title: str):
 
 def start_and_stop(trajectories, *, acceleration: float, title: str):
     """Draw trajectories of bursts by name, closely how they stop, and the largest acceleration (m/s^2) of friction."""
-    import matplotlib
-
     figure, (whole, end) = new_figure(7.6, 6.0, rows=2)
     colours = matplotlib.colormaps["cividis"](np.linspace(0.0, 0.85, len(trajectories)))
     for (name, motion), colour in zip(trajectories, colours, strict=True):
@@ -250,8 +265,6 @@ def power_along(x, power, *, covered, given: float, title: str):
 
 def depth_weights(z: np.ndarray, order: int) -> np.ndarray:
     """Return the weights that integrate values at the nodes over the depth, exactly for polynomials of the order."""
-    from fem import reference_matrices
-
     lumped = reference_matrices(order).mass.sum(axis=1)
     weights = np.zeros(len(z))
     for part, height in enumerate(np.diff(z[::order])):
@@ -261,9 +274,6 @@ def depth_weights(z: np.ndarray, order: int) -> np.ndarray:
 
 def _depth(found):
     """Profiles of the section's free wave and of the driven stator under the slider, on the half-space's."""
-    import fem
-    from studies.scene import resolved
-
     stator, scene, (name, place) = resolved.stator(found.scene.stator), found.scene, found.focus
     half_space = fem.rayleigh(stator.solid, "open")
     free = fem.free_wave(stator, frequency=scene.frequency, tolerance=1e-6)
@@ -286,12 +296,6 @@ def _depth(found):
 
 
 def _films(gallery, folder: Path, progress) -> None:
-    from studies.view import movie
-    from studies.view.contact_view import slow_motion
-    from studies.view.quantities import palette
-    from studies.view.section import Section, chosen_views
-    from studies.view.solid import Solid
-
     found, given = gallery.found, {"quantity": "u_z", "phase": 0.0, "factor": None}
     progress("wave and contact in slow motion")
     moving = Section(found, chosen_views(found, None), size=MOVIE, **given)
@@ -310,10 +314,6 @@ def _films(gallery, folder: Path, progress) -> None:
 
 def _reduce(picture: Path) -> None:
     """Write a picture again with a palette: a third of the size."""
-    from PIL import Image
-
-    from studies.view.quantities import DIVERGING, palette
-
     with Image.open(picture) as image:
         plain = image.convert("RGB")
     field = picture.stem in ("wave", "wave_power_flow", "solid")

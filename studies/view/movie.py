@@ -6,6 +6,11 @@ from collections.abc import Callable
 from html import escape
 from pathlib import Path
 
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.animation import FFMpegWriter
+from PIL import Image
+
 from studies.refusal import RunError, SceneError
 
 __all__ = ["check", "image", "page", "save"]
@@ -67,9 +72,6 @@ def page(title: str, images: list[str]) -> str:
 
 
 def _gif(figure, pictures, file, rate: float, palette) -> None:
-    import numpy as np
-    from PIL import Image
-
     frames = []
     for _ in pictures:
         figure.canvas.draw()
@@ -84,9 +86,6 @@ def _gif(figure, pictures, file, rate: float, palette) -> None:
 
 
 def _mp4(figure, pictures, file, rate: float) -> None:
-    from matplotlib import rc_context
-    from matplotlib.animation import FFMpegWriter
-
     writer = FFMpegWriter(fps=rate, codec="libx264")
     try:
         with rc_context({"animation.ffmpeg_path": _ffmpeg()}), writer.saving(figure, file, figure.dpi):

@@ -8,7 +8,9 @@ what is never negative.  Both are told apart by colour-blind eyes and change eve
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import matplotlib
 import numpy as np
+from PIL import Image
 
 from studies.refusal import SceneError, nearest
 
@@ -150,9 +152,6 @@ def shade_of(chosen: Quantity, size, *, free: bool) -> Shade:
 
 def palette(colour_map: str):
     """Return an image with the 256 colours that a picture of a field needs: a colour map, marks and greys."""
-    import matplotlib
-    from PIL import Image
-
     scale = matplotlib.colormaps[colour_map](np.linspace(0.0, 1.0, SCALE), bytes=True)[:, :3]
     marks = [list(bytes.fromhex(colour[1:])) for colour in MARK_COLOURS]
     greys = np.repeat(np.linspace(0, 255, 256 - SCALE - len(marks)).round()[:, None], 3, axis=1)

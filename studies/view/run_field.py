@@ -7,6 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+import fem
+from fem import LEVELS, one_blas_thread, solve_driven, surface_beam, surface_wave
+from studies.chain import run
 from studies.chain.surface_motion import SurfaceMotion, crossed_motion
 from studies.record import Record
 from studies.refusal import RunError, SceneError, shown
@@ -63,8 +66,6 @@ class RunField:
         """The beam of a run whose wave spreads in three dimensions, or None."""
         if self.crossed is not None or self.wave is None or not self.scene.stator.diffraction:
             return self.crossed
-        from fem import surface_beam
-
         return surface_beam(self.wave, mirror_width=self.scene.stator.mirror_width)
 
     @property
@@ -158,8 +159,6 @@ def of_record(record: Record, *, progress: Callable[[str], None]) -> RunField:
 
 
 def _driven(record: Record, progress) -> RunField:
-    import fem
-
     scene, motion = record.scene, motion_again(record, progress=progress)
     wave, crossed, places = motion.wave, motion.beam, (scene.stator.length / 2,)
     rows = resolved.transducers(scene) if crossed is None else crossed.rows[0].transducers
@@ -183,13 +182,9 @@ def _driven(record: Record, progress) -> RunField:
 
 def motion_again(record: Record, *, progress) -> SurfaceMotion:
     """Return the section of a run, or its crossing beams, at the resolution that run.json tells; else run again."""
-    from fem import LEVELS, one_blas_thread, solve_driven, surface_wave
-
     scene, named = record.scene, record.wave.get("resolution")
     level = [each for each in LEVELS if named == f"order {each.order}, {each.edge_layers} edge layers"]
     if not level:
-        from studies.chain import run
-
         bare = replace(scene, slider=None)
         found = run(bare, tolerance=record.tolerance, progress=progress).surface_motion
         return found if scene.crossed else SurfaceMotion(wave=found.wave)
@@ -210,8 +205,6 @@ def motion_again(record: Record, *, progress) -> SurfaceMotion:
 
 
 def _free(record: Record) -> RunField:
-    import fem
-
     scene, stator = record.scene, resolved.stator(record.scene.stator)
     try:
         wave = fem.free_wave(stator, frequency=scene.frequency, tolerance=record.tolerance)

@@ -10,6 +10,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle
 
 from studies.refusal import SceneError
 from studies.report.figures import arrow, new_figure
@@ -205,9 +209,6 @@ class Section:
 
     def _draw(self, row: int, view: View, low: float, share: float) -> None:
         """Draw one view into a strip of the figure."""
-        from matplotlib.collections import LineCollection
-        from matplotlib.patches import Circle
-
         found, (width, height) = self.found, self.size
         across = max(width - LEFT - RIGHT, 0.3 * width)
         up = max(share * height - ABOVE - BELOW, 0.3 * share * height)
@@ -244,7 +245,7 @@ class Section:
         for ball in description.balls(found):
             centre = ball.place * MM, (ball.radius + self.factor * ball.crest) * MM
             ax.add_patch(
-                Circle(centre, ball.radius * MM, color=description.BALL_COLOUR, linewidth=0, zorder=2)
+                Circle(centre, ball.radius * MM, color=description.BALL_COLOUR, linewidth=0, zorder=4)
             )
         self.pieces.append(drawn)
         self._moving.append((ax, None, drawn, fingers))
@@ -260,9 +261,6 @@ class Section:
 
     def _write(self, ax, row: int, view: View, deep: float) -> None:
         """Write caption, crystal axes, legend and colour bar."""
-        from matplotlib.cm import ScalarMappable
-        from matplotlib.lines import Line2D
-
         found, highest = self.found, max(each.weight for each in self.shown)
         fingers = description.shown_fingers(found, view.start, view.stop)
         name = f"{view.name}, {fingers}" if fingers else view.name
@@ -275,13 +273,12 @@ class Section:
             fontsize=letters, parse_math=False,
         )  # fmt: skip
         if deep > 100:
+            colour = description.AXIS_COLOUR
             for axis, x, z in description.crystal_axes(found):
-                ax.annotate(
-                    axis, (0, 0), (40 + 30 * x, 30 + 30 * z), xycoords="axes fraction", textcoords="offset pixels",
-                    color=description.AXIS_COLOUR, ha="center", va="center", fontsize="small",
-                )  # fmt: skip
-                given = {"xycoords": "axes pixels", "textcoords": "axes pixels"}
-                arrow(ax, (40, 30), (40 + 24 * x, 30 + 24 * z), description.AXIS_COLOUR, width=1.0, **given)
+                place, given = (40 + 30 * x, 30 + 30 * z), {"xycoords": "axes pixels", "color": colour}
+                ax.annotate(axis, place, ha="center", va="center", fontsize="small", **given)
+                pixels = {"xycoords": "axes pixels", "textcoords": "axes pixels"}
+                arrow(ax, (40, 30), (40 + 24 * x, 30 + 24 * z), colour, width=1.0, **pixels)
         if row == 0:
             handles = [
                 Line2D([], [], color=each.colour, linewidth=3, label=each.label)

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import RegularGridInterpolator
 
 from studies.refusal import SceneError, needed
 from studies.scene import resolved
@@ -97,7 +98,7 @@ class Solid:
         for former in list(self.plotter.scalar_bars.keys()):
             self.plotter.remove_scalar_bar(former)
         self.plotter.add_scalar_bar(
-            title=self.shade.label.replace(" (", "\n("),
+            title=self.shade.label.replace(" (", "\n(") + "\n",
             mapper=self.plotter.actors["surface"].mapper, vertical=True, position_x=0.9, position_y=0.5,
             width=0.06, height=0.35, title_font_size=13, label_font_size=13, n_labels=3, fmt="%.3g",
         )  # fmt: skip
@@ -147,8 +148,6 @@ class Solid:
 
     def _lay_beam(self, name: str) -> Callable:
         """Add the surface that the beam moves; return its motion over (x, y) in m."""
-        from scipy.interpolate import RegularGridInterpolator
-
         found = self.found
         if name not in MOTIONS:
             raise SceneError(

@@ -8,8 +8,10 @@ import base64
 import gzip
 import json
 from functools import partial
+from html import escape
 from importlib.resources import files
 
+import matplotlib
 import numpy as np
 
 from studies.report.figures import DPI, as_uri
@@ -17,7 +19,7 @@ from studies.report.surface_map import draw_surface_map, pixels
 from studies.view import description
 from studies.view.movie import image
 from studies.view.quantities import Shade, present, shade
-from studies.view.run_field import RunField
+from studies.view.run_field import RunField, run_field
 from studies.view.section import magnification, thinned
 
 __all__ = ["page", "widget"]
@@ -99,8 +101,6 @@ class Widget:
         self.text, self.height = text, height
 
     def _repr_html_(self) -> str:
-        from html import escape
-
         frame = f'style="width: 100%; height: {self.height}px; border: 0"'
         return f'<iframe srcdoc="{escape(self.text, quote=True)}" {frame}></iframe>'
 
@@ -117,8 +117,6 @@ def widget(folder, *, quantity: str = "u_z", height: int = 640) -> Widget:
     height : int
         Pixels.
     """
-    from studies.view.run_field import run_field
-
     found = run_field(folder, progress=lambda text: None)
     return Widget(page(found, quantity=quantity, phase=0.0, factor=None, span=None), height)
 
@@ -128,8 +126,6 @@ def _short(values: np.ndarray, largest: float) -> np.ndarray:
 
 
 def _described(name: str, shading: Shade, scale: float) -> dict:
-    import matplotlib
-
     table = matplotlib.colormaps[shading.colour_map](np.linspace(0.0, 1.0, 128), bytes=True)
     return {
         "name": name,
