@@ -43,7 +43,7 @@ class Gallery(StudyRecord):
     contact: tuple = field(repr=False)  # `contact_pictures.moments` and title
     bursts: tuple = field(repr=False)  # of (str, contact.Trajectory)
     acceleration: float  # mu preload / m, m/s^2
-    ledger: dict = field(repr=False)  # J, of one cycle
+    ledger: object = field(repr=False)  # contact.Ledger of one cycle
     others: tuple = field(repr=False)  # of (study, panel)
     films: bool = True
 
@@ -102,7 +102,7 @@ def run(
         contact=slow,
         bursts=bursts,
         acceleration=acceleration,
-        ledger=vars(contact.steady(slider, driven.at(voltage), tolerance=1e-6).ledger),
+        ledger=contact.steady(slider, driven.at(voltage), tolerance=1e-6).ledger,
         others=tuple((each, each.run(chosen, progress=say).panels[0]) for each in studies),
         films=films,
         seconds=time.perf_counter() - begun,

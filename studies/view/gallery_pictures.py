@@ -221,15 +221,16 @@ def power_rows(electrical: dict) -> list[tuple[str, float, str]]:
     ]
 
 
-def ledger_rows(ledger: dict) -> tuple[list[tuple[str, float, str]], str]:
+def ledger_rows(ledger) -> tuple[list[tuple[str, float, str]], str]:
     """Return name, pJ and colour of the energies of one cycle of the contact, and how far they balance."""
-    largest = max(abs(value) for value in ledger.values()) or 1.0
+    energies = {key: getattr(ledger, key) for key in LEDGER}
+    largest = max(map(abs, energies.values())) or 1.0
     rows = [
-        (name, ledger[key] * 1e12, COLOURS["slip" if key in GIVEN else "intermittent"])
+        (name, energies[key] * 1e12, COLOURS["slip" if key in GIVEN else "intermittent"])
         for key, name in LEDGER.items()
-        if key in GIVEN or abs(ledger[key]) > 1e-6 * largest
+        if key in GIVEN or abs(energies[key]) > 1e-6 * largest
     ]
-    missed = sum(ledger[key] * (1 if key in GIVEN else -1) for key in LEDGER)
+    missed = sum(energies[key] * (1 if key in GIVEN else -1) for key in LEDGER)
     return rows, f"balance to {abs(missed) / largest:.0e} of the largest"
 
 

@@ -177,7 +177,7 @@ def test_bars_are_as_long_as_the_powers_and_energies():
     assert [bar.get_width() for bar in figure.axes[0].patches] == pytest.approx([3.6, 2.2, 1.4])
     assert UNIT.search(figure.axes[0].get_xlabel())
     assert_legible(figure)
-    books = vars(steady(SLIDER, ORBIT, tolerance=1e-6).ledger)
+    books = steady(SLIDER, ORBIT, tolerance=1e-6).ledger
     rows, balance = gallery_pictures.ledger_rows(books)
     assert balance.startswith("balance to ")
     figure = gallery_pictures.bars(rows, "pJ", "energy (pJ)", "8 nm")
@@ -186,7 +186,7 @@ def test_bars_are_as_long_as_the_powers_and_energies():
         label.get_text(): bar.get_width()
         for label, bar in zip(figure.axes[0].get_yticklabels(), figure.axes[0].patches, strict=True)
     }
-    assert bars["wave, friction force"] == pytest.approx(books["wave_tangential"] * 1e12)
+    assert bars["wave, friction force"] == pytest.approx(books.wave_tangential * 1e12)
     given = bars.pop("wave, friction force") + bars.pop("wave, normal force")
     assert sum(bars.values()) == pytest.approx(given, rel=1e-5)
 
