@@ -25,8 +25,6 @@ from studies.view.contact_view import contact_moments
 from studies.view.gallery_pictures import draw_all
 from studies.view.run_field import of_record
 
-__all__ = ["draw", "figure", "run"]
-
 TAKES_SCENE = True
 QUICK = {"films": False, "maps": False}
 CONTACT, BURSTS = 0.5, (0.2, 0.4, 0.8)  # of the largest voltage: the scene's nearest ones are drawn

@@ -308,7 +308,8 @@ def surface(record: Record, ax):
     columns, scene = record.surface, record.scene
     label, scale = AXES["x_m"]
     x = columns["x_m"] * scale
-    curve(ax, x, abs(columns["u_z_m_per_V"]) * 1e9, "-", "slip", "|u_z|, plane section")
+    what = "y = 0" if scene.driven_obliquely else "plane section"
+    curve(ax, x, abs(columns["u_z_m_per_V"]) * 1e9, "-", "slip", f"|u_z|, {what}")
     curve(ax, x, abs(columns["u_x_m_per_V"]) * 1e9, "-", "intermittent", "|u_x|")
     for each in scene.transducer:
         if each.angle % 180 == 0:  # in the section

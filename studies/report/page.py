@@ -9,10 +9,9 @@ from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 
-from studies.chain.model_error import sentences
 from studies.record import Record
 from studies.report import energies, figures
-from studies.report.answer import points_table
+from studies.report.answer import points_table, sentences
 from studies.report.intermediate import intermediate_numbers, si
 from studies.report.limits import model_limits
 from studies.results.content import provenance

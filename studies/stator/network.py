@@ -22,8 +22,6 @@ from studies.scene.quantity import si_value
 from studies.scene.ranges import is_number, read_range
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
-__all__ = ["figure", "run", "tables"]
-
 TAKES_SCENE = True
 OPTIONS = ("band", "z0", "measured")
 QUICK = {"count": 11, "tolerance": 5e-2}

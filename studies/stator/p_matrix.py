@@ -21,8 +21,6 @@ from studies.report.figures import curve, lines
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
-__all__ = ["figure", "run"]
-
 TAKES_SCENE = True
 QUICK = {"count": 3, "tolerance": 0.2}
 COUNT = 25

@@ -58,10 +58,10 @@ def balls(found: RunField, *, spreads: bool = False) -> tuple[Ball, ...]:
     """Return the balls of the slider, on the crests of the section or of the beam."""
     return tuple(
         Ball(
-            place=x,
+            place=x if spreads else found.in_section((x, y)),
             lateral=y,
             radius=found.radius,
-            crest=abs(found.beam.motion(x, y)[2]) if spreads else found.crest(x),
+            crest=abs(found.beam.motion(x, y)[2]) if spreads else found.crest(found.in_section((x, y))),
         )
         for x, y in found.places
     )

@@ -38,6 +38,10 @@ class RunField:
     wave: object = field(default=None, repr=False)  # the fem.SurfaceWave of a driven stator
     crossed: object = field(default=None, repr=False)  # the fem.CrossedBeam of turned transducers
 
+    def in_section(self, place: tuple[float, float]) -> float:
+        """Where a place (x, y) lies along the section, m."""
+        return place[0] if self.crossed is None else float(self.crossed.rows[0].local(*place)[0])
+
     @property
     def scene(self) -> Scene:
         """The run's, as resolved."""
@@ -87,7 +91,7 @@ class RunField:
     def focus(self) -> tuple[str, float]:
         """What to look at from near: its name and place in m."""
         if self.scene.slider is not None:
-            return "slider", self.scene.slider.center[0]
+            return "slider", self.in_section(self.scene.slider.center)
         return "middle", self.length / 2
 
     @property
@@ -160,10 +164,11 @@ def of_record(record: Record, *, progress: Callable[[str], None]) -> RunField:
 
 def _driven(record: Record, progress) -> RunField:
     scene, motion = record.scene, motion_again(record, progress=progress)
-    wave, crossed, places = motion.wave, motion.beam, (scene.stator.length / 2,)
+    wave, crossed = motion.wave, motion.beam
     rows = resolved.transducers(scene) if crossed is None else crossed.rows[0].transducers
-    if scene.slider is not None:
-        places = tuple(dict.fromkeys(x for x, _ in (scene.slider.center, *scene.slider.places)))
+    slider = scene.slider
+    places = [(scene.stator.length / 2, 0.0)] if slider is None else [slider.center, *slider.places]
+    places = tuple(dict.fromkeys(map(motion.in_section, places)))
 
     def compute(*, per_wavelength: float = LINES, **wanted):
         return fem.wave_field(wave, places=places, per_wavelength=per_wavelength, **wanted)

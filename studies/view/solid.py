@@ -26,6 +26,7 @@ MM = 1e3
 BARE, EDGE = "#D9D9D9", "#606060"
 LINES = 24  # per wavelength, of what is drawn
 BEAM_LINES, ACROSS = 12, 81  # of the surface of a beam: per wavelength along x, and across the width
+CROSSED_LINES = 8  # per wavelength along both, where beams cross
 MOTIONS = ("u_x", "u_y", "u_z")
 CYCLE, TICK = 2.5, 40  # s that one period of the wave takes; ms between instants
 
@@ -71,6 +72,7 @@ class Solid:
         self.found, self.phase, self.span = found, phase, span
         self.factor = magnification(found) if factor is None else factor
         self.spreads = span is None and found.beam is not None
+        self._length = found.scene.stator.length if self.spreads else found.length
         self.plotter = self.pyvista.Plotter(off_screen=off_screen, window_size=size)
         self.set_quantity(quantity)
         self._stand()
@@ -155,9 +157,10 @@ class Solid:
                 f"must be one of {', '.join(MOTIONS)} on the surface of the beam, got {name!r}: --show field has it in "
                 "the section",
             )
-        count = int(found.length / found.wavelength * BEAM_LINES) + 1
-        x, half = np.linspace(0.0, found.length, count), found.scene.stator.width / 2
-        y = np.linspace(-half, half, ACROSS)
+        crossed, stator = found.scene.crossed, found.scene.stator
+        lines = (CROSSED_LINES if crossed else BEAM_LINES) / found.wavelength
+        x, half = np.linspace(0.0, stator.length, int(stator.length * lines) + 1), stator.width / 2
+        y = np.linspace(-half, half, int(stator.width * lines) + 1 if crossed else ACROSS)
         moved = found.beam.motion(x[:, None], y)
         size = moved[MOTIONS.index(name), ..., None]
         self.shade = shade_of(QUANTITIES[name], abs(size), free=False)
@@ -201,7 +204,7 @@ class Solid:
         if self.spreads:  # below the troughs
             top = -self.factor * max(float(abs(each.displacement).max()) for each in self._moving)
         for low, high, opacity in parts:
-            ends = (0.0, found.length, low, high, depth, top)
+            ends = (0.0, self._length, low, high, depth, top)
             box = self.pyvista.Box(tuple(MM * each for each in ends))
             self.plotter.add_mesh(box, color=BARE, opacity=opacity, lighting=False)
             self.plotter.add_mesh(box, style="wireframe", color=EDGE, line_width=1)
@@ -214,7 +217,7 @@ class Solid:
     def _write(self, size: tuple[int, int]) -> None:
         """Write the caption and the names of the electrodes; show the directions, or of the section the scale."""
         found, section = self.found, self.span is not None
-        extents = found.length, found.scene.stator.width, -found.field.z[0]
+        extents = self._length, found.scene.stator.width, -found.field.z[0]
         extent = " x ".join(f"{each * MM:.4g}" for each in extents)
         lines = [
             f"{found.scene.title}: {extent} mm (x, y, z)",
