@@ -211,9 +211,7 @@ def view(arguments: argparse.Namespace) -> int:
 
     with Progress() as progress:
         show(arguments.run, wanted, progress=progress, note=lambda text: _say([text]))
-    print("
-".join(wanted.files.values()), end="
-" if wanted.files else "")
+    print("\n".join(wanted.files.values()), end="\n" if wanted.files else "")
     return 0
 
 
