@@ -157,20 +157,21 @@ class Predictor:
         if duration is None:
             key = "wave.burst" if self.given_wave else "drive.burst"
             raise SceneError(f"--data {measurement.name}", f'holds a burst: give {key}="0.1 s" with the file')
+        envelope, fading = self._envelopes(contact.scene, duration)
+        after = max(0.0, 1.01 * measurement.time[-1] - duration)
         try:
             found = library.burst(
-                contact.slider, bridge.scaled(contact.orbits, level), duration=duration,
-                after=max(0.0, 1.01 * measurement.time[-1] - duration), tolerance=BURST_TOLERANCE, samples=SAMPLES,
-                envelope=self._envelope(contact.scene, duration),
+                contact.slider, contact.at(level), duration=duration, envelope=envelope, tolerance=BURST_TOLERANCE,
+                after=after if fading is None else (after, fading), samples=SAMPLES,
             )  # fmt: skip
         except library.ConvergenceError:
             return np.full(len(measurement.time), math.nan)
         return np.interp(measurement.time, found.time, found.velocity)
 
-    def _envelope(self, scene: Scene, duration: float):
-        """Return how the surface's motion grows, where it does so within a share of the burst that matters."""
+    def _envelopes(self, scene: Scene, duration: float) -> tuple:
+        """Return how the surface's motion grows and fades, where that takes a share of the burst that matters."""
         if self.given_wave:
-            return None
+            return None, None
         from studies.chain.ring_up import ring_up
 
         plain = replace(scene, slider=None, drive=replace(scene.drive, voltage=(1.0,)))
@@ -179,8 +180,8 @@ class Predictor:
             self._ring_ups[name] = ring_up(plain, scene.slider.center, progress=self.progress)
         found = self._ring_ups[name]
         if found.found is None or found.found.settling < 1e-2 * duration:
-            return None
-        return found.envelope
+            return None, None
+        return found.envelope, found.ring_down
 
 
 def _steady(contact: DrivenContact, factor: float, velocity: float, regime: str, error: float, *_) -> float:
