@@ -26,6 +26,7 @@ from contact.drive import towards_plus
 from contact.kinematics import Paths
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
+from contact.solve import averaged
 from contact.solve import averaged_sweep as columns
 from contact.solve.equilibrium import RUNAWAY
 
@@ -169,8 +170,12 @@ def _answer(rows):
     """Return the answer that the columns of `averaged_sweep` hold."""
     regime = np.nan_to_num(rows[..., columns.REGIME]).astype(int)
     rows = np.where(regime[..., None] == Steady.UNKNOWN, math.nan, rows)
-    found = MeanMotion(*np.moveaxis(rows[..., : columns.STATUS], -1, 0))
-    return replace(found, regime=REGIMES[regime], held=found.held == 1.0)
+    return MeanMotion(
+        velocity=rows[..., averaged.VELOCITY], first_order=rows[..., averaged.FIRST_ORDER],
+        height=rows[..., averaged.HEIGHT], regime=REGIMES[regime], held=rows[..., averaged.HELD] == 1.0,
+        relative_error=rows[..., columns.ERROR], error_from_wave=rows[..., columns.FROM_WAVE],
+        blocked_thrust=rows[..., columns.THRUST], load_sign=rows[..., averaged.LOAD_SIGN],
+    )  # fmt: skip
 
 
 def _rows(sliders, waves, which, factors, wave_errors, threads):
@@ -203,7 +208,7 @@ def _rows(sliders, waves, which, factors, wave_errors, threads):
     )
     _spread(given, out, todo, threads)
     side = np.array(sides)[which[:, 1]]
-    for column in (columns.VELOCITY, columns.FIRST_ORDER):
+    for column in (averaged.VELOCITY, averaged.FIRST_ORDER):
         out[:, column] = side * out[:, column] + 0.0  # no negative zero
     return out
 
@@ -217,9 +222,9 @@ def _fill_closed(slider, orbits, factor, row):
     if found is None:
         return
     row[:] = 0.0
-    row[columns.SIGN_OF_LOAD] = 1.0
-    row[columns.VELOCITY] = row[columns.FIRST_ORDER] = found["velocity"]
-    row[columns.HEIGHT], row[columns.HELD] = found["height"], found["regime"] == "stick"
+    row[averaged.LOAD_SIGN] = 1.0
+    row[averaged.VELOCITY] = row[averaged.FIRST_ORDER] = found["velocity"]
+    row[averaged.HEIGHT], row[averaged.HELD] = found["height"], found["regime"] == "stick"
     row[columns.REGIME] = np.flatnonzero(found["regime"] == REGIMES)[0]
 
 
