@@ -25,6 +25,7 @@ from contact.convergence import ConvergenceError
 from contact.drive import towards_plus
 from contact.kinematics import Paths
 from contact.orbit import Orbit, as_orbits
+from contact.problem import numbers, paths_of
 from contact.slider import Slider
 from contact.solve import averaged
 from contact.solve import averaged_sweep as columns
@@ -117,10 +118,8 @@ def steady_map(
 
     Parameters
     ----------
-    slider : Slider
-        Its own preload is not used.
-    orbits : Orbit or tuple of Orbit
-        Motion of the surface under each contact at factor 1.
+    slider, orbits
+        As for `steady`, the orbits at factor 1; the slider's own preload is not used.
     factors : (n,) array
         Zero or positive.
     preloads : (m,) array
@@ -144,10 +143,8 @@ def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion
 
     Parameters
     ----------
-    slider : Slider
-        The slider.
-    orbits : Orbit or tuple of Orbit
-        Motion of the surface under each contact.
+    slider, orbits
+        As for `steady`.
 
     Raises
     ------
@@ -182,14 +179,10 @@ def _rows(sliders, waves, which, factors, wave_errors, threads):
     """Return the columns of `averaged_sweep` of every problem; NaN as status where averaging does not apply."""
     which, factors = np.asarray(which, np.int64).reshape(-1, 2), np.asarray(factors, float)
     number, contacts = len(which), len(waves[0])
-    parameters = np.array([_parameters(slider, contacts) for slider in sliders])
+    parameters = np.array([numbers(slider, contacts) for slider in sliders])
     heights = np.array([slider.offsets(contacts) for slider in sliders])
     sides, driven = zip(*(towards_plus(orbits) for orbits in waves), strict=True)
-    u_z, u_x = (
-        np.array([[getattr(orbit, name) for orbit in orbits] for orbits in driven])
-        for name in ("normal", "tangential")
-    )
-    paths = Paths(np.zeros(u_z.shape), u_z.real.copy(), -u_z.imag, u_x.real.copy(), -u_x.imag)
+    paths = Paths(*(np.array(each) for each in zip(*map(paths_of, driven), strict=True)))
     omegas = np.array([orbits[0].omega for orbits in waves])
     resonances = np.array([slider.normal_resonance(contacts) for slider in sliders])
     ratios = resonances[which[:, 0]] * 2.0 * math.pi / omegas[which[:, 1]]
@@ -226,14 +219,6 @@ def _fill_closed(slider, orbits, factor, row):
     row[averaged.VELOCITY] = row[averaged.FIRST_ORDER] = found["velocity"]
     row[averaged.HEIGHT], row[averaged.HELD] = found["height"], found["regime"] == "stick"
     row[columns.REGIME] = np.flatnonzero(found["regime"] == REGIMES)[0]
-
-
-def _parameters(s: Slider, contacts: int) -> tuple[float, ...]:
-    return (
-        s.mass, s.normal_stiffness, s.limit_slope, s.preload, s.load, s.friction_coefficient, s.contact_damping,
-        s.normal_damping, s.tangential_damping, float(s.contact_shape),
-        float(np.max(s.rest_approaches(contacts))),
-    )  # fmt: skip
 
 
 def _spread(given, out, todo, threads):

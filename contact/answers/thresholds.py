@@ -42,10 +42,8 @@ def threshold_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float
 
     Parameters
     ----------
-    slider : Slider
-        The slider.
-    orbits : Orbit or tuple of Orbit
-        Motion of the surface under each contact; only ratios and phases matter.
+    slider, orbits
+        As for `steady`; only ratios and phases of the orbits matter.
     """
     from contact.solve.equilibrium import balanced
 

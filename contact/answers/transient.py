@@ -104,10 +104,8 @@ def burst(
 
     Parameters
     ----------
-    slider : Slider
-        The slider.
-    orbits : Orbit or tuple of Orbit
-        Motion of the surface under each contact while the burst lasts.
+    slider, orbits
+        As for `steady`, the orbits while the burst lasts.
     duration : float
         s; rounded to whole cycles of the wave, at least one.
     after : float or (float, Envelope)

@@ -17,15 +17,11 @@ import numpy as np
 from contact.codes import Status, Steady
 from contact.jit.compiled import compiled, native
 from contact.kinematics import Paths, at_phase, normal_amplitude, of_run, tangential_amplitude
-from contact.law.normal import load
-from contact.problem import Problem, changed
+from contact.problem import MASS, changed, dimensionless
 from contact.solve import averaged
 from contact.solve.averaged import Work, balance_row, excess, room
 from contact.solve.riding import riding
 
-# columns of a slider, SI units: slip limit over approach, mu, chi, the viscous dampers, largest approach at rest
-MASS, STIFFNESS, LIMIT_SLOPE, PRELOAD, LOAD, FRICTION, CHI, NORMAL_DAMPING, TANGENTIAL_DAMPING = range(9)
-SHAPE, REST = 9, 10
 # further columns of an answer, whose first ones are those of its equilibrium, SI units; errors are over
 # max(|v|, omega |u_x|/10)
 REGIME, ERROR, FROM_WAVE, THRUST, STATUS, ANSWER = range(averaged.COLUMNS, averaged.COLUMNS + 6)
@@ -48,7 +44,7 @@ LEAST_ERROR = 1e-9
 class Given(NamedTuple):
     """The problems of a sweep."""
 
-    sliders: np.ndarray  # (s, 11) array: By the names of this module; SI units
+    sliders: np.ndarray  # (s, 11) array: `problem.numbers`
     heights: np.ndarray  # (s, contacts) array: Of the contacts, m
     paths: Paths  # Of the waves, m; arrays (w, contacts), the heights zero
     # (w,) arrays: rad/s; relative
@@ -93,7 +89,7 @@ def _states(given, out, todo, harmonics, first, stride, room):
         slider, wave = given.sliders[given.which[k, 0]], given.which[k, 1]
         omega = given.omegas[wave]
         heights, paths = given.heights[given.which[k, 0]], of_run(given.paths, wave)
-        problem = _scaled(slider, heights, paths, given.factors[k], omega, room.paths)
+        problem = dimensionless(slider, heights, paths, given.factors[k], omega, room.paths)
         _state(problem, given.ratios[k], given.wave_errors[wave], harmonics, room, out[k])
         row, speed = out[k], problem.length * omega
         row[averaged.VELOCITY] *= speed
@@ -144,30 +140,6 @@ def _state(problem, ratio, wave_error, harmonics, room, row):
     row[ERROR] = error / reference if reference > 0.0 else 0.0
     row[FROM_WAVE] = lost / reference if reference > 0.0 else 0.0
     row[THRUST] = max(stall, 0.0)
-
-
-@compiled
-def _scaled(slider, heights, given, factor, omega, paths):
-    """Return the scaled problem, with its paths in the room given."""
-    contacts, shape = paths.height.size, int(slider[SHAPE])
-    mass, preload = slider[MASS], slider[PRELOAD]
-    reach = 0.0
-    for i in range(contacts):
-        reach = max(reach, factor * tangential_amplitude(given, i), factor * normal_amplitude(given, i))
-    length = max(slider[REST], reach)
-    unit = mass * omega**2 * length
-    for i in range(contacts):
-        paths.height[i] = heights[i] / length
-        paths.normal_cos[i] = given.normal_cos[i] * factor / length
-        paths.normal_sin[i] = given.normal_sin[i] * factor / length
-        paths.tangential_cos[i] = given.tangential_cos[i] * factor / length
-        paths.tangential_sin[i] = given.tangential_sin[i] * factor / length
-    return Problem(
-        slider[STIFFNESS] * load(length, shape) / unit, slider[CHI] * omega * length,
-        slider[NORMAL_DAMPING] / (mass * omega), preload / unit, slider[TANGENTIAL_DAMPING] / (mass * omega),
-        slider[LOAD] / unit, slider[FRICTION], slider[LIMIT_SLOPE], 0.0, np.inf, 0, shape, paths, length,
-        omega,
-    )  # fmt: skip
 
 
 @compiled
