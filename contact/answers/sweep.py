@@ -2,7 +2,7 @@ r"""Averaged steady states of one slider or of many: velocities, their errors, a
 
 Each problem is scaled and solved by itself in one compiled loop (`solve.averaged_sweep`), with the second-order
 correction, so that its answer does not depend, to the last bit, on which problems are computed beside it, nor on the
-number of threads. A single steady state (`mean_motion`) and a map over amplitude and preload (`steady_map`) are sweeps.
+number of threads. A single steady state (`mean_motion`) and a map over amplitude and preload are sweeps.
 What averaging does not know or does not reach has the regime "unknown", and is left to `steady`.
 
 The wave's relative error bounds the change of both amplitudes, a common phase apart, relative to the larger one. Four
@@ -13,7 +13,7 @@ are good to O((f_n/f)^2), and their effects added in quadrature.
 import math
 import os
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -87,55 +87,27 @@ def steady_sweep(
     wave_errors: np.ndarray,
     threads: int | None = None,
 ) -> MeanMotion:
-    """Return the steady states of n problems, as arrays (n,).
+    """Return the steady states of many problems, as arrays of the shape of `factors`; a map is a sweep of two axes.
 
     Parameters
     ----------
     sliders : list of Slider
     waves : list of tuple of Orbit
         One orbit per contact, all tuples of one length.
-    which : (n, 2) array of int
+    which : (..., 2) array of int
         Slider and wave of each problem.
-    factors : (n,) array
+    factors : (...) array
         On the wave's amplitudes, zero or positive.
     wave_errors : (w,) array
         Relative, of the waves.
     threads : int, optional
         As many as there are processors when absent.
     """
-    return _answer(_rows(sliders, waves, which, factors, wave_errors, threads))
-
-
-def steady_map(
-    slider: Slider,
-    orbits: Orbit | tuple[Orbit, ...],
-    *,
-    factors: np.ndarray,
-    preloads: np.ndarray,
-    threads: int | None = None,
-) -> MeanMotion:
-    """Return steady states over factors on the orbits and preloads in N, as arrays (preloads, factors).
-
-    Parameters
-    ----------
-    slider, orbits
-        As for `steady`, the orbits at factor 1; the slider's own preload is not used.
-    factors : (n,) array
-        Zero or positive.
-    preloads : (m,) array
-        N, positive.
-    threads : int, optional
-        As many as there are processors when absent.
-    """
-    factors, preloads = np.atleast_1d(np.asarray(factors, float)), np.atleast_1d(np.asarray(preloads, float))
-    for factor in factors:
+    factors = np.asarray(factors, float)
+    for factor in factors[~((factors >= 0.0) & (factors < math.inf))]:
         bounds.non_negative("factors", factor, "")
-    for preload in preloads:
-        bounds.positive("preloads", preload, "N")
-    sliders = [replace(slider, preload=float(preload)) for preload in preloads]
-    which = np.indices((preloads.size, 1)).reshape(2, -1).T.repeat(factors.size, axis=0)
-    rows = _rows(sliders, [as_orbits(orbits)], which, np.tile(factors, preloads.size), [0.0], threads)
-    return _answer(rows.reshape(preloads.size, factors.size, -1))
+    rows = _rows(sliders, waves, which, factors.ravel(), wave_errors, threads)
+    return _answer(rows.reshape(*factors.shape, -1))
 
 
 def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion:
@@ -177,7 +149,7 @@ def _answer(rows):
 
 def _rows(sliders, waves, which, factors, wave_errors, threads):
     """Return the columns of `averaged_sweep` of every problem; NaN as status where averaging does not apply."""
-    which, factors = np.asarray(which, np.int64).reshape(-1, 2), np.asarray(factors, float)
+    which, factors = np.asarray(which, np.int64).reshape(-1, 2), np.array(factors, float)
     number, contacts = len(which), len(waves[0])
     parameters = np.array([numbers(slider, contacts) for slider in sliders])
     heights = np.array([slider.offsets(contacts) for slider in sliders])
