@@ -4,8 +4,6 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from importlib import import_module
 
-__all__ = ["Refusals", "RunError", "SceneError", "nearest", "needed", "shown", "suggestion"]
-
 MAX_PROBLEMS = 20  # printed for one scene; a table of numbers with a wrong unit would give 36
 
 

@@ -13,11 +13,12 @@ import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 
+import numpy as np
+
+import fem
 from studies.chain import bridge
 from studies.record import Record
 from studies.scene import resolved
-
-__all__ = ["NeglectedEffect", "fresnel_ratio", "model_error", "sentences", "slit_ratio"]
 
 FINGER_END = 0.0745  # periods that each end adds to the aperture: static, endless comb, no busbar
 POINT_ADMITTANCE = 0.93  # of Re(v / F) 2 pi mu c_T / omega^2, all waves together, nu = 1/4
@@ -26,22 +27,12 @@ ALUMINIUM, FILM = 2700.0, 100e-9  # kg/m3, m
 
 @dataclass(frozen=True, kw_only=True)
 class NeglectedEffect:
-    """An effect that the model leaves out.
-
-    Attributes
-    ----------
-    effect, quantity : str
-        What is left out, and what it changes.
-    size : float
-        Estimated change, a share of the quantity, or in the quantity's unit.
-    source : str
-        Where the estimate comes from.
-    """
+    """An effect that the model leaves out."""
 
     effect: str
-    quantity: str
-    size: float
-    source: str
+    quantity: str  # what it changes
+    size: float  # estimated change, a share of the quantity, or in the quantity's unit
+    source: str  # where the estimate comes from
 
 
 def model_error(record: Record) -> tuple[dict, ...]:
@@ -54,19 +45,6 @@ def model_error(record: Record) -> tuple[dict, ...]:
     return tuple(asdict(each) for each in found if math.isfinite(each.size))
 
 
-def sentences(record: Record) -> tuple[str, ...]:
-    """Return a line for every effect above the tolerance, and one that names those below it."""
-    lines, small = [], []
-    for each in record.model_error:
-        if " in W" in each["quantity"]:
-            lines.append(f"{each['effect']}: {each['size']:.2g} W")
-        elif abs(each["size"]) < record.tolerance:
-            small.append(each["effect"])
-        else:
-            lines.append(f"{each['effect']}: {100 * each['size']:+.2g} % of {each['quantity']}")
-    return tuple(lines + ([f"below the tolerance: {', '.join(small)}"] if small else []))
-
-
 def _places(record: Record) -> list[tuple[float, float]]:
     slider, length = record.scene.slider, record.scene.stator.length
     return [(length / 2, 0.0)] if slider is None else list(slider.places)
@@ -75,7 +53,7 @@ def _places(record: Record) -> list[tuple[float, float]]:
 def _aperture(record: Record) -> Iterator[NeglectedEffect]:
     """Yield what the finite aperture or, where it counts, the side faces do to u_z: the worst over the contacts."""
     motion, places = record.surface_motion, _places(record)
-    if any(motion.wave.covered(x) for x, _ in places):
+    if any(motion.covered(place) for place in places):
         return
     if motion.beam is None:
         yield NeglectedEffect(
@@ -84,6 +62,9 @@ def _aperture(record: Record) -> Iterator[NeglectedEffect]:
             size=max((fresnel_ratio(record, *place) - 1 for place in places), key=abs),
             source="Fresnel's integral of the driven aperture",
         )
+        return
+    if record.scene.crossed:
+        yield from _crossed(record, places)
         return
     block = record.scene.stator
     other = replace(motion.beam, mirror_width=None if block.mirror_width else block.width)
@@ -94,8 +75,6 @@ def _aperture(record: Record) -> Iterator[NeglectedEffect]:
         size=max((float(each) - 1 for each in ratios), key=abs),
         source="the beam between side faces that reflect it as mirrors against none, or the other way round",
     )
-    import fem
-
     if not fem.isotropic_about_normal(motion.wave.solution.fields.stator.solid):
         return
     index = [each.name for each in motion.beam.solution.fields.transducers].index(
@@ -109,11 +88,31 @@ def _aperture(record: Record) -> Iterator[NeglectedEffect]:
     )
 
 
+def _crossed(record: Record, places) -> Iterator[NeglectedEffect]:
+    """Yield what is left out where beams cross: images in the side faces, and metal in one another's way."""
+    beam, (x, y) = record.surface_motion.beam, zip(*places, strict=True)
+    here = abs(beam.motion(x, y)[2])
+    yield NeglectedEffect(
+        effect="side faces",
+        quantity="u_z",
+        size=float((beam.first_images(x, y) / here).max()),
+        source="first images of the beams in both side faces, as if these reflected everything and in phase",
+    )
+    solid = resolved.solid(record.scene.stator)
+    bare, metal = (fem.rayleigh(solid, surface).velocity for surface in ("open", "metallised"))
+    yield NeglectedEffect(
+        effect="metal of the transducers in the way of crossing beams",
+        quantity="u_z",
+        size=float(beam.shadowed(1 - metal / bare) / here.min()),
+        source="phase that a beam gains along the fingers it crosses, by the velocities with and without metal",
+    )
+
+
 def fresnel_ratio(record: Record, x: float, y: float = 0.0) -> float:
     """Return `slit_ratio` of the driven transducer at a place: m from the stator's left end, and from its axis."""
     driven = record.scene.driven_transducer
     wavelength = record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
-    return slit_ratio(driven.aperture, wavelength, abs(x - driven.center), y)
+    return slit_ratio(driven.aperture, wavelength, abs(x - driven.place[0]), y)
 
 
 def slit_ratio(aperture: float, wavelength: float, distance: float, lateral: float = 0.0) -> float:
@@ -140,8 +139,6 @@ def _fresnel(z: float) -> complex:
     What is missing to the integral up to infinity runs along the path of steepest descent, z + s exp(i pi / 4), where
     nothing oscillates: 30 Gauss points up to a factor of exp(-40) give 13 digits, half as many 7.
     """
-    import numpy as np
-
     slope = math.pi * abs(z) / math.sqrt(2)
     end = (math.sqrt(slope**2 + 80 * math.pi) - slope) / math.pi
     points, weights = np.polynomial.legendre.leggauss(30)
@@ -181,16 +178,23 @@ def _amplitude_per_power(record: Record) -> float | None:
 
     P is half of the power taken in, u_z the surface mode's half a wavelength beside the driven fingers.
     """
-    driven = resolved.driven(record.scene)
+    scene = record.scene
+    driven = resolved.driven(scene)
+    if scene.crossed:  # in the section's own axes
+        driven = next(
+            each
+            for each in record.surface_motion.beam.rows[0].transducers
+            if scene.drive.driven.get(each.name)
+        )
     wavelength = record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
     left, right = driven.extent
     beside = (
-        right + wavelength / 2 if driven.center < record.scene.stator.length / 2 else left - wavelength / 2
+        right + wavelength / 2 if driven.center < record.surface_wave.length / 2 else left - wavelength / 2
     )
     wave, power = record.surface_wave, record.electrical["power_W_per_V2"]
     within = 0 <= beside <= wave.length and not wave.covered(beside)
     several = "sources" in record.electrical
-    if several or record.scene.stator.ends != "absorbing" or not within or not power > 0:
+    if several or scene.stator.ends != "absorbing" or not within or not power > 0:
         return None
     per_width = power / 2 / driven.aperture
     return float(abs(wave.rayleigh_motion(beside)[1])) / math.sqrt(per_width / record.wave["frequency_Hz"])

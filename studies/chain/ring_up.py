@@ -8,10 +8,11 @@ end the surface rings down under the slider as the same envelope goes on, until 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+import numpy as np
+
+import fem
 from studies.chain.spectrum import response
 from studies.scene import Scene, resolved
-
-__all__ = ["RingUp", "ring_up", "ring_up_left_out"]
 
 LOBES = 1.2  # of 1/N: the band taken on either side, the main lobe and a little
 WIDEST = 0.22  # of the frequency: one band of frequencies
@@ -39,13 +40,11 @@ class RingUp:
         return f"{self.found.settling * 1e6:.4g} us to within 1 % of the steady motion"
 
 
-def ring_up(scene: Scene, place: float, *, progress: Callable[[str], None]) -> RingUp:
-    """Return the ring-up at a place (m) of a scene with transducers, a burst and a frequency in Hz."""
-    import numpy as np
-
-    import fem
+def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str], None]) -> RingUp:
+    """Return the ring-up at a place (x, y) in m of a scene with transducers, a burst and a frequency in Hz."""
     from contact import Envelope
 
+    scene, place = resolved.first_row(scene, place)
     driven = scene.driven_transducer
     half = min(LOBES / driven.finger_pairs, WIDEST) * scene.frequency
     prepared = response(

@@ -15,8 +15,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-__all__ = ["LEAST_TRAVEL", "Travel", "WaveAlong", "travelled"]
-
 LEAST_TRAVEL = 0.1  # wavelengths from which the travel counts
 PER_WAVELENGTH = 12  # places of the table; the standing wave has a period of half a wavelength
 SPEEDS = (

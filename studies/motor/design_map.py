@@ -23,8 +23,6 @@ from studies.study import Finding, Panel, StudyRecord, of_record, study
 from studies.sweep import sweep
 from studies.sweep.axes import axis, level_key
 
-__all__ = ["figure", "run"]
-
 TAKES_SCENE = TAKES_AXES = True
 COUNTS = 28, 22  # of levels and of preloads, where no axes are given
 QUICK = {"counts": (4, 3)}

@@ -18,8 +18,6 @@ from studies.record import Record
 from studies.scene import Scene
 from studies.study import Panel, StudyRecord
 
-__all__ = ["draw", "figure", "run"]
-
 TAKES_SCENE = True
 QUICK = {"films": False, "maps": False}
 CONTACT, BURSTS = 0.5, (0.2, 0.4, 0.8)  # of the largest voltage: the scene's nearest ones are drawn

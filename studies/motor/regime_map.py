@@ -19,8 +19,6 @@ from studies.report.figures import AXES, curve, finished, logarithmic, own
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
-__all__ = ["figure", "run"]
-
 TAKES_SCENE = True
 QUICK = {"amplitudes": 8, "preloads": 5, "checked": 2}
 KINDS = ("stick", "slip", "intermittent", "hopping")

@@ -17,8 +17,6 @@ from studies.report.figures import curve, family, finished, logarithmic
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
-__all__ = ["figure", "run"]
-
 TAKES_SCENE = True
 QUICK = {"cycles": (64, 256), "wanted": (2e-8,), "lines": 1}
 CYCLES = tuple(2**k for k in range(3, 13))

@@ -4,7 +4,6 @@ import codecs
 import json
 import sys
 
-from studies.chain.model_error import sentences
 from studies.record import Record
 from studies.report.measured import comparison_lines
 from studies.scene.match import ELEMENTS
@@ -174,6 +173,19 @@ def _uncertainty(block: dict) -> list[str]:
                 low, high = (end * factor for end in block[key])
                 lines.append(f"                {name} {low:.4g} to {high:.4g} {unit}")
     return lines
+
+
+def sentences(record: Record) -> tuple[str, ...]:
+    """Return a line for every effect above the tolerance, and one that names those below it."""
+    lines, small = [], []
+    for each in record.model_error:
+        if " in W" in each["quantity"]:
+            lines.append(f"{each['effect']}: {each['size']:.2g} W")
+        elif abs(each["size"]) < record.tolerance:
+            small.append(each["effect"])
+        else:
+            lines.append(f"{each['effect']}: {100 * each['size']:+.2g} % of {each['quantity']}")
+    return tuple(lines + ([f"below the tolerance: {', '.join(small)}"] if small else []))
 
 
 def _limits(record: Record) -> list[str]:

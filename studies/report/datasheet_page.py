@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from studies.chain.model_error import sentences
+from studies.report.answer import sentences
 from studies.report.datasheet import SETTLED, Datasheet, Row
 from studies.report.figures import COLOURS, as_svg, finished, velocity
 from studies.report.intermediate import si

@@ -8,10 +8,9 @@ import platform
 from datetime import UTC, datetime
 from pathlib import Path
 
-from studies.chain.model_error import sentences
 from studies.record import Record
 from studies.report import energies, figures
-from studies.report.answer import points_table
+from studies.report.answer import points_table, sentences
 from studies.report.intermediate import intermediate_numbers, si
 from studies.report.limits import model_limits
 from studies.results.content import provenance
@@ -99,7 +98,7 @@ def _way(record: Record, point: dict) -> str:
     )
     if driven is None:
         return f"towards {towards}"
-    to = (driven.center - record.scene.slider.center[0]) * point["velocity_m_per_s"] > 0
+    to = (driven.place[0] - record.scene.slider.center[0]) * point["velocity_m_per_s"] > 0
     return f"{'towards' if to else 'away from'} the driven transducer ({towards})"
 
 

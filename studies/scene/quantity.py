@@ -12,8 +12,6 @@ from functools import cache
 
 from studies.refusal import SceneError, nearest, shown
 
-__all__ = ["DIMENSIONS", "POWERS", "si_value"]
-
 DIMENSIONS = {
     "m": ("a length", "5 mm"),
     "s": ("a time", "20 ms"),
@@ -31,6 +29,7 @@ DIMENSIONS = {
     "s/m": ("a damping per velocity", "0.1 s/m"),
     "N s/m": ("a viscous damping", "1 mN s/m"),
     "kg/m^3": ("a density", "7.6 g/cm^3"),
+    "deg": ("an angle", "90 deg"),
     "": ("a plain number", ""),
 }
 
@@ -51,6 +50,7 @@ POWERS: dict[str, dict[str, int]] = {
     "s/m": {"s/m": 0},
     "N s/m": {"N s/m": 0, "mN s/m": -3, "N*s/m": 0},
     "kg/m^3": {"kg/m^3": 0, "g/cm^3": 3},
+    "deg": {"deg": 0},
 }
 
 CONFUSED = {  # prefixes that differ by their case alone, 10^9 apart: no motor has the left one
@@ -70,20 +70,9 @@ UNIT = re.compile(rf"{_POWER}(?:[ */·]{_POWER}){{0,5}}")
 
 
 def si_value(path: str, value, unit: str) -> float:
-    """Return a quantity in its SI unit.
+    """Return a number in the SI unit, or text such as ``"2.2 MHz"``, as a finite number in that unit.
 
-    ``path``: key of the quantity, for the error; ``value``: a number in the SI unit, or text such as ``"2.2 MHz"``;
-    ``unit``: the SI unit, a key of ``DIMENSIONS``; "" for a plain number.
-
-    Returns
-    -------
-    float
-        Finite, in the SI unit.
-
-    Raises
-    ------
-    SceneError
-        If it is neither, has another dimension, or is not finite.
+    ``path``: key of the quantity, for the refusal; ``unit``: a key of ``DIMENSIONS``, "" for a plain number.
 
     Examples
     --------

@@ -12,6 +12,7 @@ from functools import lru_cache
 
 from studies.refusal import SceneError, shown
 from studies.scene import Scene
+from studies.scene.block import keys_of
 from studies.scene.blocks import IsotropicSolid, PiezoelectricSolid, Slider, Stator, Transducer
 from studies.scene.endless import refuse_endless_burst
 from studies.scene.keys import rule_at, unit_of
@@ -22,31 +23,15 @@ from studies.scene.uncertain import OPTIONS, Tolerance, half_width
 LEVELS = ("drive.voltage", "drive.power", "wave.normal_amplitude")
 MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 of the power
 
-__all__ = [
-    "default_refusal",
-    "diffracts",
-    "port_admittance",
-    "resolved",
-    "resolved_slider",
-    "solid",
-    "stator",
-    "tolerances",
-    "transducers",
-]
-
 
 def resolved(scene: Scene) -> Scene:
-    """Return the scene with its automatic values found.
-
-    Raises
-    ------
-    SceneError
-        If the material, the moduli or the layout are impossible.
-    """
+    """Return the scene with its automatic values found; SceneError if material, moduli or layout are impossible."""
     if scene.stator is not None:
         if scene.transducer:
             scene = _with_source_numbers(scene)
         _check_layout(scene)
+        if scene.crossed:
+            scene = replace(scene, stator=replace(scene.stator, diffraction=True))
         if scene.transducer:
             scene = _with_circuit(scene)
     if scene.slider is None:
@@ -59,13 +44,7 @@ def resolved(scene: Scene) -> Scene:
 
 
 def tolerances(scene: Scene) -> tuple[Tolerance, ...]:
-    """Return the numbers of a resolved scene that are uncertain.
-
-    Raises
-    ------
-    SceneError
-        If a key of [uncertain] is no number of the scene, or an end of its interval breaks the key's rule.
-    """
+    """Return the numbers of a resolved scene that are uncertain; refuse what is none, and ends that break a rule."""
     found, table = [], scene.to_table()
     for key, given in scene.uncertain or ():
         path = f"uncertain.{key}"
@@ -108,25 +87,12 @@ def solid(block: Stator):
     given = block.material
     with _refused("stator.material"):
         if isinstance(given, PiezoelectricSolid):
-            crystal = fem.anisotropic(
-                name=given.name,
-                stiffness=given.stiffness,
-                coupling=given.coupling,
-                permittivity=given.permittivity,
-                density=given.density,
-                **_losses(given, "mechanical_quality", "dielectric_loss"),
-            )
+            crystal = fem.anisotropic(**_given(given, *keys_of(PiezoelectricSolid)))
         elif isinstance(given, IsotropicSolid):
-            crystal = fem.isotropic(
-                name=given.name,
-                youngs_modulus=given.youngs_modulus,
-                poisson_ratio=given.poisson_ratio,
-                density=given.density,
-                **_losses(given, "mechanical_quality"),
-            )
+            crystal = fem.isotropic(**_given(given, *keys_of(IsotropicSolid)))
         else:
             crystal = fem.material(given)
-        own = _losses(block, "mechanical_quality", "dielectric_loss")
+        own = _given(block, "mechanical_quality", "dielectric_loss")
         return fem.rotated(replace(crystal, **own) if own else crystal, block.orientation)
 
 
@@ -152,6 +118,37 @@ def transducers(scene: Scene) -> tuple:
         return tuple(_transducer(block, block.period) for block in scene.transducer)
 
 
+def section_row(scene: Scene) -> tuple:
+    """Return `transducers` for what knows a single section along x; a SceneError where they have other lines."""
+    if scene.crossed:
+        rule = "must all have the angle 0 and y = 0 here: this answer is that of one section along x"
+        raise SceneError("transducer", f"{rule}; sawmotor run, sweep and view take turned ones")
+    return transducers(scene)
+
+
+def first_row(scene: Scene, place: tuple[float, float]) -> tuple[Scene, float]:
+    """Return the scene of the section that a turned scene's answers refer to, and where in it a place lies, m."""
+    import fem
+
+    if not scene.crossed:
+        return scene, place[0]
+    row = fem.rows_of(stator(scene.stator), scene.stator.width, transducers(scene), drive(scene))[0]
+    blocks, given = {each.name: each for each in scene.transducer}, scene.drive
+    alone = tuple(
+        replace(blocks[each.name], center=each.center, angle=0.0, pattern=each.pattern)
+        for each in row.transducers
+    )
+    sources = tuple(
+        (name, size) for name, size in given.driven.items() if name in [each.name for each in alone]
+    )
+    return replace(
+        scene,
+        stator=replace(scene.stator, length=row.stator.length),
+        transducer=alone,
+        drive=replace(given, sources=sources) if given.sources is not None else given,
+    ), float(row.local(*place)[0])
+
+
 def driven(scene: Scene):
     """Return the ``fem.Transducer`` that is driven; of several the first."""
     return next(each for each in transducers(scene) if each.name == scene.drive.transducer)
@@ -162,7 +159,9 @@ def _transducer(block: Transducer, period: float):
 
     return fem.Transducer(
         name=block.name,
-        center=block.center,
+        center=block.place[0],
+        center_y=block.place[1],
+        angle=math.radians(block.angle % 360),
         finger_pairs=block.finger_pairs,
         period=period,
         metallisation=block.metallisation,
@@ -171,6 +170,11 @@ def _transducer(block: Transducer, period: float):
         pattern=block.pattern,
         split=block.split,
     )
+
+
+def _alone(block: Transducer, period: float):
+    """Return the ``fem.Transducer`` of a block in the axes of its waves."""
+    return _transducer(replace(block, center=block.place[0], angle=0.0), period)
 
 
 def drive(scene: Scene):
@@ -206,10 +210,14 @@ def default_refusal(stator) -> str:
     """Return why the section stands for a `fem.Stator` where a scene does not decide, a sentence; or nothing."""
     import fem
 
-    if fem.beam_refusal(stator) or fem.isotropic_about_normal(stator.solid):
+    if fem.beam_refusal(stator):
         return fem.beam_refusal(stator)
+    reflects, turns = stator.ends != "absorbing", fem.isotropic_about_normal(stator.solid)
+    if turns and not reflects:
+        return ""
+    where, times = ("between reflecting ends", "2 to 4") if turns else ("in this cut", "5 to 10")
     return (
-        "stator.diffraction is absent, and in this cut the beam takes 5 to 10 times as long as the section; true "
+        f"stator.diffraction is absent, and {where} the beam takes {times} times as long as the section; true "
         "computes it"
     )
 
@@ -220,7 +228,7 @@ def port_admittance(scene: Scene, frequency, tolerance: float):
 
     return fem.port_admittance(
         stator(scene.stator),
-        transducers(scene),
+        section_row(scene),
         frequency=frequency,
         tolerance=tolerance,
         finite_apertures=diffracts(scene),
@@ -288,14 +296,14 @@ def _with_source_numbers(scene: Scene) -> Scene:
     with _refused("drive.frequency"):
         if scene.frequency == "center":
             driven = scene.driven_transducer
-            frequency = fem.best_frequency(block, _transducer(driven, driven.period))
+            frequency = fem.best_frequency(block, _alone(driven, driven.period))
             return replace(scene, drive=replace(scene.drive, frequency=frequency))
 
     def with_period(each: Transducer) -> Transducer:
         if not isinstance(each.period, str):
             return each
         if each.period == "auto" and each.has_two_combs:
-            found = fem.best_period(block, _transducer(each, 1.0), scene.frequency)
+            found = fem.best_period(block, _alone(each, 1.0), scene.frequency)
         else:
             bulk = replace(scene.stator, thickness="half-space")
             found = _half_space_period(bulk, scene.frequency, each.metallisation)
@@ -315,13 +323,28 @@ def _half_space_period(block: Stator, frequency: float, metallisation: float) ->
 def _check_layout(scene: Scene) -> None:
     import fem
 
-    block = stator(scene.stator)
+    block, row = stator(scene.stator), transducers(scene)
     with _refused("transducer"):
-        fem.check_layout(block, transducers(scene))
+        if not scene.crossed:
+            fem.check_layout(block, row)
+            return
+        fem.check_plan(block, scene.stator.width, row)
+    if not fem.isotropic_about_normal(block.solid):
+        rule = (
+            "may be turned, or stand beside the middle line, in solids isotropic about z alone; this cut of"
+        )
+        raise SceneError("transducer", f"{rule} {block.solid.name} is none")
+    for place in () if scene.slider is None else scene.slider.places:
+        for each, given in zip(row, scene.transducer, strict=True):
+            if given.turned and fem.covers(each, place):
+                where = f"({place[0]:g}, {place[1]:g}) m"
+                raise SceneError(
+                    "slider.position", f"must keep the contacts off {each.name!r}, got one at {where}"
+                )
 
 
-def _losses(block, *names: str) -> dict[str, float]:
-    """Return the losses that were given; absent ones are lossless."""
+def _given(block, *names: str) -> dict:
+    """Return the keys of a block that were given."""
     return {name: getattr(block, name) for name in names if getattr(block, name) is not None}
 
 

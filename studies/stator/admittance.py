@@ -14,8 +14,6 @@ from studies.report.figures import lines
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
-__all__ = ["figure", "run"]
-
 TAKES_SCENE = True
 QUICK = {"count": 9}
 COUNT = 81

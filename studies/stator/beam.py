@@ -22,8 +22,6 @@ from studies.report.figures import curve, finished
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
-__all__ = ["figure", "run"]
-
 TAKES_SCENE = True
 QUICK = {"count": 25}
 COUNT = 400

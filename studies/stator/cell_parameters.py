@@ -15,8 +15,6 @@ from studies.report.figures import AXES, COLOURS, curve, finished, legend_below,
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
-__all__ = ["figure", "run"]
-
 TAKES_SCENE = True
 QUICK = {"count": 13, "tolerance": 0.5}
 COUNT = 61

@@ -21,8 +21,6 @@ from studies.scene.quantity import si_value
 from studies.scene.ranges import is_number, read_range
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
-__all__ = ["figure", "run", "tables"]
-
 TAKES_SCENE = True
 OPTIONS = ("band", "z0", "measured")
 QUICK = {"count": 11, "tolerance": 5e-2}
@@ -79,7 +77,7 @@ def run(
         Panel(name="magnitude", title=f"{chosen.title}: S-parameters, {reference:g} ohm", data=shared),
     ]
     if len(names) > 1:
-        first, second = (each.center for each in chosen.transducer if each.name in names[:2])
+        first, second = (each.place[0] for each in chosen.transducer if each.name in names[:2])
         velocity = fem.rayleigh(resolved.solid(chosen.stator), "open").velocity
         delay = passband.group_delay(at, scattering[:, 1, 0], abs(second - first) / velocity)
         title = f"{chosen.title}: {names[0]} to {names[1]}"

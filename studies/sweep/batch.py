@@ -12,15 +12,13 @@ from functools import lru_cache
 
 from studies.chain import bridge
 from studies.chain.points import slider_answer
-from studies.chain.surface_motion import surface_motion
+from studies.chain.surface_motion import solved_motion
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.sweep.design import Question
 from studies.sweep.outcomes import Driven, also_asked, electrical
 from studies.sweep.source import Source, reason
-from studies.sweep.source_solver import SHARE, STEPS, keep_to, section_alone, variation
-
-__all__ = ["solved_points"]
+from studies.sweep.source_solver import SHARE, STEPS, keep_to, variation
 
 MAPPED = ("auto", "averaged")  # methods of the contact that the compiled loop may stand for
 
@@ -34,17 +32,8 @@ def solved_points(
 ) -> tuple[list[tuple], list[int], float]:
     """Return the rows of a batch, each a point and its outcomes, the points that need a better stator, and seconds.
 
-    Parameters
-    ----------
-    question : Question
-    points : list of int
-        Their numbers.
-    values : list of tuple
-        Of the question's keys.
-    sources : dict of str to Source
-        The stator's best answers so far, by name, with every one that the points need.
-    threads : int, optional
-        Of the compiled loop; all processors when absent.
+    ``sources``: the stator's best answers so far, by name, with every one that the points need; ``threads``: of the
+    compiled loop, None for all processors.
     """
     begun = time.perf_counter()
     keep_to(threads)
@@ -203,7 +192,7 @@ def _ringing(driven: Driven):
     if source.covered[source.index(scene.slider.center)]:
         return None
     plain = replace(scene, slider=None, title="", drive=replace(scene.drive, voltage=(1.0,)))
-    return _ring_up(plain, scene.slider.center[0])
+    return _ring_up(plain, scene.slider.center)
 
 
 def _along(question, driven: Driven):
@@ -217,11 +206,11 @@ def _along(question, driven: Driven):
 
 @lru_cache(4)  # the same for every slider and voltage
 def _motion(scene: Scene, place: tuple[float, float], tolerance: float):
-    return surface_motion(section_alone(scene, (place[0],), tolerance), scene.stator, (place,))
+    return solved_motion(scene, (place,), tolerance=tolerance, slider=True)
 
 
 @lru_cache(8)  # the same for every slider and voltage
-def _ring_up(scene: Scene, place: float):
+def _ring_up(scene: Scene, place: tuple[float, float]):
     from studies.chain.ring_up import ring_up
 
     return ring_up(scene, place, progress=lambda text: None)

@@ -75,10 +75,10 @@ def balls(found: RunField, *, spreads: bool = False) -> tuple[Ball, ...]:
     places = () if found.scene.slider is None else found.scene.slider.places
     return tuple(
         Ball(
-            place=x,
+            place=x if spreads else found.in_section((x, y)),
             lateral=y,
             radius=found.radius,
-            crest=abs(found.beam.motion(x, y)[2]) if spreads else found.crest(x),
+            crest=abs(found.beam.motion(x, y)[2]) if spreads else found.crest(found.in_section((x, y))),
         )
         for x, y in places
     )
