@@ -10,6 +10,7 @@ Run time: about 8 s.
 
 import numpy as np
 
+import fem
 from studies.chain import bridge, passband
 from studies.chain.spectrum import response
 from studies.chain.surface_motion import surface_motion
@@ -35,8 +36,6 @@ def run(
     tolerance : float
         Relative, of the surface motion.
     """
-    import fem
-
     chosen = passband.driven_scene(scene)
     place, at = passband.place(chosen), passband.frequencies(chosen, count)
     driven = chosen.driven_transducer
