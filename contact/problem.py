@@ -106,9 +106,9 @@ def numbers(s: Slider, contacts: int) -> np.ndarray:
     ])  # fmt: skip
 
 
-def paths_of(orbits: tuple[Orbit, ...], start: float = 0.0) -> Paths:
-    """Return the paths in m of contacts of height 0, phase 0 at an angle of the wave."""
-    u_z, u_x = np.array([(o.normal, o.tangential) for o in orbits]).T * np.exp(1j * start)
+def paths_of(orbits: tuple[Orbit, ...], factor: complex = 1.0) -> Paths:
+    """Return the paths in m of contacts of height 0, the orbits' amplitudes times a factor."""
+    u_z, u_x = np.array([(o.normal * factor, o.tangential * factor) for o in orbits], complex).T
     return Paths(np.zeros(len(orbits)), u_z.real.copy(), -u_z.imag, u_x.real.copy(), -u_x.imag)
 
 
@@ -144,12 +144,14 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
     u = Re(amplitude exp(i (phase + start))).
     """
     contacts, omega = len(orbits), orbits[0].omega
-    room, given = Paths(*np.empty((5, contacts))), paths_of(orbits, start)
-    problem = dimensionless(numbers(slider, contacts), slider.offsets(contacts), given, 1.0, omega, room)
+    room, given, heights = Paths(*np.empty((5, contacts))), paths_of(orbits), slider.offsets(contacts)
+    problem = dimensionless(numbers(slider, contacts), heights, given, 1.0, omega, room)
+    problem = Problem(*(each.item() if isinstance(each, np.floating) else each for each in problem))
+    paths = paths_of(orbits, np.exp(1j * start) / problem.length)._replace(height=heights / problem.length)
     moves = any(o.normal != 0 or o.tangential != 0 for o in orbits)
     law = Law.RECIPROCAL if slider.reciprocal else Law.ELASTIC
     problem = problem._replace(
-        load=direction * problem.load, law=Law.HYSTERETIC if slider.law == "hysteretic" else law,
+        paths=paths, load=direction * problem.load, law=Law.HYSTERETIC if slider.law == "hysteretic" else law,
         stick_band=slider.stick_band / problem.speed, longest=2.0 * math.pi / 8.0 if moves else math.inf,
     )  # fmt: skip
     return _with_longest(problem)
