@@ -83,16 +83,10 @@ def changed(problem, load, paths):
 
 
 def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start: float) -> Problem:
-    """Return the dimensionless problem.
+    """Return the dimensionless problem of a slider and one orbit per contact.
 
-    Parameters
-    ----------
-    slider, orbits
-        The slider, and one orbit per contact.
-    direction : float
-        +1 or -1: the direction of motion that the load opposes.
-    start : float
-        Angle of the wave at phase 0, rad: u = Re(amplitude exp(i (phase + start))).
+    `direction`: +1 or -1, that of the motion that the load opposes; `start`: angle of the wave at phase 0, rad:
+    u = Re(amplitude exp(i (phase + start))).
     """
     omega = orbits[0].omega
     reach = max(max(abs(o.normal), abs(o.tangential)) for o in orbits)
@@ -101,11 +95,10 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
     kappa = slider.normal_stiffness * float(normal.load(length, slider.contact_shape)) / unit
     turn = np.exp(1j * start) / length
     u_z, u_x = np.array([o.normal * turn for o in orbits]), np.array([o.tangential * turn for o in orbits])
-    viscous = max(slider.normal_damping, slider.tangential_damping) / (slider.mass * omega)
     law = (
         Law.HYSTERETIC if slider.law == "hysteretic" else Law.RECIPROCAL if slider.reciprocal else Law.ELASTIC
     )
-    return Problem(
+    problem = Problem(
         stiffness=kappa,
         contact_damping=slider.contact_damping * omega * length,
         normal_damping=slider.normal_damping / (slider.mass * omega),
@@ -115,15 +108,7 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
         friction=slider.friction_coefficient,
         limit_slope=slider.limit_slope,
         stick_band=slider.stick_band / (omega * length),
-        longest=min(
-            2.0 * math.pi / 8.0 if reach > 0.0 else math.inf,
-            _longest(
-                kappa,
-                slider.contact_shape,
-                len(orbits),
-                max(viscous, slider.contact_damping * omega * length * kappa),
-            ),
-        ),
+        longest=2.0 * math.pi / 8.0 if reach > 0.0 else math.inf,
         law=law,
         shape=slider.contact_shape,
         paths=Paths(
@@ -132,16 +117,21 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
         length=length,
         omega=omega,
     )
+    return _with_longest(problem)
 
 
-def largest_resonance(kappa: float, shape: int, contacts: int) -> float:
+def largest_resonance(problem: Problem) -> float:
     """Return the largest contact resonance over the wave's frequency; the approach is at most twice the unit."""
-    return math.sqrt(contacts * kappa * float(normal.slope(2.0, shape)))
+    return math.sqrt(problem.contacts * problem.stiffness * float(normal.slope(2.0, problem.shape)))
 
 
-def _longest(kappa, shape, contacts, damping):
-    """Return the longest segment that contact and dampers allow: Picard's iteration gains nothing on a longer one."""
-    return min(0.8 / (largest_resonance(kappa, shape, contacts) + 1e-150), 2.0 / (damping + 1e-300))
+def _with_longest(problem):
+    """Return the problem with the longest segment that contact and dampers allow: Picard gains nothing on a longer."""
+    damping = max(
+        problem.normal_damping, problem.tangential_damping, problem.contact_damping * problem.stiffness
+    )
+    longest = min(0.8 / (largest_resonance(problem) + 1e-150), 2.0 / (damping + 1e-300), problem.longest)
+    return problem._replace(longest=longest)
 
 
 def immobile(problem: Problem) -> Problem:
@@ -151,9 +141,5 @@ def immobile(problem: Problem) -> Problem:
 
 def without_wave(problem: Problem) -> Problem:
     """Return the same problem in the same units with the wave switched off."""
-    damping = max(
-        problem.normal_damping, problem.tangential_damping, problem.contact_damping * problem.stiffness
-    )
     paths = Paths(problem.paths.height, *np.zeros((4, problem.contacts)))
-    longest = _longest(problem.stiffness, problem.shape, problem.contacts, damping)
-    return problem._replace(longest=longest, paths=paths)
+    return _with_longest(problem._replace(longest=math.inf, paths=paths))

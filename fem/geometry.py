@@ -8,7 +8,7 @@ weighting), "o" an open strip, at whatever potential leaves it without charge.  
 """
 
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import combinations, pairwise
 from typing import Literal, get_args
 
 import numpy as np
@@ -91,6 +91,10 @@ class Transducer:
         One of "+-0o" per finger; "+-" (split: "++--") over and over if not given.
     split : bool
         Four fingers to a period instead of two.
+    center_y : float
+        Of the fingers, from the stator's middle line, in m.  The section does not know it, the beam does.
+    angle : float
+        By which it is turned about the surface normal, from x towards y, in rad; a section takes 0 alone.
     """
 
     name: str
@@ -102,12 +106,15 @@ class Transducer:
     termination: str | complex = "open"
     pattern: str | None = None
     split: bool = False
+    center_y: float = 0.0
+    angle: float = 0.0
 
     def __post_init__(self):
         owner = f"transducer {self.name!r}"
         _require_positive(owner, "m", period=self.period, aperture=self.aperture)
-        if not np.isfinite(self.center):
-            raise ValueError(f"{owner}.center must be finite, got {self.center!r} m")
+        for name, unit in (("center", "m"), ("center_y", "m"), ("angle", "rad")):
+            if not np.isfinite(getattr(self, name)):
+                raise ValueError(f"{owner}.{name} must be finite, got {getattr(self, name)!r} {unit}")
         if self.finger_pairs != int(self.finger_pairs) or self.finger_pairs < 1:
             raise ValueError(
                 f"{owner}.finger_pairs must be an integer of at least 1, got {self.finger_pairs!r}"
@@ -156,6 +163,17 @@ class Transducer:
         return self.center - half, self.center + half
 
     @property
+    def corners(self) -> np.ndarray:
+        """Corners (x, y) of the rectangle of its fingers in m, shape (4, 2), in turn."""
+        return self.on_surface(np.array([self.extent]))[0]
+
+    def on_surface(self, strips: np.ndarray) -> np.ndarray:
+        """Corners (x, y) in m, shape (n, 4, 2), of strips with these edges (n, 2) on the transducer's own line."""
+        along = np.asarray(strips)[:, [0, 1, 1, 0]] - self.center
+        across = np.broadcast_to(self.aperture / 2 * np.array([-1, -1, 1, 1]), along.shape)
+        return np.array([self.center, self.center_y]) + np.stack([along, across], axis=-1) @ turn(self.angle)
+
+    @property
     def fingers(self) -> np.ndarray:
         """Left and right edges of the fingers in m, shape (fingers, 2), those left out included."""
         left = self.extent[0] + np.arange(len(self.signs)) * self.pitch
@@ -167,16 +185,20 @@ class Transducer:
 
 
 def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
-    """Refuse transducers that leave the stator, overlap or share a name.
+    """Refuse transducers of a section that leave the stator, overlap, are turned or share a name.
 
     Raises
     ------
     ValueError
         Names the transducers, the edges and the unit.
     """
-    names = [transducer.name for transducer in transducers]
-    if len(set(names)) < len(names):
-        raise ValueError(f"transducer names must differ, got {', '.join(names)}")
+    _check_names(transducers)
+    for transducer in transducers:
+        if transducer.angle:
+            raise ValueError(
+                f"transducer {transducer.name!r} must have the angle 0 in a section along x, got {transducer.angle:g} "
+                "rad: what follows the circuit of one section is not known for turned transducers"
+            )
     placed = sorted(transducers, key=lambda transducer: transducer.center)
     for transducer in placed:
         left, right = transducer.extent
@@ -191,6 +213,66 @@ def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
                 f"transducers {first.name!r} and {second.name!r} must not overlap: the first ends at "
                 f"{first.extent[1]:g} m, the second begins at {second.extent[0]:g} m"
             )
+
+
+def check_plan(stator: Stator, width: float, transducers: tuple[Transducer, ...]) -> None:
+    """Refuse transducers that leave the surface or overlap, seen from above, or share a name.
+
+    Raises
+    ------
+    ValueError
+        Names the transducers, the edges and the unit.
+    """
+    _check_names(transducers)
+    for each in transducers:
+        (left, low), (right, high) = each.corners.min(axis=0), each.corners.max(axis=0)
+        if left <= 0 or right >= stator.length:
+            raise ValueError(
+                f"transducer {each.name!r} must lie on the stator, 0 to {stator.length:g} m, but its fingers reach "
+                f"from x = {left:g} to {right:g} m"
+            )
+        if max(-low, high) > width / 2 * (1 + 1e-12):
+            raise ValueError(
+                f"transducer {each.name!r} must lie on the stator, y from -{width / 2:g} to {width / 2:g} m, but its "
+                f"fingers reach from y = {low:g} to {high:g} m"
+            )
+    for one, other in combinations(transducers, 2):
+        if separation(one, other)[0] <= 0:
+            raise ValueError(f"transducers {one.name!r} and {other.name!r} must not overlap on the surface")
+
+
+def separation(one: Transducer, other: Transducer) -> tuple[float, float]:
+    """Widest gap between two transducers in m, 0 or less where they overlap, and the angle in rad at which it lies.
+
+    Two rectangles that do not overlap are apart along a side of one of them; the line from middle to middle is tried
+    besides.
+    """
+    between = np.arctan2(other.center_y - one.center_y, other.center - one.center)
+    sides = [each.angle + quarter * np.pi / 2 for each in (one, other) for quarter in range(4)]
+    gaps = []
+    for angle in (between, *sides):
+        normal = np.array([np.cos(angle), np.sin(angle)])
+        gaps.append((float((other.corners @ normal).min() - (one.corners @ normal).max()), float(angle)))
+    return max(gaps)
+
+
+def covers(transducer: Transducer, place: tuple[float, float]) -> bool:
+    """Whether a place (x, y) in m lies within the rectangle of a transducer's fingers."""
+    across = turn(transducer.angle)
+    own, corners = across @ np.array(place), transducer.corners @ across.T
+    return bool(np.all((own >= corners.min(axis=0)) & (own <= corners.max(axis=0))))
+
+
+def turn(angle: float) -> np.ndarray:
+    """Rows are the unit vectors along and across a direction at an angle (rad) to x: own places @ turn are x and y."""
+    c, s = (each if abs(each) > 1e-12 else 0.0 for each in (np.cos(angle), np.sin(angle)))  # 90 deg is exact
+    return np.array([[c, s], [-s, c]])
+
+
+def _check_names(transducers: tuple[Transducer, ...]) -> None:
+    names = [transducer.name for transducer in transducers]
+    if len(set(names)) < len(names):
+        raise ValueError(f"transducer names must differ, got {', '.join(names)}")
 
 
 def outer_gaps(stator: Stator, transducers: tuple[Transducer, ...]) -> list[tuple[float, float]]:

@@ -22,13 +22,7 @@ FASTER, INSIDE = 20.0, 0.5
 
 
 def closed_form(slider: Slider, orbits: tuple[Orbit, ...]) -> dict | None:
-    """Return velocity, regime, height and the sentence why, or None where the motion must be searched.
-
-    Raises
-    ------
-    ConvergenceError
-        Status "runaway": a load beyond the friction limit, and no damper that bounds the speed.
-    """
+    """Return velocity, regime, height and the sentence why, or None where the motion must be searched."""
     friction = slider.friction_coefficient * slider.preload
     still = all(orbit.normal == 0 and orbit.tangential == 0 for orbit in orbits)
     dragged = _dragged(slider, orbits)

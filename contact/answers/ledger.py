@@ -8,21 +8,13 @@ without the reciprocal normal force alone: it has no potential (positive: energy
 what the balance misses by truncation and rounding.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from contact.slider import Slider
-from contact.solve import energy
-
-# where `solve.energy` sums what a ledger names
-PLACES = {
-    "wave_normal": "WAVE_NORMAL", "wave_tangential": "WAVE_TANGENTIAL", "slip": "SLIP_LOSS",
-    "contact_damper": "CONTACT_LOSS", "normal_damper": "NORMAL_LOSS", "tangential_damper": "TANGENTIAL_LOSS",
-    "load": "LOAD_WORK", "leak": "LEAK",
-}  # fmt: skip
+from contact.solve.energy import LEAK, WAVE_NORMAL
 
 
-@dataclass(frozen=True, kw_only=True)
-class Ledger:
+class Ledger(NamedTuple):
     """Energies over a span of the motion, J.
 
     Attributes
@@ -85,14 +77,11 @@ class Ledger:
 
 def together(*ledgers: Ledger) -> Ledger:
     """Return the ledger of spans one after the other."""
-    return Ledger(
-        **{name: sum(getattr(each, name) for each in ledgers) for name in Ledger.__dataclass_fields__}
-    )
+    return Ledger(*map(sum, zip(*ledgers, strict=True)))
 
 
 def ledger(slider: Slider, motion, spans: int = 1) -> Ledger:
     """Return the ledger of what a `motion.Motion` has done since it began, shared among some spans."""
     unit = slider.mass * motion.problem.speed**2 / spans
-    sums, gained = unit * motion.sums, unit * (motion.energy() - motion.begun)
-    lost = {name: float(sums[getattr(energy, place)]) for name, place in PLACES.items()}
-    return Ledger(**lost, stored=float(gained[0]), lifted=float(gained[1]), slider=float(gained[2]))
+    done, gained = motion.sums[WAVE_NORMAL : LEAK + 1], motion.energy() - motion.begun
+    return Ledger(*(unit * done).tolist(), *(unit * gained).tolist())

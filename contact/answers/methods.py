@@ -16,8 +16,12 @@ from contact.convergence import ConvergenceError
 from contact.drive import reference_speed
 from contact.law.normal import load
 from contact.orbit import Orbit
-from contact.problem import Problem, largest_resonance
+from contact.problem import Problem, largest_resonance, scaled, without_wave
 from contact.slider import Slider
+from contact.solve.collocation import collocation
+from contact.solve.equilibrium import opposed
+from contact.solve.motion import Motion
+from contact.solve.time_stepping import steps
 
 # up to here "auto" follows every event, whatever the tolerance
 EXACT_CYCLES = 3000
@@ -41,20 +45,12 @@ MAX_DAMPING = 5e-3
 
 def rest_problem(slider, orbits):
     """Return the scaled problem whose phase 0 is where u_z of the first contact passes zero upwards."""
-    from contact.problem import scaled
-    from contact.solve.equilibrium import opposed
-
-    direction = opposed(slider, orbits)
-    return scaled(
-        slider, orbits, direction=direction, start=-0.5 * math.pi - float(np.angle(orbits[0].normal))
-    )
+    start = -0.5 * math.pi - float(np.angle(orbits[0].normal))
+    return scaled(slider, orbits, direction=opposed(slider, orbits), start=start)
 
 
 def rest(slider, orbits, problem, *, nodes, truncation):
     """Return the motion at phase 0 of a slider at rest, its contacts deformed by the load alone."""
-    from contact.solve.collocation import collocation
-    from contact.solve.motion import Motion
-
     contacts = len(orbits)
     motion = Motion(problem, grid=collocation(nodes), truncation=truncation)
     depth = slider.rest_approach(contacts) / problem.length
@@ -65,8 +61,6 @@ def rest(slider, orbits, problem, *, nodes, truncation):
 
 def silence(motion):
     """Return the motion that goes on where this one stands, at phase 0, when the wave stops."""
-    from contact.problem import without_wave
-
     still = motion.copy()
     still.problem = without_wave(motion.problem)
     still.place(*motion.state[:3], motion.state[3:])
@@ -116,8 +110,6 @@ def _exact(burst):
 
 def _stepped(burst):
     """Refine the steps until two runs agree; their differences on the way tell the error of the finer one."""
-    from contact.solve.time_stepping import steps
-
     begin = rest(burst.slider, burst.orbits, burst.problem, nodes=16, truncation=1e-12)
     most = max(1, burst.cycles // (2 * COMPARED))
     inner = _divisor(burst.stride, most)
@@ -142,7 +134,7 @@ def _stepped(burst):
     begin.state[:] = state
     statistics = {
         "steps_per_cycle": STEPS[level][0], "cycles": burst.cycles,
-        "omega_n_dt": _resonance(burst.problem) * 2.0 * math.pi / STEPS[level][0],
+        "omega_n_dt": largest_resonance(burst.problem) * 2.0 * math.pi / STEPS[level][0],
     }  # fmt: skip
     every = burst.stride // inner
     return begin, rows[every - 1 :: every], estimate, statistics
@@ -187,9 +179,7 @@ def _both(work, first, second):
 
 
 def _exact_refusal(burst, by_name):
-    if burst.envelope.size > 0:
-        return "it takes no envelope; use method stepped or leave the envelope out"
-    return ""
+    return "it takes no envelope; use method stepped or leave the envelope out" if burst.envelope.size else ""
 
 
 def _stepped_refusal(burst, by_name):
@@ -199,12 +189,12 @@ def _stepped_refusal(burst, by_name):
 
 
 def _averaged_refusal(burst, by_name):
-    if burst.envelope.size > 0:
-        return "it takes no envelope; use method stepped or leave the envelope out"
-    if burst.cycles < 3:
-        return f"{burst.cycles} cycles are too few; use method exact"
     reason = why_not(burst.slider, burst.orbits)
-    return f"{reason}; use method stepped or exact" if reason else ""
+    return (
+        _exact_refusal(burst, by_name)
+        or (f"{burst.cycles} cycles are too few; use method exact" if burst.cycles < 3 else "")
+        or (f"{reason}; use method stepped or exact" if reason else "")
+    )
 
 
 # Method: (function, why it does not apply). The cheapest comes first: beyond EXACT_CYCLES cycles "auto" takes the first
@@ -223,12 +213,8 @@ METHODS = ("auto", *STRATEGY)
 def run(method: str, burst: Burst):
     """Return (motion at the end, rows, error of v, statistics, method used) of a burst.
 
-    The exact method leaves the energies of the burst in the motion's sums.
-
-    Raises
-    ------
-    ConvergenceError
-        Status "not applicable" if a method asked for by name does not apply, or what the motion ran into.
+    The exact method leaves the energies in the motion's sums. A method asked for by name is refused where it does not
+    apply, by a ConvergenceError of the status "not applicable".
     """
     if method != "auto":
         follow, refusal = STRATEGY[method]
@@ -255,10 +241,6 @@ def run(method: str, burst: Burst):
     return best or run("exact", burst)
 
 
-def _resonance(problem):
-    return largest_resonance(problem.stiffness, problem.shape, problem.contacts)
-
-
 def why_not_stepped(slider, problem, per_cycle):
     """Return why fixed steps cannot follow this motion, or an empty string."""
     if slider.stick_band > 0.0:
@@ -268,7 +250,7 @@ def why_not_stepped(slider, problem, per_cycle):
     if slider.limit_slope == 0.0:
         return "no friction"
     step = 2.0 * math.pi / per_cycle
-    turn = step * _resonance(problem)
+    turn = step * largest_resonance(problem)
     if turn > MAX_STEP:
         return (
             f"the contact resonance is too fast: omega_n dt = {turn:.3g} with {per_cycle} steps "

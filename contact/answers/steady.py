@@ -137,9 +137,8 @@ def _closed(slider, orbits):
     found = closed_form(slider, orbits)
     if found is None:
         return None
-    message, nothing = f"{found.pop('why')}: closed form", dict.fromkeys(Ledger.__annotations__, 0.0)
-    known = {"relative_error": 0.0, "message": message, "method": "exact", "statistics": {}}
-    return found | known | {"ledger": Ledger(**nothing)}
+    known = {"relative_error": 0.0, "message": f"{found.pop('why')}: closed form", "method": "exact"}
+    return found | known | {"statistics": {}, "ledger": Ledger(*[0.0] * len(Ledger._fields))}
 
 
 class _Search(NamedTuple):

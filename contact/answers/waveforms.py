@@ -17,6 +17,9 @@ from contact.kinematics import at_phase
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
 from contact.solve.averaged_sweep import MAX_RATIO_HELD
+from contact.solve.equilibrium import balanced
+from contact.solve.settling import long_run, reached_instead
+from contact.solve.shooting import periodic
 
 STAGES = ("start", "steady", "after")
 # in the order of the numbers in `elastic`; an annulus that slips is "partial", a growing contact sticks
@@ -134,10 +137,6 @@ def _steady_motion(slider, orbits):
     It is the motion that `steady` answers with: the one that repeats with the wave's period if it is stable and, where
     the contact resonates near the wave's frequency, if a slider from rest comes to it; else what it does come to.
     """
-    from contact.solve.equilibrium import balanced
-    from contact.solve.settling import long_run, reached_instead
-    from contact.solve.shooting import periodic
-
     balance = balanced(slider, orbits)
     ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
     try:
@@ -145,8 +144,8 @@ def _steady_motion(slider, orbits):
     except ConvergenceError:
         if ratio <= MAX_RATIO_HELD:
             raise
-        return long_run(slider, orbits, balance.load_sign).motion
-    if not found.stable:
+        found = None
+    if found is None or not found.stable:
         return long_run(slider, orbits, balance.load_sign).motion
     instead = reached_instead(slider, orbits, balance, found) if ratio > MAX_RATIO_HELD else None
     if instead is not None:
@@ -159,12 +158,12 @@ def _steady_motion(slider, orbits):
 
 def _phase_between(first, second):
     """Return the phase in [0, 2 pi) after which the first contact's path is the other one."""
-
-    def quotient(cos, sin):
-        before = complex(getattr(first, cos)[0], getattr(first, sin)[0])
-        return complex(getattr(second, cos)[0], getattr(second, sin)[0]) / before if before else 0.0
-
-    normal = quotient("normal_cos", "normal_sin")
-    tangential = quotient("tangential_cos", "tangential_sin")
-    # u = a cos phi + b sin phi: a + i b turns backwards
-    return float(-np.angle(normal or tangential) % (2.0 * math.pi))
+    for axis in ("normal", "tangential"):
+        # u = a cos phi + b sin phi: a + i b turns backwards
+        before, after = (
+            complex(getattr(paths, f"{axis}_cos")[0], getattr(paths, f"{axis}_sin")[0])
+            for paths in (first, second)
+        )
+        if before and after:
+            return float(-np.angle(after / before) % (2.0 * math.pi))
+    return 0.0

@@ -155,7 +155,7 @@ class Native(Kernel):
         if entry is None:
             return int(self.dispatcher(*arguments) or 0)
         table, answer = b"".join([part[2] for part in parts]), ctypes.c_int64()
-        if entry(ctypes.byref(answer), ctypes.byref(ctypes.c_void_p()), table, table) != 0:
+        if entry(ctypes.byref(answer), ctypes.byref(ctypes.c_void_p()), table) != 0:
             raise RuntimeError(f"{self.__name__} has failed")  # kernels raise nothing: not reached
         return answer.value
 
@@ -325,7 +325,7 @@ def _entry(code):
     engine.finalize_object()
     _ENGINES.append(engine)
     pointer = ctypes.c_void_p
-    kind = ctypes.CFUNCTYPE(ctypes.c_int32, pointer, pointer, ctypes.c_char_p, ctypes.c_char_p)
+    kind = ctypes.CFUNCTYPE(ctypes.c_int32, pointer, pointer, ctypes.c_char_p)
     address = engine.get_function_address("kernel")
     if not address:
         raise RuntimeError("the machine code has no entry")

@@ -5,7 +5,9 @@ is put off: one module, one entry, everything inlined that pays.  The entry take
 lengths, numbers).  Reference counts are left out, for nothing is allocated.
 """
 
+import hashlib
 import re
+from functools import cache
 
 # what a kernel may call beyond itself: the C library's mathematics
 _LIBRARY = re.compile(
@@ -57,58 +59,123 @@ def _put_off(usual):
 
 def _lowered(kernel, words, arguments, numba):
     """Return numba's code library of the entry, not optimised."""
-    from numba.core import cgutils, types
-    from numba.extending import intrinsic
+    from numba.core import types
 
-    @intrinsic
-    def pointer(context, address):
-        def lowered(context, builder, signature, arguments):
-            return builder.inttoptr(arguments[0], cgutils.voidptr_t)
-
-        return types.voidptr(types.int64), lowered
-
-    scope = {"carray": numba.carray, "pointer": pointer, "kernel": kernel}
-    scope |= {"f": numba.float64, "i": numba.int64, "c": numba.complex128}
-    given, at = [], 0
-    for word in words:
-        if len(word) == 1:
-            given.append(f"{'numbers' if word == 'f' else 'words'}[{at}]")
-            at += 1
-        else:
-            axes = int(word[1])
-            shape = "".join(f"words[{at + 1 + k}], " for k in range(axes))
-            given.append(f"carray(pointer(words[{at}]), ({shape}), {word[0]})")
-            at += 1 + axes
-    parts = iter(given)
-    given = [
-        _gathered(kind, argument, parts, scope)
-        for kind, argument in zip(kernel.types, arguments, strict=True)
-    ]
+    given, words = [], iter(words)
+    for k, (kind, argument) in enumerate(zip(kernel.types, arguments, strict=True)):
+        given.append((f"given{k}", _type_of(kind, argument, words, numba)))
+    table = _record()("Arguments", tuple(given))
+    scope = {"opened": _opened(table), "kernel": kernel}
     source = (
-        f"def entry(words, numbers):\n"
-        f"    words, numbers = carray(words, ({at},)), carray(numbers, ({at},))\n"
-        f"    answer = kernel({', '.join(given)})\n"
+        f"def entry(table):\n"
+        f"    table = opened(table)\n"
+        f"    answer = kernel({', '.join(f'table.{name}' for name, _ in given)})\n"
         f"    return 0 if answer is None else answer + 0\n"
     )
     exec(source, scope)
-    words_type, numbers_type = types.CPointer(types.int64), types.CPointer(types.float64)
-    function = numba.cfunc(types.int64(words_type, numbers_type), error_model="numpy")(scope["entry"])
-    return function._library
+    signature = types.int64(types.CPointer(types.int64))
+    return numba.cfunc(signature, error_model="numpy")(scope["entry"])._library
 
 
-def _gathered(kind, argument, parts, scope):
-    """Return the source of one argument, a named tuple made of the parts that are its fields."""
-    if kind != "t":
-        return next(parts)
+def _type_of(kind, argument, words, numba):
+    """Return numba's type of an argument; of a named tuple that of the record which lies in the table."""
     if argument is None:
-        return "None"
-    name = f"{type(argument).__name__}{len(scope)}"
-    scope[name] = type(argument)
-    fields = [
-        _gathered("t" if field is None or isinstance(field, tuple) else "", field, parts, scope)
-        for field in argument
-    ]
-    return f"{name}({', '.join(fields)})"
+        return numba.none
+    if kind != "t":
+        word = next(words)
+        scalar = {"f": numba.float64, "i": numba.int64, "c": numba.complex128}[word[0]]
+        return scalar if len(word) == 1 else numba.types.Array(scalar, int(word[1]), "C")
+    return _record()(
+        type(argument).__name__,
+        tuple(
+            (name, _type_of("t" if isinstance(field, tuple) else "", field, words, numba))
+            for name, field in zip(argument._fields, argument, strict=True)
+        ),
+    )
+
+
+@cache
+def _record():
+    """Return numba's type of a named tuple that lies in memory: a kernel reads a field where it needs it.
+
+    Passed by value instead, every array of every tuple is seven numbers at every call: three times the code to compile.
+    """
+    from llvmlite import ir
+    from numba.core import types
+    from numba.core.typing.templates import AttributeTemplate
+    from numba.extending import infer_getattr, lower_getattr_generic, models, register_model
+
+    word = ir.IntType(64)
+
+    class Record(types.Type):
+        def __init__(self, name, fields):
+            self.fields, self.places, at = dict(fields), {}, 0
+            for field, kind in fields:
+                self.places[field] = at
+                at += _size(kind)
+            self.size = at
+            digest = hashlib.sha256(repr(fields).encode()).hexdigest()
+            super().__init__(f"{name}{digest[:8]}")  # short, for it is part of the names of functions
+
+    def _size(kind):
+        if isinstance(kind, types.Array):
+            return 1 + kind.ndim
+        return kind.size if isinstance(kind, Record) else int(kind is not types.none)
+
+    @register_model(Record)
+    class _(models.PrimitiveModel):
+        def __init__(self, manager, kind):
+            super().__init__(manager, kind, word.as_pointer())
+
+    @infer_getattr
+    class _(AttributeTemplate):
+        key = Record
+
+        def generic_resolve(self, record, name):
+            return record.fields.get(name)
+
+    @lower_getattr_generic(Record)
+    def _(context, builder, record, table, name):
+        kind, at = record.fields[name], record.places[name]
+
+        def loaded(place, kind):
+            address = builder.gep(table, [word(place)])
+            value = builder.load(builder.bitcast(address, kind.as_pointer()))
+            # nothing writes to the table: what is stored in arrays does not change it
+            value.set_metadata("invariant.load", builder.module.add_metadata([]))
+            return value
+
+        if isinstance(kind, Record):
+            return builder.gep(table, [word(at)])
+        if kind is types.none:
+            return context.get_dummy_value()
+        if not isinstance(kind, types.Array):
+            return loaded(at, context.get_value_type(kind))
+        model = context.data_model_manager[kind]
+        value = ir.Constant(model.get_value_type(), None)
+        size, count = word(context.get_abi_sizeof(context.get_data_type(kind.dtype))), word(1)
+        stride, lengths = size, [loaded(at + 1 + axis, word) for axis in range(kind.ndim)]
+        for axis in reversed(range(kind.ndim)):
+            value = builder.insert_value(value, lengths[axis], [model.get_field_position("shape"), axis])
+            value = builder.insert_value(value, stride, [model.get_field_position("strides"), axis])
+            stride, count = builder.mul(stride, lengths[axis]), builder.mul(count, lengths[axis])
+        data = loaded(at, context.get_data_type(kind.dtype).as_pointer())
+        for part, number in (("data", data), ("itemsize", size), ("nitems", count)):
+            value = builder.insert_value(value, number, [model.get_field_position(part)])
+        return value
+
+    return Record
+
+
+def _opened(record):
+    """Return a function for kernels that takes the address of a record for the record."""
+    from numba.extending import intrinsic
+
+    @intrinsic
+    def opened(context, address):
+        return record(address), lambda context, builder, signature, arguments: arguments[0]
+
+    return opened
 
 
 def _optimised(library):

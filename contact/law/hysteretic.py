@@ -247,13 +247,7 @@ def memory_guard(memory, i, regime, which, s, point, eta, c):
 @compiled
 def jump(memory, i, regime, s, old, new, c):
     """Take a contact along a straight line in (z, x); return (regime, sign, x): exact, however long the line."""
-    old_z, old_x, z, x, sigma = (
-        old.approach,
-        old.deformation,
-        new.approach,
-        new.deformation,
-        memory.grid.sigma,
-    )
+    (old_z, old_x, _, _), (z, x, _, _), sigma = old, new, memory.grid.sigma
     if z <= 0.0:
         memory.count[i] = 0
         memory.level[i] = 0.0

@@ -19,26 +19,8 @@ from contact.jit.compiled import compiled, native
 from contact.kinematics import Paths, at_phase, normal_amplitude, of_run, tangential_amplitude
 from contact.law.normal import load
 from contact.problem import Problem, changed
-from contact.solve.averaged import (
-    COARSE,
-    COLUMNS,
-    FIRST,
-    IS_HELD,
-    LARGEST_AT_REST,
-    LEAST_AT_REST,
-    LOAD_SIGN,
-    MADE_PER_CYCLE,
-    QUADRATURE,
-    RESIDUAL,
-    SLIPS_PER_CYCLE,
-    TAIL,
-    H,
-    V,
-    Work,
-    balance_row,
-    excess,
-    room,
-)
+from contact.solve import averaged
+from contact.solve.averaged import Work, balance_row, excess, room
 from contact.solve.riding import riding
 
 # columns of a slider, SI units: slip limit over approach, mu, chi, the viscous dampers, largest approach at rest
@@ -92,26 +74,15 @@ _ROOMS = threading.local()  # by harmonics and contacts: a kernel finds the same
 
 
 def states(given: Given, out, todo, harmonics: int, first: int, stride: int) -> None:
-    """Fill the rows of `out`, by the names of the columns in this module, of every `stride`-th of `todo`.
+    """Fill the rows (n, ANSWER) of `out` of every `stride`-th problem of `todo`, from the `first`.
 
-    Parameters
-    ----------
-    given : Given
-        The problems.
-    out : (n, ANSWER) array
-        To be filled. A row that is not reached keeps its regime and says why in its status.
-    todo : (k,) array of int
-        Which problems.
-    harmonics : int
-        Of the slider's fast motion.
-    first, stride : int
-        Which of `todo`.
+    A row that is not reached keeps its regime and says why in its status; `harmonics` of the slider's fast motion.
     """
     key = harmonics, given.paths.height.shape[1]
     rooms = vars(_ROOMS)
     if key not in rooms:
         paths, spare = (Paths(*np.zeros((5, key[1]))) for _ in range(2))
-        rooms[key] = Room(room(harmonics), np.zeros((2, COLUMNS)), paths, spare)
+        rooms[key] = Room(room(harmonics), np.zeros((2, averaged.COLUMNS)), paths, spare)
     _states(given, out, todo, harmonics, first, stride, rooms[key])
 
 
@@ -122,14 +93,8 @@ def _states(given, out, todo, harmonics, first, stride, room):
         k = todo[t]
         slider, wave = given.sliders[given.which[k, 0]], given.which[k, 1]
         omega = given.omegas[wave]
-        problem = _scaled(
-            slider,
-            given.heights[given.which[k, 0]],
-            of_run(given.paths, wave),
-            given.factors[k],
-            omega,
-            room.paths,
-        )
+        heights, paths = given.heights[given.which[k, 0]], of_run(given.paths, wave)
+        problem = _scaled(slider, heights, paths, given.factors[k], omega, room.paths)
         _state(problem, given.ratios[k], given.wave_errors[wave], harmonics, room, out[k])
         row, speed = out[k], problem.length * omega
         row[VELOCITY] *= speed
@@ -147,18 +112,20 @@ def _state(problem, ratio, wave_error, harmonics, room, row):
     row[STATUS] = status.value
     if status != Status.DONE:
         return
-    problem = changed(problem, state[LOAD_SIGN] * abs(problem.load), problem.paths)
+    problem = changed(problem, state[averaged.LOAD_SIGN] * abs(problem.load), problem.paths)
     along = 0.0
     for i in range(problem.paths.height.size):
         along = max(along, tangential_amplitude(problem.paths, i))
-    v = state[V]
+    v = state[averaged.V]
     reference = max(abs(v), along / 10.0)
-    error = max(state[TAIL], state[RESIDUAL], state[QUADRATURE], LEAST_ERROR * abs(v))
-    error = max(error, CORRECTION_ERROR * abs(v - state[FIRST]))
-    if state[IS_HELD] == 1.0 or abs(v) < EDGE * reference:
+    error = max(
+        state[averaged.TAIL], state[averaged.RESIDUAL], state[averaged.QUADRATURE], LEAST_ERROR * abs(v)
+    )
+    error = max(error, CORRECTION_ERROR * abs(v - state[averaged.FIRST]))
+    if state[averaged.IS_HELD] == 1.0 or abs(v) < EDGE * reference:
         larger = 1.0 + min(THRESHOLD_ERROR * ratio**2, MAX_THRESHOLD_ERROR)
         status = balance_row(_with_error(problem, larger, 0.0, 0.0, spare), 0, work, tried)
-        beyond = abs(tried[V] - state[FIRST])
+        beyond = abs(tried[averaged.V] - state[averaged.FIRST])
         if status == Status.DONE and beyond > 0.0 and ratio > MAX_RATIO_HELD:
             status = Status.NEAR_THRESHOLD
         row[STATUS] = status.value
@@ -166,23 +133,23 @@ def _state(problem, ratio, wave_error, harmonics, room, row):
             return
         error = max(error, beyond)
         reference = max(reference, beyond) if reference == 0.0 else reference
-    lost = _from_wave(problem, spare, state[COARSE], wave_error, work, tried)
+    lost = _from_wave(problem, spare, state[averaged.COARSE], wave_error, work, tried)
     if not (np.isfinite(v) and np.isfinite(error) and np.isfinite(lost)):
         return
-    stall = state[LEAST_AT_REST]
-    if state[LARGEST_AT_REST] <= -stall:  # driven against its crests
-        stall = -state[LARGEST_AT_REST]
-    row[VELOCITY], row[FIRST_ORDER], row[HEIGHT] = v, state[FIRST], state[H]
+    stall = state[averaged.LEAST_AT_REST]
+    if state[averaged.LARGEST_AT_REST] <= -stall:  # driven against its crests
+        stall = -state[averaged.LARGEST_AT_REST]
+    row[VELOCITY], row[FIRST_ORDER], row[HEIGHT] = v, state[averaged.FIRST], state[averaged.H]
     row[REGIME] = Steady.STICK.value
-    if state[MADE_PER_CYCLE] > 0.0:
+    if state[averaged.MADE_PER_CYCLE] > 0.0:
         row[REGIME] = Steady.INTERMITTENT.value
-    elif state[SLIPS_PER_CYCLE] > 0.0:
+    elif state[averaged.SLIPS_PER_CYCLE] > 0.0:
         row[REGIME] = Steady.SLIP.value
-    row[HELD] = state[IS_HELD]
+    row[HELD] = state[averaged.IS_HELD]
     row[ERROR] = error / reference if reference > 0.0 else 0.0
     row[FROM_WAVE] = lost / reference if reference > 0.0 else 0.0
     row[THRUST] = max(stall, 0.0)
-    row[SIGN_OF_LOAD] = state[LOAD_SIGN]
+    row[SIGN_OF_LOAD] = state[averaged.LOAD_SIGN]
 
 
 @compiled
@@ -263,7 +230,7 @@ def _moved(problem, base, slope, work, tried):
                 last = v - g * (v - before) / (g - f)
                 if abs(last - v) < 0.1 * abs(v - base):
                     return last
-    return tried[COARSE] if balance_row(problem, 0, work, tried) == Status.DONE else np.inf
+    return tried[averaged.COARSE] if balance_row(problem, 0, work, tried) == Status.DONE else np.inf
 
 
 @compiled

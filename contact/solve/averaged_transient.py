@@ -235,15 +235,5 @@ def _response(problem, state, span, work, k):
 
 
 def response(problem, state, span: Span, harmonics: int) -> int:
-    """Follow the slider from phase 0 on; return the reason for ending.
-
-    Parameters
-    ----------
-    problem : Problem
-    state : (3,) array
-        Slider position, its rate and velocity at phase 0; changed to those at the end.
-    span : Span
-    harmonics : int
-        Of the fast motion.
-    """
+    """Follow a slider whose state is z_s, z_s' and v at phase 0, then at the end; return the reason for ending."""
     return _response(problem, state, span, room(harmonics), np.zeros(7))

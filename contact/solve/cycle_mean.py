@@ -91,12 +91,7 @@ def cycle_room(harmonics: int, nodes: int = 0) -> Cycle:
 @compiled
 def _place(path, phi):
     """Return z, z', y, y'."""
-    a, b, d, e = (
-        path.wave.normal_cos,
-        path.wave.normal_sin,
-        path.wave.tangential_cos,
-        path.wave.tangential_sin,
-    )
+    a, b, d, e = path.wave
     co, si = np.cos(phi), np.sin(phi)
     c, s = co, si
     z, z_rate, y, y_rate = path.h, 0.0, -path.v * phi, -path.v
@@ -398,22 +393,9 @@ def _contact(problem, path, rule, work):
     },
 )  # fmt: skip
 def cycle(problem, h, v, rule, work):
-    """Fill the means, the harmonics of the forces and the counts of one cycle that repeats.
+    """Fill means, harmonics of the forces and counts of a cycle that repeats, at mean approach h and mean velocity v.
 
-    Parameters
-    ----------
-    problem : Problem
-    h, v : float
-        Mean approach and mean velocity.
-    rule : Rule
-        See `riding.quadrature`.
-    work : Cycle
-        The slider's fast motion is given; the rest is overwritten.
-
-    Returns
-    -------
-    int
-        0.
+    Of `work` the slider's fast motion is given. Returns 0.
     """
     fast, path, force, paths = work.fast, work.path, work.force, problem.paths
     work.means[:] = 0.0

@@ -19,7 +19,7 @@ from contact.solve.segment import BACK, CLIMB, FRONT, SPEED, TRAVEL, U_X_RATE, U
 
 # places in the sums: integrals over phase of sum Q, of the sum of normal forces without damper, slider displacement
 TRACTION, SUPPORT, DISPLACEMENT = 0, 1, 2
-# energies
+# energies, in the order of `answers.ledger.Ledger`
 WAVE_NORMAL, WAVE_TANGENTIAL, SLIP_LOSS, CONTACT_LOSS, NORMAL_LOSS, TANGENTIAL_LOSS, LOAD_WORK, LEAK = range(
     3, 11
 )

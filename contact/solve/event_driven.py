@@ -17,39 +17,10 @@ from contact.codes import Regime, Status
 from contact.interpolation import interpolate
 from contact.jit.compiled import compiled, native
 from contact.law.hysteretic import write_curve
+from contact.solve import segment as seg
 from contact.solve.collocation import ROOT_AT_END, ROOT_AT_START, SMOOTH
 from contact.solve.energy import DISPLACEMENT, account, mark
 from contact.solve.events import earliest, end_guard, transit
-from contact.solve.segment import (
-    CLIMB,
-    HEIGHT,
-    LEVEL,
-    NORMAL_ACCELERATION,
-    NORMAL_VELOCITY,
-    PLANES,
-    POSITION,
-    ROW_MEAN_VELOCITY,
-    ROW_POSITION,
-    ROW_VELOCITY,
-    ROWS,
-    SPEED,
-    TANGENTIAL_ACCELERATION,
-    VELOCITY,
-    Nodes,
-    P,
-    Q,
-    Segment,
-    X,
-    Z,
-    end_kinematics,
-    forces,
-    has_converged,
-    integrate,
-    lay_out,
-    resized,
-    segment_at,
-    surface,
-)
 from contact.solve.warm_start import Pattern, blank, keep, matching, recalled
 
 # places in the tally after the kinds of event: segments, halvings, sweeps, cycles
@@ -81,7 +52,7 @@ class Task(NamedTuple):
 class Work(NamedTuple):
     """Work arrays: values at the nodes of a segment, and the segments of the last cycle (`warm_start`)."""
 
-    nodes: Nodes
+    nodes: seg.Nodes
     pattern: Pattern
 
 
@@ -89,7 +60,7 @@ class Work(NamedTuple):
 def room(contacts: int, nodes: int, thread: int) -> Work:
     """Return the work arrays of a thread, which are the same every time."""
     return Work(
-        Nodes(np.zeros((ROWS, nodes)), np.zeros((PLANES, contacts, nodes)), np.empty(nodes)),
+        seg.Nodes(np.zeros((seg.ROWS, nodes)), np.zeros((seg.PLANES, contacts, nodes)), np.empty(nodes)),
         blank(contacts, nodes),
     )
 
@@ -111,20 +82,20 @@ def _warm_started(problem, grid, state, nodes, task, segment, memory):
     Newton's iteration for the length and Picard's for the motion in one.
     """
     room = min(problem.longest, task.stop - segment.phase)
-    surface(problem, grid, nodes, segment)
-    integrate(grid, state, nodes, segment)
+    seg.surface(problem, grid, nodes, segment)
+    seg.integrate(grid, state, nodes, segment)
     last = np.inf
     for _ in range(15):
-        forces(problem, grid, state, nodes, segment, task.mobile, memory)
+        seg.forces(problem, grid, state, nodes, segment, task.mobile, memory)
         change = 0.0
         if task.mobile:
-            change = integrate(grid, state, nodes, segment) / (1.0 + abs(state.slider[POSITION]))
+            change = seg.integrate(grid, state, nodes, segment) / (1.0 + abs(state.slider[seg.POSITION]))
         state.tally[SWEEPS] += 1
         if not change < 1e100:
             return 0.0
-        arrived = has_converged(change, last)
+        arrived = seg.has_converged(change, last)
         last = change
-        end_kinematics(problem, state, nodes)
+        seg.end_kinematics(problem, state, nodes)
         if segment.contact >= 0:
             end = segment.phase + segment.length
             value, rate = end_guard(problem, state, nodes, segment.contact, segment.guard, end, memory)
@@ -133,10 +104,10 @@ def _warm_started(problem, grid, state, nodes, task, segment, memory):
                 return 0.0
             if abs(value) >= 1e-16 and abs(step) >= 2e-16:
                 arrived = False
-                segment = resized(segment, segment.length + step)
+                segment = seg.resized(segment, segment.length + step)
                 if not 0.0 < segment.length < room:
                     return 0.0
-                surface(problem, grid, nodes, segment)
+                seg.surface(problem, grid, nodes, segment)
         if arrived:
             place, other, _ = earliest(problem, grid, state, nodes, memory)
             # an event that this segment did not have: a cold start will find it
@@ -149,7 +120,7 @@ def _warm_started(problem, grid, state, nodes, task, segment, memory):
 def _cold_started(problem, grid, state, nodes, task, segment, memory):
     """Lay a segment out, and end it at the first root of a guard on it; return (converged, segment)."""
     entered = segment.map == ROOT_AT_START
-    converged, sweeps = lay_out(problem, grid, state, nodes, segment, task.mobile, memory)
+    converged, sweeps = seg.lay_out(problem, grid, state, nodes, segment, task.mobile, memory)
     state.tally[SWEEPS] += sweeps
     if not converged:
         return False, segment
@@ -190,7 +161,7 @@ def _cut(segment, place, who, which, sharp, entered):
         length, who = 0.5 * length, -1
     elif sharp:
         map_ = ROOT_AT_END
-    return Segment(segment.phase, length, segment.longest, map_, who, which, 0)
+    return seg.Segment(segment.phase, length, segment.longest, map_, who, which, 0)
 
 
 @compiled
@@ -198,9 +169,9 @@ def _landed(problem, grid, state, nodes, task, segment, memory):
     """Return the segment laid out to where its guard vanishes, its length by Newton's method."""
     for trial in range(12):
         if segment.length < 1e-14:
-            segment = resized(segment, 0.0)
+            segment = seg.resized(segment, 0.0)
         length = segment.length
-        _, sweeps = lay_out(problem, grid, state, nodes, segment, task.mobile, memory)
+        _, sweeps = seg.lay_out(problem, grid, state, nodes, segment, task.mobile, memory)
         state.tally[SWEEPS] += sweeps
         if segment.contact < 0:
             break
@@ -212,7 +183,7 @@ def _landed(problem, grid, state, nodes, task, segment, memory):
         if abs(step) < 2e-16 or (trial > 6 and abs(step) < 1e-14):
             break
         length = min(max(length + step, 0.5 * length), min(1.1 * length + 1e-12, segment.longest))
-        segment = resized(segment, length)
+        segment = seg.resized(segment, length)
     return segment
 
 
@@ -225,7 +196,7 @@ def _roughness(problem, grid, nodes, segment):
     most = 0.0
     for i in range(own.shape[1]):
         for k in range(own.shape[2]):
-            most = max(most, 1e-3 * own[P, i, k])
+            most = max(most, 1e-3 * own[seg.P, i, k])
     if most > push_scale:
         push_scale, pull_scale = most, most * pull_scale / push_scale
     worst = 0.0
@@ -233,8 +204,8 @@ def _roughness(problem, grid, nodes, segment):
         for i in range(own.shape[1]):
             ep, eq = 0.0, 0.0
             for k in range(own.shape[2]):
-                ep += tail[r, k] * own[P, i, k]
-                eq += tail[r, k] * own[Q, i, k]
+                ep += tail[r, k] * own[seg.P, i, k]
+                eq += tail[r, k] * own[seg.Q, i, k]
             worst = max(worst, segment.length * abs(ep) / push_scale, segment.length * abs(eq) / pull_scale)
     return worst
 
@@ -251,9 +222,9 @@ def _sample(grid, state, nodes, task, segment, taken):
         place, sample = 2.0 * t - 1.0, task.samples[taken]
         for i in range(state.regime.size):
             for k in range(REGIME):
-                sample[i, k] = interpolate(place, grid.sigma, grid.bary, nodes.contact[Z + k, i])
+                sample[i, k] = interpolate(place, grid.sigma, grid.bary, nodes.contact[seg.Z + k, i])
             sample[i, REGIME] = state.regime[i]
-            sample[i, SLIDER_VELOCITY] = interpolate(place, grid.sigma, grid.bary, nodes.slider[SPEED])
+            sample[i, SLIDER_VELOCITY] = interpolate(place, grid.sigma, grid.bary, nodes.slider[seg.SPEED])
         taken += 1
     return taken
 
@@ -262,20 +233,26 @@ def _sample(grid, state, nodes, task, segment, taken):
 def _move_to_end(problem, state, nodes, memory):
     """Set the state to that at the end of a segment, which also has the first accelerations of the next."""
     end, slider, own = nodes.guard.size - 1, nodes.slider, nodes.contact
-    state.slider[POSITION], state.slider[NORMAL_VELOCITY] = slider[HEIGHT, end], slider[CLIMB, end]
-    state.slider[VELOCITY] = slider[SPEED, end]
+    state.slider[seg.POSITION], state.slider[seg.NORMAL_VELOCITY] = (
+        slider[seg.HEIGHT, end],
+        slider[seg.CLIMB, end],
+    )
+    state.slider[seg.VELOCITY] = slider[seg.SPEED, end]
     for i in range(state.regime.size):
-        state.deformation[i] = own[X, i, end]
+        state.deformation[i] = own[seg.X, i, end]
         if memory is not None:
             if state.regime[i] == Regime.GROW:
-                write_curve(memory, i, own[Z, i], own[X, i], own[LEVEL, i], problem.limit_slope)
-    _begin_with(nodes, slider[NORMAL_ACCELERATION, end], slider[TANGENTIAL_ACCELERATION, end])
+                write_curve(memory, i, own[seg.Z, i], own[seg.X, i], own[seg.LEVEL, i], problem.limit_slope)
+    _begin_with(nodes, slider[seg.NORMAL_ACCELERATION, end], slider[seg.TANGENTIAL_ACCELERATION, end])
 
 
 @compiled
 def _begin_with(nodes, normal, tangential):
     """Set the accelerations from which the next segment is guessed."""
-    nodes.slider[NORMAL_ACCELERATION, 0], nodes.slider[TANGENTIAL_ACCELERATION, 0] = normal, tangential
+    nodes.slider[seg.NORMAL_ACCELERATION, 0], nodes.slider[seg.TANGENTIAL_ACCELERATION, 0] = (
+        normal,
+        tangential,
+    )
 
 
 @compiled
@@ -292,7 +269,7 @@ def _is_full(state, memory):
 def _from_last_cycle(problem, grid, state, work, task, memory, course):
     """Return the segment that the last cycle had here, laid out to the same end or event; length 0 without it."""
     pattern, old, m = work.pattern, course.old, course.match
-    nothing = segment_at(course.phase, 0.0, SMOOTH, 0)
+    nothing = seg.segment_at(course.phase, 0.0, SMOOTH, 0)
     if m < 0:
         return nothing
     map_, contact, end = pattern.map[old, m], pattern.contact[old, m], pattern.end[old, m]
@@ -301,23 +278,26 @@ def _from_last_cycle(problem, grid, state, work, task, memory, course):
     fits = 0.0 < length <= problem.longest and course.phase + length <= task.stop
     if not fits or (map_ == ROOT_AT_START) != course.entered:
         return nothing
-    segment = Segment(course.phase, length, length, map_, contact, pattern.guard[old, m], int(last))
+    segment = seg.Segment(course.phase, length, length, map_, contact, pattern.guard[old, m], int(last))
     recalled(pattern, old, m, work.nodes)
     found = _warm_started(problem, grid, state, work.nodes, task, segment, memory)
-    return Segment(segment.phase, found, found, map_, contact, segment.guard, segment.last)
+    return seg.Segment(segment.phase, found, found, map_, contact, segment.guard, segment.last)
 
 
 @compiled
 def _attempt(problem, grid, state, work, task, memory, course):
     """Lay out the next segment; return (what became of it, the segment, the length to try next)."""
     nodes, longest = work.nodes, problem.longest
-    normal, tangential = nodes.slider[NORMAL_ACCELERATION, 0], nodes.slider[TANGENTIAL_ACCELERATION, 0]
+    normal, tangential = (
+        nodes.slider[seg.NORMAL_ACCELERATION, 0],
+        nodes.slider[seg.TANGENTIAL_ACCELERATION, 0],
+    )
     segment = _from_last_cycle(problem, grid, state, work, task, memory, course)
     if segment.length == 0.0:
         _begin_with(nodes, normal, tangential)
         last = course.phase + course.length >= task.stop - 1e-12
         length = task.stop - course.phase if last else course.length
-        segment = segment_at(course.phase, length, ROOT_AT_START if course.entered else SMOOTH, int(last))
+        segment = seg.segment_at(course.phase, length, ROOT_AT_START if course.entered else SMOOTH, int(last))
         converged, segment = _cold_started(problem, grid, state, nodes, task, segment, memory)
         if not converged:
             return NOT_CONVERGED, segment, 0.25 * segment.length
@@ -350,7 +330,9 @@ def advance(problem, grid, state, work, task, memory, cycle):
             return Status.TOO_MANY
         if _is_full(state, memory):
             return Status.FULL
-        if not np.isfinite(state.slider[POSITION] + state.slider[NORMAL_VELOCITY] + state.slider[VELOCITY]):
+        if not np.isfinite(
+            state.slider[seg.POSITION] + state.slider[seg.NORMAL_VELOCITY] + state.slider[seg.VELOCITY]
+        ):
             return Status.NOT_FINITE
         match = matching(work.pattern, 1 - new, first, phase, state) if warm else -1
         first = max(first, match + 1)
@@ -409,6 +391,9 @@ def travel(problem, grid, state, work, task, memory):
         state.tally[CYCLES] += 1
         if task.stride > 0 and (k + 1) % task.stride == 0:
             row = task.rows[(k + 1) // task.stride - 1]
-            row[ROW_VELOCITY], row[ROW_POSITION] = state.slider[VELOCITY], state.slider[POSITION]
-            row[ROW_MEAN_VELOCITY] = (state.sums[DISPLACEMENT] - before) / (2.0 * np.pi)
+            row[seg.ROW_VELOCITY], row[seg.ROW_POSITION] = (
+                state.slider[seg.VELOCITY],
+                state.slider[seg.POSITION],
+            )
+            row[seg.ROW_MEAN_VELOCITY] = (state.sums[DISPLACEMENT] - before) / (2.0 * np.pi)
     return Status.DONE

@@ -17,20 +17,11 @@ from contact.problem import Problem
 from contact.solve import energy, event_driven, events, segment
 from contact.solve.collocation import Collocation
 
-_SENTENCES = {
-    Status.NOT_FINITE: ("not finite", "the motion overflowed; check mass, dampers and amplitude"),
-    Status.TOO_MANY: (
-        "too many events",
-        "events follow each other without end; {advice}, or try another tolerance",
-    ),
-    Status.FULL: (
-        "memory full",
-        "the contact remembers more reversals than there is room for; raise the dampers",
-    ),
-    Status.STIFF: (
-        "stiff",
-        "contact or dampers are too stiff for the exact way on this time scale; raise the mass",
-    ),
+FAILURES = {
+    Status.NOT_FINITE: "not finite: the motion overflowed; check mass, dampers and amplitude",
+    Status.TOO_MANY: "too many events: events follow each other without end; {advice}, or try another tolerance",
+    Status.FULL: "memory full: the contact remembers more reversals than there is room for; raise the dampers",
+    Status.STIFF: "stiff: contact or dampers are too stiff for the exact way on this time scale; raise the mass",
 }
 
 
@@ -104,14 +95,11 @@ class Motion:
         work = event_driven.room(self.regime.size, self.grid.sigma.size, threading.get_ident())
         why = event_driven.travel(self.problem, self.grid, self.carried, work, task, self.memory)
         if why != Status.DONE:
-            self.fail(why)
-
-    def fail(self, why):
-        """Raise the error that belongs to the reason for which a run ended."""
-        status, sentence = _SENTENCES[why]
-        # the hysteretic law knows no stick band
-        advice = "set stick_band > 0" if self.memory is None else "raise normal_damping or contact_damping"
-        raise ConvergenceError(status, sentence.format(advice=advice))
+            # the hysteretic law knows no stick band
+            advice = (
+                "set stick_band > 0" if self.memory is None else "raise normal_damping or contact_damping"
+            )
+            raise ConvergenceError(*FAILURES[why].format(advice=advice).split(": ", 1))
 
     def events(self) -> dict:
         """Return the number of events by kind, whether they crowd, their smallest gap in s, and the work.

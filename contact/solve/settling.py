@@ -66,19 +66,8 @@ def long_run(
 ) -> LongRun:
     """Return the mean of the motion from rest, once it repeats, sticks or has gone on for long enough.
 
-    Parameters
-    ----------
-    slider, orbits
-        The slider, and one orbit per contact.
-    direction : float
-        +1 or -1: the direction of motion that the load opposes.
-    near : array, optional
-        Phase-0 state z_s, z_s', v, ... of a stable periodic motion: a run that comes close to it ends there.
-
-    Raises
-    ------
-    ConvergenceError
-        Status "out of reach" where that would take too long, or what the motion ran into.
+    `direction` as in `problem.scaled`; `near`: phase-0 state z_s, z_s', v, ... of a stable periodic motion, at which a
+    run that comes close to it ends.
     """
     start = -0.5 * math.pi - float(np.angle(orbits[0].normal))
     problem = scaled(slider, orbits, direction=direction, start=start)
@@ -97,13 +86,7 @@ def long_run(
 def reached_instead(
     slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, found: Periodic
 ) -> LongRun | None:
-    """Return the motion that a slider from rest comes to, None if it is the periodic one that was found.
-
-    Raises
-    ------
-    ConvergenceError
-        As `long_run`.
-    """
+    """Return the motion that a slider from rest comes to, None if it is the periodic one that was found."""
     target = found.motion.copy()
     target.move(0.0, 0.5 * math.pi, np.empty(0))  # from the trough of u_z to its upward zero
     run = long_run(slider, orbits, balance.load_sign, near=target.state)

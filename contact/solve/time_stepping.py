@@ -20,17 +20,7 @@ from contact.jit.compiled import compiled, native
 from contact.kinematics import Paths, at_phase, of_run, slip_speed
 from contact.law.normal import load
 from contact.problem import from_row
-from contact.solve.end_corrections import (
-    closing_share,
-    contact_edge,
-    cubic,
-    curvature,
-    edge_excess,
-    last_part,
-    passage_excess,
-    rising_root,
-    slip_edge,
-)
+from contact.solve import end_corrections as edges
 from contact.solve.segment import (
     DEFORMATIONS,
     NORMAL_VELOCITY,
@@ -121,7 +111,7 @@ def _leave_stick(problem, passage, x):
     sign = 1.0 if x + passage.along > 0.0 else -1.0
     v_old, v_new = _slip_speeds(problem, passage, sign)
     below, above = sign * x - c * passage.z_old, sign * (x + passage.along) - c * passage.z_new
-    return sign, -sign * slip_edge(problem, below, above, v_old, v_new, passage.h)
+    return sign, -sign * edges.slip_edge(problem, below, above, v_old, v_new, passage.h)
 
 
 @compiled
@@ -129,14 +119,14 @@ def _release(problem, passage, x, slip):
     """Return (x, slip, excess of P, excess of Q) of a contact that opens."""
     h = passage.h
     r0, r1 = h * passage.z_rate_old, h * passage.z_rate_new
-    s = rising_root(-passage.z_old, -passage.z_new, -r0, -r1)
+    s = edges.rising_root(-passage.z_old, -passage.z_new, -r0, -r1)
     rate = max(-(r0 + s * (r1 - r0)) / h, 1e-6)
-    first, second = contact_edge(problem, rate, passage.z_bend, h)
+    first, second = edges.contact_edge(problem, rate, passage.z_bend, h)
     sign, tangential = 1.0 if x > 0.0 else -1.0, 0.0
     if slip == 0.0:  # it must have slipped before
         sign, tangential = _leave_stick(problem, passage, x)
-    normal = edge_excess(s, h, first * (1.0 - problem.contact_damping * rate), second, problem.shape)
-    tangential += sign * problem.friction * edge_excess(s, h, first, second, problem.shape)
+    normal = edges.edge_excess(s, h, first * (1.0 - problem.contact_damping * rate), second, problem.shape)
+    tangential += sign * problem.friction * edges.edge_excess(s, h, first, second, problem.shape)
     return 0.0, 0.0, normal, tangential
 
 
@@ -147,8 +137,8 @@ def _stick(problem, passage, x, sticks):
     if sticks:  # past x = 0
         x_rate = passage.x_rate_new
         force = problem.friction * problem.stiffness * load(passage.z_new, problem.shape)
-        bend = curvature(problem.shape) * force * x_rate * abs(x_rate) / (limit * limit)
-        return deformation, 0.0, passage_excess(x / (x - deformation), passage.h, bend)
+        bend = edges.curvature(problem.shape) * force * x_rate * abs(x_rate) / (limit * limit)
+        return deformation, 0.0, edges.passage_excess(x / (x - deformation), passage.h, bend)
     sign, excess = _leave_stick(problem, passage, x)
     _, v_new = _slip_speeds(problem, passage, sign)
     # it may slip and stick again within the step
@@ -162,7 +152,7 @@ def _slip(problem, passage, sign):
     v_old, v_new = _slip_speeds(problem, passage, sign)
     if v_new >= 0.0:
         return sign * c * passage.z_new, sign
-    _, lag = last_part(v_old, v_new, (sign * passage.along - c * (passage.z_new - passage.z_old)) / h)
+    _, lag = edges.last_part(v_old, v_new, (sign * passage.along - c * (passage.z_new - passage.z_old)) / h)
     return sign * (c * passage.z_new + h * lag), 0.0
 
 
@@ -171,20 +161,20 @@ def _close(problem, passage):
     """Return (x, slip, excess of P, excess of Q) of a contact that closes."""
     c, h, shape = problem.limit_slope, passage.h, problem.shape
     r0, r1 = h * passage.z_rate_old, h * passage.z_rate_new
-    s = rising_root(passage.z_old, passage.z_new, r0, r1)
+    s = edges.rising_root(passage.z_old, passage.z_new, r0, r1)
     y0, y1 = h * passage.x_rate_old, h * passage.x_rate_new
     rate, drift = max((r0 + s * (r1 - r0)) / h, 1e-6), (y0 + s * (y1 - y0)) / h
     sign = 1.0 if drift > 0.0 else -1.0
-    first, second = contact_edge(problem, rate, passage.z_bend, h)
-    normal = edge_excess(1.0 - s, h, first * (1.0 + problem.contact_damping * rate), second, shape)
+    first, second = edges.contact_edge(problem, rate, passage.z_bend, h)
+    normal = edges.edge_excess(1.0 - s, h, first * (1.0 + problem.contact_damping * rate), second, shape)
     ratio = min(sign * drift / (c * rate), 1.0)
-    (share, steep), turn = closing_share(ratio, shape), 0.0
+    (share, steep), turn = edges.closing_share(ratio, shape), 0.0
     if ratio < 1.0:
         turn = steep * (sign * passage.x_bend / c - ratio * passage.z_bend) / rate
         turn = min(max(turn, -1.0 / h), 1.0 / h)
-    excess = edge_excess(1.0 - s, h, first * share, second * share + first * turn, shape)
+    excess = edges.edge_excess(1.0 - s, h, first * share, second * share + first * turn, shape)
     tangential = sign * problem.friction * excess
-    x, limit = passage.along - cubic(s, 0.0, passage.along, y0, y1), c * passage.z_new
+    x, limit = passage.along - edges.cubic(s, 0.0, passage.along, y0, y1), c * passage.z_new
     if ratio == 1.0:
         v_old, v_new = sign * drift - c * rate, slip_speed(sign, passage.z_rate_new, passage.x_rate_new, c)
         if v_new >= 0.0:

@@ -3,7 +3,9 @@
 In the section a transducer sends waves of amplitude c_p, and another one at a distance L (from middle to middle)
 receives c_p exp(-i k_p L).  Fingers of the lengths W_i and W_j receive B_ij,p times as much,
 
-    B_ij,p = int dk_y / 2 pi  W_i sinc(k_y W_i / 2) sinc(k_y W_j / 2) (k_p / kappa_p) exp(-i (kappa_p - k_p) L).
+    B_ij,p = int dk_y / 2 pi  W_i sinc(k_y W_i / 2) sinc(k_y W_j / 2) (k_p / kappa_p) exp(-i (kappa_p - k_p) L)
+
+where their middles lie on one line, and with cos(k_y d) in the integral where they lie d beside each other.
 
 Massless fingers scatter by their charges alone: what a transducer sends for an arriving wave is the section's answer
 less the wave that passes, and the waves of all others pass it as they pass a bare surface.  W_j B_ij,p does not change
@@ -28,6 +30,7 @@ def aperture_coupling(
     receiver: float,
     distance: float,
     mirror_width: float | None = None,
+    offset: float = 0.0,
 ) -> np.ndarray:
     """Mean over the receiving aperture of each mode's beam, over the section's wave.
 
@@ -40,20 +43,25 @@ def aperture_coupling(
     distance : float
         m.
     mirror_width : float, optional
-        Of two reflecting side faces, m.
+        Of two reflecting side faces, m; both apertures then lie in the middle.
+    offset : float
+        Across, from the middle of one aperture to that of the other, m.
 
     Returns
     -------
     ndarray, shape (modes,)
     """
     highest = float(np.sqrt((wavenumbers**2).real.max()))
-    rule = lateral_rule(highest, (sender + receiver) / 2, evanescent(highest, distance), mirror_width)
+    reach = (sender + receiver) / 2 + abs(offset)
+    rule = lateral_rule(highest, reach, evanescent(highest, distance), mirror_width)
     out = np.empty(len(wavenumbers), dtype=complex)
     for some, one, sign in ((wavenumbers.real >= 0, rule, 1), (wavenumbers.real < 0, rule.conjugate, -1)):
         k = wavenumbers[some, None]
         along = sign * np.sqrt(k**2 - one.nodes**2)
-        both = sender * np.prod(
-            [np.sinc(one.nodes * each / (2 * np.pi)) for each in (sender, receiver)], axis=0
+        both = (
+            sender
+            * np.prod([np.sinc(one.nodes * each / (2 * np.pi)) for each in (sender, receiver)], axis=0)
+            * np.cos(one.nodes * offset)
         )
         out[some] = (k / along * np.exp(-1j * (along - k) * distance)) @ (both * one.weights)
     return out
@@ -131,6 +139,7 @@ def _travel(fields: PortFields, kept: np.ndarray, mirror_width) -> np.ndarray:
                 fields.transducers[receiver].aperture,
                 abs(left + right - first - last) / 2 * unit,
                 mirror_width,
+                fields.transducers[receiver].center_y - fields.transducers[sender].center_y,
             )
             leftward = sender > receiver
             phase = (

@@ -64,8 +64,8 @@ class SurfaceBeam:
     source : LineSource or CutSource
     charges : tuple of ElectrodeCharges
         Of each transducer from left to right.
-    apertures : tuple of float
-        m.
+    apertures, centers : tuple of float
+        Sizes and middles along y, m.
     mirror_width : float or None
         m between two side faces that reflect like mirrors; None where nothing comes back from the sides.
     complete : bool
@@ -82,6 +82,7 @@ class SurfaceBeam:
     source: LineSource | CutSource = field(repr=False)
     charges: tuple[ElectrodeCharges, ...] = field(repr=False)
     apertures: tuple[float, ...]
+    centers: tuple[float, ...]
     mirror_width: float | None = None
     complete: bool = True
 
@@ -91,7 +92,7 @@ class SurfaceBeam:
         Parameters
         ----------
         x, y : float or ndarray
-            m from the stator's left end and from the middle of the apertures; broadcast against each other.  Many
+            m from the stator's left end and from its middle line; broadcast against each other.  Many
             points at few x, or on a grid, cost little more than few points.
 
         Returns
@@ -214,12 +215,16 @@ class SurfaceBeam:
         places, column = np.unique(x, return_inverse=True)
         lines, row = np.unique(y, return_inverse=True)
         total = np.zeros((2, 3, len(x)), dtype=complex)
-        reach = max(self.apertures) / 2 + abs(y).max()
+        spans = np.subtract.outer(y, self.centers)
+        reach = float((abs(spans) + np.divide(self.apertures, 2)).max())
         for branch in self.source.branches(reach, distance, self._resolved, self.mirror_width):
             lateral, weights = branch.rule.nodes, branch.rule.weights / 2
-            spectra = [each * np.sinc(lateral * each / (2 * np.pi)) for each in self.apertures]
-            sent = _sent(self._nodes, branch, places, spectra)
+            uniform = [each * np.sinc(lateral * each / (2 * np.pi)) for each in self.apertures]
+            sent = None
             for sign, factors in branch.signs:
+                if sent is None or any(self.centers):
+                    turns = np.exp(1j * sign * np.outer(self.centers, lateral))
+                    sent = _sent(self._nodes, branch, places, uniform * turns)
                 phases = np.exp(-1j * sign * np.outer(lateral, lines))
                 for coarse, step in ((0, 1), (1, 1 if self.mirror_width is not None else 2)):
                     weighted = factors[:, None] * sent[..., ::step] * (step * weights[::step])
@@ -238,7 +243,8 @@ class SurfaceBeam:
         places, column = np.unique(x, return_inverse=True)
         nodes = self._section_nodes
         nearest = nodes.owner[abs(places[:, None] - nodes.x).argmin(axis=1)]
-        within = abs(y) < np.divide(self.apertures, 2)[nearest[column]]
+        owner = nearest[column]
+        within = abs(y - np.array(self.centers)[owner]) < np.divide(self.apertures, 2)[owner]
         return np.insert(self._beyond_the_modes(places), 1, 0.0, axis=0)[:, column] * within
 
     def _spread_alike(self, x, normal) -> np.ndarray:
@@ -280,12 +286,12 @@ class SurfaceBeam:
         out = np.zeros((3, len(x)), dtype=complex)
         if self.source.static == 0:
             return out
-        for charges, aperture in zip(self.charges, self.apertures, strict=True):
+        for charges, aperture, center in zip(self.charges, self.apertures, self.centers, strict=True):
             nodes, charge = charges.pairs
             for start in range(0, len(x), CHUNK):
                 some = slice(start, start + CHUNK)
                 distance = np.subtract.outer(x[some], nodes)
-                above, below = (aperture / 2 + sign * y[some, None] for sign in (1, -1))
+                above, below = (aperture / 2 + sign * (y[some, None] - center) for sign in (1, -1))
                 inward = np.arctan2(above, abs(distance)) + np.arctan2(below, abs(distance))
                 sideways = 0.5 * np.log((distance**2 + above**2) / (distance**2 + below**2))
                 out[0, some] += (np.sign(distance) * inward) @ charge
@@ -376,14 +382,27 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
             f"mirror_width must be at least the largest aperture, {max(apertures):g} m, got {mirror_width!r}"
         )
     isotropic = isotropic_about_normal(solution.fields.stator.solid)
+    centers = tuple(each.center_y for each in solution.fields.transducers)
+    if any(centers) and (mirror_width is not None or not isotropic):
+        raise BeamError(
+            "transducers beside the middle line need a solid isotropic about z and absorbing sides"
+        )
     fields = with_apertures(solution.fields, mirror_width)
     if fields is not solution.fields:
         solution = driven_solution(fields, solution.circuit.drive)
+    return aperture_beam(wave, solution, mirror_width)
+
+
+def aperture_beam(wave: SurfaceWave, solution: Solution, mirror_width: float | None = None) -> SurfaceBeam:
+    """Field of the charges of a solution, whose circuit may be part of a larger one."""
+    transducers = solution.fields.transducers
+    isotropic = isotropic_about_normal(solution.fields.stator.solid)
     return SurfaceBeam(
         wave=wave,
         solution=solution,
         source=line_source(solution.fields.modes) if isotropic else cut_source(solution.fields),
         charges=_charges_of(solution),
-        apertures=apertures,
+        apertures=tuple(each.aperture for each in transducers),
+        centers=tuple(each.center_y for each in transducers),
         mirror_width=mirror_width,
     )

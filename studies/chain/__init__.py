@@ -17,7 +17,7 @@ from studies.chain.neglected import diffraction_left_out, driven_left_out, free_
 from studies.chain.points import SliderAnswer, slider_answer
 from studies.chain.ring_up import ring_up, ring_up_left_out
 from studies.chain.source_powers import powers, recovered, recovery_left_out, with_available_power
-from studies.chain.surface_motion import SurfaceMotion, surface_motion
+from studies.chain.surface_motion import SurfaceMotion, driven_motion
 from studies.chain.warnings import warnings_of
 from studies.record import Record
 from studies.refusal import RunError, SceneError
@@ -146,14 +146,11 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
 
     def solved(goal: float) -> SurfaceMotion:
         try:
-            across = dict.fromkeys(x for x, _ in places)
-            wave = bridge.driven_section(scene, tolerance=goal, places=across, progress=say)
+            return driven_motion(scene, places, tolerance=goal, progress=say)
         except fem.ConvergenceError as error:
             if error.reached is None:
                 raise RunError(str(error)) from None
-            wave = error.reached  # it is recorded with its error, which says whether it is good enough
-        try:
-            return surface_motion(wave, scene.stator, places, slider=slider is not None)
+            return error.reached  # it is recorded with its error, which says whether it is good enough
         except fem.BeamError as error:
             scene.refuse("stator.diffraction", f"must be false or absent: {error}")
 
@@ -170,7 +167,7 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
     if slider is None:
         blocks = _amplitude_blocks(scene, motion, place, tolerance)
     else:
-        ringing = _ring_up(scene, motion.wave, place[0], say)
+        ringing = _ring_up(scene, motion, place, say)
         answer = answered()
         for _ in range(ROUNDS - 1):
             before = motion.wave.relative_error
@@ -234,11 +231,10 @@ def _several_sources(circuit) -> dict:
     return {"sources": ports}
 
 
-def _ring_up(scene: Scene, wave, place: float, say):
+def _ring_up(scene: Scene, motion: SurfaceMotion, place: tuple[float, float], say):
     """Return the ring-up of a burst under the slider, or None where there is none to follow."""
-    if scene.burst is None or wave.covered(place):
+    if scene.burst is None or motion.covered(place):
         return None
-
     return ring_up(scene, place, progress=say)
 
 
@@ -327,9 +323,9 @@ def _wave_block(scene: Scene, motion: SurfaceMotion, place: tuple[float, float])
     if motion.beam is not None:
         block["lateral_m_per_V"] = complex(lateral)
         block["largest_lateral_ratio"] = float((abs(found[1]) / abs(found[0])).max())
-        in_section = map(complex, wave.motion(place[0]))
+        in_section = map(complex, wave.motion(motion.in_section(place)))
         block |= zip(("section_tangential_m_per_V", "section_normal_m_per_V"), in_section, strict=True)
-    if not wave.covered(place[0]):
+    if not motion.covered(place):
         block["rayleigh_normal_m_per_V"] = motion.surface_mode_at(place)
     return block | {
         "standing_wave_ratio": motion.standing_wave_ratio(place),

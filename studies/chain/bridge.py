@@ -20,7 +20,7 @@ def driven_section(scene: Scene, *, tolerance: float, places=(), progress=None):
 
     return fem.driven_wave(
         resolved.stator(scene.stator),
-        resolved.transducers(scene),
+        resolved.section_row(scene),
         frequency=scene.frequency,
         drive=resolved.drive(scene),
         tolerance=tolerance,

@@ -75,7 +75,7 @@ def _places(record: Record) -> list[tuple[float, float]]:
 def _aperture(record: Record) -> Iterator[NeglectedEffect]:
     """Yield what the finite aperture or, where it counts, the side faces do to u_z: the worst over the contacts."""
     motion, places = record.surface_motion, _places(record)
-    if any(motion.wave.covered(x) for x, _ in places):
+    if any(motion.covered(place) for place in places):
         return
     if motion.beam is None:
         yield NeglectedEffect(
@@ -84,6 +84,9 @@ def _aperture(record: Record) -> Iterator[NeglectedEffect]:
             size=max((fresnel_ratio(record, *place) - 1 for place in places), key=abs),
             source="Fresnel's integral of the driven aperture",
         )
+        return
+    if record.scene.crossed:
+        yield from _crossed(record, places)
         return
     block = record.scene.stator
     other = replace(motion.beam, mirror_width=None if block.mirror_width else block.width)
@@ -109,11 +112,33 @@ def _aperture(record: Record) -> Iterator[NeglectedEffect]:
     )
 
 
+def _crossed(record: Record, places) -> Iterator[NeglectedEffect]:
+    """Yield what is left out where beams cross: images in the side faces, and metal in one another's way."""
+    import fem
+
+    beam, (x, y) = record.surface_motion.beam, zip(*places, strict=True)
+    here = abs(beam.motion(x, y)[2])
+    yield NeglectedEffect(
+        effect="side faces",
+        quantity="u_z",
+        size=float((beam.first_images(x, y) / here).max()),
+        source="first images of the beams in both side faces, as if these reflected everything and in phase",
+    )
+    solid = resolved.solid(record.scene.stator)
+    bare, metal = (fem.rayleigh(solid, surface).velocity for surface in ("open", "metallised"))
+    yield NeglectedEffect(
+        effect="metal of the transducers in the way of crossing beams",
+        quantity="u_z",
+        size=float(beam.shadowed(1 - metal / bare) / here.min()),
+        source="phase that a beam gains along the fingers it crosses, by the velocities with and without metal",
+    )
+
+
 def fresnel_ratio(record: Record, x: float, y: float = 0.0) -> float:
     """Return `slit_ratio` of the driven transducer at a place: m from the stator's left end, and from its axis."""
     driven = record.scene.driven_transducer
     wavelength = record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
-    return slit_ratio(driven.aperture, wavelength, abs(x - driven.center), y)
+    return slit_ratio(driven.aperture, wavelength, abs(x - driven.place[0]), y)
 
 
 def slit_ratio(aperture: float, wavelength: float, distance: float, lateral: float = 0.0) -> float:
@@ -168,16 +193,23 @@ def _amplitude_per_power(record: Record) -> float | None:
 
     P is half of the power taken in, u_z the surface mode's half a wavelength beside the driven fingers.
     """
-    driven = resolved.driven(record.scene)
+    scene = record.scene
+    driven = resolved.driven(scene)
+    if scene.crossed:  # in the section's own axes
+        driven = next(
+            each
+            for each in record.surface_motion.beam.rows[0].transducers
+            if scene.drive.driven.get(each.name)
+        )
     wavelength = record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
     left, right = driven.extent
     beside = (
-        right + wavelength / 2 if driven.center < record.scene.stator.length / 2 else left - wavelength / 2
+        right + wavelength / 2 if driven.center < record.surface_wave.length / 2 else left - wavelength / 2
     )
     wave, power = record.surface_wave, record.electrical["power_W_per_V2"]
     within = 0 <= beside <= wave.length and not wave.covered(beside)
     several = "sources" in record.electrical
-    if several or record.scene.stator.ends != "absorbing" or not within or not power > 0:
+    if several or scene.stator.ends != "absorbing" or not within or not power > 0:
         return None
     per_width = power / 2 / driven.aperture
     return float(abs(wave.rayleigh_motion(beside)[1])) / math.sqrt(per_width / record.wave["frequency_Hz"])

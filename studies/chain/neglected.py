@@ -38,6 +38,8 @@ def _of_the_section(scene: Scene) -> tuple[str, ...]:
     ]
     if scene.burst is not None and scene.slider is not None:
         reasons.append("diffraction in the shape of the burst's ring-up: that of the plane section")
+    if scene.crossed:
+        reasons.append("what the metal of a transducer scatters of a beam that crosses its own line")
     if len(scene.transducer) > 1 and not fem.isotropic_about_normal(resolved.solid(scene.stator)):
         reasons.append("spreading between the transducers: in this cut they receive as in the plane section")
     return tuple(reasons)

@@ -39,13 +39,14 @@ class RingUp:
         return f"{self.found.settling * 1e6:.4g} us to within 1 % of the steady motion"
 
 
-def ring_up(scene: Scene, place: float, *, progress: Callable[[str], None]) -> RingUp:
-    """Return the ring-up at a place (m) of a scene with transducers, a burst and a frequency in Hz."""
+def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str], None]) -> RingUp:
+    """Return the ring-up at a place (x, y) in m of a scene with transducers, a burst and a frequency in Hz."""
     import numpy as np
 
     import fem
     from contact import Envelope
 
+    scene, place = resolved.first_row(scene, place)
     driven = scene.driven_transducer
     half = min(LOBES / driven.finger_pairs, WIDEST) * scene.frequency
     prepared = response(

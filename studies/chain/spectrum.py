@@ -111,7 +111,7 @@ def response(
     """
     import fem
 
-    block, transducers = resolved.stator(scene.stator), resolved.transducers(scene)
+    block, transducers = resolved.stator(scene.stator), resolved.section_row(scene)
     common = {"drive": resolved.drive(scene), "tolerance": tolerance, "places": tuple(places)}
 
     def alone(frequency: float):
@@ -161,7 +161,7 @@ def port_admittances(scene: Scene, frequencies, tolerance: float, progress: Call
 
     import fem
 
-    block, row = resolved.stator(scene.stator), resolved.transducers(scene)
+    block, row = resolved.stator(scene.stator), resolved.section_row(scene)
     span = frequencies[-1] / frequencies[0]
     count = max(1, math.ceil(math.log(span) / math.log(WIDEST)))
     edges = np.searchsorted(frequencies, frequencies[0] * span ** (np.arange(1, count) / count))

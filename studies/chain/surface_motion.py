@@ -2,7 +2,8 @@
 
 The section knows x alone.  The beam (`fem.surface_beam`) spreads the section's charges over the aperture, so that the
 amplitude depends on x and y and a motion u_y arises beside the axis.  `surface_motion` decides which of the two stands
-for a scene: every answer that needs an orbit takes it from there.
+for a scene: every answer that needs an orbit takes it from there.  Turned transducers have a section for each row of
+them (`fem.crossed_beam`); the section of the motion is then that of the driven row whose waves run nearest to x.
 """
 
 from dataclasses import dataclass, field
@@ -10,7 +11,7 @@ from dataclasses import dataclass, field
 from studies.scene import resolved
 from studies.scene.blocks import Stator
 
-__all__ = ["SurfaceMotion", "surface_motion", "wanted_diffraction"]
+__all__ = ["SurfaceMotion", "crossed_motion", "driven_motion", "surface_motion", "wanted_diffraction"]
 
 PER_WAVELENGTH = (
     24  # places where the beam's standing wave is looked at; a minimum between them is missed by 1 %
@@ -25,7 +26,7 @@ class SurfaceMotion:
     ----------
     wave : fem.SurfaceWave
         Of the section.
-    beam : fem.SurfaceBeam or None
+    beam : fem.SurfaceBeam, fem.CrossedBeam or None
         Of the finite aperture; None where the section stands for it.
     reason : str
         Why it cannot be computed; empty where it is, or is not wanted.
@@ -69,8 +70,17 @@ class SurfaceMotion:
         import numpy as np
 
         here = self.at(places)[[0, 2]]
-        there = self.wave.motion(np.array([x for x, _ in places]))
+        there = self.wave.motion(np.array([self.in_section(place) for place in places]))
         return float((abs(here - there).max(axis=0) / abs(here).max(axis=0)).max())
+
+    def in_section(self, place: tuple[float, float]) -> float:
+        """Return where a place (x, y) lies on the line of the section, m."""
+        rows = getattr(self.beam, "rows", ())
+        return float(rows[0].local(*place)[0]) if rows else place[0]
+
+    def covered(self, place: tuple[float, float]) -> bool:
+        """Whether a place lies under a transducer of the section."""
+        return self.wave.covered(self.in_section(place))
 
     def _known_at(self, places) -> list:
         """Return motion and error at each place; those that are new are computed together."""
@@ -104,9 +114,72 @@ class SurfaceMotion:
         if self.beam is None:
             return self.wave.standing_wave_ratio(x)
         reach = self.wave.phase_velocity / self.wave.frequency * np.linspace(-1, 1, 2 * PER_WAVELENGTH + 1)
-        along = x + reach[(x + reach >= 0) & (x + reach <= self.wave.length)]
+        length = getattr(self.beam, "length", self.wave.length)
+        along = x + reach[(x + reach >= 0) & (x + reach <= length)]
         size = abs(self.beam.motion(along, y)[2])
         return float(size.max() / size.min())
+
+
+def driven_motion(
+    scene, places, *, tolerance: float, progress=None, slider: bool | None = None
+) -> SurfaceMotion:
+    """Return the motion of a driven scene, its section solved to a tolerance at places (x, y) in m.
+
+    ``slider`` says whether one is to be driven, where the scene does not.
+
+    Raises
+    ------
+    fem.BeamError
+        If the scene asks for a finite aperture that cannot be computed.
+    fem.ConvergenceError
+        If a section misses its tolerance; ``reached`` is the motion with the error that it has.
+    """
+    import fem
+
+    short, slider = [], scene.slider is not None if slider is None else slider
+
+    def solve(stator, row, drive, at):
+        try:
+            return fem.driven_wave(
+                stator,
+                row,
+                frequency=scene.frequency,
+                drive=drive,
+                tolerance=tolerance,
+                places=at,
+                progress=progress,
+            )
+        except fem.ConvergenceError as error:
+            if error.reached is None:
+                raise
+            short.append(error)
+            return error.reached
+
+    if scene.crossed:
+        found = crossed_motion(scene, places, solve)
+    else:
+        whole = resolved.stator(scene.stator), resolved.transducers(scene), resolved.drive(scene)
+        wave = solve(*whole, tuple(dict.fromkeys(x for x, _ in places)))
+        found = surface_motion(wave, scene.stator, places, slider=slider)
+    if short:
+        raise fem.ConvergenceError(str(short[0]), reached=found)
+    return found
+
+
+def crossed_motion(scene, places, solve) -> SurfaceMotion:
+    """Return the motion of a scene with turned transducers; ``solve`` as of `fem.crossed_beam`."""
+    import fem
+
+    beam = fem.crossed_beam(
+        resolved.stator(scene.stator),
+        resolved.transducers(scene),
+        width=scene.stator.width,
+        frequency=scene.frequency,
+        drive=resolved.drive(scene),
+        solve=solve,
+        places=tuple(places),
+    )
+    return SurfaceMotion(wave=beam.wave, beam=beam)
 
 
 def surface_motion(wave, block: Stator, places, *, slider: bool = True) -> SurfaceMotion:

@@ -43,7 +43,9 @@ def scene_warnings(scene: Scene) -> Iterator[str]:
         return
     for each in scene.transducer:
         half = each.finger_pairs * each.period / 2 if isinstance(each.period, float) else 0.0
-        if slider.position is not None and abs(slider.center[0] - each.center) < half:
+        if slider.position is None or each.turned:
+            continue
+        if abs(slider.center[0] - each.place[0]) < half:
             yield f"the slider lies over the fingers of transducer {each.name}: its balls would rub on the metal"
     if isinstance(slider.contacts, int) and slider.contacts > 1:
         yield (
@@ -56,9 +58,11 @@ def _sideways(record: Record) -> Iterator[str]:
     """Yield a warning where the surface moves a ball sideways, which the contact leaves out."""
     ratio = record.wave.get("largest_lateral_ratio", 0.0)
     if ratio > SIDEWAYS:
+        crossed = record.scene.crossed
+        remedy = "drive less across" if crossed else "keep the balls nearer to the middle of the beam"
         yield (
             f"the surface moves sideways under a ball, |u_y/u_x| = {ratio:.2g}, but the contact follows it along "
-            "x alone: keep the balls nearer to the middle of the beam"
+            f"x alone: {remedy}"
         )
 
 

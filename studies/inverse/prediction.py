@@ -14,7 +14,7 @@ import numpy as np
 
 from studies.chain import bridge
 from studies.chain.driven_contact import DrivenContact, given_contact
-from studies.chain.surface_motion import surface_motion
+from studies.chain.surface_motion import driven_motion
 from studies.inverse.data import Measurement
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
 from studies.refusal import RunError, SceneError
@@ -132,10 +132,7 @@ class Predictor:
 
         places = tuple(dict.fromkeys((scene.slider.center, *scene.slider.places)))
         try:
-            wave = bridge.driven_section(
-                scene, tolerance=SHARE * self.tolerance, places=[x for x, _ in places]
-            )
-            motion = surface_motion(wave, scene.stator, places)
+            motion = driven_motion(scene, places, tolerance=SHARE * self.tolerance)
         except fem.BeamError as error:
             scene.refuse("stator.diffraction", f"must be false or absent: {error}")
         except fem.ConvergenceError as error:

@@ -183,7 +183,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[Part], list[str], floa
         parts.append(Part(name="beam", facts=(how,)))
     left_out += diffraction_left_out(scene, spreads, refusal)
     if scene.slider is not None and scene.burst is not None:
-        rings = not any(abs(scene.slider.center[0] - each.center) <= each.finger_pairs * each.period / 2
+        rings = not any(abs(scene.slider.center[0] - each.place[0]) <= each.finger_pairs * each.period / 2
                         for each in scene.transducer)  # fmt: skip
         if rings:
             bands += 1

@@ -317,8 +317,10 @@ def surface(record: Record, ax):
     )
     ax.plot(x, abs(columns["u_x_m_per_V"]) * 1e9, color=COLOURS["intermittent"], linewidth=0.8, label="|u_x|")
     for transducer in record.scene.transducer:
-        half = transducer.finger_pairs * transducer.period / 2
-        ends = (transducer.center - half) * 1e3, (transducer.center + half) * 1e3
+        if transducer.angle % 180:
+            continue  # not in the section
+        half, center = transducer.finger_pairs * transducer.period / 2, transducer.place[0]
+        ends = (center - half) * 1e3, (center + half) * 1e3
         ax.axvspan(*ends, color=COLOURS["stick"], alpha=0.25, linewidth=0)
     if record.scene.slider is not None:
         ax.axvline(record.scene.slider.center[0] * 1e3, color=COLOURS["line"], linestyle=":", label="slider")

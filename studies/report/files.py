@@ -51,7 +51,7 @@ def write_run(record: Record, folder: Path, *, field: bool) -> None:
         if record.surface_motion.beam is not None:
             from studies.report.surface_map import write_surface_map
 
-            write_surface_map(record.surface_motion.beam, record.scene.stator.width, folder)
+            write_surface_map(record.surface_motion.beam, record.scene.stator, folder)
 
 
 def write_columns(path: Path, columns: dict) -> None:

@@ -99,7 +99,7 @@ def _way(record: Record, point: dict) -> str:
     )
     if driven is None:
         return f"towards {towards}"
-    to = (driven.center - record.scene.slider.center[0]) * point["velocity_m_per_s"] > 0
+    to = (driven.place[0] - record.scene.slider.center[0]) * point["velocity_m_per_s"] > 0
     return f"{'towards' if to else 'away from'} the driven transducer ({towards})"
 
 

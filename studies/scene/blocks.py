@@ -188,7 +188,11 @@ class Transducer(Block):
 
     block: ClassVar[str] = "transducer"
     name: Annotated[str, Text(), "Name by which the drive refers to it."]
-    center: Annotated[float, Quantity("m"), "Middle of its fingers, from the stator's left end."]
+    center: Annotated[
+        float | tuple[float, float],
+        Place(Quantity("m")),
+        "Middle of its fingers, from the stator's left end, or [x, y], y from the stator's middle line.",
+    ]
     finger_pairs: Annotated[int, Count(100_000), "Number of periods: 10 pairs are 20 fingers."]
     period: Annotated[
         float | str,
@@ -215,6 +219,12 @@ class Transducer(Block):
         "One sign per finger, from left to right: + and - the combs, 0 left out, o an open strip. Absent: + - + - ...",
     ] = None
     split: Annotated[bool, Flag(), "true: four fingers per period, + + - -, instead of two."] = False
+    angle: Annotated[
+        float,
+        Quantity("deg", negative=True),
+        "By which it is turned about the surface normal, from x towards y. Turned transducers, and those beside the "
+        "middle line, need a solid isotropic about z, absorbing ends and sides, and diffraction.",
+    ] = 0.0
 
     def contradictions(self, unread):
         """Keep fingers and gaps of some width, one sign per finger, and at least one finger."""
@@ -229,6 +239,16 @@ class Transducer(Block):
             yield self.refusal("pattern", f"{rule}, got {len(self.pattern)}: {shown(self.pattern)}")
         if set(self.pattern) == {"0"}:
             yield self.refusal("pattern", f"must leave at least one finger, got {shown(self.pattern)}")
+
+    @property
+    def place(self) -> tuple[float, float]:
+        """Its middle (x, y) on the stator, m."""
+        return as_pair(self.center)
+
+    @property
+    def turned(self) -> bool:
+        """Whether its waves run along another line than the stator's middle."""
+        return self.angle % 360 != 0 or self.place[1] != 0
 
     @property
     def fingers(self) -> int:

@@ -31,6 +31,7 @@ DIMENSIONS = {
     "s/m": ("a damping per velocity", "0.1 s/m"),
     "N s/m": ("a viscous damping", "1 mN s/m"),
     "kg/m^3": ("a density", "7.6 g/cm^3"),
+    "deg": ("an angle", "90 deg"),
     "": ("a plain number", ""),
 }
 
@@ -51,6 +52,7 @@ POWERS: dict[str, dict[str, int]] = {
     "s/m": {"s/m": 0},
     "N s/m": {"N s/m": 0, "mN s/m": -3, "N*s/m": 0},
     "kg/m^3": {"kg/m^3": 0, "g/cm^3": 3},
+    "deg": {"deg": 0},
 }
 
 CONFUSED = {  # prefixes that differ by their case alone, 10^9 apart: no motor has the left one

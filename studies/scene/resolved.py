@@ -25,9 +25,11 @@ MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 o
 __all__ = [
     "default_refusal",
     "diffracts",
+    "first_row",
     "port_admittance",
     "resolved",
     "resolved_slider",
+    "section_row",
     "solid",
     "stator",
     "tolerances",
@@ -47,6 +49,8 @@ def resolved(scene: Scene) -> Scene:
         if scene.transducer:
             scene = _with_source_numbers(scene)
         _check_layout(scene)
+        if scene.crossed:
+            scene = replace(scene, stator=replace(scene.stator, diffraction=True))
         if scene.transducer:
             scene = _with_circuit(scene)
     if scene.slider is None:
@@ -152,6 +156,37 @@ def transducers(scene: Scene) -> tuple:
         return tuple(_transducer(block, block.period) for block in scene.transducer)
 
 
+def section_row(scene: Scene) -> tuple:
+    """Return `transducers` for what knows a single section along x; a SceneError where they have other lines."""
+    if scene.crossed:
+        rule = "must all have the angle 0 and y = 0 here: this answer is that of one section along x"
+        raise SceneError("transducer", f"{rule}; sawmotor run, sweep and view take turned ones")
+    return transducers(scene)
+
+
+def first_row(scene: Scene, place: tuple[float, float]) -> tuple[Scene, float]:
+    """Return the scene of the section that a turned scene's answers refer to, and where in it a place lies, m."""
+    import fem
+
+    if not scene.crossed:
+        return scene, place[0]
+    row = fem.rows_of(stator(scene.stator), scene.stator.width, transducers(scene), drive(scene))[0]
+    blocks, given = {each.name: each for each in scene.transducer}, scene.drive
+    alone = tuple(
+        replace(blocks[each.name], center=each.center, angle=0.0, pattern=each.pattern)
+        for each in row.transducers
+    )
+    sources = tuple(
+        (name, size) for name, size in given.driven.items() if name in [each.name for each in alone]
+    )
+    return replace(
+        scene,
+        stator=replace(scene.stator, length=row.stator.length),
+        transducer=alone,
+        drive=replace(given, sources=sources) if given.sources is not None else given,
+    ), float(row.local(*place)[0])
+
+
 def driven(scene: Scene):
     """Return the ``fem.Transducer`` that is driven; of several the first."""
     return next(each for each in transducers(scene) if each.name == scene.drive.transducer)
@@ -162,7 +197,9 @@ def _transducer(block: Transducer, period: float):
 
     return fem.Transducer(
         name=block.name,
-        center=block.center,
+        center=block.place[0],
+        center_y=block.place[1],
+        angle=math.radians(block.angle % 360),
         finger_pairs=block.finger_pairs,
         period=period,
         metallisation=block.metallisation,
@@ -171,6 +208,11 @@ def _transducer(block: Transducer, period: float):
         pattern=block.pattern,
         split=block.split,
     )
+
+
+def _alone(block: Transducer, period: float):
+    """Return the ``fem.Transducer`` of a block in the axes of its waves."""
+    return _transducer(replace(block, center=block.place[0], angle=0.0), period)
 
 
 def drive(scene: Scene):
@@ -220,7 +262,7 @@ def port_admittance(scene: Scene, frequency, tolerance: float):
 
     return fem.port_admittance(
         stator(scene.stator),
-        transducers(scene),
+        section_row(scene),
         frequency=frequency,
         tolerance=tolerance,
         finite_apertures=diffracts(scene),
@@ -288,14 +330,14 @@ def _with_source_numbers(scene: Scene) -> Scene:
     with _refused("drive.frequency"):
         if scene.frequency == "center":
             driven = scene.driven_transducer
-            frequency = fem.best_frequency(block, _transducer(driven, driven.period))
+            frequency = fem.best_frequency(block, _alone(driven, driven.period))
             return replace(scene, drive=replace(scene.drive, frequency=frequency))
 
     def with_period(each: Transducer) -> Transducer:
         if not isinstance(each.period, str):
             return each
         if each.period == "auto" and each.has_two_combs:
-            found = fem.best_period(block, _transducer(each, 1.0), scene.frequency)
+            found = fem.best_period(block, _alone(each, 1.0), scene.frequency)
         else:
             bulk = replace(scene.stator, thickness="half-space")
             found = _half_space_period(bulk, scene.frequency, each.metallisation)
@@ -315,9 +357,24 @@ def _half_space_period(block: Stator, frequency: float, metallisation: float) ->
 def _check_layout(scene: Scene) -> None:
     import fem
 
-    block = stator(scene.stator)
+    block, row = stator(scene.stator), transducers(scene)
     with _refused("transducer"):
-        fem.check_layout(block, transducers(scene))
+        if not scene.crossed:
+            fem.check_layout(block, row)
+            return
+        fem.check_plan(block, scene.stator.width, row)
+    if not fem.isotropic_about_normal(block.solid):
+        rule = (
+            "may be turned, or stand beside the middle line, in solids isotropic about z alone; this cut of"
+        )
+        raise SceneError("transducer", f"{rule} {block.solid.name} is none")
+    for place in () if scene.slider is None else scene.slider.places:
+        for each, given in zip(row, scene.transducer, strict=True):
+            if given.turned and fem.covers(each, place):
+                where = f"({place[0]:g}, {place[1]:g}) m"
+                raise SceneError(
+                    "slider.position", f"must keep the contacts off {each.name!r}, got one at {where}"
+                )
 
 
 def _losses(block, *names: str) -> dict[str, float]:

@@ -1,5 +1,6 @@
 """The whole scene: its blocks, and what they must not say together."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -14,6 +15,8 @@ from studies.scene.rule import Text
 from studies.scene.uncertain import Uncertain, parted
 
 __all__ = ["Scene"]
+
+ALONG = 0.7  # cosine of the angle from x up to which a driven transducer may stand alone
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,8 +136,14 @@ class Scene(Block):
                 yield from self._of_drive()
             if "transducer" not in unread:
                 yield from self._of_transducers()
+                yield from self._of_turned(unread)
             if "slider" not in unread and self.slider is not None:
                 yield from self._of_slider(unread)
+
+    @property
+    def crossed(self) -> bool:
+        """Whether a transducer is turned or stands beside the middle line."""
+        return any(each.turned for each in self.transducer)
 
     @property
     def levels(self) -> tuple[float, ...]:
@@ -224,6 +233,32 @@ class Scene(Block):
                 )
                 yield self.refusal(f"transducer.{index}.period", rule)
 
+    def _of_turned(self, unread) -> Iterator[SceneError]:
+        """Refuse turned transducers where their waves do not spread, or drive the slider across."""
+        if not self.crossed:
+            return
+        what = "where a transducer is turned or stands beside the middle line"
+        for key, allowed in (("ends", "absorbing"), ("sides", "absorbing")):
+            if getattr(self.stator, key) != allowed:
+                got = shown(getattr(self.stator, key))
+                yield self.refusal(f"stator.{key}", f"must be {allowed} {what}, got {got}")
+        if self.stator.diffraction is False:
+            yield self.refusal(
+                "stator.diffraction", f"must be true or absent {what}: a plane section has no y"
+            )
+        for index, transducer in enumerate(self.transducer):
+            if not transducer.has_two_combs:
+                rule = f"must have + and - fingers {what}, got {shown(transducer.pattern)}"
+                yield self.refusal(f"transducer.{index}.pattern", rule)
+        if self.slider is None or {"slider", "drive"} & unread or self.drive is None:
+            return
+        driven = [each for each in self.transducer if self.drive.driven.get(each.name)]
+        if driven and all(abs(math.cos(math.radians(each.angle))) < ALONG for each in driven):
+            names = ", ".join(f"{each.name!r} at {each.angle:g} deg" for each in driven)
+            rule = "must drive a transducer within 45 deg of x: the contact is one-dimensional, and the slider would"
+            key = "transducer" if self.drive.sources is None else "sources"
+            yield self.refusal(f"drive.{key}", f"{rule} be moved across by {names}")
+
     def _of_recovery(self, names) -> Iterator[SceneError]:
         recovery, key = self.drive.recovery, "drive.recovery.receiver"
         if recovery is None:
@@ -252,13 +287,16 @@ class Scene(Block):
             if transducer.aperture > self.stator.width:
                 rule = f"must be at most stator.width, {self.stator.width:g} m, got {transducer.aperture:g} m"
                 yield self.refusal(f"{at}.aperture", rule)
+            if transducer.turned:
+                continue  # seen from above: studies/scene/resolved.py
             known = 0.0 if isinstance(transducer.period, str) else transducer.period
             gap = (1 - transducer.metallisation) * transducer.finger_pairs / transducer.fingers
             half = known * (transducer.finger_pairs - gap) / 2
-            left, right = transducer.center - half, transducer.center + half
+            center = transducer.place[0]
+            left, right = center - half, center + half
             if left <= 0 or right >= self.stator.length:
                 rule = f"must keep the fingers on the stator, 0 to {self.stator.length:g} m, got"
-                where = f"{transducer.center:g} m with fingers from {left:g} to {right:g} m"
+                where = f"{center:g} m with fingers from {left:g} to {right:g} m"
                 yield self.refusal(f"{at}.center", f"{rule} {where}")
             placed.append((left, right, transducer.name))
         for (_, end, first), (start, _, second) in pairwise(sorted(placed)):

@@ -46,7 +46,7 @@ def run(
     progress(f"stator: {count} frequencies")
     found = spectrum(chosen, prepared, at, place)
     surface = found.normal if np.isnan(found.rayleigh_normal).any() else found.rayleigh_normal
-    way = abs(place - driven.center)
+    way = abs(place - driven.place[0])
     free = fem.free_wave(resolved.stator(chosen.stator), frequency=float(np.median(at)), tolerance=1e-4)
     theory = passband.expected(chosen).normal(at) * np.exp(-free.attenuation * way)
     delay = passband.group_delay(at, surface, way / free.velocity)

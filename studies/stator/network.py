@@ -79,7 +79,7 @@ def run(
         Panel(name="magnitude", title=f"{chosen.title}: S-parameters, {reference:g} ohm", data=shared),
     ]
     if len(names) > 1:
-        first, second = (each.center for each in chosen.transducer if each.name in names[:2])
+        first, second = (each.place[0] for each in chosen.transducer if each.name in names[:2])
         velocity = fem.rayleigh(resolved.solid(chosen.stator), "open").velocity
         delay = passband.group_delay(at, scattering[:, 1, 0], abs(second - first) / velocity)
         title = f"{chosen.title}: {names[0]} to {names[1]}"

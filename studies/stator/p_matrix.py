@@ -44,7 +44,7 @@ def run(
 
     chosen = passband.driven_scene(scene)
     block = resolved.stator(chosen.stator)
-    row = tuple(sorted(resolved.transducers(chosen), key=lambda each: each.center))
+    row = tuple(sorted(resolved.section_row(chosen), key=lambda each: each.center))
     if len({each.aperture for each in row}) > 1:
         chosen.refuse("transducer", "must have equal apertures for this study: their waves are one beam")
     ports = [k for k, each in enumerate(row) if {"+", "-"} <= set(each.signs)]

@@ -12,13 +12,13 @@ from functools import lru_cache
 
 from studies.chain import bridge
 from studies.chain.points import slider_answer
-from studies.chain.surface_motion import surface_motion
+from studies.chain.surface_motion import driven_motion
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.sweep.design import Question
 from studies.sweep.outcomes import Driven, also_asked, electrical
 from studies.sweep.source import Source, reason
-from studies.sweep.source_solver import SHARE, STEPS, keep_to, section_alone, variation
+from studies.sweep.source_solver import SHARE, STEPS, keep_to, variation
 
 __all__ = ["solved_points"]
 
@@ -203,7 +203,7 @@ def _ringing(driven: Driven):
     if source.covered[source.index(scene.slider.center)]:
         return None
     plain = replace(scene, slider=None, title="", drive=replace(scene.drive, voltage=(1.0,)))
-    return _ring_up(plain, scene.slider.center[0])
+    return _ring_up(plain, scene.slider.center)
 
 
 def _along(question, driven: Driven):
@@ -217,11 +217,16 @@ def _along(question, driven: Driven):
 
 @lru_cache(4)  # the same for every slider and voltage
 def _motion(scene: Scene, place: tuple[float, float], tolerance: float):
-    return surface_motion(section_alone(scene, (place[0],), tolerance), scene.stator, (place,))
+    import fem
+
+    try:
+        return driven_motion(scene, (place,), tolerance=tolerance, slider=True)
+    except fem.ConvergenceError as error:
+        raise RunError(str(error)) from None
 
 
 @lru_cache(8)  # the same for every slider and voltage
-def _ring_up(scene: Scene, place: float):
+def _ring_up(scene: Scene, place: tuple[float, float]):
     from studies.chain.ring_up import ring_up
 
     return ring_up(scene, place, progress=lambda text: None)

@@ -12,8 +12,7 @@ import time
 from dataclasses import asdict
 from functools import lru_cache
 
-from studies.chain import bridge
-from studies.chain.surface_motion import SurfaceMotion, surface_motion, wanted_diffraction
+from studies.chain.surface_motion import SurfaceMotion, driven_motion, surface_motion, wanted_diffraction
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene, resolved
 from studies.scene.blocks import Stator
@@ -21,7 +20,7 @@ from studies.sweep.design import Question, contact_places
 from studies.sweep.source import Source, reason
 from studies.sweep.variation import Variation
 
-__all__ = ["SHARE", "STEPS", "keep_to", "section_alone", "serves_band", "solved_sources", "variation"]
+__all__ = ["SHARE", "STEPS", "keep_to", "serves_band", "solved_sources", "variation"]
 
 SHARE, GAIN = 0.25, 0.1  # of the tolerance at first, and of the step before
 BAND_SHARE = 0.1  # a band a level finer costs half as much again, two bands twice as much
@@ -185,7 +184,7 @@ def _solved(question, name, step, scene, places) -> Source:
             errors += [None] * len(some)
         else:
             errors += [COARSE_ERROR] * len(some) if question.coarse else map(float, motion.errors(some))
-        covered += [bool(known.wave.covered(x)) for x, _ in some]
+        covered += [bool(known.covered(place)) for place in some]
     return Source(
         name=name, step=step, frequency=float(known.wave.frequency), places=places, tangential=tuple(tangential),
         normal=tuple(normal), errors=tuple(errors), covered=tuple(covered), admittance=known.circuit.admittance,
@@ -197,9 +196,13 @@ def _motion(question: Question, scene: Scene, places, step: int) -> SurfaceMotio
     """Return the motion of the finite aperture or of the section, as a run takes it."""
     import fem
 
-    wave = _wave(question, scene, _along(places), step)
     try:
+        if scene.crossed or not serves_band(question):
+            return driven_motion(scene, places, tolerance=goal(question, step), slider=question.has_slider)
+        wave = _wave(question, scene, _along(places), step)
         return surface_motion(wave, scene.stator, places, slider=question.has_slider)
+    except fem.ConvergenceError as error:
+        raise RunError(str(error)) from None
     except fem.BeamError as error:
         raise SceneError("stator.diffraction", f"must be false or absent: {error}") from None
 
@@ -210,25 +213,13 @@ def _along(places) -> tuple[float, ...]:
 
 
 def _wave(question: Question, scene: Scene, places, step: int):
-    """Return the fem.SurfaceWave, from a band where the sweep has one for this geometry."""
-    if not serves_band(question):
-        return section_alone(scene, places, goal(question, step))
+    """Return the fem.SurfaceWave from the band of a geometry."""
     fixed = _Fixed(scene)
     known = _WAVES.pop((fixed, scene.frequency, places, step), None)
     if known is not None:
         return known
     band = _band(fixed, question.frequencies, places, goal(question, step))
     return band.wave(scene.frequency, resolved.drive(scene))
-
-
-def section_alone(scene: Scene, places, allowed):
-    """Return the fem.SurfaceWave of a scene at its own frequency."""
-    import fem
-
-    try:
-        return bridge.driven_section(scene, tolerance=allowed, places=places)
-    except fem.ConvergenceError as error:
-        raise RunError(str(error)) from None
 
 
 class _Fixed:

@@ -8,11 +8,15 @@ from pathlib import Path
 
 from studies.refusal import RunError, SceneError
 from studies.report.surface_map import draw_surface_map
-from studies.view.run_field import left_run, solved_again
+from studies.view.run_field import left_run, motion_again
 
 __all__ = ["drawn", "image", "show"]
 
-SIZE, DPI = (1600, 430), 110
+WIDE, SQUARE, DPI = (
+    (1600, 430),
+    (1000, 900),
+    110,
+)  # pixels; of a long stator, and of one that is nearly square
 
 
 def show(folder, wanted, written: Callable, *, progress: Callable[[str], None]) -> None:
@@ -29,19 +33,21 @@ def show(folder, wanted, written: Callable, *, progress: Callable[[str], None]) 
                 f"--{option}", "shows the field or the contact; sawmotor run --field writes surface_map.csv"
             )
     progress("solving the stator")
-    wave = solved_again(record, progress=progress)
+    motion = motion_again(record, progress=progress)
     try:
-        beam = fem.surface_beam(wave, mirror_width=scene.stator.mirror_width)
+        beam = motion.beam or fem.surface_beam(motion.wave, mirror_width=scene.stator.mirror_width)
     except fem.BeamError as error:
         raise RunError(f"no beam to show: {error}") from None
     progress("drawing the beam")
     if not wanted.files:
         from matplotlib import pyplot
 
-        draw_surface_map(beam, scene, pyplot.subplots(figsize=_inches(wanted), layout="constrained")[1])
+        draw_surface_map(
+            beam, scene, pyplot.subplots(figsize=_inches(wanted, scene), layout="constrained")[1]
+        )
         pyplot.show()
         return
-    figure = drawn(beam, scene, _inches(wanted))
+    figure = drawn(beam, scene, _inches(wanted, scene))
     if wanted.screenshot is not None:
         written(wanted.screenshot, lambda: figure.savefig(wanted.screenshot))
     if wanted.html is not None:
@@ -50,11 +56,11 @@ def show(folder, wanted, written: Callable, *, progress: Callable[[str], None]) 
         )
 
 
-def drawn(beam, scene, inches=(SIZE[0] / DPI, SIZE[1] / DPI)):
-    """Return a figure of a `fem.SurfaceBeam` from above."""
+def drawn(beam, scene, inches=None):
+    """Return a figure of a beam from above."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=inches, dpi=DPI, layout="constrained")
+    figure = Figure(figsize=inches or _inches(None, scene), dpi=DPI, layout="constrained")
     draw_surface_map(beam, scene, figure.add_subplot())
     return figure
 
@@ -67,8 +73,9 @@ def image(figure) -> str:
     return f'<img alt="size of u_z over the surface" src="data:image/png;base64,{picture}" width="100%">'
 
 
-def _inches(wanted) -> tuple[float, float]:
-    return tuple(each / DPI for each in wanted.size or SIZE)
+def _inches(wanted, scene) -> tuple[float, float]:
+    usual = WIDE if scene.stator.length > 1.2 * scene.stator.width else SQUARE
+    return tuple(each / DPI for each in (wanted and wanted.size) or usual)
 
 
 def _page(figure, title: str) -> str:

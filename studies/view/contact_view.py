@@ -14,7 +14,7 @@ from studies.report.figures import refuse_without_toolkit
 from studies.report.files import write_columns
 from studies.view import movie
 from studies.view.contact_pictures import SlowMotion, moments, strip
-from studies.view.run_field import left_run, solved_again
+from studies.view.run_field import left_run, motion_again
 
 __all__ = ["contact_moments", "show", "slow_motion"]
 
@@ -67,8 +67,9 @@ def contact_moments(record: Record, *, level: float | None, progress: Callable[[
         orbits, named = bridge.given_orbits(scene.wave), f"{level * 1e9:.4g} nm"
     else:
         progress("solving the stator")
-        wave = solved_again(record, progress=progress)
-        motion = surface_motion(wave, scene.stator, scene.slider.places)
+        motion = motion_again(record, progress=progress)
+        if motion.beam is None:
+            motion = surface_motion(motion.wave, scene.stator, scene.slider.places)
         orbits, named = bridge.orbits_per_volt(motion, scene.slider), f"{level:.4g} V"
     progress("following the contact")
     slider, orbits = bridge.contact_slider(scene.slider), bridge.scaled(orbits, level)

@@ -7,11 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+from studies.chain.surface_motion import SurfaceMotion, crossed_motion
 from studies.record import Record
 from studies.refusal import RunError, SceneError, shown
 from studies.scene import Scene, resolved
 
-__all__ = ["NO_STATOR", "RunField", "left_run", "of_record", "run_field", "solved_again"]
+__all__ = ["NO_STATOR", "RunField", "left_run", "motion_again", "of_record", "run_field"]
 
 LINES = 16  # per wavelength in the stretches of a driven stator
 FREE_WAVELENGTHS = 10  # of a free wave are shown
@@ -39,6 +40,8 @@ class RunField:
         From end to end of each transducer, m.
     wave : fem.SurfaceWave or None
         Of a driven stator.
+    crossed : fem.CrossedBeam or None
+        Of turned transducers.
     """
 
     compute: Callable = field(repr=False)
@@ -48,6 +51,7 @@ class RunField:
     fingers: dict = field(repr=False)
     spans: tuple[tuple[float, float], ...]
     wave: object = field(default=None, repr=False)
+    crossed: object = field(default=None, repr=False)
 
     @property
     def scene(self) -> Scene:
@@ -74,9 +78,9 @@ class RunField:
 
     @cached_property
     def beam(self):
-        """The `fem.SurfaceBeam` of a run whose wave spreads in three dimensions, or None."""
-        if self.wave is None or not self.scene.stator.diffraction:
-            return None
+        """The beam of a run whose wave spreads in three dimensions, or None."""
+        if self.crossed is not None or self.wave is None or not self.scene.stator.diffraction:
+            return self.crossed
         from fem import surface_beam
 
         return surface_beam(self.wave, mirror_width=self.scene.stator.mirror_width)
@@ -172,8 +176,9 @@ def of_record(record: Record, *, progress: Callable[[str], None]) -> RunField:
 def _driven(record: Record, progress) -> RunField:
     import fem
 
-    scene, wave = record.scene, solved_again(record, progress=progress)
-    rows = resolved.transducers(scene)
+    scene, motion = record.scene, motion_again(record, progress=progress)
+    wave, crossed = motion.wave, motion.beam
+    rows = resolved.transducers(scene) if crossed is None else crossed.rows[0].transducers
     slider = scene.slider
     places = (scene.stator.length / 2,)
     if slider is not None:
@@ -184,17 +189,18 @@ def _driven(record: Record, progress) -> RunField:
 
     return RunField(
         compute=compute,
-        length=scene.stator.length,
+        length=wave.length,
         record=record,
         wavelength=record.wave["phase_velocity_m_per_s"] / scene.frequency,
         fingers={sign: [tuple(edges) for row in rows for edges in row.strips(sign)] for sign in "+-o"},
         spans=tuple(tuple(row.extent) for row in rows),
         wave=wave,
+        crossed=crossed,
     )
 
 
-def solved_again(record: Record, *, progress):
-    """Return the surface wave of a run, solved at the resolution that run.json tells; without one, run again."""
+def motion_again(record: Record, *, progress) -> SurfaceMotion:
+    """Return the section of a run, or its crossing beams, at the resolution that run.json tells; else run again."""
     from fem import LEVELS, one_blas_thread, solve_driven, surface_wave
 
     scene, named = record.scene, record.wave.get("resolution")
@@ -203,19 +209,22 @@ def solved_again(record: Record, *, progress):
         from studies.chain import run
 
         bare = replace(scene, slider=None)
-        return run(bare, tolerance=record.tolerance, progress=progress).surface_wave
-    found = one_blas_thread(solve_driven)(
-        resolved.stator(scene.stator),
-        resolved.transducers(scene),
-        frequency=scene.frequency,
-        drive=resolved.drive(scene),
-        resolution=level[0],
-    )
-    return surface_wave(
-        found,
-        relative_error=record.error["relative"],
-        admittance_error=record.electrical["admittance_relative_error"],
-    )
+        found = run(bare, tolerance=record.tolerance, progress=progress).surface_motion
+        return found if scene.crossed else SurfaceMotion(wave=found.wave)
+
+    def solve(stator, row, drive, _places=()):
+        return surface_wave(
+            one_blas_thread(solve_driven)(
+                stator, row, frequency=scene.frequency, drive=drive, resolution=level[0]
+            ),
+            relative_error=record.error["relative"],
+            admittance_error=record.electrical["admittance_relative_error"],
+        )
+
+    if scene.crossed:
+        return crossed_motion(scene, (), solve)
+    whole = resolved.stator(scene.stator), resolved.transducers(scene), resolved.drive(scene)
+    return SurfaceMotion(wave=solve(*whole))
 
 
 def _free(record: Record) -> RunField:

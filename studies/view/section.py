@@ -66,7 +66,7 @@ def views(found: RunField) -> tuple[View, ...]:
     whole = View(name="the whole section", start=0.0, stop=found.length, weight=0.17)
     return whole, *(
         View(name=name, start=max(place - near, 0.0), stop=min(place + near, found.length), weight=0.4)
-        for name, place in ((f"driven transducer {driven.name!r}", driven.center), found.focus)
+        for name, place in ((f"driven transducer {driven.name!r}", driven.place[0]), found.focus)
     )
 
 

@@ -8,11 +8,13 @@ the picture says so.  A free wave has no aperture and fills the width.  Lengths 
 
 import os
 import time
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
 from studies.refusal import RunError, SceneError, needed
+from studies.scene import resolved
 from studies.view import description
 from studies.view.quantities import QUANTITIES, Shade, present, shade
 from studies.view.run_field import RunField
@@ -94,22 +96,18 @@ class Solid:
         """Colour the field by a quantity."""
         self._moving: list[_Moving] = []
         if self.spreads:
-            x, top = self._lay_beam(name)
+            motion = self._lay_beam(name)
         else:
-            x, top = self._lay_section(name)
-        edges = np.array([-0.5, 0.5]) * self.aperture
+            motion = self._lay_section(name)
         for electrode in description.electrodes(self.found):
-            strips = np.array(electrode.strips)
-            corners = strips[:, [0, 1, 1, 0]].ravel()
-            lift = np.full(len(corners), 0.02 * self.found.wavelength)
-            rest = np.stack([corners, np.tile(edges[[0, 0, 1, 1]], len(strips)), lift], axis=-1)
+            corners = self._strips(electrode)
+            rest = np.insert(corners, 2, 0.02 * self.found.wavelength, axis=-1)
             mesh = self.pyvista.PolyData.from_regular_faces(MM * rest, np.arange(len(corners)).reshape(-1, 4))
             self.plotter.add_mesh(
                 mesh, color=electrode.colour, lighting=False, copy_mesh=False, show_edges=True, line_width=3,
                 edge_color=electrode.colour, name=f"electrode {electrode.sign}", reset_camera=False,
             )  # fmt: skip
-            moved = np.stack([np.interp(corners, x, each) for each in top.T], axis=-1)
-            self._moving.append(_Moving(mesh, rest, moved))
+            self._moving.append(_Moving(mesh, rest, motion(corners)))
         for former in list(self.plotter.scalar_bars.keys()):
             self.plotter.remove_scalar_bar(former)
         self.plotter.add_scalar_bar(
@@ -129,8 +127,18 @@ class Solid:
                 wave = (each.amplitude * turned**self.shade.quantity.turns).real
                 each.mesh["shade"][:] = each.mean + wave
 
-    def _lay_section(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Add the surface, the section in front and the right end; return x (m) and the surface's motion there."""
+    def _strips(self, electrode) -> np.ndarray:
+        """Return the corners (x, y) of an electrode's strips in m, shape (4 n, 2), as they are or in the section."""
+        if self.spreads:
+            rows = resolved.transducers(self.found.scene)
+            return np.concatenate([each.on_surface(each.strips(electrode.sign)) for each in rows]).reshape(
+                -1, 2
+            )
+        x = np.array(electrode.strips)[:, [0, 1, 1, 0]].ravel()
+        return np.stack([x, np.resize(0.5 * self.aperture * np.array([-1, -1, 1, 1]), len(x))], axis=-1)
+
+    def _lay_section(self, name: str) -> Callable:
+        """Add the surface, the section in front and the right end; return the surface's motion over (x, y) in m."""
         self.shade = shade(self.found, name)
         spacing = min(self.found.wavelength / LINES, (self._span[1] - self._span[0]) / 1000)
         self._piece = drawn = piece(
@@ -148,10 +156,12 @@ class Solid:
             ]
             values = (each[lines, rows, None] for each in (drawn.mean, drawn.amplitude))
             self._lay(part, rest, moved[lines, rows, None], *values)
-        return drawn.x, moved[:, -1]
+        return lambda at: np.stack([np.interp(at[:, 0], drawn.x, each) for each in moved[:, -1].T], axis=-1)
 
-    def _lay_beam(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Add the surface that the beam moves; return x (m) and its motion on the axis."""
+    def _lay_beam(self, name: str) -> Callable:
+        """Add the surface that the beam moves; return its motion over (x, y) in m."""
+        from scipy.interpolate import RegularGridInterpolator
+
         found = self.found
         if name not in MOTIONS:
             raise SceneError(
@@ -174,7 +184,7 @@ class Solid:
         rest = np.stack(np.meshgrid(x, y, 0.0, indexing="ij"), axis=-1)
         amplitude = size[..., None] * scale
         self._lay("surface", rest, np.moveaxis(moved, 0, -1)[:, :, None], 0.0 * amplitude.real, amplitude)
-        return x, moved[:, :, ACROSS // 2].T
+        return RegularGridInterpolator((x, y), np.moveaxis(moved, 0, -1))
 
     def _lay(self, name: str, rest, displacement, mean, amplitude) -> None:
         """Add a structured grid of points (n, m, copies, 3) and its shade."""
@@ -217,11 +227,8 @@ class Solid:
             self.plotter.add_mesh(box, style="wireframe", color=EDGE, line_width=1)
         if not self.spreads:
             return
-        for block in self.found.scene.transducer:
-            reach = 0.5 * block.finger_pairs * block.period
-            frame = (block.center - reach, block.center + reach, -block.aperture / 2, block.aperture / 2)
-            x, y = np.array(frame)[[0, 1, 1, 0, 0]], np.array(frame)[[2, 2, 3, 3, 2]]
-            outline = np.stack([x, y, np.full(5, 0.1 * self.found.wavelength)], axis=-1)
+        for each in resolved.transducers(self.found.scene):
+            outline = np.insert(each.corners[[0, 1, 2, 3, 0]], 2, 0.1 * self.found.wavelength, axis=-1)
             self.plotter.add_mesh(self.pyvista.lines_from_points(MM * outline), color="black", line_width=2)
 
     def _write(self, section: bool, size: tuple[int, int]) -> None:

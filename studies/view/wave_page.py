@@ -156,7 +156,7 @@ def _places(found: RunField, span) -> list[dict]:
 
     name, focus = found.focus
     listed = [{"name": "whole", "from": 0.0, "to": found.length}]
-    listed += [about(f"transducer {each.name}", each.center, 14) for each in found.scene.transducer]
+    listed += [about(f"transducer {each.name}", each.place[0], 14) for each in found.scene.transducer]
     listed += [about(name, focus, 14), about("one wavelength", focus, 1)]
     return listed + ([{"name": "chosen", "from": span[0], "to": span[1]}] if span is not None else [])
 

@@ -179,7 +179,7 @@ def test_a_burst_in_steps_has_a_ledger_of_the_slide_alone():
 
 
 def test_the_books_of_two_spans_add_up():
-    names = Ledger.__dataclass_fields__
+    names = Ledger._fields
     one, two = (Ledger(**{name: base + k for k, name in enumerate(names)}) for base in (1.0, 20.0))
     both = together(one, two)
     assert [getattr(both, name) for name in names] == [21.0 + 2.0 * k for k in range(len(names))]

@@ -38,6 +38,8 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "transducer.0.termination": ["short", "50 ohm", [50, -3]],
     "transducer.0.pattern": ["+-" * 10],
     "transducer.0.split": [True],
+    "transducer.0.angle": ["30 deg", 360],
+    "transducer.0.center": ["15 mm", ["20 mm", "-2 mm"]],
     "drive.frequency": ["2200 kHz", 2.2e6],
     "drive.burst": ["10 ms"],
     "drive.voltage": [10, ["5 V", 6], "20:100:5", "1 V : 1 kV : 4 : log"],

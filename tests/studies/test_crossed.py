@@ -1,0 +1,118 @@
+"""Scenes with turned transducers: crossing beams in a run, and what is refused."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from studies import Scene, run
+from studies.refusal import SceneError
+from studies.report.surface_map import draw_surface_map
+from studies.scene import resolved
+
+ACROSS = {
+    "name": "front", "center": ["9 mm", "-9 mm"], "angle": "90 deg", "finger_pairs": 2, "period": "1 mm",
+    "metallisation": 0.5, "aperture": "5 mm",
+}  # fmt: skip
+TOLERANCE = 5e-2
+
+
+@pytest.fixture(scope="module")
+def chip(small):
+    """The small motor with a second transducer in front, which sends across."""
+    table = small.to_table()
+    table["transducer"][0] |= {"period": "1 mm", "aperture": "6 mm"}
+    table["transducer"].append(dict(ACROSS))
+    return Scene.from_table("", table)
+
+
+@pytest.fixture(scope="module")
+def crossing(chip):
+    """Both driven, no slider."""
+    sources = {"left": 1.0, "front": 0.2}
+    return run(chip.replace(slider=None, drive={"transducer": None, "sources": sources}), tolerance=TOLERANCE)
+
+
+def refused(scene, **changes) -> str:
+    with pytest.raises(SceneError) as error:
+        resolved.resolved(scene.replace(**changes))
+    return str(error.value)
+
+
+def test_a_run_of_crossing_beams(crossing):
+    scene, motion = crossing.scene, crossing.surface_motion
+    assert scene.stator.diffraction is True
+    assert [[each.name for each in row.transducers] for row in motion.beam.rows] == [["left"], ["front"]]
+    place = (scene.stator.length / 2, 0.0)
+    assert crossing.wave["normal_m_per_V"] == complex(motion.beam.motion(*place)[2])
+    assert crossing.wave["section_normal_m_per_V"] == complex(motion.wave.motion(place[0])[1])
+    assert set(crossing.electrical["sources"]) == {"left", "front"}
+    assert any("metal of a transducer scatters" in each for each in crossing.left_out)
+    effects = {each["effect"]: each["size"] for each in crossing.model_error}
+    assert 0 < effects["metal of the transducers in the way of crossing beams"] < 0.5
+    assert effects["side faces"] > 0
+    assert Scene.from_table("", scene.to_table()) == scene
+
+
+def test_the_map_shows_turned_frames(crossing, monkeypatch):
+    from matplotlib.figure import Figure
+
+    monkeypatch.setattr("studies.report.surface_map.LINES", 5)
+    monkeypatch.setattr("studies.report.surface_map.PER_WAVELENGTH", 1)
+    ax = draw_surface_map(crossing.surface_motion.beam, crossing.scene, Figure().add_subplot())
+    left, front = (patch.get_path().vertices[:4] for patch in ax.patches)
+    assert np.ptp(front[:, 0]) == pytest.approx(5.0)
+    assert np.ptp(left[:, 1]) == pytest.approx(6.0)
+    assert front[:, 1].mean() == pytest.approx(-9.0)
+
+
+def test_places_and_angles_that_change_nothing(small):
+    """[x, 0] is x, and whole turns are none."""
+    plain = small.transducer[0]
+    same = small.replace(transducer={"left": {"center": ["4 mm", 0], "angle": "360 deg"}})
+    assert same.transducer[0].center == plain.center
+    assert not same.crossed
+    assert (
+        replace(resolved.transducers(resolved.resolved(same))[0], angle=0.0)
+        == resolved.transducers(resolved.resolved(small))[0]
+    )
+
+
+def test_a_turned_scene_needs_a_beam(chip):
+    assert "stator.ends must be absorbing where a transducer is turned" in refused(
+        chip, stator={"ends": "free"}
+    )
+    assert "stator.sides must be absorbing where" in refused(chip, stator={"sides": "mirror"})
+    assert "stator.diffraction must be true or absent where" in refused(chip, stator={"diffraction": False})
+    anisotropic = refused(chip, stator={"material": "LiNbO3 (Warner)", "orientation": "YZ"})
+    assert "in solids isotropic about z alone; this cut of LiNbO3 (Warner) is none" in anisotropic
+    assert "transducer.1.pattern must have + and - fingers where" in refused(
+        chip, transducer={"front": {"pattern": "oooo"}}
+    )
+
+
+def test_a_drive_across_is_refused(chip):
+    message = refused(chip, drive={"transducer": "front"})
+    assert "drive.transducer must drive a transducer within 45 deg of x" in message
+    assert "would be moved across by 'front' at 90 deg" in message
+    assert "drive.sources must drive" in refused(
+        chip, drive={"transducer": None, "sources": {"front": 1.0, "left": 0}}
+    )
+    resolved.resolved(chip.replace(drive={"transducer": "front"}, transducer={"front": {"angle": "40 deg"}}))
+
+
+@pytest.mark.parametrize(
+    ("front", "message"),
+    [
+        ({"center": ["4 mm", "-2 mm"]}, "transducers 'left' and 'front' must not overlap on the surface"),
+        ({"center": ["9 mm", "-12 mm"]}, "fingers reach from y = -0.01"),
+        ({"center": ["1 mm", "-9 mm"]}, "fingers reach from x = -0.00"),
+        (
+            {"center": ["9 mm", "0.5 mm"]},
+            "slider.position must keep the contacts off 'front', got one at (0.009, 0) m",
+        ),
+        ({"angle": "1 mm"}, "must be an angle"),
+    ],
+)
+def test_refused_layouts(chip, front, message):
+    assert message in refused(chip, transducer={"front": front})
