@@ -4,8 +4,6 @@ import sys
 import threading
 import time
 
-__all__ = ["Progress", "duration"]
-
 PATIENCE = 1.0  # s
 BETWEEN = 0.05  # of the time so far: between two lines where there is no terminal
 

@@ -4,7 +4,6 @@ Each study is a file named by its question.  Its docstring says question, method
 time; ``run(...)`` returns a record; ``figure(record, ax)`` draws the record, or one of its panels.
 """
 
-import json
 import math
 import time
 from collections.abc import Callable
@@ -16,22 +15,8 @@ from pathlib import Path
 
 from studies.record import Record
 from studies.refusal import SceneError, nearest
-from studies.results.content import plain, provenance
+from studies.results.content import plain, provenance, write_json
 from studies.scene import Scene
-
-__all__ = [
-    "STUDIES",
-    "Finding",
-    "Panel",
-    "StudyRecord",
-    "contradiction",
-    "draw_study",
-    "of_record",
-    "question",
-    "run_study",
-    "study",
-    "study_answer",
-]
 
 COMMON_ARGUMENTS = """\
 ``scene`` is a path, a shipped name or a `Scene` that has what the study asks about; ``progress`` is a callable that is
@@ -68,30 +53,14 @@ STUDIES = {
 
 @dataclass(frozen=True, kw_only=True)
 class Finding:
-    """A statement and the number that confirms or contradicts it.
+    """A statement and the number that confirms or contradicts it."""
 
-    Attributes
-    ----------
-    statement : str
-        A sentence of the paper in quotation marks, or of the theory.
-    quantity : str
-        What was computed, with its unit.
-    expected : str
-        The number or the range that confirms it.
-    found : float
-        The number.
-    confirmed : bool
-        Whether it does.
-    remark : str
-        What to know about it.
-    """
-
-    statement: str
-    quantity: str
-    expected: str
-    found: float
-    confirmed: bool
-    remark: str = ""
+    statement: str  # a sentence of the paper in quotation marks, or of the theory
+    quantity: str  # what was computed, with its unit
+    expected: str  # the number or the range that confirms it
+    found: float  # the number
+    confirmed: bool  # whether it does
+    remark: str = ""  # what to know about it
 
     @classmethod
     def judged(
@@ -115,20 +84,11 @@ class Finding:
 
 @dataclass(frozen=True, kw_only=True)
 class Panel:
-    """One picture's numbers.
+    """One picture's numbers."""
 
-    Attributes
-    ----------
-    name : str
-        Of its file.
-    title : str
-    data : dict
-        Arrays and numbers in SI units, named with their unit.
-    """
-
-    name: str
+    name: str  # of its file
     title: str
-    data: dict = field(repr=False)
+    data: dict = field(repr=False)  # arrays and numbers in SI units, named with their unit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -182,8 +142,10 @@ def module(name: str):
 
 
 def question(name: str) -> str:
-    """Return the question of a study: the first line of its docstring."""
-    return module(name).__doc__.splitlines()[0]
+    """Return the question of a study: the first line of its docstring, read without running the module."""
+    folder = Path(__file__).parent / STUDIES[name]
+    (file,) = (each for each in (folder / f"{name}.py", folder / name / "__init__.py") if each.is_file())
+    return file.read_text(encoding="utf-8").partition("\n")[0].strip('"')
 
 
 def of_record(draw: Callable) -> Callable:
@@ -245,23 +207,10 @@ def run_study(
     options: dict | None = None,
     quick: bool = False,
 ) -> StudyRecord | Record:
-    """Run a study, write its numbers into a directory and return its record.
+    """Run a study, write its numbers into an empty directory and return its record.
 
-    Parameters
-    ----------
-    name : str
-    scene : str or None
-        A path or a shipped name, for studies that take a scene.
-    folder : Path
-        Exists and is empty.
-    progress : callable
-        Called with what is being done.
-    over : dict, optional
-        Axes, for studies that take some.
-    options : dict, optional
-        Of the command line, for studies that take some: those in the module's ``OPTIONS``.
-    quick : bool
-        Whether to run the small version, with the arguments in the module's ``QUICK``.
+    ``scene``, axes (``over``) and ``options`` of the command line are for studies that take them; ``quick`` is the
+    small version, with the arguments in the module's ``QUICK``.
     """
     chosen = module(name)
     if over and not getattr(chosen, "TAKES_AXES", False):
@@ -281,8 +230,7 @@ def run_study(
 
         write_run(record, folder, field=False)
         return record
-    whole = json.dumps(record.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
-    (folder / "study.json").write_text(whole + "\n", encoding="utf-8")
+    write_json(folder / "study.json", record.to_dict())
     for file, content in getattr(chosen, "tables", lambda record: {})(record).items():
         (folder / file).write_text(content, encoding="utf-8")
     return record

@@ -34,7 +34,10 @@ from fem.waveguide.modes import GuidedModes
 
 PARALLEL = 1e-9  # rad
 LARGEST_DECAY = 300.0  # exponent between two middles beyond which a mode is left out of their coupling
-CHUNK = 4000  # places at a time in a row at an oblique angle, where every place has an s of its own
+# Places in a row at an oblique angle, where each has an s of its own, beyond which a grid in s and t is interpolated by
+# splines of order 5: its lines per wavelength, which leave 2e-5 beside the fingers, and lines beyond the places
+FEW, PER_WAVELENGTH, MARGIN = 500, 8, 8
+ROOM = 4.0  # periods, more than the lines beyond the places take
 
 Solve = Callable[[Stator, tuple[Transducer, ...], Drive, tuple[float, ...]], SurfaceWave]
 
@@ -84,9 +87,9 @@ def rows_of(
         if abs(angle) < PARALLEL:
             angle = 0.0
         reversed_order = np.cos(each.angle - angle) < 0
-        length = (
-            stator.length if angle == 0 else float(np.hypot(stator.length, 3 * width))
-        )  # an image in a side face is on it
+        length = stator.length  # of a turned row: its diagonal and room for the lines of `_interpolated`
+        if angle:
+            length = float(np.hypot(length, width)) + ROOM * max(other.period for other in transducers)
         row = Row(
             angle=angle,
             stator=replace(stator, length=length),
@@ -155,7 +158,10 @@ class CrossedBeam:
         return [(row, beam) for row, beam in pairs if np.any(beam.circuit.voltages)]
 
     def motion(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
-        """u_x, u_y and u_z in m per V at places (x, y) in m, as `SurfaceBeam.motion`."""
+        """u_x, u_y and u_z in m per V at places (x, y) in m, as `SurfaceBeam.motion`.
+
+        Of rows at an oblique angle many places are interpolated: under their own fingers to some per cent only.
+        """
         total = 0.0
         for row, beam in self._moving:
             total = total + _in_plan(row, self._of_row(row, beam.motion, x, y))
@@ -190,11 +196,12 @@ class CrossedBeam:
     def first_images(self, x: float | np.ndarray, y: float | np.ndarray) -> np.ndarray:
         """Sum of the sizes of u_z, m per V, that the first images of all beams in both side faces have at places."""
         images = [side * self.width - np.asarray(y) for side in (1, -1)]
-        return sum(
-            abs(self._of_row(row, beam.motion, x, image, beside=True)[2])
-            for row, beam in self._moving
-            for image in images
-        )
+        total = 0.0
+        for row, beam in self._moving:
+            for image in images:
+                s, t = row.local(x, image)
+                total = total + abs(beam.motion(np.clip(s, 0.0, row.stator.length), t)[2])
+        return total
 
     def shadowed(self, slowing: float) -> float:
         """Sum of u_z at the transducers of other rows, m per V, times the phase that their metal gives the beams.
@@ -221,20 +228,33 @@ class CrossedBeam:
             np.array([s * ys + each.center_y * yt]),
         )
 
-    def _of_row(self, row: Row, evaluate, x, y, *, beside: bool = False) -> np.ndarray:
-        """Values of a row's beam at places, shape (n, *shape of x and y); ``beside`` the stator too, up to an image."""
+    def _of_row(self, row: Row, evaluate, x, y) -> np.ndarray:
+        """Values of a row's beam at places, shape (n, *shape of x and y)."""
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
-        limit = (1.5 if beside else 0.5) * self.width
-        if not np.all((x >= 0) & (x <= self.length) & (abs(y) <= limit)):
+        if not np.all((x >= 0) & (x <= self.length) & (abs(y) <= self.width / 2)):
             raise BeamError(
                 f"places must lie on the stator, x from 0 to {self.length:g} m and y within +-{self.width / 2:g} m"
             )
         s, t = (each.ravel() for each in np.broadcast_arrays(*row.local(x, y)))
-        step = len(s) if row.along_an_axis else CHUNK
-        parts = [
-            evaluate(s[start : start + step], t[start : start + step]) for start in range(0, len(s), step)
-        ]
-        return np.concatenate(parts, axis=1).reshape(-1, *x.shape)
+        if len(s) > FEW and not row.along_an_axis:
+            wave = self.wave
+            step = wave.phase_velocity / wave.frequency / PER_WAVELENGTH
+            return _interpolated(evaluate, s, t, step).reshape(-1, *x.shape)
+        return evaluate(s, t).reshape(-1, *x.shape)
+
+
+def _interpolated(evaluate, s: np.ndarray, t: np.ndarray, step: float) -> np.ndarray:
+    """Values at many places from those on a grid of a step in m."""
+    from scipy.ndimage import map_coordinates
+
+    lines = [
+        step * np.arange(np.floor(each.min() / step) - MARGIN, np.ceil(each.max() / step) + MARGIN + 1)
+        for each in (s, t)
+    ]
+    grid = np.meshgrid(*lines, indexing="ij")
+    known = evaluate(*(each.ravel() for each in grid)).reshape(-1, *grid[0].shape)
+    at = [(each - line[0]) / step for each, line in zip((s, t), lines, strict=True)]
+    return np.array([map_coordinates(each, at, order=5, mode="nearest") for each in known])
 
 
 def _stacked(beam: SurfaceBeam, s, t):

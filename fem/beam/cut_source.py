@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.beam.lateral import LateralRule, lateral_rule
-from fem.beam.line_source import KEPT, LOCAL, Branch
+from fem.beam.line_source import KEPT, LOCAL, Branch, charge_scale
 from fem.convergence import ConvergenceError
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
@@ -184,7 +184,7 @@ class CutSource:
         if section.solid.mirror_y is not None:  # fields that change sign under y -> -y are scaled by i
             turn[section.solid.mirror_y] = 1j
         shapes, left = turn * shapes[self._surface], turn.conj() * left
-        scale = -section.solid.potential_unit / section.solid.stress_unit
+        scale = charge_scale(section.solid)
         column, row = scale * shapes[:3] * left[3], scale * shapes[3] * left[:3]
         return _Poles(k[kept] / unit, right[kept], surface[kept], column.T[kept], row.T[kept])
 

@@ -22,11 +22,13 @@ import numpy as np
 
 from fem.beam.lateral import LateralRule, evanescent, lateral_rule
 from fem.materials import Solid, rotated
+from fem.materials.medium import Medium
 from fem.waveguide.modes import GuidedModes
 
 SYMMETRY = 1e-9  # of the moduli, to which a solid must be isotropic about z
 LOCAL = 12.0  # exponent over a wavelength by which a mode decays that nothing sideways reaches
 KEPT = 1e-12  # share of a mode's amplitude that must be left at the nearest point for it to count
+SIGNS = ((1, np.ones(3)), (-1, np.array([1, -1, 1])))  # of k_y, where y -> -y is a symmetry
 GENERIC_TURN = 33.0  # degrees; no crystal class has such an axis
 
 
@@ -132,9 +134,8 @@ class LineSource:
 
 def _both_sides(rule: LateralRule, along, motion) -> Iterator[Branch]:
     """Waves to the right and, mirrored, to the left; u_y turns its sign with k_y."""
-    signs = ((1, np.ones(3)), (-1, np.array([1, -1, 1])))
-    yield Branch(1, rule, along, motion, signs)
-    yield Branch(-1, rule, along, motion * np.array([-1, 1, 1])[:, None, None], signs)
+    yield Branch(1, rule, along, motion, SIGNS)
+    yield Branch(-1, rule, along, motion * np.array([-1, 1, 1])[:, None, None], SIGNS)
 
 
 def isotropic_about_normal(solid: Solid) -> bool:
@@ -166,8 +167,7 @@ def line_source(modes: GuidedModes) -> LineSource:
     # biorthogonal but for rounding, which the two surface waves of a thick plate, 1e-8 apart, enlarge to 1e-4
     products = (k[:, None] + k) * (left.T @ second @ right) + 1j * (left.T @ (first - first.T) @ right)
     norms = np.sqrt(np.diag(products))
-    # a charge of 1 C/m is a reaction of -potential_unit / stress_unit
-    scale = -section.solid.potential_unit / section.solid.stress_unit
+    scale = charge_scale(section.solid)
     received = np.linalg.solve(products / np.outer(norms, norms), left[at["phi"]] / norms)
     amplitudes = -1j * scale * received / norms
     return LineSource(
@@ -180,13 +180,23 @@ def line_source(modes: GuidedModes) -> LineSource:
     )
 
 
+def charge_scale(medium: Medium) -> float:
+    """Scaled reaction of a charge of 1 C/m."""
+    return -medium.potential_unit / medium.stress_unit
+
+
 def _static_motion(modes: GuidedModes) -> complex:
     """Motion u_x = s w at the surface that goes with the potential s |x| of a unit reaction."""
+    slope, motion = static_mode(modes)
+    return complex(slope * motion[modes.section.surface_dofs["ux"]])
+
+
+def static_mode(modes: GuidedModes) -> tuple[complex, np.ndarray]:
+    """Slope s of the potential s |x| of a unit reaction where nothing grounds the section, and the shape w of u_x."""
     section = modes.section
     second, first, zeroth = section.matrices(modes.frequency)
     constant = section.constant_potential
     border = constant[:, None]
     system = np.block([[zeroth, border], [border.T, np.zeros((1, 1))]])
     motion = np.linalg.solve(system, np.append((first - first.T) @ constant, 0.0))[:-1]
-    slope = -0.5 / (constant @ (second @ constant + first @ motion))
-    return complex(slope * motion[section.surface_dofs["ux"]])
+    return complex(-0.5 / (constant @ (second @ constant + first @ motion))), motion

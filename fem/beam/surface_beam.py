@@ -6,7 +6,8 @@ bare stator's response to it is a sum of guided modes (line_source.py): at x, wh
     u(x, y) = int dk_y / 2 pi  W sinc(k_y W / 2) exp(-i k_y y) sum_p a_p(k_y) sum_j q_j exp(-i kappa_p (x - x_j)),
 
 and the same from the right.  The contributions of all transducers add up: massless fingers scatter by their charges
-alone.  So the field is known between and under the fingers too.
+alone.  So the field is known between and under the fingers too.  Free and clamped ends add what they send back at each
+k_y (faces.py).
 
 On the axis y = 0, u_y vanishes by symmetry.
 
@@ -25,6 +26,7 @@ import numpy as np
 
 from fem.beam.charges import ElectrodeCharges, electrode_charges
 from fem.beam.cut_source import CutSource, cut_source
+from fem.beam.faces import Faces, faces
 from fem.beam.line_source import Branch, LineSource, isotropic_about_normal, line_source
 from fem.beam.reception import with_apertures
 from fem.circuit import Circuit
@@ -70,6 +72,8 @@ class SurfaceBeam:
         m between two side faces that reflect like mirrors; None where nothing comes back from the sides.
     complete : bool
         Whether all modes of the section take part.
+    faces : Faces or None
+        Free or clamped ends; None where they absorb.
 
     Examples
     --------
@@ -85,6 +89,7 @@ class SurfaceBeam:
     centers: tuple[float, ...]
     mirror_width: float | None = None
     complete: bool = True
+    faces: Faces | None = field(default=None, repr=False)
 
     def motion(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
         """u_x, u_y and u_z in m per V.
@@ -123,6 +128,9 @@ class SurfaceBeam:
         size = abs(fine[[0, 2]]).max(axis=0)
         largest = float(size.max())
         rule = (abs(fine - coarse).max(axis=0) / largest) ** RULE_GAIN * largest / size
+        if self.faces is not None:  # whose static part depends on |k_y|
+            static = self._returned(*(each.ravel() for each in np.broadcast_arrays(x, y)), self.faces.static)
+            rule = rule + abs(static[0, 0]).reshape(size.shape) / size
         x = np.broadcast_arrays(np.asarray(x, dtype=float), y)[0]
         places, where = np.unique(x, return_inverse=True)
         where = where.reshape(size.shape)
@@ -150,7 +158,8 @@ class SurfaceBeam:
     @property
     def surface_mode(self) -> "SurfaceBeam":
         """The part of the field that the surface wave alone carries."""
-        return replace(self, source=self.source.surface_mode, complete=False)
+        returned = self.faces and self.faces.surface_mode
+        return replace(self, source=self.source.surface_mode, complete=False, faces=returned)
 
     def radiated_share(self, index: int) -> float:
         """Power that a transducer's charges send as a surface wave in three dimensions, over that in the section.
@@ -201,6 +210,8 @@ class SurfaceBeam:
                 total[..., some] += self._spread_alike(x[some], total[0, 2, some])
         if self.mirror_width is None:
             total += self._static(x, y)
+        if self.faces is not None:
+            total += self._returned(x, y, self.faces.wanted)
         return tuple(total.reshape(2, 3, *shape))
 
     def _refuse(self, x, y):
@@ -215,27 +226,53 @@ class SurfaceBeam:
         places, column = np.unique(x, return_inverse=True)
         lines, row = np.unique(y, return_inverse=True)
         total = np.zeros((2, 3, len(x)), dtype=complex)
+        for branch in self.source.branches(self._reach(y), distance, self._resolved, self.mirror_width):
+            total += self._inverse(
+                branch,
+                lambda spectra, branch=branch: _sent(self._nodes, branch, places, spectra),
+                lines,
+                column,
+                row,
+            )
+        return total
+
+    def _returned(self, x, y, modes) -> np.ndarray:
+        """What the faces send back in some modes, by both rules, (2, 3, points)."""
+        places, column = np.unique(x, return_inverse=True)
+        lines, row = np.unique(y, return_inverse=True)
+        found = self.faces.returned(self._reach(y), _sources(self.charges), self.mirror_width)
+        return self._inverse(
+            found, lambda spectra: found.spectra(places, self.wave.length, spectra, modes), lines, column, row
+        )
+
+    def _reach(self, y) -> float:
+        """Farthest lateral distance from points to an end of a finger, m."""
         spans = np.subtract.outer(y, self.centers)
-        reach = float((abs(spans) + np.divide(self.apertures, 2)).max())
-        for branch in self.source.branches(reach, distance, self._resolved, self.mirror_width):
-            lateral, weights = branch.rule.nodes, branch.rule.weights / 2
-            uniform = [each * np.sinc(lateral * each / (2 * np.pi)) for each in self.apertures]
-            sent = None
-            for sign, factors in branch.signs:
-                if sent is None or any(self.centers):
-                    turns = np.exp(1j * sign * np.outer(self.centers, lateral))
-                    sent = _sent(self._nodes, branch, places, uniform * turns)
-                phases = np.exp(-1j * sign * np.outer(lateral, lines))
-                for coarse, step in ((0, 1), (1, 1 if self.mirror_width is not None else 2)):
-                    weighted = factors[:, None] * sent[..., ::step] * (step * weights[::step])
-                    if len(places) * len(lines) <= FULL_GRID * len(x):
-                        total[coarse] += (weighted @ phases[::step])[column, :, row].T
-                    else:
-                        for start in range(0, len(x), CHUNK):
-                            some = slice(start, start + CHUNK)
-                            total[coarse][:, some] += np.einsum(
-                                "pcn,np->cp", weighted[column[some]], phases[::step, row[some]]
-                            )
+        return float((abs(spans) + np.divide(self.apertures, 2)).max())
+
+    def _inverse(self, waves, sent_by, lines, column, row) -> np.ndarray:
+        """Fields at points (``column`` of the places, ``row`` of the lines y) of waves, by both rules, (2, 3, points).
+
+        ``sent_by``: spectra of u at the places, (places, 3, n), from those of the apertures, (transducers, n).
+        """
+        count, sent = len(column), None
+        lateral, weights = waves.rule.nodes, waves.rule.weights / 2
+        uniform = [each * np.sinc(lateral * each / (2 * np.pi)) for each in self.apertures]
+        total = np.zeros((2, 3, count), dtype=complex)
+        for sign, factors in waves.signs:
+            if sent is None or any(self.centers):
+                sent = sent_by(uniform * np.exp(1j * sign * np.outer(self.centers, lateral)))
+            phases = np.exp(-1j * sign * np.outer(lateral, lines))
+            for coarse, step in ((0, 1), (1, 1 if self.mirror_width is not None else 2)):
+                weighted = factors[:, None] * sent[..., ::step] * (step * weights[::step])
+                if len(sent) * len(lines) <= FULL_GRID * count:
+                    total[coarse] += (weighted @ phases[::step])[column, :, row].T
+                else:
+                    for start in range(0, count, CHUNK):
+                        some = slice(start, start + CHUNK)
+                        total[coarse][:, some] += np.einsum(
+                            "pcn,np->cp", weighted[column[some]], phases[::step, row[some]]
+                        )
         return total
 
     def _local(self, x, y) -> np.ndarray:
@@ -264,6 +301,9 @@ class SurfaceBeam:
         """Motion of the section less that of the modes at k_y = 0 from the same charges, shape (2, places)."""
         nodes, source, ones = self._section_nodes, self.source, np.ones((len(self.apertures), 1))
         sent = sum(_sent(nodes, branch, places, ones) for branch in source.plane(self._resolved))[..., 0]
+        if self.faces is not None:
+            plane = self.faces.plane(_sources(_charges_of(self.wave.solution)))
+            sent = sent + plane.spectra(places, self.wave.length, ones, self.faces.wanted)[..., 0]
         to_the_left = np.append(0.0, np.cumsum(nodes.charge))[np.searchsorted(nodes.x, places, side="right")]
         rest = self.wave.motion(places) - sent.T[[0, 2]]
         rest[0] -= source.static * (2 * to_the_left - nodes.charge.sum())
@@ -309,13 +349,19 @@ class _Nodes(NamedTuple):
 
 def beam_refusal(stator: Stator) -> str:
     """Why the field in three dimensions of a stator is not known, in a sentence; empty where it is."""
-    if stator.ends != "absorbing":
-        return f"the field in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}"
+    if stator.ends != "absorbing" and not isotropic_about_normal(stator.solid):
+        return (
+            f"in this cut the field in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}"
+        )
     return ""
 
 
 def _charges_of(solution: Solution) -> tuple[ElectrodeCharges, ...]:
     return tuple(electrode_charges(solution, index) for index in range(len(solution.fields.transducers)))
+
+
+def _sources(charges: tuple[ElectrodeCharges, ...]) -> list[tuple[np.ndarray, np.ndarray]]:
+    return [(each.x, each.charge) for each in charges]
 
 
 def _nodes_of(charges: tuple[ElectrodeCharges, ...]) -> _Nodes:
@@ -356,8 +402,9 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     Parameters
     ----------
     wave : SurfaceWave
-        Of `fem.driven_wave`, ends absorbing.  Unless the solid is isotropic about z the first evaluation takes some
-        seconds, for an eigenvalue problem at every lateral wavenumber, and transducers receive as in the section.
+        Of `fem.driven_wave`.  Between free or clamped ends, and unless the solid is isotropic about z, the first
+        evaluation takes some seconds, for a problem at every lateral wavenumber, and transducers receive as in the
+        section.
     mirror_width : float, optional
         Distance in m of two side faces that reflect like mirrors (u_y = 0, no shear traction); without, the stator is
         infinitely wide.  Free faces are neither: the difference shows how much the width could matter.  In cuts without
@@ -370,7 +417,7 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     Raises
     ------
     BeamError
-        For other ends, and a width smaller than an aperture.
+        For free or clamped ends in cuts that are not isotropic about z, and a width smaller than an aperture.
     """
     solution = wave.solution
     refusal = beam_refusal(solution.fields.stator)
@@ -395,12 +442,14 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
 
 def aperture_beam(wave: SurfaceWave, solution: Solution, mirror_width: float | None = None) -> SurfaceBeam:
     """Field of the charges of a solution, whose circuit may be part of a larger one."""
-    transducers = solution.fields.transducers
-    isotropic = isotropic_about_normal(solution.fields.stator.solid)
+    transducers, stator = solution.fields.transducers, solution.fields.stator
+    isotropic = isotropic_about_normal(stator.solid)
+    source = line_source(solution.fields.modes) if isotropic else cut_source(solution.fields)
     return SurfaceBeam(
         wave=wave,
         solution=solution,
-        source=line_source(solution.fields.modes) if isotropic else cut_source(solution.fields),
+        source=source,
+        faces=None if stator.ends == "absorbing" else faces(solution.fields, source),
         charges=_charges_of(solution),
         apertures=tuple(each.aperture for each in transducers),
         centers=tuple(each.center_y for each in transducers),

@@ -10,6 +10,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 import fem
 from studies.chain import bridge
 from studies.chain.model_error import model_error
@@ -17,7 +19,7 @@ from studies.chain.neglected import diffraction_left_out, driven_left_out, free_
 from studies.chain.points import SliderAnswer, slider_answer
 from studies.chain.ring_up import ring_up, ring_up_left_out
 from studies.chain.source_powers import powers, recovered, recovery_left_out, with_available_power
-from studies.chain.surface_motion import SurfaceMotion, driven_motion
+from studies.chain.surface_motion import SurfaceMotion, solved_motion
 from studies.chain.warnings import warnings_of
 from studies.record import Record
 from studies.refusal import RunError, SceneError
@@ -29,6 +31,7 @@ SHARE = 0.25  # of the tolerance, for the stator at first and for the contact
 STALLED = (
     0.7  # of the motion's error: what is left then is the beam's own, which no finer section makes smaller
 )
+PER_WAVELENGTH = 12  # lines of surface.csv where no section lies along x
 ROUNDS = 3  # of the stator, each with the tolerance that the one before found to be needed
 
 
@@ -100,8 +103,7 @@ def _run(scene: Scene, tolerance: float, progress: Callable[[str], None] | None)
 
 def _given(scene: Scene, tolerance: float, say) -> Record:
     begun = time.perf_counter()
-    orbits = bridge.given_orbits(scene.wave)
-    amplitudes = 1.0, scene.wave.tangential_ratio
+    orbits, amplitudes = bridge.given_orbits(scene.wave), (1.0, scene.wave.tangential_ratio)
     answer = slider_answer(scene, orbits, amplitudes, stator_error=0.0, tolerance=tolerance, progress=say)
     return Record(
         scene=scene,
@@ -144,17 +146,9 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
     place = (scene.stator.length / 2, 0.0) if slider is None else slider.center
     places = (place,) if slider is None else tuple(dict.fromkeys((place, *slider.places)))
 
-    def solved(goal: float) -> SurfaceMotion:
-        try:
-            return driven_motion(scene, places, tolerance=goal, progress=say)
-        except fem.ConvergenceError as error:
-            if error.reached is None:
-                raise RunError(str(error)) from None
-            return error.reached  # it is recorded with its error, which says whether it is good enough
-        except fem.BeamError as error:
-            scene.refuse("stator.diffraction", f"must be false or absent: {error}")
-
-    motion = solved(tolerance if slider is None else tolerance * SHARE)
+    # a motion that misses its goal is recorded with its error, which says whether it is good enough
+    given = {"progress": say, "slider": slider is not None, "missed": True}
+    motion = solved_motion(scene, places, tolerance=tolerance * (1 if slider is None else SHARE), **given)
     contact_seconds, ringing = 0.0, None
 
     def answered() -> SliderAnswer:
@@ -176,7 +170,7 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
                 break
             whole = motion.relative_error(places)
             try:
-                motion = solved(goal)
+                motion = solved_motion(scene, places, tolerance=goal, **given)
             except RunError:
                 break  # the answer that stands is recorded, with its error
             answer = answered()
@@ -209,7 +203,7 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
         + diffraction_left_out(scene, motion.beam is not None, motion.reason)
         + recovery_left_out(scene)
         + ring_up_left_out(scene, ringing, blocks.get("trajectories", ())),
-        surface=_surface_columns(wave),
+        surface=_surface_columns(scene, motion),
         surface_motion=motion,
         **blocks,
     )
@@ -233,9 +227,7 @@ def _several_sources(circuit) -> dict:
 
 def _ring_up(scene: Scene, motion: SurfaceMotion, place: tuple[float, float], say):
     """Return the ring-up of a burst under the slider, or None where there is none to follow."""
-    if scene.burst is None or motion.covered(place):
-        return None
-    return ring_up(scene, place, progress=say)
+    return None if scene.burst is None or motion.covered(place) else ring_up(scene, place, progress=say)
 
 
 def _slider(scene: Scene, motion: SurfaceMotion, tolerance: float, say, ringing) -> SliderAnswer:
@@ -336,8 +328,13 @@ def _wave_block(scene: Scene, motion: SurfaceMotion, place: tuple[float, float])
     }
 
 
-def _surface_columns(wave) -> dict:
-    x, (tangential, normal) = wave.samples()
+def _surface_columns(scene: Scene, motion: SurfaceMotion) -> dict:
+    if scene.driven_obliquely:  # no section lies along x
+        reach = motion.wave.phase_velocity / scene.frequency / PER_WAVELENGTH
+        x = np.linspace(0.0, scene.stator.length, int(scene.stator.length / reach) + 1)
+        tangential, _, normal = motion.along(x, 0.0)
+    else:
+        x, (tangential, normal) = motion.wave.samples()
     return {"x_m": x, "u_x_m_per_V": tangential, "u_z_m_per_V": normal}
 
 

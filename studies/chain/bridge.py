@@ -8,16 +8,13 @@ dampers (the Hunt-Crossley coefficient, per contact already, stays): a mere numb
 as one.
 """
 
+import fem
 from studies.scene import Scene, resolved
 from studies.scene.blocks import Slider, Wave
-
-__all__ = ["contact_slider", "driven_section", "given_orbits", "orbits_per_volt", "scaled", "wave_along"]
 
 
 def driven_section(scene: Scene, *, tolerance: float, places=(), progress=None):
     """Return the `fem.SurfaceWave` of a scene's driven section; `places` are x in m."""
-    import fem
-
     return fem.driven_wave(
         resolved.stator(scene.stator),
         resolved.section_row(scene),
@@ -30,19 +27,9 @@ def driven_section(scene: Scene, *, tolerance: float, places=(), progress=None):
 
 
 def orbits_per_volt(motion, slider: Slider) -> tuple:
-    """Return the orbits under the balls for 1 V of the source (peak).
+    """Return the contact.Orbit under each ball for 1 V of the source (peak), one for a mere number of contacts.
 
-    Parameters
-    ----------
-    motion : studies.chain.surface_motion.SurfaceMotion
-        Of the driven stator.
-    slider : Slider
-        The scene's block, its position in m.
-
-    Returns
-    -------
-    tuple of contact.Orbit
-        One per offset, or a single one for a mere number of contacts.
+    ``motion``: a `studies.chain.surface_motion.SurfaceMotion`.
     """
     from contact import Orbit
 

@@ -12,8 +12,6 @@ from studies.record import Record
 from studies.scene import Scene
 from studies.scene.resolved import resolved
 
-__all__ = ["DrivenContact", "driven_contact", "given_contact"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class DrivenContact:
@@ -89,23 +87,9 @@ class DrivenContact:
 def driven_contact(
     scene: str | Scene, *, tolerance: float = 1e-3, progress: Callable[[str], None] | None = None
 ) -> DrivenContact:
-    """Return the contact of a scene, its stator solved if it has one.
+    """Return the contact of a scene with a slider, its stator solved if it has one.
 
-    Parameters
-    ----------
-    scene : str or Scene
-        A path, a shipped name or a scene with a slider and either a [wave] or a driven stator.
-    tolerance : float
-        Of the slider velocity at the largest voltage; it sets how finely the stator is solved.
-    progress : callable, optional
-        Told what is being done.
-
-    Raises
-    ------
-    SceneError
-        If the scene has no slider or nothing that moves it.
-    RunError
-        If the stator has no answer.
+    ``tolerance``: of the slider velocity at the largest voltage; it sets how finely the stator is solved.
 
     Examples
     --------

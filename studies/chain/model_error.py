@@ -13,11 +13,10 @@ import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 
+import fem
 from studies.chain import bridge
 from studies.record import Record
 from studies.scene import resolved
-
-__all__ = ["NeglectedEffect", "fresnel_ratio", "model_error", "sentences", "slit_ratio"]
 
 FINGER_END = 0.0745  # periods that each end adds to the aperture: static, endless comb, no busbar
 POINT_ADMITTANCE = 0.93  # of Re(v / F) 2 pi mu c_T / omega^2, all waves together, nu = 1/4
@@ -26,22 +25,12 @@ ALUMINIUM, FILM = 2700.0, 100e-9  # kg/m3, m
 
 @dataclass(frozen=True, kw_only=True)
 class NeglectedEffect:
-    """An effect that the model leaves out.
-
-    Attributes
-    ----------
-    effect, quantity : str
-        What is left out, and what it changes.
-    size : float
-        Estimated change, a share of the quantity, or in the quantity's unit.
-    source : str
-        Where the estimate comes from.
-    """
+    """An effect that the model leaves out."""
 
     effect: str
-    quantity: str
-    size: float
-    source: str
+    quantity: str  # what it changes
+    size: float  # estimated change, a share of the quantity, or in the quantity's unit
+    source: str  # where the estimate comes from
 
 
 def model_error(record: Record) -> tuple[dict, ...]:
@@ -52,19 +41,6 @@ def model_error(record: Record) -> tuple[dict, ...]:
     for each in (_aperture, _finger_ends, _vacuum, _electrode_mass, _contact, _travel, _power):
         found += each(record)
     return tuple(asdict(each) for each in found if math.isfinite(each.size))
-
-
-def sentences(record: Record) -> tuple[str, ...]:
-    """Return a line for every effect above the tolerance, and one that names those below it."""
-    lines, small = [], []
-    for each in record.model_error:
-        if " in W" in each["quantity"]:
-            lines.append(f"{each['effect']}: {each['size']:.2g} W")
-        elif abs(each["size"]) < record.tolerance:
-            small.append(each["effect"])
-        else:
-            lines.append(f"{each['effect']}: {100 * each['size']:+.2g} % of {each['quantity']}")
-    return tuple(lines + ([f"below the tolerance: {', '.join(small)}"] if small else []))
 
 
 def _places(record: Record) -> list[tuple[float, float]]:
@@ -97,8 +73,6 @@ def _aperture(record: Record) -> Iterator[NeglectedEffect]:
         size=max((float(each) - 1 for each in ratios), key=abs),
         source="the beam between side faces that reflect it as mirrors against none, or the other way round",
     )
-    import fem
-
     if not fem.isotropic_about_normal(motion.wave.solution.fields.stator.solid):
         return
     index = [each.name for each in motion.beam.solution.fields.transducers].index(
@@ -114,8 +88,6 @@ def _aperture(record: Record) -> Iterator[NeglectedEffect]:
 
 def _crossed(record: Record, places) -> Iterator[NeglectedEffect]:
     """Yield what is left out where beams cross: images in the side faces, and metal in one another's way."""
-    import fem
-
     beam, (x, y) = record.surface_motion.beam, zip(*places, strict=True)
     here = abs(beam.motion(x, y)[2])
     yield NeglectedEffect(

@@ -33,14 +33,17 @@ def diffraction_left_out(scene: Scene, spreads: bool, reason: str) -> tuple[str,
 
 
 def _of_the_section(scene: Scene) -> tuple[str, ...]:
-    reasons = [
-        "diffraction in surface.csv and the interior field: of the plane section; --field adds surface_map.csv"
-    ]
+    where = "the interior field" if scene.driven_obliquely else "surface.csv and the interior field"
+    reasons = [f"diffraction in {where}: of the plane section; --field adds surface_map.csv"]
     if scene.burst is not None and scene.slider is not None:
         reasons.append("diffraction in the shape of the burst's ring-up: that of the plane section")
     if scene.crossed:
         reasons.append("what the metal of a transducer scatters of a beam that crosses its own line")
-    if len(scene.transducer) > 1 and not fem.isotropic_about_normal(resolved.solid(scene.stator)):
+    if scene.stator.ends != "absorbing":
+        reasons.append(
+            "spreading of what comes back to the transducers: their circuit is that of the plane section"
+        )
+    elif len(scene.transducer) > 1 and not fem.isotropic_about_normal(resolved.solid(scene.stator)):
         reasons.append("spreading between the transducers: in this cut they receive as in the plane section")
     return tuple(reasons)
 

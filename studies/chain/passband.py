@@ -1,8 +1,9 @@
 """The passband of a scene's driven transducer: which frequencies a study takes, and the estimate beside them."""
 
-from studies.scene import Scene, resolved
+import numpy as np
 
-__all__ = ["driven_scene", "expected", "frequencies", "group_delay", "place"]
+import fem
+from studies.scene import Scene, resolved
 
 LOBES = 1.5  # bandwidths 1/N either side of the middle: the main lobe and half of its neighbours
 WIDEST = 0.45  # of the middle frequency, for transducers of few fingers
@@ -29,8 +30,6 @@ def place(scene: Scene) -> float:
 
 def frequencies(scene: Scene, count: int):
     """Return frequencies in Hz, evenly spaced about v / period of the driven transducer."""
-    import numpy as np
-
     from fem import rayleigh
 
     driven = scene.driven_transducer
@@ -52,15 +51,11 @@ def group_delay(at, transfer, way: float):
     >>> np.round(group_delay(at, np.exp(-2j * np.pi * at * 59e-6), 55e-6)[0] * 1e6, 6)
     np.float64(59.0)
     """
-    import numpy as np
-
     left = np.unwrap(np.angle(transfer * np.exp(2j * np.pi * at * way)))
     return way - np.gradient(left, 2 * np.pi * at)
 
 
 def expected(scene: Scene):
     """Return the ``fem.TransducerEstimate`` of the driven transducer: no reflections, bulk waves, bottom or ends."""
-    import fem
-
     surface = "open" if scene.stator.above == "none" else "vacuum"
     return fem.transducer_estimate(resolved.solid(scene.stator), resolved.driven(scene), surface)

@@ -4,13 +4,13 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from studies.chain import bridge
 from studies.chain.propagation import velocity_error
 from studies.chain.tally import burst_tally, steady_tally
 from studies.refusal import SceneError
 from studies.scene import Scene
-
-__all__ = ["SliderAnswer", "contact_load", "slider_answer"]
 
 SAMPLES = 2000  # instants of a trajectory: it is drawn and kept, not integrated
 STEADY_METHODS, BURST_METHODS = ("auto", "exact", "averaged"), ("auto", "exact", "stepped")
@@ -40,26 +40,12 @@ def slider_answer(
     ringing=None,
     along=None,
 ) -> SliderAnswer:
-    """Solve the contact at every level of a scene.
+    """Solve the contact at every level of a resolved scene, its solvers asked for a quarter of the tolerance.
 
-    Parameters
-    ----------
-    scene : Scene
-        Resolved, with a slider.
-    orbits : tuple of contact.Orbit
-        For 1 V, or for 1 m of given amplitude.
-    amplitudes : tuple of float
-        |u_z| and |u_x| at the slider's centre for the same.
-    stator_error : float
-        Relative, of the orbits.
-    tolerance : float
-        Of the velocity; the contact's solvers are asked for a quarter of it.
-    progress : callable
-        Told what is being done.
-    ringing : studies.chain.ring_up.RingUp, optional
-        How the orbits grow during a burst.
-    along : studies.chain.travel.WaveAlong, optional
-        How they change along the field; without it the slider stays at its place.
+    ``orbits`` (`contact.Orbit`) and ``amplitudes``, |u_z| and |u_x| at the slider's centre, are those of 1 V, or of 1 m
+    of given amplitude; ``stator_error`` is the orbits', relative.  ``ringing`` (`chain.ring_up.RingUp`) says how they
+    grow during a burst, ``along`` (`chain.travel.WaveAlong`) how they change along the field; without it the slider
+    stays at its place.
     """
     from contact import kernels
 
@@ -179,8 +165,6 @@ def _burst(scene: Scene, slider, orbits: tuple, velocity: float, tolerance: floa
 
 def _along(scene: Scene, slider, trajectory, along, level: float):
     """Return the trajectory along the field, and what the point says of it; unchanged where the slider hardly moves."""
-    import numpy as np
-
     import contact
     from studies.chain.propagation import reference_speed
     from studies.chain.travel import LEAST_TRAVEL, travelled, with_travel
@@ -215,6 +199,51 @@ def contact_load(slider, orbits: tuple, threshold: float) -> dict:
         crests = slider.offsets(len(orbits)) + [abs(orbit.normal) for orbit in orbits]
         found["contact_pressure_Pa"] = float(slider.pressure(riding_height(slider, orbits) + max(crests)))
     return found
+
+
+def averaged(asked: list[tuple], threads: int | None = None) -> list[tuple]:
+    """Return averaged steady states, each of (slider, orbits, wave error, factor on the orbits).
+
+    An answer is velocity, regime, error, error from the wave and blocked thrust.  Those with equally many orbits are
+    computed side by side, in one compiled loop (`contact.steady_sweep`); what averaging does not know has the regime
+    "unknown".
+    """
+    import contact
+
+    groups, answers = {}, [()] * len(asked)
+    for at, (_, orbits, _, _) in enumerate(asked):
+        groups.setdefault(len(orbits), []).append(at)
+    for members in groups.values():
+        some, sliders, waves = [asked[at] for at in members], {}, {}
+        which = [
+            (sliders.setdefault(slider, len(sliders)), waves.setdefault((orbits, error), len(waves)))
+            for slider, orbits, error, _ in some
+        ]
+        orbits, errors = zip(*waves, strict=True)
+        found = contact.steady_sweep(
+            list(sliders),
+            orbits,
+            which=which,
+            factors=[each[-1] for each in some],
+            wave_errors=errors,
+            threads=threads,
+        )
+        names = ("velocity", "regime", "relative_error", "error_from_wave", "blocked_thrust")
+        rows = zip(*(getattr(found, name).tolist() for name in names), strict=True)
+        for at, row in zip(members, rows, strict=True):
+            answers[at] = row
+    return answers
+
+
+def half_thrust(slider, orbits: tuple, thrust: float, tolerance: float) -> tuple[float, float]:
+    """Return what a slider gives out under half of its blocked thrust (N), W, and over what the wave puts in."""
+    import contact
+
+    if not thrust > 0.0:
+        return 0.0, 0.0
+    state = contact.steady(replace(slider, load=0.5 * thrust), orbits, tolerance=tolerance)
+    out, put_in = 0.5 * thrust * abs(state.velocity), state.ledger.wave * orbits[0].frequency
+    return out, out / put_in if put_in > 0.0 else 0.0
 
 
 def _summary(scene: Scene, slider, orbits: tuple, amplitude: float) -> tuple[dict, float]:

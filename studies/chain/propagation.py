@@ -11,8 +11,6 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-__all__ = ["reference_speed", "velocity_error"]
-
 SLENDEREST = 1e3  # larger over smaller amplitude up to which the smaller's error grows
 LEAST_STEP = 1e-4  # relative; a difference over a smaller step would measure the contact solver's rounding
 
@@ -25,18 +23,9 @@ def reference_speed(velocity: float, orbits: tuple) -> float:
 def velocity_error(
     velocity: float, orbits: tuple, relative_error: float, solve: Callable[[tuple], float]
 ) -> float:
-    """Return the error of the velocity that comes from the orbits, over the reference speed.
+    """Return the error of the velocity (m/s) that comes from the orbits' relative error, over the reference speed.
 
-    Parameters
-    ----------
-    velocity : float
-        m/s, of these orbits.
-    orbits : tuple of contact.Orbit
-        Computed with an error.
-    relative_error : float
-        Of their amplitudes.
-    solve : callable
-        Steady velocity in m/s of other orbits.
+    ``solve`` returns the steady velocity of other orbits.
     """
     speed = reference_speed(velocity, orbits)
     if relative_error == 0 or speed == 0:

@@ -8,10 +8,11 @@ end the surface rings down under the slider as the same envelope goes on, until 
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+import numpy as np
+
+import fem
 from studies.chain.spectrum import response
 from studies.scene import Scene, resolved
-
-__all__ = ["RingUp", "ring_up", "ring_up_left_out"]
 
 LOBES = 1.2  # of 1/N: the band taken on either side, the main lobe and a little
 WIDEST = 0.22  # of the frequency: one band of frequencies
@@ -41,9 +42,6 @@ class RingUp:
 
 def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str], None]) -> RingUp:
     """Return the ring-up at a place (x, y) in m of a scene with transducers, a burst and a frequency in Hz."""
-    import numpy as np
-
-    import fem
     from contact import Envelope
 
     scene, place = resolved.first_row(scene, place)

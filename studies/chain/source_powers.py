@@ -2,8 +2,6 @@
 
 from studies.scene import Scene
 
-__all__ = ["powers", "recovered", "recovery_left_out", "with_available_power"]
-
 
 def powers(scene: Scene, motion) -> dict:
     """Return the powers of a `SurfaceMotion` as columns of run.json's ``electrical``, W per V^2 of the source."""

@@ -10,10 +10,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
 
+import numpy as np
+
+import fem
 from studies.refusal import RunError
 from studies.scene import Scene, resolved
-
-__all__ = ["Response", "Spectrum", "port_admittances", "response", "spectrum", "takes_bands"]
 
 WIDEST = 1.6  # highest over lowest frequency of one band
 FEW = 5  # frequencies that cost less one by one than the set-up of a band
@@ -21,21 +22,13 @@ FEW = 5  # frequencies that cost less one by one than the set-up of a band
 
 @dataclass(frozen=True, kw_only=True)
 class Response:
-    """A driven stator that answers at any frequency of a range; what ``fem.burst`` asks of a band.
+    """A driven stator that answers at any frequency of a range; what ``fem.burst`` asks of a band."""
 
-    Attributes
-    ----------
-    limits : tuple of float
-        Hz.
-    bands : tuple of fem.Band
-        From low to high; empty where every frequency is solved by itself.
-    alone : callable
-        Frequency -> fem.SurfaceWave, for that case.
-    """
-
-    limits: tuple[float, float]
-    bands: tuple = field(repr=False)
-    alone: Callable = field(repr=False)
+    limits: tuple[float, float]  # Hz
+    bands: tuple = field(
+        repr=False
+    )  # fem.Band, from low to high; empty where every frequency is solved by itself
+    alone: Callable = field(repr=False)  # frequency -> fem.SurfaceWave, for that case
 
     def wave(self, frequency: float, drive):
         """Return the fem.SurfaceWave at a frequency in Hz."""
@@ -62,29 +55,6 @@ class Response:
         return side_by_side(wave, frequencies)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Spectrum:
-    """Motion of the plane section at a place against frequency, per volt of the source.
-
-    Attributes
-    ----------
-    frequency : ndarray
-        Hz.
-    normal, tangential : ndarray, complex
-        u_z and u_x in m per V.
-    rayleigh_normal : ndarray, complex
-        The surface mode's part of u_z; NaN under a transducer.
-    relative_error : float
-        Of the motion, worst.
-    """
-
-    frequency: object = field(repr=False)
-    normal: object = field(repr=False)
-    tangential: object = field(repr=False)
-    rayleigh_normal: object = field(repr=False)
-    relative_error: float
-
-
 def response(
     scene: Scene,
     lowest: float,
@@ -94,23 +64,10 @@ def response(
     tolerance: float,
     progress: Callable[[str], None],
 ) -> Response:
-    """Prepare a resolved scene with transducers for the frequencies of a range.
+    """Prepare a resolved scene with transducers for frequencies from lowest to highest (Hz).
 
-    Parameters
-    ----------
-    scene : Scene
-        Its periods are numbers.
-    lowest, highest : float
-        Hz.
-    places : tuple of float
-        Where the motion is wanted, m from the left end.
-    tolerance : float
-        Relative, of the motion there.
-    progress : callable
-        Told what is being done.
+    ``places``: where the motion is wanted, m from the left end; ``tolerance``: relative, of the motion there.
     """
-    import fem
-
     block, transducers = resolved.stator(scene.stator), resolved.section_row(scene)
     common = {"drive": resolved.drive(scene), "tolerance": tolerance, "places": tuple(places)}
 
@@ -135,32 +92,8 @@ def response(
     return Response(limits=(lowest, highest), bands=tuple(bands), alone=alone)
 
 
-def spectrum(scene: Scene, prepared: Response, frequencies, place: float) -> Spectrum:
-    """Return the motion at a place (m) for many frequencies (Hz) of a prepared scene."""
-    import numpy as np
-
-    rows, errors = [], [0.0]
-    for wave in prepared.waves(frequencies, resolved.drive(scene)):
-        tangential, normal = wave.motion(place)
-        surface = complex("nan") if wave.covered(place) else wave.rayleigh_motion(place)[1]
-        rows.append((normal, tangential, surface))
-        errors.append(wave.relative_error)
-    columns = np.array(rows, dtype=complex).reshape(-1, 3).T
-    return Spectrum(
-        frequency=np.array(frequencies, dtype=float),
-        normal=columns[0],
-        tangential=columns[1],
-        rayleigh_normal=columns[2],
-        relative_error=float(max(errors)),
-    )
-
-
 def port_admittances(scene: Scene, frequencies, tolerance: float, progress: Callable[[str], None]):
     """Return the ``fem.PortAdmittance`` of a resolved scene over rising frequencies in Hz, as a run has it at one."""
-    import numpy as np
-
-    import fem
-
     block, row = resolved.stator(scene.stator), resolved.section_row(scene)
     span = frequencies[-1] / frequencies[0]
     count = max(1, math.ceil(math.log(span) / math.log(WIDEST)))

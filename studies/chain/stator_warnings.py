@@ -3,10 +3,10 @@
 import math
 from collections.abc import Iterator
 
+import numpy as np
+
 from studies.record import Record
 from studies.scene import Scene, resolved
-
-__all__ = ["OF_THE_STATOR", "breakdown_voltage", "catalogue_strength"]
 
 OFF_RESONANCE = 1.15  # largest over present amplitude from which it is said; the ripple of a plate makes 1.1
 PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # 1/(Pa m), V/(Pa m), -: air
@@ -98,8 +98,6 @@ def _off_resonance(record: Record) -> Iterator[str]:
         or scene.drive.match != "none"
     ):
         return
-    import numpy as np
-
     from fem import ConvergenceError, relative_amplitude
 
     solid, present = resolved.solid(scene.stator), scene.frequency

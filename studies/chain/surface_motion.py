@@ -8,10 +8,12 @@ them (`fem.crossed_beam`); the section of the motion is then that of the driven 
 
 from dataclasses import dataclass, field
 
-from studies.scene import resolved
-from studies.scene.blocks import Stator
+import numpy as np
 
-__all__ = ["SurfaceMotion", "crossed_motion", "driven_motion", "surface_motion", "wanted_diffraction"]
+import fem
+from studies.refusal import RunError
+from studies.scene import Scene, resolved
+from studies.scene.blocks import Stator
 
 PER_WAVELENGTH = (
     24  # places where the beam's standing wave is looked at; a minimum between them is missed by 1 %
@@ -20,21 +22,12 @@ PER_WAVELENGTH = (
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceMotion:
-    """Motion of a driven stator's surface.
+    """Motion of a driven stator's surface."""
 
-    Attributes
-    ----------
-    wave : fem.SurfaceWave
-        Of the section.
-    beam : fem.SurfaceBeam, fem.CrossedBeam or None
-        Of the finite aperture; None where the section stands for it.
-    reason : str
-        Why it cannot be computed; empty where it is, or is not wanted.
-    """
-
-    wave: object = field(repr=False)
+    wave: object = field(repr=False)  # fem.SurfaceWave, of the section
+    # fem.SurfaceBeam or fem.CrossedBeam, of the finite aperture; None where the section stands for it
     beam: object = field(default=None, repr=False)
-    reason: str = ""
+    reason: str = ""  # why there is no beam; empty where there is one, or none is wanted
     _known: dict = field(default_factory=dict, init=False, repr=False)
 
     @property
@@ -49,8 +42,6 @@ class SurfaceMotion:
 
     def at(self, places):
         """Return u_x, u_y and u_z in m per V at places (x, y) in m, complex, shape (3, places)."""
-        import numpy as np
-
         return np.array([each for each, _ in self._known_at(places)]).T
 
     def along(self, x, y: float):
@@ -67,8 +58,6 @@ class SurfaceMotion:
 
     def change(self, places) -> float:
         """Return by how much the motion differs from the section's, over max(|u_x|, |u_z|), the largest at places."""
-        import numpy as np
-
         here = self.at(places)[[0, 2]]
         there = self.wave.motion(np.array([self.in_section(place) for place in places]))
         return float((abs(here - there).max(axis=0) / abs(here).max(axis=0)).max())
@@ -91,8 +80,6 @@ class SurfaceMotion:
         return [self._known[place] for place in places]
 
     def _both(self, x, y):
-        import numpy as np
-
         if self.beam is not None:
             return self.beam.motion_and_error(x, y)
         tangential, normal = self.wave.motion(np.asarray(x, dtype=float))
@@ -108,8 +95,6 @@ class SurfaceMotion:
 
     def standing_wave_ratio(self, place: tuple[float, float]) -> float:
         """Return the largest over the smallest |u_z| within a wavelength either side of a place (x, y)."""
-        import numpy as np
-
         x, y = place
         if self.beam is None:
             return self.wave.standing_wave_ratio(x)
@@ -120,22 +105,31 @@ class SurfaceMotion:
         return float(size.max() / size.min())
 
 
+def solved_motion(
+    scene: Scene, places, *, tolerance: float, progress=None, slider: bool | None = None, missed: bool = False
+) -> SurfaceMotion:
+    """Return `driven_motion`, or raise RunError; what the beam refuses is the scene's ``stator.diffraction``.
+
+    ``missed``: whether a motion that misses the tolerance is returned, with its error.
+    """
+    try:
+        return driven_motion(scene, places, tolerance=tolerance, progress=progress, slider=slider)
+    except fem.ConvergenceError as error:
+        if error.reached is None or not missed:
+            raise RunError(str(error)) from None
+        return error.reached
+    except fem.BeamError as error:
+        scene.refuse("stator.diffraction", f"must be false or absent: {error}")
+
+
 def driven_motion(
     scene, places, *, tolerance: float, progress=None, slider: bool | None = None
 ) -> SurfaceMotion:
     """Return the motion of a driven scene, its section solved to a tolerance at places (x, y) in m.
 
-    ``slider`` says whether one is to be driven, where the scene does not.
-
-    Raises
-    ------
-    fem.BeamError
-        If the scene asks for a finite aperture that cannot be computed.
-    fem.ConvergenceError
-        If a section misses its tolerance; ``reached`` is the motion with the error that it has.
+    ``slider``: whether one is to be driven, where the scene does not say.  Raises fem.BeamError, and
+    fem.ConvergenceError if a section misses its tolerance; its ``reached`` is the motion with the error that it has.
     """
-    import fem
-
     short, slider = [], scene.slider is not None if slider is None else slider
 
     def solve(stator, row, drive, at):
@@ -168,8 +162,6 @@ def driven_motion(
 
 def crossed_motion(scene, places, solve) -> SurfaceMotion:
     """Return the motion of a scene with turned transducers; ``solve`` as of `fem.crossed_beam`."""
-    import fem
-
     beam = fem.crossed_beam(
         resolved.stator(scene.stator),
         resolved.transducers(scene),
@@ -183,27 +175,12 @@ def crossed_motion(scene, places, solve) -> SurfaceMotion:
 
 
 def surface_motion(wave, block: Stator, places, *, slider: bool = True) -> SurfaceMotion:
-    """Return what stands for the motion of a solved stator.
+    """Return what stands for the motion of a solved stator (fem.SurfaceWave) at places (x, y) in m.
 
-    Parameters
-    ----------
-    wave : fem.SurfaceWave
-    block : Stator
-        Of the scene.  Its ``diffraction`` is True: the finite aperture; False: the plane section; None: the finite
-        aperture under a slider, where `resolved.default_refusal` has nothing against it and the error that it adds to
-        the section's is smaller than what it changes.  Its ``sides`` count with the finite aperture alone.
-    places : sequence of (float, float)
-        x and y in m, where it is needed.
-    slider : bool
-        Whether a slider is to be driven.
-
-    Raises
-    ------
-    fem.BeamError
-        If diffraction is True and it cannot be computed.
+    ``stator.diffraction`` is True: the finite aperture (fem.BeamError where it cannot be computed); False: the plane
+    section; None: the finite aperture under a slider, where `resolved.default_refusal` has nothing against it and the
+    error that it adds to the section's is smaller than what it changes.
     """
-    import fem
-
     diffraction = wanted_diffraction(block.diffraction, slider)
     if diffraction is False:
         return SurfaceMotion(wave=wave)

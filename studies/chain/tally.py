@@ -6,8 +6,6 @@ was followed event by event, and the slide after it always.
 
 import math
 
-__all__ = ["burst_tally", "steady_tally"]
-
 EVENTS = ("contact", "release", "stick_to_slip", "slip_to_stick", "reversal", "graze")
 
 

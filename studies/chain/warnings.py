@@ -14,8 +14,6 @@ from studies.chain.stator_warnings import OF_THE_STATOR, catalogue_strength
 from studies.record import Record
 from studies.scene import Scene
 
-__all__ = ["scene_warnings", "warnings_of"]
-
 SIDEWAYS = 0.1  # |u_y| over |u_x| from which it is said
 CREEP = 0.01  # of the surface's own speed along x
 MAX_USUAL_LENGTH = 1.0  # m of a stator: a longer one is probably a mistaken unit

@@ -2,7 +2,6 @@
 
 import argparse
 import cmath
-import json
 import math
 import sys
 from collections.abc import Iterator
@@ -14,11 +13,10 @@ from studies.refusal import RunError, SceneError, shown
 from studies.report.answer import print_json
 from studies.report.files import write_run
 from studies.results import Origin, ResultDirectory, result_directory
+from studies.results.content import write_json
 from studies.scene import Scene, SceneFile, read_table, scene_path, shipped_scenes
 from studies.scene.override import toml_value
 from studies.scene.uncertain import parted
-
-__all__ = ["check", "datasheet", "design", "fit", "run", "scenes", "schema", "study", "sweep", "view", "wave"]
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -27,14 +25,17 @@ def run(arguments: argparse.Namespace) -> int:
     from studies.progress import Progress
     from studies.report.answer import answer
     from studies.report.drawing import Drawing
+    from studies.report.explanation import explanation, plan
     from studies.report.measured import compared, read_measured
 
     wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
     measured = None if arguments.measured is None else read_measured(arguments.measured)
     if arguments.explain:
-        return _explain(scene, wanted, as_json=arguments.json)
+        planned = plan(scene, tolerance=wanted)
+        _show(arguments, planned.to_dict(), explanation(planned))
+        return 0
     if arguments.plot:
-        from studies.report.figures import refuse_without_toolkit, show
+        from studies.report.figures import pictures, refuse_without_toolkit, show
 
         refuse_without_toolkit("--plot", "without it the same pictures are files in the result directory")
     for option in ("report", "field"):
@@ -64,18 +65,11 @@ def run(arguments: argparse.Namespace) -> int:
                         write_report(record, result.folder)
                     if drawing is not None:
                         drawing.draw(record, result.folder)
-    if arguments.json:
-        print_json(whole)
-    else:
-        print(answer(record))
-        print(f"results         {out}")
-    _tell(result)
-    for warning in record.warnings:
-        print(f"sawmotor: warning: {warning}", file=sys.stderr)
-    if record.shortfall:
-        print(f"sawmotor: {record.shortfall}", file=sys.stderr)
+    _show(arguments, whole, f"{answer(record)}\nresults         {out}")
+    _warn(record.warnings)
+    _say([record.shortfall] if record.shortfall else [])
     if arguments.plot:
-        show(record)
+        show(*pictures(record).values())
     return 1 if record.shortfall else 0
 
 
@@ -96,6 +90,7 @@ def _results(arguments: argparse.Namespace, kind: str, ending: str) -> Iterator[
     folder = out or Path("results") / f"{origin.name}{ending}"
     with result_directory(folder, origin, chosen=out is not None) as result:
         yield result, folder
+    _say(result.notes)
 
 
 @contextmanager
@@ -111,21 +106,22 @@ def _pictures(result: ResultDirectory) -> Iterator[None]:
     result.commit()
 
 
-def _tell(result: ResultDirectory | None) -> None:
-    """Say on stderr what became of the files that were there."""
-    for note in [] if result is None else result.notes:
-        print(f"sawmotor: {note}", file=sys.stderr)
-
-
-def _explain(scene: Scene, wanted: float, *, as_json: bool) -> int:
-    from studies.report.explanation import explanation, plan
-
-    planned = plan(scene, tolerance=wanted)
-    if as_json:
-        print_json(planned.to_dict())
+def _show(arguments: argparse.Namespace, whole: dict, text: str) -> None:
+    """Print an answer as JSON or as text."""
+    if arguments.json:
+        print_json(whole)
     else:
-        print(explanation(planned))
-    return 0
+        print(text)
+
+
+def _say(sentences) -> None:
+    """Say something on stderr."""
+    for each in sentences:
+        print(f"sawmotor: {each}", file=sys.stderr, flush=True)
+
+
+def _warn(warnings) -> None:
+    _say(f"warning: {each}" for each in warnings)
 
 
 def datasheet(arguments: argparse.Namespace) -> int:
@@ -137,18 +133,13 @@ def datasheet(arguments: argparse.Namespace) -> int:
     wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
     with _results(arguments, "datasheet", "-datasheet") as (result, out), Progress() as progress:
         sheet = computed(scene, tolerance=wanted, progress=progress)
-        text = json.dumps(sheet.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
         if result is not None:
-            (result.folder / "datasheet.json").write_text(text + "\n", encoding="utf-8")
+            write_json(result.folder / "datasheet.json", sheet.to_dict())
             result.commit()
             with _pictures(result):
                 (result.folder / "datasheet.html").write_text(page(sheet), encoding="utf-8")
-    print(text if arguments.json else table(sheet))
-    if result is not None and not arguments.json:
-        print(f"results  {out}")
-    _tell(result)
-    for warning in sheet.record.warnings:
-        print(f"sawmotor: warning: {warning}", file=sys.stderr)
+    _show(arguments, sheet.to_dict(), f"{table(sheet)}\nresults  {out}")
+    _warn(sheet.record.warnings)
     return 0
 
 
@@ -160,10 +151,7 @@ def wave(arguments: argparse.Namespace) -> int:
     if "," in orientation:
         orientation = toml_value(f"[{orientation.strip('[]')}]")
     answer = half_space_wave(arguments.material, orientation=orientation, surface=arguments.surface)
-    if arguments.json:
-        print_json(answer)
-    else:
-        print(half_space_answer(answer))
+    _show(arguments, answer, half_space_answer(answer))
     if arguments.plot is not None:
         from studies.report.crystal import save_axes
 
@@ -208,10 +196,8 @@ def study(arguments: argparse.Namespace) -> int:
         with _pictures(result):
             draw_study(arguments.name, done, result.folder, progress=progress)
     print(f"{study_answer(done)}\nresults  {out}")
-    _tell(result)
     reason = contradiction(done)
-    if reason:
-        print(f"sawmotor: {reason}", file=sys.stderr)
+    _say([*result.notes, *([reason] if reason else [])])
     return 1 if reason else 0
 
 
@@ -223,12 +209,9 @@ def view(arguments: argparse.Namespace) -> int:
 
     wanted = Wanted.read(arguments)
 
-    def note(text: str) -> None:
-        print(f"sawmotor: {text}", file=sys.stderr, flush=True)
-
     with Progress() as progress:
-        show(arguments.run, wanted, progress=progress, note=note)
-    print("\n".join(wanted.files), end="\n" if wanted.files else "")
+        show(arguments.run, wanted, progress=progress, note=lambda text: _say([text]))
+    print("\n".join(wanted.files.values()), end="\n" if wanted.files else "")
     return 0
 
 
@@ -264,8 +247,7 @@ def check(arguments: argparse.Namespace) -> int:
         scene = resolved(Scene.from_file(file))
     print(f"{arguments.scene}: {scene.title or 'no title'}")
     print("\n".join(f"  {line}" for line in _contents(scene)))
-    for warning in scene_warnings(scene):
-        print(f"sawmotor: warning: {warning}", file=sys.stderr)
+    _warn(scene_warnings(scene))
     return 0
 
 
@@ -298,45 +280,38 @@ def fit(arguments: argparse.Namespace) -> int:
             if not (arguments.no_plot or arguments.json):
                 with _pictures(result):
                     draw_fit(found, result.folder / "fit.png")
-    if arguments.json:
-        print_json(found.to_dict())
-    else:
-        print(f"{fit_answer(found)}\n{'results':<16}{out}")
-    _tell(result)
+    _show(arguments, found.to_dict(), f"{fit_answer(found)}\n{'results':<16}{out}")
     return 0
 
 
 def design(arguments: argparse.Namespace) -> int:
     """Search for the best motor within ranges; print it and leave its scene beside all evaluations."""
-    from studies.inverse import design as search
+    from studies.inverse.design import Options
+    from studies.inverse.design import design as search
     from studies.inverse.design_report import design_answer, draw_design, write_design
+    from studies.inverse.goals import read_constraint, read_variable
     from studies.progress import Progress
 
     wanted = tolerance(arguments.tolerance or "3e-2")
     table = changed_scene(arguments).to_table()
-    variables = [search.read_variable(text) for text in arguments.over]
+    variables = [read_variable(text) for text in arguments.over]
     out = Path(arguments.out or Path("results") / f"{scene_path(arguments.scene).stem}-design")
     with Progress() as progress:
-        found = search.design(
+        found = search(
             table,
             arguments.maximise,
             variables,
-            [search.read_constraint(text) for text in arguments.subject],
-            options=search.Options(
-                evaluations=arguments.evaluations,
-                seed=arguments.seed,
+            [read_constraint(text) for text in arguments.subject],
+            options=Options(
+                **{key: getattr(arguments, key) for key in ("evaluations", "seed", "workers")},
                 tolerance=wanted,
                 out=out,
-                workers=arguments.workers,
             ),
             progress=progress,
         )
         write_design(found, out)
         draw_design(found, out / "design.png")
-    if arguments.json:
-        print_json(found.to_dict())
-    else:
-        print(f"{design_answer(found, variables)}\n{'results':<16}{out}")
+    _show(arguments, found.to_dict(), f"{design_answer(found, variables)}\n{'results':<16}{out}")
     return 0
 
 
@@ -363,7 +338,7 @@ def changed_file(arguments: argparse.Namespace) -> SceneFile:
 def _without_bands(table: dict) -> None:
     """Say that the tolerances of a scene are not looked at, if it has any."""
     if "uncertain" in parted(table):
-        print("sawmotor: [uncertain] is not used here: its bands are those of sawmotor run", file=sys.stderr)
+        _say(["[uncertain] is not used here: its bands are those of sawmotor run"])
 
 
 def tolerance(text: str | None) -> float:

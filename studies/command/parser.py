@@ -4,8 +4,6 @@ import argparse
 
 from studies.refusal import SceneError
 
-__all__ = ["parser"]
-
 SCENE = "a path or a shipped name"
 VELOCITY = "bound of the relative error of the slider velocity (1e-3)"
 

@@ -14,8 +14,6 @@ from studies.inverse.parameters import SYSTEMATIC, read_setting
 from studies.refusal import SceneError
 from studies.report.measured import LENGTHS, SPEEDS, TIMES, VOLTAGES, MeasuredTable
 
-__all__ = ["UNITS", "Measurement", "read_measurement"]
-
 OPTION = "--data"
 # by quantity: unit, factor to the unit that is shown, its name
 UNITS = {

@@ -15,14 +15,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from studies.inverse.evaluations import Evaluations, Options
-from studies.inverse.goals import GOALS, Constraint, counted, read_constraint, read_variable
+from studies.inverse.goals import GOALS, Constraint
 from studies.inverse.parameters import Parameter
 from studies.inverse.search import UNKNOWN, Search
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.scene.override import replaced
-
-__all__ = ["GOALS", "Constraint", "Design", "Options", "design", "read_constraint", "read_variable"]
 
 WEIGHTS = (0.25, 0.5, 0.75)  # of the second goal, between the searches for each alone
 DEFAULT = Options()
@@ -152,7 +150,7 @@ def _robustness(searcher: Search, optimum: dict) -> dict:
     for k, each in enumerate(searcher.variables):
         changed = []
         for sign in (-1.0, 1.0):
-            value = own[k] + int(sign) if counted(each) else own[k] * (1.0 + sign * CHANGE)
+            value = own[k] + int(sign) if each.counted else own[k] * (1.0 + sign * CHANGE)
             changed.append(tuple(value if j == k else other for j, other in enumerate(own)))
         rows = [row for row in searcher.ask([point for point in changed if point[k] > 0])]
         left = [

@@ -1,22 +1,19 @@
 """What a design search leaves: its answer as text, design.json, the scene at the optimum, a picture."""
 
-import json
 from pathlib import Path
 
 from studies.inverse.design import GOALS, Design
 from studies.inverse.parameters import Parameter
 from studies.report.answer import table
 from studies.report.figures import COLOURS, saved
+from studies.results.content import write_json
 from studies.scene.toml import document
-
-__all__ = ["design_answer", "draw_design", "write_design"]
 
 
 def write_design(found: Design, folder: Path) -> None:
     """Write design.json, optimum.toml and design.png into a directory."""
     folder.mkdir(parents=True, exist_ok=True)
-    text = json.dumps(found.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
-    (folder / "design.json").write_text(text + "\n", encoding="utf-8")
+    write_json(folder / "design.json", found.to_dict())
     remark = f"largest {' and '.join(found.goals)} of {found.evaluations} evaluations"
     (folder / "optimum.toml").write_text(document(found.table, remarks=(remark,)), encoding="utf-8")
 

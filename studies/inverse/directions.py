@@ -12,8 +12,6 @@ from scipy.stats import chi2
 
 from studies.inverse.parameters import Parameter
 
-__all__ = ["LEVEL", "Direction", "undetermined"]
-
 LEVEL = 0.95
 ENOUGH = float(np.sqrt(chi2.ppf(LEVEL, 1)))
 EXACT = 1e-3  # of the largest singular value: what is below is no effect, but for terms of second order

@@ -17,32 +17,16 @@ from studies.sweep.driver import Driver
 from studies.sweep.store import Store
 from studies.sweep.workers import workers as chosen_workers
 
-__all__ = ["Evaluations", "Options"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """How a search is made.
+    """How a search is made."""
 
-    Attributes
-    ----------
-    evaluations : int, optional
-        Budget of each search; 60 for each variable when absent.
-    seed : int
-        Of the random numbers.
-    tolerance : float
-        Of the velocity.
-    out : path, optional
-        Directory of the store; in memory without one.
-    workers : int
-        Processes.
-    """
-
-    evaluations: int | None = None
-    seed: int = 0
-    tolerance: float = 3e-2
-    out: Path | None = None
-    workers: int = 1
+    evaluations: int | None = None  # budget of each search; 60 for each variable when absent
+    seed: int = 0  # of the random numbers
+    tolerance: float = 3e-2  # of the velocity
+    out: Path | None = None  # directory of the store; in memory without one
+    workers: int = 1  # processes
 
 
 class _Asked:
@@ -64,21 +48,9 @@ class _Asked:
 class Evaluations:
     """Answers of one scene at values of some keys; a context manager, which holds the store.
 
-    Parameters
-    ----------
-    table : dict
-        TOML document of the scene; of several voltages or amplitudes the largest counts.
-    parameters : tuple of Parameter
-        Keys and ranges.
-    also : tuple of str
-        What is asked beside the velocity, as in a sweep.
-    search : dict
-        Everything else that decides which points are asked for: goals, constraints, budget, seed.
-    options : Options
-    progress : callable
-        Called with a text.
-    coarse : bool
-        Whether the stator's coarsest discretisation will do.
+    Of several voltages or amplitudes of the scene's table the largest counts.  ``also`` is what is asked beside the
+    velocity, as in a sweep; ``search`` everything else that decides which points are asked for: goals, constraints,
+    budget, seed; ``coarse`` takes the stator's coarsest discretisation.
     """
 
     def __init__(

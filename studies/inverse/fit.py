@@ -24,8 +24,6 @@ from studies.inverse.result import Fit
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 
-__all__ = ["fit"]
-
 FIRST_STEP = 1.96  # standard deviations to the expected end of an interval
 
 

@@ -1,15 +1,15 @@
 """What a fit leaves: its answer as text, fit.json, the fitted scene with its intervals, and a picture."""
 
-import json
 from pathlib import Path
+
+import numpy as np
 
 from studies.inverse.data import UNITS, Measurement
 from studies.inverse.result import Fit
 from studies.report.answer import table
 from studies.report.figures import COLOURS
+from studies.results.content import write_json
 from studies.scene.toml import document
-
-__all__ = ["draw_fit", "fit_answer", "write_fit"]
 
 SHOWN_CANDIDATES = 6
 DOUBTFUL = 0.01  # probability of the sum of squares below which the model does not explain the data
@@ -62,8 +62,7 @@ def _goodness(fit: Fit) -> str:
 
 def write_fit(fit: Fit, folder: Path) -> None:
     """Write fit.json and fitted.toml, the scene with the estimates, which runs."""
-    text = json.dumps(fit.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
-    (folder / "fit.json").write_text(text + "\n", encoding="utf-8")
+    write_json(folder / "fit.json", fit.to_dict())
     (folder / "fitted.toml").write_text(fitted_scene(fit), encoding="utf-8")
 
 
@@ -125,8 +124,6 @@ def _places(measurement: Measurement) -> tuple[list[float], float, str]:
 
 
 def _draw_curve(fit: Fit, measurement: Measurement, sign: float, ax) -> None:
-    import numpy as np
-
     at, scale, _ = _places(measurement)
     _, factor, unit = UNITS[measurement.quantity]
     where, best, low, high = fit.band(measurement)
@@ -149,8 +146,6 @@ def _draw_curve(fit: Fit, measurement: Measurement, sign: float, ax) -> None:
 
 
 def _draw_residuals(fit: Fit, measurement: Measurement, residuals, ax) -> None:
-    import numpy as np
-
     at, scale, label = _places(measurement)
     variance = 1.0 if fit.deviation is None else fit.deviation / measurement.deviations[0]
     ax.axhspan(-2.0, 2.0, color=COLOURS["stick"], alpha=0.2, linewidth=0)
@@ -162,7 +157,5 @@ def _draw_residuals(fit: Fit, measurement: Measurement, residuals, ax) -> None:
 
 
 def _deviations(fit: Fit, measurement: Measurement):
-    import numpy as np
-
     own = np.array(measurement.deviations)
     return own if fit.deviation is None else np.full(len(own), fit.deviation)

@@ -8,9 +8,7 @@ from studies.inverse.parameters import Parameter, read_parameter
 from studies.refusal import SceneError, nearest, shown
 from studies.scene.keys import rule_at
 from studies.scene.quantity import si_value
-from studies.scene.rule import Count
-
-__all__ = ["GOALS", "Constraint", "counted", "read_constraint", "read_variable"]
+from studies.scene.ranges import is_number
 
 # goal: column of a point (or two, the first that it has), what the sweep is asked for, whether less is better
 GOALS = {
@@ -51,17 +49,7 @@ class Constraint:
 
 def read_variable(text: str) -> Parameter:
     """Read ``KEY=LOW:HIGH`` of a number or a count of the scene."""
-    key, _, span = (part.strip() for part in text.partition("="))
-    if "." in key and isinstance(rule_at(key), Count):
-        ends = span.split(":")
-        if (
-            len(ends) != 2
-            or not all(end.strip().isdigit() for end in ends)
-            or not int(ends[0]) < int(ends[1])
-        ):
-            raise SceneError(f"--over {key}", f"must be LOW:HIGH of whole numbers, got {shown(span)}")
-        return Parameter(key=key, low=int(ends[0]), high=int(ends[1]))
-    return read_parameter(text, "--over", levels=True)
+    return read_parameter(text, "--over", design=True)
 
 
 def read_constraint(text: str) -> Constraint:
@@ -78,12 +66,9 @@ def read_constraint(text: str) -> Constraint:
     name, sign, value = match.groups()
     if name in BOUNDED:
         column, unit, also = BOUNDED[name]
-        try:
-            bound = float(value)
-        except ValueError:
-            bound = si_value(f"--subject {name}", value, unit)
+        bound = float(value) if is_number(value) else si_value(f"--subject {name}", value, unit)
     elif "." in name:
-        column, also, bound = name, "", rule_at(name).read(name, _number(value))
+        column, also, bound = name, "", rule_at(name).read(name, float(value) if is_number(value) else value)
         if isinstance(bound, tuple):
             bound = bound[0]
     else:
@@ -93,15 +78,3 @@ def read_constraint(text: str) -> Constraint:
     return Constraint(
         text=" ".join(text.split()), column=column, also=also, upper=sign == "<=", bound=float(bound)
     )
-
-
-def _number(text: str):
-    try:
-        return float(text)
-    except ValueError:
-        return text
-
-
-def counted(variable: Parameter) -> bool:
-    """Return whether a variable takes whole numbers alone."""
-    return isinstance(variable.low, int)

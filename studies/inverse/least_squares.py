@@ -16,8 +16,6 @@ from studies.inverse.parameters import Parameter
 from studies.inverse.prediction import Predictor
 from studies.refusal import RunError
 
-__all__ = ["CLEARLY", "Problem"]
-
 STEP = 1e-4  # of the logarithm, or of the range: differences err by its square, predictions by 1e-9
 STATOR_STEP = 1e-3  # a stator's answer is known to the predictor's tolerance only
 SAMPLES, MAX_LOOKED_AT = 64, 8  # starts; of which the best are looked at
@@ -126,13 +124,7 @@ class Problem:
         return at(found.x), 2.0 * float(found.cost)
 
     def minima(self) -> list[tuple[np.ndarray, float]]:
-        """Return (x, sum of squares) of the distinct minima found from several starts, the least first.
-
-        Raises
-        ------
-        RunError
-            If the model has no prediction at the least one.
-        """
+        """Return (x, sum of squares) of the distinct minima found from several starts, the least first."""
         starts = self._starts()
         squares = np.sum(self.residuals(starts) ** 2, axis=1)
         found = [self.minimum(starts[0])]

@@ -13,8 +13,6 @@ from studies.inverse.data import Measurement
 from studies.inverse.least_squares import Problem
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
 
-__all__ = ["Candidate", "candidates", "ranked"]
-
 FREQUENCY_ERROR, AMPLITUDE_ERROR, WEIGHED = 0.01, 0.02, 0.01
 WEIGHABLE = ("slider.preload", "slider.mass", "slider.radius")
 INSTANTS = 40

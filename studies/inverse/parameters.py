@@ -9,17 +9,8 @@ from dataclasses import dataclass
 
 from studies.refusal import SceneError, nearest, shown
 from studies.scene.keys import rule_at
-from studies.scene.override import toml_value
-from studies.scene.rule import Place, Quantity
-
-__all__ = [
-    "AMPLITUDE_FACTOR",
-    "AMPLITUDE_PER_VOLT",
-    "SYSTEMATIC",
-    "Parameter",
-    "read_parameter",
-    "read_setting",
-]
+from studies.scene.override import parts_of, toml_value
+from studies.scene.rule import Count, Place, Quantity
 
 AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT, SYSTEMATIC = "amplitude_factor", "amplitude_per_volt", "systematic"
 OWN = {AMPLITUDE_FACTOR: Quantity(), AMPLITUDE_PER_VOLT: Quantity("m"), SYSTEMATIC: Quantity()}
@@ -28,16 +19,9 @@ LEVELS = ("drive.voltage", "wave.normal_amplitude")
 
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
-    """A free number with its range, in SI units.
+    """A free number with its range, in SI units; with whole ends a count."""
 
-    Attributes
-    ----------
-    key : str
-        Of the scene, its lists numbered from 0; or one of this module's two names.
-    low, high : float
-    """
-
-    key: str
+    key: str  # of the scene, its lists numbered from 0; or one of this module's two names
     low: float
     high: float
 
@@ -45,6 +29,26 @@ class Parameter:
     def logarithmic(self) -> bool:
         """Whether it is worked with as its logarithm."""
         return self.low > 0.0
+
+    @property
+    def counted(self) -> bool:
+        """Whether it takes whole numbers alone."""
+        return isinstance(self.low, int)
+
+    def at(self, share: float) -> float:
+        """Return the value at a share of the range, 0 to 1."""
+        share = min(max(float(share), 0.0), 1.0)
+        if self.counted:
+            return min(self.low + int(share * (self.high - self.low + 1)), self.high)
+        low, high = self.inner(self.low), self.inner(self.high)
+        return self.outer(low + share * (high - low))
+
+    def share(self, value: float) -> float:
+        """Return the share of the range at which a value stands."""
+        if self.counted:
+            return (value - self.low + 0.5) / (self.high - self.low + 1)
+        low, high = self.inner(self.low), self.inner(self.high)
+        return (self.inner(value) - low) / (high - low)
 
     def inner(self, value: float) -> float:
         """Return what the solvers work with."""
@@ -62,8 +66,8 @@ class Parameter:
         return 0.5 * (self.inner(self.low) + self.inner(self.high))
 
 
-def read_parameter(text: str, option: str = "--free", *, levels: bool = False) -> Parameter:
-    """Read ``KEY=LOW:HIGH``; with ``levels`` voltage and amplitude too.
+def read_parameter(text: str, option: str = "--free", *, design: bool = False) -> Parameter:
+    """Read ``KEY=LOW:HIGH``; for a ``design`` voltage, amplitude and counts too.
 
     Raises
     ------
@@ -75,13 +79,18 @@ def read_parameter(text: str, option: str = "--free", *, levels: bool = False) -
     >>> read_parameter("slider.preload=1 mN:5 mN")
     Parameter(key='slider.preload', low=0.001, high=0.005)
     """
-    key, sign, span = (part.strip() for part in text.partition("="))
-    ends = span.split(":")
-    if not sign or not key or len(ends) != 2:
+    key, span = parts_of(option, text, "KEY=LOW:HIGH")
+    ends = [end.strip() for end in span.split(":")]
+    if len(ends) != 2:
         raise SceneError(option, f"must be KEY=LOW:HIGH, got {shown(text)}")
-    if key in LEVELS and not levels:
+    if key in LEVELS and not design:
         raise SceneError(f"{option} {key}", "is given by the measurement, point by point, and cannot be free")
-    low, high = (_number(option, key, end.strip()) for end in ends)
+    if design and "." in key and isinstance(rule_at(key), Count):
+        if not all(end.isdigit() for end in ends):
+            raise SceneError(f"{option} {key}", f"must be LOW:HIGH of whole numbers, got {shown(span)}")
+        low, high = map(int, ends)
+    else:
+        low, high = (_number(option, key, end) for end in ends)
     if not low < high:
         raise SceneError(f"{option} {key}", f"must have LOW below HIGH, got {low:g} and {high:g}")
     return Parameter(key=key, low=low, high=high)
@@ -89,9 +98,7 @@ def read_parameter(text: str, option: str = "--free", *, levels: bool = False) -
 
 def read_setting(text: str, option: str = "--data") -> tuple[str, object]:
     """Read ``KEY=VALUE``, what holds for one measurement; the value as in a scene file."""
-    key, sign, value = (part.strip() for part in text.partition("="))
-    if not sign or not key or not value:
-        raise SceneError(option, f"must be FILE.csv KEY=VALUE ..., got {shown(text)}")
+    key, value = parts_of(option, text, "FILE.csv KEY=VALUE ...")
     if key in OWN:
         return key, _number(option, key, value)
     return key, rule_at(key).read(key, toml_value(value))

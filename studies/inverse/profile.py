@@ -15,8 +15,6 @@ from scipy.stats import chi2, f
 from studies.inverse.directions import LEVEL
 from studies.inverse.least_squares import Problem
 
-__all__ = ["End", "allowed_excess", "profile"]
-
 AGREES = 1e-2  # of the square root of the excess, relative: of the interval's half width
 MAX_REFITS = 24
 AT_END = 1e-4  # of the range: nearer to an end than this is at it
@@ -51,26 +49,10 @@ def allowed_excess(variance: float, degrees: int | None) -> float:
 def profile(
     problem: Problem, minimum: tuple, least: float, j: int, *, sign: float, step: float, allowed: float
 ) -> End:
-    """Return the end of the interval of component j, downwards or upwards.
+    """Return the end of the interval of component j, downwards (``sign`` -1) or upwards.
 
-    Parameters
-    ----------
-    problem : Problem
-    minimum : (ndarray, float)
-        Where the profile begins, and the sum of squares there.
-    least : float
-        Sum of squares from which the excess counts.
-    j : int
-    sign : float
-        -1 or 1.
-    step : float
-        Expected distance of the end.
-    allowed : float
-        Excess at the end.
-
-    Raises
-    ------
-    BetterMinimumError
+    ``minimum``: where the profile begins, and the sum of squares there; ``least``: that from which the excess counts;
+    ``step``: expected distance of the end; ``allowed``: excess there.  Raises BetterMinimumError.
     """
     best, begun = minimum
     wall = problem.high[j] if sign > 0 else problem.low[j]

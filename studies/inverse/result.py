@@ -12,51 +12,27 @@ from studies.inverse.next_measurement import Candidate
 from studies.inverse.profile import End
 from studies.scene import Scene
 
-__all__ = ["Fit"]
-
 DRAWS, GRID = 200, 40  # of the predictive band; levels at which it is drawn
 
 
 @dataclass(frozen=True, kw_only=True)
 class Fit:
-    """What measurements say about a motor.
+    """What measurements say about a motor."""
 
-    Attributes
-    ----------
-    problem : Problem
-        What was fitted.
-    best : ndarray
-        Inner values at the minimum.
-    chi2 : float
-        Sum of squared residuals.
-    degrees_of_freedom : int
-    deviation : float or None
-        Standard deviation in SI units estimated from the residuals; None where the data state their own.
-    ends : dict of str to (End or None, End or None)
-        Of the intervals by key; None where the number lies in an undetermined direction.
-    directions : tuple of Direction
-        Undetermined.
-    rivals : tuple of dict
-        Numbers at other minima that the data do not rule out; the intervals hold them.
-    correlation : ndarray
-        Of the free numbers, the ranges as a weak prior.
-    covariance : ndarray
-        Of all x, likewise.
-    candidates : tuple of Candidate
-        Next measurements, the most useful first.
-    """
-
-    problem: Problem = field(repr=False)
-    best: np.ndarray
-    chi2: float
+    problem: Problem = field(repr=False)  # what was fitted
+    best: np.ndarray  # inner values at the minimum
+    chi2: float  # sum of squared residuals
     degrees_of_freedom: int
+    # standard deviation in SI units estimated from the residuals; None where the data state their own
     deviation: float | None
+    # of the intervals by key; None where the number lies in an undetermined direction
     ends: dict[str, tuple[End | None, End | None]]
-    directions: tuple[Direction, ...]
+    directions: tuple[Direction, ...]  # undetermined
+    # numbers at other minima that the data do not rule out; the intervals hold them
     rivals: tuple[dict[str, float], ...]
-    correlation: np.ndarray
-    covariance: np.ndarray
-    candidates: tuple[Candidate, ...]
+    correlation: np.ndarray  # of the free numbers, the ranges as a weak prior
+    covariance: np.ndarray  # of all x, likewise
+    candidates: tuple[Candidate, ...]  # next measurements, the most useful first
 
     @property
     def values(self) -> dict[str, float]:

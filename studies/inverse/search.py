@@ -9,9 +9,7 @@ from scipy.optimize import differential_evolution, minimize
 from scipy.stats import qmc
 
 from studies.inverse.evaluations import Evaluations
-from studies.inverse.goals import GOALS, counted
-
-__all__ = ["UNKNOWN", "Search"]
+from studies.inverse.goals import GOALS
 
 GLOBAL_SHARE, CROWD = 0.7, 8  # of the evaluations; members per variable of a generation
 REPEATED, RADIUS = 8, 1e-4  # best points of the coarse search; of COBYQA's last trust region
@@ -45,7 +43,7 @@ class Search:
         start, left = found.x, budget - size * (turns + 1)
         if self.coarse is not None:
             start, left = self._repeated(weights), left - REPEATED
-        free = [k for k, each in enumerate(self.variables) if not counted(each)]
+        free = [k for k, each in enumerate(self.variables) if not each.counted]
         if free:
             self._local(start, free, weights, left)
         best = min(self.ask.rows, key=lambda row: self.value(row, weights))
@@ -53,7 +51,9 @@ class Search:
 
     def rows(self, points, ask: Evaluations | None = None) -> list[dict]:
         """Return the evaluations at points of the unit box."""
-        return (ask or self.ask)([tuple(self._outer(k, x) for k, x in enumerate(point)) for point in points])
+        return (ask or self.ask)(
+            [tuple(each.at(x) for each, x in zip(self.variables, point, strict=True)) for point in points]
+        )
 
     def goal(self, row: dict, goal: str) -> float:
         """Return what is to be large; 0 without an answer."""
@@ -84,11 +84,10 @@ class Search:
 
     def _repeated(self, weights) -> np.ndarray:
         """Evaluate the best points of the coarse search at the tolerance; return the best of them in the unit box."""
-        keys = [each.key for each in self.variables]
         best = sorted(self.coarse.rows, key=lambda row: self.value(row, weights))[:REPEATED]
-        rows = self.ask([tuple(row[key] for key in keys) for row in best])
+        rows = self.ask([tuple(row[each.key] for each in self.variables) for row in best])
         chosen = min(rows, key=lambda row: self.value(row, weights))
-        return np.array([self._inner(k, chosen[key]) for k, key in enumerate(keys)])
+        return np.array([each.share(chosen[each.key]) for each in self.variables])
 
     def _local(self, start, free, weights, budget: int) -> None:
         """Go on from the best point by COBYQA, the constraints as such; counts stay."""
@@ -118,20 +117,6 @@ class Search:
             size, np.array(start, float)[free], method="COBYQA", bounds=[(0.0, 1.0)] * len(free), constraints=limits,
             options={"maxfev": max(budget, len(free) + 3), "initial_tr_radius": 0.05, "final_tr_radius": radius},
         )  # fmt: skip
-
-    def _outer(self, k: int, x: float) -> float:
-        each, share = self.variables[k], float(np.clip(x, 0.0, 1.0))
-        if counted(each):
-            return min(each.low + int(share * (each.high - each.low + 1)), each.high)
-        low, high = each.inner(each.low), each.inner(each.high)
-        return each.outer(low + share * (high - low))
-
-    def _inner(self, k: int, value: float) -> float:
-        each = self.variables[k]
-        if counted(each):
-            return (value - each.low + 0.5) / (each.high - each.low + 1)
-        low, high = each.inner(each.low), each.inner(each.high)
-        return (each.inner(value) - low) / (high - low)
 
     def _first(self, size: int):
         return qmc.LatinHypercube(len(self.variables), rng=np.random.default_rng(self.seed)).random(size)

@@ -9,17 +9,16 @@ everything that has no effect changes nothing.  Run time: 10 s; of twente with i
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 from itertools import pairwise
 
-from studies.chain import bridge
+import numpy as np
+
 from studies.chain.driven_contact import DrivenContact
+from studies.chain.points import averaged, half_thrust
 from studies.inverse.prediction import Predictor
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord, of_record, study
-
-__all__ = ["elasticities", "figure", "run", "tables"]
 
 TAKES_SCENE = True
 QUICK = {"outcomes": ("velocity", "threshold")}
@@ -99,8 +98,6 @@ def elasticities(
 
     ``level``: voltage in V or given normal amplitude in m.
     """
-    import numpy as np
-
     if outcome not in ACCURACY:
         raise SceneError("outcomes", f"must be of {', '.join(ACCURACY)}, got {outcome!r}")
     found, base = {}, predictor.contact({})
@@ -142,8 +139,6 @@ def elasticities(
 
 def _answers(outcome: str, asked: list[tuple[DrivenContact, float]], duration: float) -> list[float]:
     """Return an answer for each (contact, level)."""
-    import numpy as np
-
     import contact as library
 
     if outcome in ("threshold", "release"):
@@ -151,35 +146,16 @@ def _answers(outcome: str, asked: list[tuple[DrivenContact, float]], duration: f
         return [factor(contact.slider, contact.orbits) for contact, _ in asked]
     if outcome == "start-up time":
         return [_start_up(contact, level, duration) for contact, level in asked]
-    found = library.steady_sweep(
-        [contact.slider for contact, _ in asked], [contact.orbits for contact, _ in asked],
-        which=np.arange(len(asked)).repeat(2).reshape(-1, 2), factors=np.array([level for _, level in asked]),
-        wave_errors=np.zeros(len(asked)),
-    )  # fmt: skip
+    rows = averaged([(each.slider, each.orbits, 0.0, level) for each, level in asked])
     if outcome == "velocity":
-        return np.abs(found.velocity).tolist()
+        return [abs(row[0]) for row in rows]
+    thrusts = [(row[-1], each) for row, each in zip(rows, asked, strict=True)]
     if outcome == "thrust":
-        return [
-            thrust * contact.scene.slider.mass / contact.slider.mass
-            for thrust, (contact, _) in zip(found.blocked_thrust.tolist(), asked, strict=True)
-        ]
+        return [thrust * each.scene.slider.mass / each.slider.mass for thrust, (each, _) in thrusts]
     return [
-        _efficiency(contact, level, thrust)
-        for thrust, (contact, level) in zip(found.blocked_thrust.tolist(), asked, strict=True)
+        half_thrust(each.slider, each.at(level), thrust, ACCURACY["efficiency"])[1]
+        for thrust, (each, level) in thrusts
     ]
-
-
-def _efficiency(contact: DrivenContact, level: float, thrust: float) -> float:
-    """Return the efficiency of the contact at half the blocked thrust."""
-    import contact as library
-
-    if not thrust > 0.0:
-        return 0.0
-    orbits = bridge.scaled(contact.orbits, level)
-    state = library.steady(
-        replace(contact.slider, load=0.5 * thrust), orbits, tolerance=ACCURACY["efficiency"]
-    )
-    return 0.5 * thrust * abs(state.velocity) / (state.ledger.wave * orbits[0].frequency)
 
 
 def _start_up_span(contact: DrivenContact, level: float) -> float:
@@ -191,7 +167,6 @@ def _start_up_span(contact: DrivenContact, level: float) -> float:
 
 def _start_up(contact: DrivenContact, level: float, duration: float) -> float:
     """Return the time from rest to 63 % of the steady velocity, s; NaN where a burst does not reach it."""
-    import numpy as np
     from scipy.interpolate import CubicSpline
 
     import contact as library
@@ -200,9 +175,14 @@ def _start_up(contact: DrivenContact, level: float, duration: float) -> float:
     if not duration > 0.0:
         return float("nan")
     motion = library.burst(
-        contact.slider, bridge.scaled(contact.orbits, level), duration=duration, after=0.0, tolerance=1e-6,
-        samples=400, method="auto",
-    )  # fmt: skip
+        contact.slider,
+        contact.at(level),
+        duration=duration,
+        after=0.0,
+        tolerance=1e-6,
+        samples=400,
+        method="auto",
+    )
     share = CubicSpline(motion.time, np.abs(motion.velocity) / final - RISE)
     times = [root for root in share.roots(extrapolate=False) if root > 0.0]
     return float(times[0]) if times else float("nan")
@@ -210,8 +190,6 @@ def _start_up(contact: DrivenContact, level: float, duration: float) -> float:
 
 def _without_effect(predictor: Predictor, outcome: str, rows: dict, level: float) -> list[Finding]:
     """Return which numbers have no effect, and what happens if all of them are changed together."""
-    import numpy as np
-
     silent = [key for key, (value, _) in rows.items() if abs(value) < NO_EFFECT and key != "level"]
     if not silent:
         return []
@@ -221,16 +199,14 @@ def _without_effect(predictor: Predictor, outcome: str, rows: dict, level: float
     allowed = 1.5 * SILENT_STEP * NO_EFFECT * len(silent)
     change = abs(float(np.log(after / before)))
     return [
-        Finding(statement=f"Without effect on the {outcome}: {', '.join(silent)}.",
-                quantity=f"relative change if all of them grow by {100 * SILENT_STEP:g} %",
-                expected=f"below {allowed:.1g}", found=change, confirmed=change < allowed)
+        Finding.judged(f"Without effect on the {outcome}: {', '.join(silent)}.",
+                       f"relative change if all of them grow by {100 * SILENT_STEP:g} %", change, high=allowed,
+                       expected=f"below {allowed:.1g}")
     ]  # fmt: skip
 
 
 def _checks(predictor: Predictor, rows: dict, level: float) -> list[Finding]:
     """Return what must hold: both ways agree, and the contact's scaling law."""
-    import numpy as np
-
     import contact as library
 
     worst = 0.0
@@ -239,7 +215,7 @@ def _checks(predictor: Predictor, rows: dict, level: float) -> list[Finding]:
 
         def family(s, key=key, own=own):
             contact = predictor.contact({key: own * float(np.exp(s))})
-            return contact.slider, bridge.scaled(contact.orbits, level)
+            return contact.slider, contact.at(level)
 
         slider, orbits = family(0.0)
         implicit = library.velocity_derivative(family) / library.mean_motion(slider, orbits).velocity

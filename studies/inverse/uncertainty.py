@@ -17,8 +17,6 @@ from studies.record import Record
 from studies.scene.resolved import LEVELS, tolerances
 from studies.scene.uncertain import DEFAULTS
 
-__all__ = ["with_bands"]
-
 LEVEL = 0.95
 DEVIATIONS = float(norm.ppf(0.5 * (1 + LEVEL)))  # standard deviations in a tolerance
 LIMITS = ("threshold", "release")
@@ -26,13 +24,7 @@ KEYS = tuple(f"{name}_{unit}" for unit in ("amplitude_m", "voltage_V") for name 
 
 
 def with_bands(record: Record, *, progress: Callable[[str], None] | None = None) -> Record:
-    """Return the record of a scene with [uncertain] with its bands: two more values of each point, one more block.
-
-    Raises
-    ------
-    SceneError
-        If a sample breaks a rule of the scene.
-    """
+    """Return the record of a scene with [uncertain] with its bands: two more values of each point, one more block."""
     options = DEFAULTS | {key: value for key, value in record.scene.uncertain if key in DEFAULTS}
     numbers = tolerances(record.scene)
     predictor = Predictor(

@@ -13,13 +13,12 @@ from dataclasses import replace
 
 import numpy as np
 
+import contact
 from studies.chain import bridge
 from studies.chain.driven_contact import DrivenContact, driven_contact
 from studies.report.figures import AXES, curve, finished, logarithmic, own
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord, of_record, study
-
-__all__ = ["figure", "run"]
 
 TAKES_SCENE = True
 QUICK = {"amplitudes": 8, "preloads": 5, "checked": 2}
@@ -44,8 +43,6 @@ def run(
     checked : int
         Points that are solved again by the event-driven method.
     """
-    import contact
-
     driven = driven_contact(scene, progress=progress)
     chosen, slider, per_metre = driven.scene, driven.slider, driven.at(1.0 / driven.amplitude)
     if slider.shape != "sphere" or slider.heights:
@@ -106,8 +103,6 @@ def _half_wave() -> float:
 
 def _grid(driven: DrivenContact, per_metre: tuple, amplitudes: int, preloads: int) -> tuple:
     """Return amplitudes and preloads that show every regime, and the scene's own amplitudes."""
-    import contact
-
     reach = driven.amplitude * np.array(driven.levels)
     threshold = contact.threshold_factor(driven.slider, per_metre)
     release = contact.release_factor(driven.slider, per_metre)
@@ -122,8 +117,6 @@ def _grid(driven: DrivenContact, per_metre: tuple, amplitudes: int, preloads: in
 
 def _worst(slider, per_metre, amplitudes, preloads, found, checked: int) -> float:
     """Return the largest difference to the event-driven method over a scatter of moving points."""
-    import contact
-
     at = np.argwhere(np.abs(np.nan_to_num(found.velocity)) > 0.0)
     differences = []
     for i, j in at[:: max(1, len(at) // checked)][:checked]:

@@ -12,12 +12,11 @@ import math
 
 import numpy as np
 
+import contact
 from studies.chain.driven_contact import driven_contact
 from studies.report.figures import curve, family, finished, logarithmic
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord, of_record, study
-
-__all__ = ["figure", "run"]
 
 TAKES_SCENE = True
 QUICK = {"cycles": (64, 256), "wanted": (2e-8,), "lines": 1}
@@ -46,8 +45,6 @@ def run(
     lines : int
         How many of the scene's levels, at most.
     """
-    import contact
-
     driven = driven_contact(scene, progress=progress)
     chosen, slider, picked = driven.scene, driven.slider, driven.spread(1.5, lines)
     steps, planned = {}, {}
@@ -126,8 +123,6 @@ def _growth(steps, steady: float) -> list[Finding]:
 
 def _travelled(slider, orbits, frequency, step) -> float:
     """Return the integral of a trajectory's velocity over a step."""
-    import contact
-
     found = contact.burst(
         slider, orbits, duration=step.cycles / frequency, after=10.0 * step.stopping_time, tolerance=1e-6,
         samples=4000, method="exact",

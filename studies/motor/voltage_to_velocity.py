@@ -11,8 +11,6 @@ from studies.chain import run as run_chain
 from studies.record import Record
 from studies.scene import Scene
 
-__all__ = ["figure", "run"]
-
 TAKES_SCENE = True
 QUICK = {"tolerance": 1e-2}
 

@@ -3,11 +3,11 @@
 Complex numbers become ``[re, im]``; a number that is not finite never leaves: it is refused here, by its path.
 """
 
+import json
 import math
+from pathlib import Path
 
 from studies.refusal import RunError
-
-__all__ = ["plain", "provenance"]
 
 PACKAGES = ("numpy", "scipy", "scikit-fem", "numba")
 
@@ -31,6 +31,12 @@ def plain(path: str, value):
     if isinstance(value, float) and not math.isfinite(value):
         raise RunError(f"the run gave {value} for {path}: the scene lies beyond what the numbers can hold")
     return value
+
+
+def write_json(file: Path, whole: dict) -> None:
+    """Write what `plain` returned."""
+    text = json.dumps(whole, indent=1, ensure_ascii=False, allow_nan=False)
+    file.write_text(text + "\n", encoding="utf-8")
 
 
 def provenance() -> dict:

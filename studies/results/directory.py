@@ -30,30 +30,18 @@ from studies.results.manifest import (
     write_manifest,
 )
 
-__all__ = ["MARKS", "ResultDirectory", "result_directory"]
-
 MARKS = {"run.json": "run", "study.json": "study"}  # file whose presence makes a directory a result: kind
 NAMES_SHOWN = 6  # in a message
 
 
 @dataclass(kw_only=True)
 class ResultDirectory:
-    """A directory that is being written.
+    """A directory that is being written."""
 
-    Attributes
-    ----------
-    folder : Path
-        Where to write; exists and is empty.
-    target : Path
-        Where the files shall be.
-    origin : Origin
-    notes : list of str
-        Sentences for the user: what was replaced, renamed and left alone.
-    """
-
-    folder: Path
-    target: Path
+    folder: Path  # where to write; exists and is empty
+    target: Path  # where the files shall be
     origin: Origin
+    # sentences for the user: what was replaced, renamed and left alone
     notes: list[str] = field(default_factory=list)
     _written: dict[str, str] = field(default_factory=dict)  # name: SHA-256, by earlier commits
 
@@ -120,25 +108,8 @@ class ResultDirectory:
 def result_directory(path: str | Path, origin: Origin, *, chosen: bool = True) -> Iterator[ResultDirectory]:
     """Lend a directory to write into; only what is committed stays.
 
-    Parameters
-    ----------
-    path : str or Path
-        Where the result shall be.
-    origin : Origin
-        What the result belongs to.
-    chosen : bool
-        False for a default directory: there a result of another origin is refused, not replaced.
-
-    Yields
-    ------
-    ResultDirectory
-
-    Raises
-    ------
-    SceneError
-        If a default directory holds the result of another scene or study.
-    RunError
-        If the place cannot be written, holds no result, or another run writes there.
+    ``chosen`` is False for a default directory: there a result of another origin is refused (SceneError), not replaced.
+    RunError if the directory cannot be written or holds something that is no result, or another run writes there.
     """
     target = Path(path).absolute()
     made = [parent for parent in (target, *target.parents) if not parent.exists()]

@@ -7,27 +7,15 @@ process ends, however it ends, so a stale file blocks nobody; SQLite does this o
 import sqlite3
 from pathlib import Path
 
-__all__ = ["DirectoryInUseError", "locked"]
-
 
 class DirectoryInUseError(Exception):
     """Another process holds the lock."""
 
 
 def locked(file: Path) -> sqlite3.Connection:
-    """Return a connection that holds the lock until it is closed or its process ends.
+    """Return a connection that holds the lock of a file, made if absent, until it is closed or its process ends.
 
-    Parameters
-    ----------
-    file : Path
-        The lock file; made if absent.
-
-    Raises
-    ------
-    DirectoryInUseError
-        If another process holds the lock.
-    OSError
-        If the file cannot be written.
+    Raises DirectoryInUseError if another process holds it, OSError if the file cannot be written.
     """
     while True:
         file.touch()

@@ -10,23 +10,6 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = [
-    "FORMER",
-    "HIDDEN",
-    "LOCK",
-    "MANIFEST",
-    "WORK",
-    "Origin",
-    "digest",
-    "files_below",
-    "free_name",
-    "named",
-    "origin_of",
-    "read_manifest",
-    "relative",
-    "write_manifest",
-]
-
 MANIFEST, LOCK = ".sawmotor.json", ".sawmotor.lock"
 WORK, FORMER = ".sawmotor.work", ".sawmotor.former"  # folders, present only while a program writes
 HIDDEN = frozenset({MANIFEST, f"{MANIFEST}.new", LOCK, WORK, FORMER})
@@ -35,21 +18,11 @@ KEYS = ("kind", "name", "source")
 
 @dataclass(frozen=True, kw_only=True)
 class Origin:
-    """What a result belongs to.
+    """What a result belongs to."""
 
-    Attributes
-    ----------
-    kind : str
-        "run" or "study".
-    name : str
-        Of the scene or the study.
-    source : Path or None
-        The scene's file; None for what has none, such as a scene that ships.
-    """
-
-    kind: str
-    name: str
-    source: Path | None = None
+    kind: str  # "run" or "study"
+    name: str  # of the scene or the study
+    source: Path | None = None  # the scene's file; None for what has none, such as a scene that ships
 
     def described(self, folder: Path) -> dict:
         """Return the origin in terms of JSON, the source relative to the directory of the result."""

@@ -14,8 +14,6 @@ from studies.scene.rule import Rule
 from studies.scene.synonyms import meant
 from studies.scene.uncertain import stated_schema
 
-__all__ = ["Block", "Blocks", "Key", "OneOf", "Within", "block_schema", "keys_of"]
-
 
 @dataclass(frozen=True)
 class Key:
@@ -233,10 +231,6 @@ class OneOf(Rule):
             ", ".join(name for name, key in keys_of(kind).items() if key.required) for kind in self.kinds
         )
         return f"{self.text.expected}, or a table of {tables}"
-
-    @property
-    def range(self):
-        return f"{self.text.range}, or a table"
 
     def schema(self):
         return {"anyOf": [self.text.schema(), *map(block_schema, self.kinds)]}

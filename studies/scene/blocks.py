@@ -26,18 +26,6 @@ from studies.scene.rule import (
 )
 from studies.scene.sources import Sources
 
-__all__ = [
-    "Damping",
-    "Drive",
-    "IsotropicSolid",
-    "PiezoelectricSolid",
-    "Recovery",
-    "Slider",
-    "Stator",
-    "Transducer",
-    "Wave",
-]
-
 MIN_WIDTH = 1e-3  # of a finger or a gap, relative to the pitch; narrower ones take ever finer elements
 ORIENTATIONS = ("Z", "X", "YZ", "128YX", "ST-X")
 

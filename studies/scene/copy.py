@@ -6,19 +6,9 @@ from studies.refusal import RunError, SceneError, nearest, shown
 from studies.scene.file import SHIPPED, shipped_scenes
 from studies.scene.schema import FILE_NAME
 
-__all__ = ["copied"]
-
 
 def copied(name: str, file: Path) -> Path:
-    """Write a scene that ships into a new file and return the file.
-
-    Raises
-    ------
-    SceneError
-        If no scene of that name ships, or the file exists.
-    RunError
-        If the file cannot be written.
-    """
+    """Write a scene that ships into a new file and return the file."""
     shipped = shipped_scenes()
     if name not in shipped:
         raise SceneError("--copy", f"no shipped scene is named {shown(name)}{nearest(name, shipped)}")

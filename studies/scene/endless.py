@@ -3,23 +3,13 @@
 from studies.refusal import SceneError
 from studies.scene import Scene
 
-__all__ = ["refuse_endless_burst"]
-
 MAX_SECONDS = 3600.0  # s of one burst on one processor
 # Seconds per cycle of the wave, measured on a 2-core x86_64 machine.
 CYCLE = {"hysteretic": 6e-4, "exact": 1.4e-4, "stepped": 4.5e-6, "averaged": 5e-7}
 
 
 def refuse_endless_burst(scene: Scene, frequency: float) -> None:
-    """Refuse a burst that takes longer than an hour to follow.
-
-    ``scene``: with a slider and a burst; ``frequency``: Hz; near it where the scene asks for the centre frequency.
-
-    Raises
-    ------
-    SceneError
-        Naming the longest burst that is followed.
-    """
+    """Refuse a burst that takes longer than an hour to follow, naming the longest that is; ``frequency``: Hz."""
     slider = scene.slider
     every_event = slider.law != "elastic" or slider.reciprocal or slider.stick_band > 0
     method = slider.method if slider.method in CYCLE else "averaged" if scene.wave is not None else "stepped"

@@ -12,8 +12,6 @@ from studies.scene.lines import key_lines, line_of
 from studies.scene.override import assigned
 from studies.scene.syntax import explained
 
-__all__ = ["SceneFile", "read_table", "scene_path", "shipped_scenes"]
-
 SHIPPED = Path(__file__).parents[1] / "scenes"
 
 
@@ -29,13 +27,7 @@ class SceneFile:
 
     @classmethod
     def read(cls, source: str | Path) -> Self:
-        """Read a file, or a scene that ships, by its name.
-
-        Raises
-        ------
-        SceneError
-            If the file cannot be found, opened, decoded or parsed.
-        """
+        """Read a file, or a scene that ships, by its name; SceneError if it cannot be found, decoded or parsed."""
         path = scene_path(source)
         text = _text(path)
         try:
@@ -102,13 +94,7 @@ def scene_path(source: str | Path) -> Path:
 
 
 def read_table(source: str | Path) -> dict:
-    """Return the TOML document of a scene, not yet checked.
-
-    Raises
-    ------
-    SceneError
-        If the file cannot be found, opened, decoded or parsed.
-    """
+    """Return the TOML document of a scene, not yet checked."""
     return SceneFile.read(source).table
 
 

@@ -5,17 +5,9 @@ from studies.scene.block import Blocks, OneOf, Within, keys_of
 from studies.scene.rule import Count, Impedance, Listed, Place, Quantity
 from studies.scene.scene import Scene
 
-__all__ = ["rule_at", "unit_of"]
-
 
 def rule_at(key: str):
-    """Return the rule of a scene's key, its lists of blocks numbered from 0.
-
-    Raises
-    ------
-    SceneError
-        If there is no such key.
-    """
+    """Return the rule of a scene's key, its lists of blocks numbered from 0; SceneError if there is none."""
     kinds, done, parts = (Scene,), "", key.split(".")
     while parts:
         name = parts.pop(0)

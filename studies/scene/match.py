@@ -5,8 +5,6 @@ from dataclasses import dataclass
 from studies.refusal import Refusals, SceneError, nearest, shown
 from studies.scene.rule import Quantity, Rule
 
-__all__ = ["ELEMENTS", "Match"]
-
 UNITS = {"L": "H", "C": "F", "R": "ohm"}
 ELEMENTS = {f"{place}_{kind}": unit for place in ("series", "shunt") for kind, unit in UNITS.items()}
 

@@ -13,25 +13,11 @@ import numpy as np
 
 from studies.refusal import SceneError
 
-__all__ = ["direction_dependence", "pair_moduli"]
-
 ISOTROPY = 1e-6  # relative; a catalogue's digits keep the symmetry far better
 
 
 def pair_moduli(ball: str, solid) -> tuple[float, float]:
-    """Return E* and G* of a ball on a stator.
-
-    ``ball``: name of an isotropic solid of the catalogue; ``solid``: of the stator, rotated to its axes.
-
-    Returns
-    -------
-    effective_modulus, tangential_modulus : float
-        Pa.
-
-    Raises
-    ------
-    SceneError
-        If the ball's solid is unknown or not isotropic.
+    """Return E* and G* in Pa of a ball, an isotropic solid of the catalogue, on a stator's solid in its own axes.
 
     Examples
     --------

@@ -4,8 +4,6 @@ import tomllib
 
 from studies.refusal import SceneError, shown
 
-__all__ = ["assigned", "axes_given", "replaced", "toml_value", "value_at"]
-
 
 def toml_value(text: str):
     """Return what a text means as a TOML value; what is not TOML is the text itself.
@@ -23,21 +21,12 @@ def toml_value(text: str):
 
 
 def assigned(table: dict, setting: str) -> dict:
-    """Return a scene's table with one key changed.
-
-    ``table``: TOML document of a scene; it is left as it is; ``setting``: ``KEY=VALUE``, the key a dotted path in
-    which lists are numbered from 0.
-
-    Raises
-    ------
-    SceneError
-        If the setting has no ``=`` or its path leads into something that holds no keys.
-    """
-    path, sign, text = setting.partition("=")
+    """Return a copy of a scene's table changed by ``KEY=VALUE``, the key a dotted path, lists numbered from 0."""
+    path, text = parts_of("--set", setting, "KEY=VALUE with a dotted key")
     keys = [key.strip() for key in path.split(".")]
-    if not sign or not all(keys):
+    if not all(keys):
         raise SceneError("--set", f"must be KEY=VALUE with a dotted key, got {shown(setting)}")
-    return _changed(table, keys, toml_value(text.strip()), "")
+    return _changed(table, keys, toml_value(text), "")
 
 
 def replaced(table: dict, key: str, value) -> dict:
@@ -56,19 +45,25 @@ def value_at(table: dict, key: str):
     return at
 
 
-def axes_given(settings: list[str]) -> dict[str, str]:
-    """Return the axes of ``--over KEY=VALUES``, values by key.
+def parts_of(option: str, text: str, wanted: str) -> tuple[str, str]:
+    """Return key and value, as texts, of ``KEY=VALUE`` given with an option.
 
     Examples
     --------
-    >>> axes_given(["slider.preload=1 mN:5 mN:3"])
-    {'slider.preload': '1 mN:5 mN:3'}
+    >>> parts_of("--over", "slider.preload=1 mN:5 mN:3", "KEY=LIST")
+    ('slider.preload', '1 mN:5 mN:3')
     """
+    key, sign, value = (part.strip() for part in text.partition("="))
+    if not sign or not key:
+        raise SceneError(option, f"must be {wanted}, got {shown(text)}")
+    return key, value
+
+
+def axes_given(settings: list[str]) -> dict[str, str]:
+    """Return the axes of ``--over KEY=VALUES``, values by key."""
     found = {}
     for setting in settings:
-        key, sign, text = (part.strip() for part in setting.partition("="))
-        if not sign or not key or not text:
-            raise SceneError("--over", f"must be KEY=START:STOP:N or KEY=LIST, got {shown(setting)}")
+        key, text = parts_of("--over", setting, "KEY=START:STOP:N or KEY=LIST")
         if key in found:
             raise SceneError(f"--over {key}", "is given twice")
         found[key] = text

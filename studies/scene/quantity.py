@@ -12,8 +12,6 @@ from functools import cache
 
 from studies.refusal import SceneError, nearest, shown
 
-__all__ = ["DIMENSIONS", "POWERS", "si_value"]
-
 DIMENSIONS = {
     "m": ("a length", "5 mm"),
     "s": ("a time", "20 ms"),
@@ -72,20 +70,9 @@ UNIT = re.compile(rf"{_POWER}(?:[ */·]{_POWER}){{0,5}}")
 
 
 def si_value(path: str, value, unit: str) -> float:
-    """Return a quantity in its SI unit.
+    """Return a number in the SI unit, or text such as ``"2.2 MHz"``, as a finite number in that unit.
 
-    ``path``: key of the quantity, for the error; ``value``: a number in the SI unit, or text such as ``"2.2 MHz"``;
-    ``unit``: the SI unit, a key of ``DIMENSIONS``; "" for a plain number.
-
-    Returns
-    -------
-    float
-        Finite, in the SI unit.
-
-    Raises
-    ------
-    SceneError
-        If it is neither, has another dimension, or is not finite.
+    ``path``: key of the quantity, for the refusal; ``unit``: a key of ``DIMENSIONS``, "" for a plain number.
 
     Examples
     --------

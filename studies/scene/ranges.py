@@ -6,8 +6,6 @@ from typing import NamedTuple
 from studies.refusal import SceneError, shown
 from studies.scene.quantity import si_value
 
-__all__ = ["MAX_COUNT", "Range", "is_number", "read_range"]
-
 MAX_COUNT = 10_000_000
 
 

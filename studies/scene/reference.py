@@ -22,8 +22,6 @@ from studies.scene.file import SHIPPED, shipped_scenes
 from studies.scene.scene import Scene
 from studies.scene.schema import FILE_NAME, schema_text
 
-__all__ = ["BLOCKS", "reference"]
-
 BLOCKS = {
     "The file": Scene,
     "[stator]": Stator,

@@ -12,6 +12,7 @@ from functools import lru_cache
 
 from studies.refusal import SceneError, shown
 from studies.scene import Scene
+from studies.scene.block import keys_of
 from studies.scene.blocks import IsotropicSolid, PiezoelectricSolid, Slider, Stator, Transducer
 from studies.scene.endless import refuse_endless_burst
 from studies.scene.keys import rule_at, unit_of
@@ -22,29 +23,9 @@ from studies.scene.uncertain import OPTIONS, Tolerance, half_width
 LEVELS = ("drive.voltage", "drive.power", "wave.normal_amplitude")
 MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 of the power
 
-__all__ = [
-    "default_refusal",
-    "diffracts",
-    "first_row",
-    "port_admittance",
-    "resolved",
-    "resolved_slider",
-    "section_row",
-    "solid",
-    "stator",
-    "tolerances",
-    "transducers",
-]
-
 
 def resolved(scene: Scene) -> Scene:
-    """Return the scene with its automatic values found.
-
-    Raises
-    ------
-    SceneError
-        If the material, the moduli or the layout are impossible.
-    """
+    """Return the scene with its automatic values found; SceneError if material, moduli or layout are impossible."""
     if scene.stator is not None:
         if scene.transducer:
             scene = _with_source_numbers(scene)
@@ -63,13 +44,7 @@ def resolved(scene: Scene) -> Scene:
 
 
 def tolerances(scene: Scene) -> tuple[Tolerance, ...]:
-    """Return the numbers of a resolved scene that are uncertain.
-
-    Raises
-    ------
-    SceneError
-        If a key of [uncertain] is no number of the scene, or an end of its interval breaks the key's rule.
-    """
+    """Return the numbers of a resolved scene that are uncertain; refuse what is none, and ends that break a rule."""
     found, table = [], scene.to_table()
     for key, given in scene.uncertain or ():
         path = f"uncertain.{key}"
@@ -112,25 +87,12 @@ def solid(block: Stator):
     given = block.material
     with _refused("stator.material"):
         if isinstance(given, PiezoelectricSolid):
-            crystal = fem.anisotropic(
-                name=given.name,
-                stiffness=given.stiffness,
-                coupling=given.coupling,
-                permittivity=given.permittivity,
-                density=given.density,
-                **_losses(given, "mechanical_quality", "dielectric_loss"),
-            )
+            crystal = fem.anisotropic(**_given(given, *keys_of(PiezoelectricSolid)))
         elif isinstance(given, IsotropicSolid):
-            crystal = fem.isotropic(
-                name=given.name,
-                youngs_modulus=given.youngs_modulus,
-                poisson_ratio=given.poisson_ratio,
-                density=given.density,
-                **_losses(given, "mechanical_quality"),
-            )
+            crystal = fem.isotropic(**_given(given, *keys_of(IsotropicSolid)))
         else:
             crystal = fem.material(given)
-        own = _losses(block, "mechanical_quality", "dielectric_loss")
+        own = _given(block, "mechanical_quality", "dielectric_loss")
         return fem.rotated(replace(crystal, **own) if own else crystal, block.orientation)
 
 
@@ -164,13 +126,18 @@ def section_row(scene: Scene) -> tuple:
     return transducers(scene)
 
 
-def first_row(scene: Scene, place: tuple[float, float]) -> tuple[Scene, float]:
-    """Return the scene of the section that a turned scene's answers refer to, and where in it a place lies, m."""
+def rows(scene: Scene) -> tuple:
+    """Return the `fem.rows_of` a scene with turned transducers."""
     import fem
 
+    return fem.rows_of(stator(scene.stator), scene.stator.width, transducers(scene), drive(scene))
+
+
+def first_row(scene: Scene, place: tuple[float, float]) -> tuple[Scene, float]:
+    """Return the scene of the section that a turned scene's answers refer to, and where in it a place lies, m."""
     if not scene.crossed:
         return scene, place[0]
-    row = fem.rows_of(stator(scene.stator), scene.stator.width, transducers(scene), drive(scene))[0]
+    row = rows(scene)[0]
     blocks, given = {each.name: each for each in scene.transducer}, scene.drive
     alone = tuple(
         replace(blocks[each.name], center=each.center, angle=0.0, pattern=each.pattern)
@@ -248,10 +215,14 @@ def default_refusal(stator) -> str:
     """Return why the section stands for a `fem.Stator` where a scene does not decide, a sentence; or nothing."""
     import fem
 
-    if fem.beam_refusal(stator) or fem.isotropic_about_normal(stator.solid):
+    if fem.beam_refusal(stator):
         return fem.beam_refusal(stator)
+    reflects, turns = stator.ends != "absorbing", fem.isotropic_about_normal(stator.solid)
+    if turns and not reflects:
+        return ""
+    where, times = ("between reflecting ends", "2 to 4") if turns else ("in this cut", "5 to 10")
     return (
-        "stator.diffraction is absent, and in this cut the beam takes 5 to 10 times as long as the section; true "
+        f"stator.diffraction is absent, and {where} the beam takes {times} times as long as the section; true "
         "computes it"
     )
 
@@ -377,8 +348,8 @@ def _check_layout(scene: Scene) -> None:
                 )
 
 
-def _losses(block, *names: str) -> dict[str, float]:
-    """Return the losses that were given; absent ones are lossless."""
+def _given(block, *names: str) -> dict:
+    """Return the keys of a block that were given."""
     return {name: getattr(block, name) for name in names if getattr(block, name) is not None}
 
 

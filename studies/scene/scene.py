@@ -14,8 +14,6 @@ from studies.scene.file import SceneFile
 from studies.scene.rule import Text
 from studies.scene.uncertain import Uncertain, parted
 
-__all__ = ["Scene"]
-
 ALONG = 0.7  # cosine of the angle from x up to which a driven transducer may stand alone
 
 
@@ -144,6 +142,12 @@ class Scene(Block):
     def crossed(self) -> bool:
         """Whether a transducer is turned or stands beside the middle line."""
         return any(each.turned for each in self.transducer)
+
+    @property
+    def driven_obliquely(self) -> bool:
+        """Whether no driven transducer sends along x."""
+        driven = [each for each in self.transducer if self.drive.driven.get(each.name)]
+        return bool(driven) and all(each.angle % 180 for each in driven)
 
     @property
     def levels(self) -> tuple[float, ...]:

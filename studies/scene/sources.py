@@ -9,8 +9,6 @@ from studies.refusal import Refusals, SceneError, shown
 from studies.scene.rule import Rule
 from studies.scene.rule.numbers import MAX_SIZE
 
-__all__ = ["Sources"]
-
 PHASED = re.compile(r"\s*(?P<amplitude>\S+)\s+at\s+(?P<phase>\S+)\s*(?P<unit>deg|rad)\s*")
 QUARTERS = {0.0: 1.0, 90.0: 1j, 180.0: -1.0, 270.0: -1j}  # exact, where cos 90 deg is 6e-17
 
@@ -43,10 +41,6 @@ class Sources(Rule):
     @property
     def expected(self):
         return 'a table of transducers such as { left = 1, right = "0.5 at 90 deg" }'
-
-    @property
-    def range(self):
-        return 'by transducer: a number, "0.5 at 90 deg" (or rad), or [real, imaginary]'
 
     def schema(self):
         number = {"type": "number", "minimum": -MAX_SIZE, "maximum": MAX_SIZE}

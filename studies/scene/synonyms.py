@@ -1,7 +1,5 @@
 """Words that people write for a key of a scene, and the key that they mean."""
 
-__all__ = ["meant"]
-
 SYNONYMS = {
     "amplitude": ("normal_amplitude", "voltage"),
     "angle": ("orientation",),

@@ -2,8 +2,6 @@
 
 import re
 
-__all__ = ["explained"]
-
 VALUE = re.compile(r"^\s*(?P<key>[^=#]*?)\s*=\s*(?P<value>.*?)\s*(?:#.*)?$")
 PLACE = re.compile(r"\s*\(at (?:line (\d+), column (\d+)|end of document)\)")
 NUMBER = r"[+-]?(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"

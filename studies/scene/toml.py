@@ -2,8 +2,6 @@
 
 import json
 
-__all__ = ["document"]
-
 
 def document(table: dict, *, remarks: tuple[str, ...] = ()) -> str:
     """Return the TOML text of a table; every number is written so that it is read back bit for bit.

@@ -13,8 +13,6 @@ from studies.scene.quantity import NUMBER, si_value
 from studies.scene.rule import Choice, Count, Impedance, Place, Quantity, Rule
 from studies.scene.rule.numbers import DIGITS, units
 
-__all__ = ["Tolerance", "Uncertain", "half_width", "parted", "stated_schema"]
-
 OPTIONS = {"method": Choice(("linear", "sampled")), "samples": Count(100_000)}
 DEFAULTS = {"method": "linear", "samples": 500}
 SIGN = r"(?:\+-|\+/-|±)"

@@ -15,14 +15,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+import fem
 from studies.chain import bridge, passband
 from studies.chain.model_error import slit_ratio
 from studies.refusal import RunError
 from studies.report.figures import curve, finished
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
-
-__all__ = ["figure", "run"]
 
 TAKES_SCENE = True
 QUICK = {"count": 25}
@@ -47,8 +46,6 @@ def run(
     tolerance : float
         Relative, of the section's surface motion.
     """
-    import fem
-
     chosen = passband.driven_scene(scene)
     place, transducers = passband.place(chosen), resolved.transducers(chosen)
     driven = resolved.driven(chosen)

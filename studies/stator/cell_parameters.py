@@ -8,14 +8,15 @@ charge at weak coupling; the capacitance of conformal mapping to 1 %.  Run time:
 """
 
 import numpy as np
+from scipy.special import ellipk, eval_legendre
 
+import fem
+from fem import LEVELS, grating, surface_permittivity
 from studies.chain import passband
 from studies.refusal import RunError
 from studies.report.figures import AXES, COLOURS, curve, finished, legend_below, shaded
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
-
-__all__ = ["figure", "run"]
 
 TAKES_SCENE = True
 QUICK = {"count": 13, "tolerance": 0.5}
@@ -36,11 +37,6 @@ def run(
     tolerance : float
         Of the stop bands' edges, relative to their width.
     """
-    from scipy.special import ellipk, eval_legendre
-
-    import fem
-    from fem import LEVELS, grating, surface_permittivity
-
     chosen = passband.driven_scene(scene)
     driven = chosen.driven_transducer
     solid, above, m = resolved.solid(chosen.stator), chosen.stator.above, driven.metallisation

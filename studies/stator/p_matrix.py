@@ -13,14 +13,13 @@ from itertools import pairwise
 
 import numpy as np
 
+import fem
 from studies.chain import passband
 from studies.chain.spectrum import port_admittances
 from studies.refusal import RunError
 from studies.report.figures import curve, lines
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
-
-__all__ = ["figure", "run"]
 
 TAKES_SCENE = True
 QUICK = {"count": 3, "tolerance": 0.2}
@@ -40,8 +39,6 @@ def run(
     tolerance : float
         Of the P-matrices and of the admittances.
     """
-    import fem
-
     chosen = passband.driven_scene(scene)
     block = resolved.stator(chosen.stator)
     row = tuple(sorted(resolved.section_row(chosen), key=lambda each: each.center))

@@ -16,6 +16,8 @@ from time import perf_counter
 from types import ModuleType
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from studies.refusal import RunError, SceneError, needed
 from studies.scene import Scene, read_table
 from studies.sweep.axes import Axis
@@ -26,7 +28,6 @@ from studies.sweep.store import FILE, Store
 from studies.sweep.workers import workers as chosen_workers
 
 if TYPE_CHECKING:
-    import pandas as pd
     import xarray as xr
 
 __all__ = ["Sweep", "sweep"]
@@ -99,16 +100,6 @@ class Sweep:
             if self.path is not None:
                 connection.close()
 
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Return the rows as a pandas table, in the order of their points.
-
-        Raises
-        ------
-        RunError
-            If pandas is not installed.
-        """
-        return needed("pandas", "to_dataframe").DataFrame(self.columns()).set_index("point")
-
     def to_xarray(self) -> "xr.Dataset":
         """Return the rows as an xarray Dataset, a dimension for each axis; what a row has not is NaN.
 
@@ -124,8 +115,6 @@ class Sweep:
         >>> dict(sweep("twente-contact", over).to_xarray()["velocity_m_per_s"].sizes)
         {'wave.normal_amplitude': 3, 'slider.preload': 2}
         """
-        import numpy as np
-
         columns = self.columns()
         keys = [key for each in self.axes for key in each.keys]
         dims = tuple("+".join(each.keys) if len(each.keys) < 3 else "point" for each in self.axes)
@@ -226,8 +215,6 @@ def _table(scene) -> dict:
 
 def _refuse_hopeless(design: Design) -> None:
     """Refuse a sweep whose first, middle and last point break one and the same rule of no axis."""
-    import numpy as np
-
     scenes, refusals = variation(design.question), []
     for own in design.values(np.array([0, len(design) // 2, len(design) - 1])):
         try:

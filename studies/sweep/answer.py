@@ -10,8 +10,6 @@ from studies.report.answer import print_json
 from studies.report.answer import table as aligned
 from studies.sweep import Sweep, sweep
 
-__all__ = ["run_sweep", "summary", "sweep_answer"]
-
 REASONS = 5  # shown; all are in the rows
 SHOWN = ("velocity_m_per_s", "normal_amplitude_m", "thrust_N", "contact_efficiency", "motor_efficiency")
 

@@ -9,19 +9,17 @@ Values are converted to SI here and judged at their point: one that breaks a rul
 points alone.
 """
 
-import csv
 import math
 from dataclasses import dataclass
 from pathlib import Path
 
 from studies.refusal import SceneError, shown
+from studies.report.measured import MeasuredTable
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import toml_value
 from studies.scene.quantity import si_value
 from studies.scene.ranges import MAX_COUNT, Range, read_range
 from studies.scene.rule import Count, Listed
-
-__all__ = ["Axis", "axis", "latin_axis", "level_key", "point_axis"]
 
 
 @dataclass(frozen=True)
@@ -136,21 +134,13 @@ def _entry(rule, value):
 
 
 def _read(path: Path) -> dict[str, list]:
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            rows = [row for row in csv.reader(file) if row]
-    except OSError as error:
-        raise SceneError("--points", f"{str(path)!r} cannot be read: {error.strerror}") from None
-    except (UnicodeDecodeError, csv.Error):
-        raise SceneError("--points", f"{str(path)!r} is no CSV file in UTF-8") from None
-    if len(rows) < 2:
-        raise SceneError("--points", f"{str(path)!r} must hold a line of keys and at least one point")
-    keys = [key.strip() for key in rows[0]]
-    for number, row in enumerate(rows[1:], start=2):
+    table = MeasuredTable.read(path, "--points")
+    keys = table.names
+    for number, row in enumerate(table.rows, start=2):
         if len(row) != len(keys):
             raise SceneError(
                 "--points", f"{str(path)!r} must have {len(keys)} values in row {number}, got {len(row)}"
             )
     if len(set(keys)) < len(keys):
         raise SceneError("--points", f"{str(path)!r} names a key twice")
-    return {key: [toml_value(row[k].strip()) for row in rows[1:]] for k, key in enumerate(keys)}
+    return {key: [toml_value(row[k]) for row in table.rows] for k, key in enumerate(keys)}

@@ -10,12 +10,12 @@ import math
 from dataclasses import dataclass, field, replace
 from itertools import islice, product
 
+import numpy as np
+
 from studies.refusal import SceneError
 from studies.scene.keys import rule_at
 from studies.scene.rule import as_pair
 from studies.sweep.axes import Axis, axis, latin_axis, level_key, point_axis
-
-__all__ = ["ALSO", "Design", "Question", "designed"]
 
 ALSO = ("limits", "thrust", "efficiency", "pressure", "step")
 MOST = 100_000_000
@@ -94,8 +94,6 @@ class Design:
 
     def values(self, points) -> list[tuple]:
         """Return the values of the keys at points, given by an array of their numbers."""
-        import numpy as np
-
         if not self.axes:
             return [()] * len(points)
         columns = []

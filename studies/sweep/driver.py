@@ -11,14 +11,14 @@ from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, CancelledError, wait
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from studies.refusal import RunError
 from studies.sweep.batch import solved_points
 from studies.sweep.design import Design, Question
 from studies.sweep.source import Source
 from studies.sweep.source_solver import STEPS, serves_band, solved_sources
 from studies.sweep.store import LOST, Store
-
-__all__ = ["Driver"]
 
 WINDOW = 50_000  # points in hand at a time: what bounds the driver's memory
 BATCH_SECONDS, LARGEST_BATCH = 0.5, 8192
@@ -48,8 +48,6 @@ class Driver:
 
     def run(self) -> None:
         """Compute what is missing, a window of points after the other."""
-        import numpy as np
-
         done = self.store.done(len(self.design))
         counts = self.store.counts()
         self.kept, self.failed = int(done.sum()), sum(counts.values()) - counts.get("ok", 0)

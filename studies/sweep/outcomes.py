@@ -1,13 +1,11 @@
 """What a point of a sweep is answered with beside its velocity: amplitudes, power, limits, thrust, efficiency."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from studies.chain import bridge
-from studies.chain.points import contact_load
+from studies.chain.points import contact_load, half_thrust
 from studies.scene import Scene
 from studies.sweep.source import Source
-
-__all__ = ["Driven", "also_asked", "electrical"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,14 +79,11 @@ def _efficiency(driven, slider, orbits, thrust, tolerance) -> dict:
     """Return the efficiencies at half the blocked thrust: of the contact, and of the power into the driven comb."""
     import contact
 
-    out, put_in = 0.0, 1.0
-    if thrust > 0.0:
-        try:
-            state = contact.steady(replace(slider, load=0.5 * thrust), orbits, tolerance=tolerance)
-        except contact.ConvergenceError:
-            return {}
-        out, put_in = 0.5 * thrust * abs(state.velocity), state.ledger.wave * orbits[0].frequency
-    found = {"contact_efficiency": out / put_in if put_in > 0.0 else 0.0}
+    try:
+        out, share = half_thrust(slider, orbits, thrust, tolerance)
+    except contact.ConvergenceError:
+        return {}
+    found = {"contact_efficiency": share}
     power = electrical(driven).get("power_W", 0.0)
     if power > 0.0:
         found["motor_efficiency"] = out * driven.scene.slider.mass / slider.mass / power

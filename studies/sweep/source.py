@@ -6,8 +6,6 @@ from functools import cached_property
 
 from studies.refusal import RunError, SceneError
 
-__all__ = ["Source", "reason"]
-
 
 def reason(error: Exception) -> str:
     """Return why a point or a stator has no answer, as a row's status says it."""

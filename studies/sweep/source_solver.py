@@ -12,15 +12,14 @@ import time
 from dataclasses import asdict
 from functools import lru_cache
 
-from studies.chain.surface_motion import SurfaceMotion, driven_motion, surface_motion, wanted_diffraction
+import fem
+from studies.chain.surface_motion import SurfaceMotion, solved_motion, surface_motion, wanted_diffraction
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene, resolved
 from studies.scene.blocks import Stator
 from studies.sweep.design import Question, contact_places
 from studies.sweep.source import Source, reason
 from studies.sweep.variation import Variation
-
-__all__ = ["SHARE", "STEPS", "keep_to", "serves_band", "solved_sources", "variation"]
 
 SHARE, GAIN = 0.25, 0.1  # of the tolerance at first, and of the step before
 BAND_SHARE = 0.1  # a band a level finer costs half as much again, two bands twice as much
@@ -71,8 +70,6 @@ def keep_to(threads: int | None) -> None:
 
 def _in_bands(question: Question, names, step: int) -> None:
     """Solve the frequencies of these answers side by side, for `_answer` to read."""
-    import fem
-
     _WAVES.clear()
     groups = {}
     for name in names:
@@ -126,8 +123,6 @@ def _spreads(question: Question) -> bool:
 
 
 def _answer(question: Question, name: str, step: int) -> Source:
-    import fem
-
     values = _values(name)
     try:
         scene = variation(question).source(values)
@@ -193,33 +188,20 @@ def _solved(question, name, step, scene, places) -> Source:
 
 
 def _motion(question: Question, scene: Scene, places, step: int) -> SurfaceMotion:
-    """Return the motion of the finite aperture or of the section, as a run takes it."""
-    import fem
-
-    try:
-        if scene.crossed or not serves_band(question):
-            return driven_motion(scene, places, tolerance=goal(question, step), slider=question.has_slider)
-        wave = _wave(question, scene, _along(places), step)
-        return surface_motion(wave, scene.stator, places, slider=question.has_slider)
-    except fem.ConvergenceError as error:
-        raise RunError(str(error)) from None
-    except fem.BeamError as error:
-        raise SceneError("stator.diffraction", f"must be false or absent: {error}") from None
+    """Return the motion of the finite aperture or of the section, as a run takes it; from a band where there is one."""
+    if scene.crossed or not serves_band(question):
+        return solved_motion(scene, places, tolerance=goal(question, step), slider=question.has_slider)
+    along, fixed = _along(places), _Fixed(scene)
+    wave = _WAVES.pop((fixed, scene.frequency, along, step), None)
+    if wave is None:
+        band = _band(fixed, question.frequencies, along, goal(question, step))
+        wave = band.wave(scene.frequency, resolved.drive(scene))
+    return surface_motion(wave, scene.stator, places, slider=question.has_slider)
 
 
 def _along(places) -> tuple[float, ...]:
     """Return the different x of places (x, y): a plane section knows no y."""
     return tuple(dict.fromkeys(x for x, _ in places))
-
-
-def _wave(question: Question, scene: Scene, places, step: int):
-    """Return the fem.SurfaceWave from the band of a geometry."""
-    fixed = _Fixed(scene)
-    known = _WAVES.pop((fixed, scene.frequency, places, step), None)
-    if known is not None:
-        return known
-    band = _band(fixed, question.frequencies, places, goal(question, step))
-    return band.wave(scene.frequency, resolved.drive(scene))
 
 
 class _Fixed:

@@ -17,13 +17,13 @@ import sqlite3
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
+
 from studies.refusal import RunError, SceneError
 from studies.results import DirectoryInUseError, locked
 from studies.results.content import provenance
 from studies.sweep.design import Design
 from studies.sweep.source import Source
-
-__all__ = ["FILE", "LOST", "Store"]
 
 FILE, LOCK = "points.sqlite", "driver.lock"
 LOST = "lost: "  # how the reason of a point begins that is tried again by the next driver
@@ -35,17 +35,7 @@ create table if not exists batches (finished text default current_timestamp, poi
 
 
 class Store:
-    """The points of one sweep; a context manager, which holds the lock.
-
-    ``folder`` is None for a store in memory, for as long as the object lives.
-
-    Raises
-    ------
-    SceneError
-        If the folder holds another sweep, or something else.
-    RunError
-        If it cannot be written, or another driver is at work.
-    """
+    """The points of one sweep, in a folder whose lock it holds, or in memory."""
 
     def __init__(self, folder: Path | None, design: Design):
         self.folder, self._names = folder, (*design.question.keys, *design.question.outcomes)
@@ -63,13 +53,6 @@ class Store:
         marks = ", ".join("?" * (len(self._names) + 1))
         self._insert = f"insert or replace into points values ({marks})"
 
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        if self.folder is not None:
-            self.close()
-
     def close(self) -> None:
         """Close the file and give the lock back."""
         self.connection.close()
@@ -78,8 +61,6 @@ class Store:
 
     def done(self, count: int):
         """Return which of the first `count` points have a row that stands, an array of bool."""
-        import numpy as np
-
         found = np.zeros(count, bool)
         rows = self.connection.execute(
             "select point from points where status not like ? and point < ?", (f"{LOST}%", count)

@@ -11,8 +11,6 @@ from studies.scene.override import replaced
 from studies.scene.resolved import resolved, resolved_slider
 from studies.sweep.design import Question
 
-__all__ = ["Variation"]
-
 KEPT = 10_000  # blocks of a kind in memory
 
 

@@ -15,8 +15,6 @@ from concurrent.futures.process import BrokenProcessPool
 
 from studies.refusal import RunError, SceneError, shown
 
-__all__ = ["Here", "OnDask", "Processes", "workers"]
-
 ADDRESS = re.compile(r"((tcp|tls|ucx|ws|wss)://)?[^\s/:]+:\d{1,5}|(tcp|tls)://\[[0-9a-fA-F:]+\]:\d{1,5}")
 
 

@@ -18,7 +18,17 @@ STRENGTH = 2.5  # of the layer: s = 1 - i STRENGTH (depth / LAYER)^2
 
 
 def comb_motion(
-    solid, *, thickness, frequency, period, fingers, aperture, points, reactions=None, per_period=PER_PERIOD
+    solid,
+    *,
+    thickness,
+    frequency,
+    period,
+    fingers,
+    aperture,
+    points,
+    reactions=None,
+    per_period=PER_PERIOD,
+    face=np.inf,
 ):
     """Surface motion per volt between the fingers.
 
@@ -35,6 +45,8 @@ def comb_motion(
         or 0; x at one place.
     reactions : tuple of ndarray, optional
         Of the plane problem: its charges within the aperture drive the plate instead of potentials.
+    face : float
+        m: the plate ends at x = face (and -face), free of traction and charge; without, the layer absorbs.
 
     Returns
     -------
@@ -56,7 +68,8 @@ def comb_motion(
         np.concatenate([[0.0], np.ravel([[a, a + 0.04, (a + b) / 2, b - 0.04, b] for a, b in half_fingers])])
     )
     x_lines = np.concatenate([edges, _lines(outer, points[:, 0].max() / period, per_period)])
-    x_lines = np.concatenate([x_lines, _lines(x_lines[-1], x_end + LAYER, per_period)])
+    x_end, x_stop = (x_end, x_end + LAYER) if np.isinf(face) else (face / period, face / period)
+    x_lines = np.concatenate([x_lines, _lines(x_lines[-1], x_stop, per_period)])
     plane = not np.isfinite(aperture)
     tip = 1.0 if plane else aperture / 2 / period
     y_end = tip + CLEAR
@@ -106,7 +119,8 @@ def comb_motion(
     held |= (z < z_lines[0] + near) & (component < 3)
     if plane:
         held |= component == 1
-    held |= ((x > x_lines[-1] - near) | ((y > y_lines[-1] - near) & (not plane))) & (component < 3)
+    outside = (x > x_lines[-1] - near) & np.isinf(face)
+    held |= (outside | ((y > y_lines[-1] - near) & (not plane))) & (component < 3)
     values, on_fingers = np.zeros(4 * basis.N, dtype=complex), np.zeros(4 * basis.N, dtype=bool)
     for number, (start, stop) in enumerate(half_fingers):
         under = (x > start - near) & (x < stop + near) & (y < tip + near) & (abs(z) < near) & (component == 3)

@@ -190,13 +190,13 @@ def test_the_error_holds_against_a_sharper_run(chip, driven):
 
 def test_a_stator_that_is_too_rough_for_the_slider_is_solved_again(chip, monkeypatch):
     monkeypatch.setattr(chain, "SHARE", 30.0)
-    solved, goals = bridge.driven_section, []
+    solved, goals = chain.solved_motion, []
 
-    def noted(scene, *, tolerance, **given):
+    def noted(scene, places, *, tolerance, **given):
         goals.append(tolerance)
-        return solved(scene, tolerance=tolerance, **given)
+        return solved(scene, places, tolerance=tolerance, **given)
 
-    monkeypatch.setattr(bridge, "driven_section", noted)
+    monkeypatch.setattr(chain, "solved_motion", noted)
     record = run(chip, tolerance=1e-3)
     assert len(goals) == 2
     assert goals[1] < 1e-3 < goals[0]

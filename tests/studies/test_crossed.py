@@ -57,8 +57,7 @@ def test_a_run_of_crossing_beams(crossing):
 def test_the_map_shows_turned_frames(crossing, monkeypatch):
     from matplotlib.figure import Figure
 
-    monkeypatch.setattr("studies.report.surface_map.LINES", 5)
-    monkeypatch.setattr("studies.report.surface_map.PER_WAVELENGTH", 1)
+    monkeypatch.setattr("studies.report.surface_map.CROSSED", 1)
     ax = draw_surface_map(crossing.surface_motion.beam, crossing.scene, Figure().add_subplot())
     left, front = (patch.get_path().vertices[:4] for patch in ax.patches)
     assert np.ptp(front[:, 0]) == pytest.approx(5.0)

@@ -13,7 +13,8 @@ import pytest
 
 from studies import Scene
 from studies.__main__ import main
-from studies.inverse.design import Options, design, read_constraint, read_variable
+from studies.inverse.design import Options, design
+from studies.inverse.goals import read_constraint, read_variable
 from studies.inverse.search import REPEATED
 from studies.refusal import RunError, SceneError
 from studies.sweep import sweep

@@ -101,16 +101,29 @@ def test_a_burst_moves_as_the_beam(small, small_run):
     assert small_run.scene.stator.diffraction is True
 
 
-def test_where_the_beam_is_not_known(small):
-    """Absent, the section stands for it and the answer says why; asked for, it is refused."""
+def test_between_free_ends(small):
+    """Absent, the section stands for the beam and the answer says why; asked for, the circuit is the section's."""
     free = small.replace(stator={"ends": "free"}, drive={"voltage": "120 V"})
-    refusal = fem.beam_refusal(resolved.stator(free.stator))
-    if not refusal:
-        pytest.skip("free ends are known")
     record = run(free, tolerance=0.05)
-    assert any("plane section" in each and refusal in each for each in record.left_out)
+    assert any("between reflecting ends the beam takes" in each for each in record.left_out)
     assert record.scene.stator.diffraction is None
-    with pytest.raises(SceneError, match=r"stator\.diffraction must be false or absent: the field in three"):
+    spread = run(free.replace(stator={"diffraction": True}), tolerance=0.05)
+    assert any("circuit is that of the plane section" in each for each in spread.left_out)
+    assert spread.electrical["admittance_S"] == pytest.approx(record.electrical["admittance_S"], rel=0.02)
+    assert abs(spread.normal_amplitude[0] / record.normal_amplitude[0] - 1) > 5e-3
+
+
+def test_where_the_beam_is_not_known(small):
+    """In a cut between free ends: absent, the section stands for it; asked for, it is refused."""
+    free = small.replace(
+        stator={"ends": "free", "material": "LiNbO3 (Kovacs)", "orientation": "128YX"},
+        drive={"voltage": "5 V"},
+    )
+    refusal = fem.beam_refusal(resolved.stator(free.stator))
+    assert resolved.default_refusal(resolved.stator(free.stator)) == refusal
+    with pytest.raises(
+        SceneError, match=r"stator\.diffraction must be false or absent: in this cut the field"
+    ):
         run(free.replace(stator={"diffraction": True}), tolerance=0.05)
 
 

@@ -8,8 +8,6 @@ from studies.scene.ranges import read_range
 from studies.scene.rule.numbers import DIGITS, units
 from studies.scene.rule.protocol import Rule
 
-__all__ = ["Listed"]
-
 
 @dataclass(frozen=True)
 class Listed(Rule):

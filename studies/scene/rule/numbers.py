@@ -8,8 +8,6 @@ from studies.scene.quantity import DIMENSIONS, POWERS, si_value
 from studies.scene.rule.protocol import Rule
 from studies.scene.rule.words import Choice
 
-__all__ = ["Count", "Impedance", "Matrix", "Place", "Quantity", "as_pair"]
-
 # In SI units: beyond it, and below its inverse, no motor has a quantity; products of a few stay finite.
 MAX_SIZE = 1e30
 DIGITS = r"(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?"
@@ -138,11 +136,6 @@ class Impedance(Rule):
         return f'a resistance in ohm, a string such as "50 ohm", [resistance, reactance] in ohm{words}'
 
     @property
-    def range(self):
-        words = "".join(f', or "{word}"' for word in self.words)
-        return f"resistance >= 0, or [resistance, reactance]{words}"
-
-    @property
     def unit_name(self):
         return "ohm"
 
@@ -176,10 +169,6 @@ class Place(Rule):
     @property
     def expected(self):
         return f"{self.along.expected}, or [x, y]"
-
-    @property
-    def range(self):
-        return f"{self.along.range}, or [x, y]"
 
     @property
     def unit_name(self):

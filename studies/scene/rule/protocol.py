@@ -4,8 +4,6 @@ from typing import Any
 
 from studies.refusal import Refusals
 
-__all__ = ["Rule"]
-
 
 class Rule:
     """What a value may be."""

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 from studies.refusal import SceneError, nearest, shown
 from studies.scene.rule.protocol import Rule
 
-__all__ = ["Choice", "Flag", "Signs", "Text"]
-
 
 @dataclass(frozen=True)
 class Choice(Rule):

@@ -203,7 +203,7 @@ def test_refusals(lossy):
     with pytest.raises(BeamError, match=r"at least the largest aperture, 0\.005 m, got 0\.004"):
         surface_beam(lossy.wave, mirror_width=4e-3)
     with pytest.raises(BeamError, match="ends = 'absorbing', got 'free'"):
-        beam_of(cut("PZT-8", "Z"), ends="free")
+        beam_of(cut("LiNbO3 (Kovacs)", "128YX"), ends="free", thickness=0.8, order=5, layers=0)
 
 
 def test_power_through_planes():

@@ -1,5 +1,7 @@
 """The beam against a three-dimensional finite-element model of other code."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -36,3 +38,30 @@ def test_three_dimensional_mesh_with_the_charges_of_the_section():
     found = beam.motion(one.center + points[:, 0], points[:, 1])[[0, 2]] / section[:, None]
     assert abs(found - mesh[[0, 2]] / plane[[0, 2]]).max() < 0.03
     assert abs(found - 1).max() > 0.2
+
+
+@pytest.mark.slow
+def test_three_dimensional_mesh_between_free_faces():
+    """The same comb in the middle of a plate of 8 wavelengths whose ends are free, one wavelength from a face."""
+    solid, period, thickness = cut("PZT-8", "Z", quality=15.0), 2.575, 0.45
+    unit = slowest_wavelength(solid, FREQUENCY)
+    points = np.array([[3.0, y] for y in (0.0, 0.5, 1.0, 1.5)]) * period * unit
+    given = dict(
+        thickness=thickness * unit,
+        frequency=FREQUENCY,
+        period=period * unit,
+        fingers=6,
+        points=points,
+        face=4 * period * unit,
+    )
+    plane, reactions = comb_motion(solid, aperture=np.inf, **given)
+    mesh = comb_motion(solid, aperture=4 * period * unit, reactions=reactions, **given)
+    stator = plate(solid, length=8 * period, thickness=thickness, bottom="clamped", ends="free")
+    one = comb(stator, "a", 4 * period, finger_pairs=3, aperture=4 * period * unit, period=period)
+    beam = surface_beam(wave_of(solution(stator, (one,), order=7, layers=2)))
+    section = beam.wave.motion(one.center + points[0, 0])
+    found = beam.motion(one.center + points[:, 0], points[:, 1])[[0, 2]] / section[:, None]
+    assert abs(found - mesh[[0, 2]] / plane[[0, 2]]).max() < 0.03
+    assert abs(found - 1).max() > 0.2
+    absorbing = replace(beam, faces=None).motion(one.center + points[:, 0], points[:, 1])[[0, 2]]
+    assert abs(absorbing / section[:, None] - mesh[[0, 2]] / plane[[0, 2]]).max() > 0.1
