@@ -33,7 +33,7 @@ FADE = (
     0.6,
     0.85,
 )  # of the surface wave's wavenumber: lateral wavenumbers between which the integral fades out
-NEARLY_ZERO = 3e-4  # of the same: k_y in the place of 0, which makes the constant potential a double root
+NEARLY_ZERO = 1e-5  # of the same: k_y in the place of 0, which makes the constant potential a double root
 NEARLY_REAL = 0.3  # |Im k| / |Re k| below which a mode's power flux tells its direction
 NEAR = 0.02  # relative distance of k at which a mode's localisation counts half
 TWIN_SHARE, TWIN_DISTANCE = (
@@ -42,9 +42,9 @@ TWIN_SHARE, TWIN_DISTANCE = (
 )  # localisation and k, relative, of a second mode of the surface wave in a plate
 MAX_ITERATIONS, FOLLOWED = 8, 1e-10  # of a followed mode; last relative step
 FITTED = 4  # places behind from which it is extrapolated
-INTERPOLATED = (
-    32  # nodes at most where a mode is solved for: 1e-8 of its k, 24 leave 2e-7 (YZ, absorbing bottom)
-)
+COARSER = 1.25  # spacing of the rule: 1e-6, where what is left out is 1e-5 and more
+INTERPOLATED = 32  # nodes of a rule at which a mode is solved for, besides a few that check what lies between
+ACCURACY = {"wavenumbers": 1e-6, "column": 1e-3}  # there; all nodes are solved for where it is not reached
 LOST = "the surface wave cannot be followed to oblique directions in this cut"
 
 
@@ -106,9 +106,8 @@ class CutSource:
     def branches(self, reach: float, distance: float, _resolved: float, mirror_width) -> Iterator[Branch]:
         """Waves to both sides at the nodes of a rule that serves points up to ``reach``."""
         rounded = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # so that few rules are needed
-        rule = lateral_rule(
-            self.wavenumber, rounded, tuple(each * self.wavenumber for each in FADE), mirror_width
-        )
+        fade = tuple(each * self.wavenumber for each in FADE)
+        rule = lateral_rule(self.wavenumber, rounded, fade, mirror_width, coarser=COARSER)
         yield from self._lasting(rule, distance)
 
     def plane(self, _resolved: float) -> Iterator[Branch]:
@@ -150,15 +149,25 @@ class CutSource:
         if not self.followed or len(nodes) <= INTERPOLATED:
             return self._solved(nodes)
         number = np.arange(len(nodes))
-        chosen = np.round(number[-1] * np.sin(np.pi / 2 * np.linspace(0, 1, INTERPOLATED)) ** 2)
-        chosen = np.unique(chosen.astype(int))
-        fields = [np.stack(each) for each in zip(*self._solved(nodes[chosen]), strict=True)]
-        near = np.stack([_barycentric(chosen, each) for each in number])
-        between = [
-            np.repeat(each[:1], len(nodes), axis=0) if each.dtype == bool else np.tensordot(near, each, 1)
-            for each in fields
-        ]
-        return [_Poles(*each) for each in zip(*between, strict=True)]
+        some, between = (
+            np.unique(np.round(number[-1] * np.sin(np.pi / 2 * np.linspace(0, 1, count)) ** 2).astype(int))
+            for count in (INTERPOLATED, INTERPOLATED // 4)
+        )
+        between = np.setdiff1d(between + 1, [*some, len(nodes)])
+        solved = np.union1d(some, between)
+        fields = [np.stack(each) for each in zip(*self._solved(nodes[solved]), strict=True)]
+        near = np.stack([_barycentric(some, each) for each in number])
+        known, checked = np.isin(solved, some), np.isin(solved, between)
+        found = []
+        for name, each in zip(_Poles._fields, fields, strict=True):
+            if each.dtype == bool:
+                found.append(np.repeat(each[:1], len(nodes), axis=0))
+                continue
+            found.append(np.tensordot(near, each[known], 1))
+            missed = abs(found[-1][between] - each[checked]).max()
+            if missed > ACCURACY.get(name, ACCURACY["column"]) * abs(each).max():
+                return self._solved(nodes)
+        return [_Poles(*each) for each in zip(*found, strict=True)]
 
     @cached_property
     def _polynomials(self) -> list[tuple]:
