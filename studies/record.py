@@ -239,15 +239,13 @@ class Record:
         -------
         matplotlib Axes
         """
-        from studies.report import figures
+        from studies.report.figures import pictures
 
         if ax is None:
             from matplotlib import pyplot
 
             ax = pyplot.subplots(layout="constrained")[1]
-        if self.scene.slider is not None:
-            return figures.velocity(self, ax)
-        return figures.surface(self, ax) if self.scene.transducer else figures.profile(self, ax)
+        return next(iter(pictures(self).values()))(ax)
 
     def save(self, folder: str | Path, *, field: bool = False, pictures: bool = False) -> list[str]:
         """Write the files of the run into a directory; files that are not of this program stay there.

@@ -35,7 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
         _show(arguments, planned.to_dict(), explanation(planned))
         return 0
     if arguments.plot:
-        from studies.report.figures import refuse_without_toolkit, show
+        from studies.report.figures import pictures, refuse_without_toolkit, show
 
         refuse_without_toolkit("--plot", "without it the same pictures are files in the result directory")
     for option in ("report", "field"):
@@ -69,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
     _warn(record.warnings)
     _say([record.shortfall] if record.shortfall else [])
     if arguments.plot:
-        show(record)
+        show(*pictures(record).values())
     return 1 if record.shortfall else 0
 
 
@@ -117,7 +117,7 @@ def _show(arguments: argparse.Namespace, whole: dict, text: str) -> None:
 def _say(sentences) -> None:
     """Say something on stderr."""
     for each in sentences:
-        print(f"sawmotor: {each}", file=sys.stderr)
+        print(f"sawmotor: {each}", file=sys.stderr, flush=True)
 
 
 def _warn(warnings) -> None:
@@ -209,12 +209,9 @@ def view(arguments: argparse.Namespace) -> int:
 
     wanted = Wanted.read(arguments)
 
-    def note(text: str) -> None:
-        print(f"sawmotor: {text}", file=sys.stderr, flush=True)
-
     with Progress() as progress:
-        show(arguments.run, wanted, progress=progress, note=note)
-    print("\n".join(wanted.files), end="\n" if wanted.files else "")
+        show(arguments.run, wanted, progress=progress, note=lambda text: _say([text]))
+    print("\n".join(wanted.files.values()), end="\n" if wanted.files else "")
     return 0
 
 

@@ -12,9 +12,13 @@ import math
 from itertools import pairwise
 
 import numpy as np
+from matplotlib.colors import BoundaryNorm
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
 
 from studies.refusal import RunError, SceneError
 from studies.report.figures import finished, logarithmic, own
+from studies.report.intermediate import prefixed
 from studies.scene import Scene
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import replaced
@@ -27,7 +31,6 @@ TAKES_SCENE = TAKES_AXES = True
 COUNTS = 28, 22  # of levels and of preloads, where no axes are given
 QUICK = {"counts": (4, 3)}
 SMALLEST = 100.0  # largest value of a map over the smallest that has a colour of its own
-PREFIXES = {-12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 PANELS = {
     "velocity": ("velocity_m_per_s", "slider velocity (mm/s)", 1e3),
     "thrust": ("thrust_N", "blocked thrust (mN)", 1e3),
@@ -99,9 +102,6 @@ def run(
 @of_record
 def figure(record: Panel, ax):
     """Draw one quantity as contours, the closed forms as lines, the scene's own point as a star."""
-    from matplotlib.colors import BoundaryNorm
-    from matplotlib.patheffects import withStroke
-
     data = record.data
     value = np.ma.masked_invalid(np.asarray(data["value"], float) * data["scale"])
     (x, x_label), (y, y_label) = (_scaled(data[f"{side}_key"], data[side]) for side in "xy")
@@ -126,10 +126,9 @@ def figure(record: Panel, ax):
     inside = [(a, b) for a, b in points if x[0].min() <= a <= x[0].max() and y[0].min() <= b <= y[0].max()]
     if inside:
         own(ax, *zip(*inside, strict=True), "the scene's own")
-    if _even_in_logarithm(x[0]):
-        logarithmic(ax.xaxis)
-    if _even_in_logarithm(y[0]):
-        logarithmic(ax.yaxis)
+    for side, values in ((ax.xaxis, x[0]), (ax.yaxis, y[0])):
+        if _even_in_logarithm(values):
+            logarithmic(side)
     return finished(ax, x_label, y_label, record.title, grid=False)
 
 
@@ -138,8 +137,6 @@ def _levels(values) -> list[float]:
 
     Half of a map may lie below a hundredth of its largest value, where even levels show one colour.
     """
-    from matplotlib.ticker import MaxNLocator
-
     low, high = float(values.min()), float(values.max())
     size = max(abs(low), abs(high))
     if low * high >= 0.0 and np.median(abs(values)) > 0.1 * size:
@@ -149,21 +146,10 @@ def _levels(values) -> list[float]:
 
 
 def _series(low: float, high: float) -> list[float]:
-    """Return the numbers 1, 2, 5, 10, ... from a first one up to the first that is no less than another.
-
-    Examples
-    --------
-    >>> _series(0.015, 0.3)
-    [0.02, 0.05, 0.1, 0.2, 0.5]
-    """
-    steps = (float(f"{digit}e{power}") for power in range(-30, 30) for digit in (1, 2, 5))
-    found = []
-    for step in steps:
-        if step >= low:
-            found.append(step)
-            if step >= high:
-                break
-    return found
+    """Return the numbers 1, 2, 5, 10, ... from a first one up to the first that is no less than another."""
+    steps = np.outer(10.0 ** np.arange(-30.0, 30.0), (1, 2, 5)).ravel()
+    first, last = np.searchsorted(steps, (low, high))
+    return steps[first : last + 1].tolist()
 
 
 def _plain(values) -> list:
@@ -220,33 +206,32 @@ def _findings(grid, regime, columns, slider, failed) -> tuple[Finding, ...]:
                        np.mean(right[known]), holds=np.all(right[known]), expected="1", remark=failed)
         for name, right in (("threshold", moving == passed), ("release", parted == released))
     ]  # fmt: skip
-    best = float(np.nanmax(grid["contact_efficiency"][known]))
-    statement, quantity = "The load gets less than the wave gives.", "largest efficiency of the contact"
-    findings.append(Finding.judged(statement, quantity, best, low=0, high=1))
+    best = np.nanmax(grid["contact_efficiency"][known])
     preload, mu = (
         np.array(columns.get(f"slider.{key}", [each] * known.size), float).reshape(known.shape)[known]
         for key, each in (("preload", slider.preload), ("friction_coefficient", slider.friction_coefficient))
     )
-    most = float(np.nanmax(grid["thrust_N"][known] / (mu * preload)))
-    quantity, bounds = "largest blocked thrust over mu times preload", {"low": 0.0, "high": 1.0 + 1e-9}
-    findings.append(
-        Finding.judged("Thrust is friction's.", quantity, most, expected="above 0, up to 1", **bounds)
-    )
+    most = np.nanmax(grid["thrust_N"][known] / (mu * preload))
+    findings += [
+        Finding.judged("The load gets less than the wave gives.", "largest efficiency of the contact", best,
+                       low=0, high=1),
+        Finding.judged("Thrust is friction's.", "largest blocked thrust over mu times preload", most,
+                       low=0, high=1 + 1e-9, expected="above 0, up to 1"),
+    ]  # fmt: skip
     return tuple(findings)
 
 
 def _scaled(key: str, values):
     """Return ((values in a handy unit, its factor), label)."""
     unit, values = unit_of(rule_at(key)), np.asarray(values, float)
-    name = key.split(".")[-1].replace("_", " ")
-    largest = float(np.max(np.abs(values)))
-    if not unit or " " in unit or "/" in unit or largest == 0.0:
-        return (values, 1.0), f"{name} ({unit})" if unit else name
-    power = min(max(3 * math.floor(math.log10(largest) / 3 + 1e-9), -12), 9)
+    name, factor = key.split(".")[-1].replace("_", " "), 1.0
     if unit == "kg":
-        unit, power = "g", power + 3
-        return (values * 10.0 ** (3 - power), 10.0 ** (3 - power)), f"{name} ({PREFIXES[power]}{unit})"
-    return (values * 10.0**-power, 10.0**-power), f"{name} ({PREFIXES[power]}{unit})"
+        unit, factor = "g", 1e3
+    largest = abs(values).max() * factor
+    if unit and not set(" /") & set(unit) and largest:
+        power, letter = prefixed(largest)
+        unit, factor = letter + unit, factor * 10.0**-power
+    return (values * factor, factor), f"{name} ({unit})" if unit else name
 
 
 def _words(key: str, value: float) -> str:

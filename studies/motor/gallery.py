@@ -7,16 +7,23 @@ Expected: pictures; what they show is judged by the studies of each.
 Run time: about a minute.
 """
 
-import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from studies.chain import bridge
+import contact
+from studies.chain import run as run_chain
+from studies.chain.driven_contact import DrivenContact
+from studies.motor import regime_map
 from studies.record import Record
+from studies.report.figures import velocity
 from studies.scene import Scene
+from studies.stator import admittance
 from studies.study import Panel, StudyRecord
+from studies.view.contact_view import contact_moments
+from studies.view.gallery_pictures import draw_all
+from studies.view.run_field import of_record
 
 TAKES_SCENE = True
 QUICK = {"films": False, "maps": False}
@@ -26,29 +33,16 @@ LONG = 2.0  # burst over the time in which friction alone would reach the steady
 
 @dataclass(frozen=True, kw_only=True)
 class Gallery(StudyRecord):
-    """What the pictures are drawn from: run and field, contact and ledger at a voltage, bursts, maps of other studies.
-
-    Attributes
-    ----------
-    voltage : float
-        Of the contact and its ledger, V.
-    contact : tuple
-        `contact_pictures.Moments` and title.
-    bursts : tuple of (str, contact.Trajectory)
-    acceleration : float
-        mu preload / m, m/s^2.
-    ledger : dict
-        J, of one cycle.
-    """
+    """What the pictures are drawn from: run and field, contact and ledger at a voltage, bursts, other studies."""
 
     record: Record = field(repr=False)
-    found: object = field(repr=False)
-    voltage: float
-    contact: tuple = field(repr=False)
-    bursts: tuple = field(repr=False)
-    acceleration: float
-    ledger: dict = field(repr=False)
-    others: tuple = field(repr=False)
+    found: object = field(repr=False)  # its RunField
+    voltage: float  # of the contact and its ledger, V
+    contact: tuple = field(repr=False)  # `contact_pictures.moments` and title
+    bursts: tuple = field(repr=False)  # of (str, contact.Trajectory)
+    acceleration: float  # mu preload / m, m/s^2
+    ledger: object = field(repr=False)  # contact.Ledger of one cycle
+    others: tuple = field(repr=False)  # of (study, panel)
     films: bool = True
 
 
@@ -72,13 +66,6 @@ def run(
     progress : callable, optional
         Told what is being done.
     """
-    import contact
-    from studies.chain import run as run_chain
-    from studies.motor import regime_map
-    from studies.stator import admittance
-    from studies.view.contact_view import contact_moments
-    from studies.view.run_field import of_record
-
     begun = time.perf_counter()
     say = progress or (lambda text: None)
     chosen = scene if isinstance(scene, Scene) else Scene.load(scene)
@@ -86,71 +73,45 @@ def run(
         chosen.refuse("transducer", "and slider are needed: the gallery shows a whole motor")
     say("running the scene")
     record = run_chain(replace(chosen, drive=replace(chosen.drive, burst=None)), tolerance=1e-3, progress=say)
-    found = of_record(record, progress=say)
-    slider = bridge.contact_slider(record.scene.slider)
-    orbits = bridge.orbits_per_volt(record.surface_motion, record.scene.slider)
-    voltage, *voltages = _voltages(record)
-    say("following the contact")
+    found, driven = of_record(record, progress=say), DrivenContact.of_run(record)
+    moving = driven.above(1.0)
+    voltage, *voltages = (
+        min(moving, key=lambda level: abs(level - share * moving[-1])) for share in (CONTACT, *BURSTS)
+    )
     slow = contact_moments(record, level=voltage, progress=say)
     say("bursts")
-    bursts, acceleration = _bursts(slider, orbits, voltages)
-    state = contact.steady(slider, bridge.scaled(orbits, voltage), tolerance=1e-6)
+    slider = driven.slider
+    acceleration = slider.friction_coefficient * slider.preload / slider.mass
+    largest = abs(contact.steady(slider, driven.at(max(voltages)), tolerance=1e-3).velocity)
+    duration = float(f"{LONG * largest / acceleration:.2g}")
+    given = {"duration": duration, "after": duration, "tolerance": 1e-3, "samples": 1500}
+    bursts = tuple(
+        (driven.named(level), contact.burst(slider, driven.at(level), **given))
+        for level in dict.fromkeys(voltages)
+    )
     studies = (regime_map, admittance) if maps else ()
-    others = tuple((each, each.run(chosen, progress=say).panels[0]) for each in studies)
-    panel = Panel(name="wave", title=chosen.title, data={"wavelength_m": found.wavelength})
     return Gallery(
         name="gallery",
-        panels=(panel,),
+        panels=(Panel(name="wave", title=chosen.title, data={"wavelength_m": found.wavelength}),),
         findings=(),
-        seconds=time.perf_counter() - begun,
         record=record,
         found=found,
         voltage=voltage,
         contact=slow,
         bursts=bursts,
         acceleration=acceleration,
-        ledger=vars(state.ledger),
-        others=others,
+        ledger=contact.steady(slider, driven.at(voltage), tolerance=1e-6).ledger,
+        others=tuple((each, each.run(chosen, progress=say).panels[0]) for each in studies),
         films=films,
+        seconds=time.perf_counter() - begun,
     )
-
-
-def _voltages(record: Record) -> list[float]:
-    """Return the scene's voltage whose contact is drawn, then those of start and stop; the slider moves at all."""
-    threshold = record.summary.get("threshold_voltage_V", math.inf)
-    moving = [level for level in record.scene.levels if level > threshold]
-    if not moving:
-        record.scene.refuse(
-            "drive.voltage",
-            f"must hold a value above the threshold, {threshold:.4g} V: the gallery shows a motion",
-        )
-    largest = max(moving)
-    nearest = [min(moving, key=lambda level: abs(level - share * largest)) for share in (CONTACT, *BURSTS)]
-    return [nearest[0], *dict.fromkeys(nearest[1:])]
-
-
-def _bursts(slider, orbits: tuple, voltages: list[float]) -> tuple:
-    """Return start and stop at some voltages, and friction's largest acceleration, m/s^2."""
-    import contact
-
-    acceleration = slider.friction_coefficient * slider.preload / slider.mass
-    largest = abs(contact.steady(slider, bridge.scaled(orbits, max(voltages)), tolerance=1e-3).velocity)
-    duration = float(f"{LONG * largest / acceleration:.2g}")
-    given = {"duration": duration, "after": duration, "tolerance": 1e-3, "samples": 1500}
-    return tuple(
-        (f"{level:g} V", contact.burst(slider, bridge.scaled(orbits, level), **given)) for level in voltages
-    ), acceleration
 
 
 def figure(record: Gallery, ax):
     """Draw velocity against voltage, the gallery's first picture; ``draw`` makes all of them."""
-    from studies.report.figures import velocity
-
     return velocity(record.record, ax)
 
 
 def draw(gallery: Gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
     """Draw the gallery's pictures into a directory."""
-    from studies.view.gallery_pictures import draw_all
-
     draw_all(gallery, folder, progress=progress)

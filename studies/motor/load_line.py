@@ -9,6 +9,7 @@ and the stator's.
 
 import numpy as np
 
+import contact
 from studies.chain.driven_contact import driven_contact
 from studies.report.figures import curve, family, finished
 from studies.scene import Scene
@@ -28,8 +29,6 @@ def run(scene: str | Scene = "twente-contact", *, points: int = 17, progress=Non
     points : int
         Loads of each line.
     """
-    import contact
-
     driven = driven_contact(scene, progress=progress)
     chosen, slider = driven.scene, driven.slider
     drawn = {driven.named(level): driven.at(level) for level in driven.spread(1.05, LINES)}

@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+import contact
 from studies.chain import bridge
 from studies.chain.driven_contact import DrivenContact, driven_contact
 from studies.report.figures import AXES, curve, finished, logarithmic, own
@@ -42,8 +43,6 @@ def run(
     checked : int
         Points that are solved again by the event-driven method.
     """
-    import contact
-
     driven = driven_contact(scene, progress=progress)
     chosen, slider, per_metre = driven.scene, driven.slider, driven.at(1.0 / driven.amplitude)
     if slider.shape != "sphere" or slider.heights:
@@ -53,9 +52,11 @@ def run(
         chosen.refuse("slider.preload", "must be positive, with friction, for a map of regimes")
     at, loads, reach = _grid(driven, per_metre, amplitudes, preloads)
     progress(f"regime map: {at.size * loads.size} steady states")
-    found = contact.steady_map(slider, per_metre, factors=at, preloads=loads)
-    kind = np.where((found.regime == "intermittent") & (found.height < 0.0), "hopping", found.regime)
     loaded = [replace(slider, preload=float(preload)) for preload in loads]
+    which = np.stack([*np.indices((loads.size, 1))], axis=-1).repeat(at.size, axis=1)
+    factors = np.tile(at, (loads.size, 1))
+    found = contact.steady_sweep(loaded, [per_metre], which=which, factors=factors, wave_errors=[0.0])
+    kind = np.where((found.regime == "intermittent") & (found.height < 0.0), "hopping", found.regime)
     shares = sum(abs(orbit.normal) ** 1.5 for orbit in per_metre)
     lines = {
         "threshold": np.array([contact.threshold_factor(s, per_metre) for s in loaded]),
@@ -104,8 +105,6 @@ def _half_wave() -> float:
 
 def _grid(driven: DrivenContact, per_metre: tuple, amplitudes: int, preloads: int) -> tuple:
     """Return amplitudes and preloads that show every regime, and the scene's own amplitudes."""
-    import contact
-
     reach = driven.amplitude * np.array(driven.levels)
     threshold = contact.threshold_factor(driven.slider, per_metre)
     release = contact.release_factor(driven.slider, per_metre)
@@ -120,8 +119,6 @@ def _grid(driven: DrivenContact, per_metre: tuple, amplitudes: int, preloads: in
 
 def _worst(slider, per_metre, amplitudes, preloads, found, checked: int) -> float:
     """Return the largest difference to the event-driven method over a scatter of moving points."""
-    import contact
-
     at = np.argwhere(np.abs(np.nan_to_num(found.velocity)) > 0.0)
     differences = []
     for i, j in at[:: max(1, len(at) // checked)][:checked]:

@@ -12,6 +12,7 @@ import math
 
 import numpy as np
 
+import contact
 from studies.chain.driven_contact import driven_contact
 from studies.report.figures import curve, family, finished, logarithmic
 from studies.scene import Scene
@@ -44,8 +45,6 @@ def run(
     lines : int
         How many of the scene's levels, at most.
     """
-    import contact
-
     driven = driven_contact(scene, progress=progress)
     chosen, slider, picked = driven.scene, driven.slider, driven.spread(1.5, lines)
     steps, planned = {}, {}
@@ -124,8 +123,6 @@ def _growth(steps, steady: float) -> list[Finding]:
 
 def _travelled(slider, orbits, frequency, step) -> float:
     """Return the integral of a trajectory's velocity over a step."""
-    import contact
-
     found = contact.burst(
         slider, orbits, duration=step.cycles / frequency, after=10.0 * step.stopping_time, tolerance=1e-6,
         samples=4000, method="exact",

@@ -10,8 +10,10 @@ mean.  Expected: Fresnel's fringes of the aperture.  Run time: about 30 s.
 
 import numpy as np
 
+import contact
 from studies.chain import bridge
 from studies.chain.driven_contact import driven_contact
+from studies.chain.travel import travelled
 from studies.report.figures import AXES, COLOURS, curve, family, finished, lines
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
@@ -36,9 +38,6 @@ def run(
     duration : float
         s, of the motion along the field.
     """
-    import contact
-    from studies.chain.travel import travelled
-
     driven = driven_contact(scene, progress=progress)
     if driven.record is None:
         driven.scene.refuse("wave", "must be absent: along a given wave every place is alike")
@@ -106,8 +105,6 @@ def _span(scene: Scene, wavelength: float) -> tuple[float, float]:
 
 
 def _findings(driven, steady, here: float, path, level: float) -> tuple[Finding, ...]:
-    import contact
-
     expected = contact.steady(driven.slider, driven.at(level), tolerance=1e-4).velocity
     known = abs(steady[np.isfinite(steady)]).max()
     return (

@@ -5,10 +5,10 @@ import json
 import sys
 
 from studies.record import Record
-from studies.report.measured import comparison_lines
+from studies.report.measured import comparison
 from studies.scene.match import ELEMENTS
 
-__all__ = ["answer", "notebook_table", "points_table", "print_json", "table"]
+__all__ = ["answer", "labelled", "notebook_table", "points_table", "print_json", "table"]
 
 COLUMNS = (
     ("voltage (V)", "voltage_V", lambda value: f"{value:g}"),
@@ -24,6 +24,14 @@ COLUMNS = (
     ("status", "status", str),
 )  # of a point: its head, its key in run.json, and how it is written
 
+SHARES = {
+    "delivered": "W_per_V2",
+    "network": "network_W_per_V2",
+    "solid": "solid_W_per_V2",
+    "loads": "loads_W_per_V2",
+    "to the left": "radiated_left_W_per_V2",
+    "to the right": "radiated_right_W_per_V2",
+}  # of the available power: its key in run.json
 ROWS_SHOWN = 30  # of the table in a notebook
 
 
@@ -40,28 +48,37 @@ def answer(record: Record) -> str:
         head, rows = points_table(record)
         shown = [k for k, name in enumerate(head) if name != "status"]
         lines += [*table([[row[k] for k in shown] for row in (head, *rows)]), ""]
-    else:
-        lines += _free_wave(record.wave)
-    lines += _wave(record)
-    lines += _limits(record)
-    if record.uncertainty:
-        lines += _uncertainty(record.uncertainty)
-    if record.measured:
-        lines += comparison_lines(record.measured)
+    rows = [*_wave(record), *_limits(record.summary), *_uncertainty(record.uncertainty)]
+    rows += comparison(record.measured)
+    asked = f"asked for {record.tolerance:.1e}"
     if record.at_rest:
         known = record.wave.get("relative_error")
         wave = "" if known is None else f"; the wave under the slider is known to {known:.1e}"
-        lines.append(f"relative error  none: no point moves{wave}, asked for {record.tolerance:.1e}")
+        rows.append(("relative error", f"none: no point moves{wave}, {asked}"))
     elif record.error:
         parts = ", ".join(f"{name} {size:.1e}" for name, size in record.error["parts"].items())
-        asked = f"asked for {record.tolerance:.1e}"
-        lines.append(f"relative error  {record.error['relative']:.1e} ({parts}), {asked}")
-    if record.model_error:
-        lines.append("model error     " + "\n                ".join(sentences(record)))
+        rows.append(("relative error", f"{record.error['relative']:.1e} ({parts}), {asked}"))
     seconds = ", ".join(f"{name} {size:.2f}" for name, size in record.seconds.items() if name != "total")
-    lines.append(f"seconds         {record.seconds['total']:.2f} ({seconds})")
-    lines.append("left out        " + "\n                ".join(record.left_out))
-    return "\n".join(lines)
+    rows += [
+        ("model error", sentences(record)),
+        ("seconds", f"{record.seconds['total']:.2f} ({seconds})"),
+        ("left out", record.left_out),
+    ]
+    return "\n".join([*lines, *labelled(rows)])
+
+
+def labelled(rows, width: int = 16) -> list[str]:
+    """Return rows of a name and a line, or lines, as text: the names at the left.
+
+    Examples
+    --------
+    >>> labelled([("velocity", "1 m/s"), ("left out", ["heat", "wear"])], 10)
+    ['velocity  1 m/s', 'left out  heat', '          wear']
+    """
+    rows = [(name, (lines,) if isinstance(lines, str) else lines) for name, lines in rows]
+    return [
+        f"{name * (k == 0):<{width}}{line}".rstrip() for name, lines in rows for k, line in enumerate(lines)
+    ]
 
 
 def table(rows: list[list[str]]) -> list[str]:
@@ -95,84 +112,68 @@ def notebook_table(record: Record, caption: str) -> str:
     return f"<p>{escape(caption)}</p><table>{row('th', heads)}{body}</table>{more}<ul>{notes}</ul>"
 
 
-def _free_wave(wave: dict) -> list[str]:
-    return [
-        f"velocity        {wave['phase_velocity_m_per_s']:.8g} m/s",
-        f"surface ratio   {wave['surface_ratio']:.6g} (|u_x/u_z|)",
-        f"attenuation     {wave['attenuation_per_m']:.4g} 1/m",
-    ]
-
-
-def _wave(record: Record) -> list[str]:
-    if not record.electrical:
-        return []
+def _wave(record: Record):
+    """Yield the rows of the wave: free, or under the slider with the electrical side."""
     wave, electrical = record.wave, record.electrical
-    admittance = electrical["admittance_S"]
-    section = wave.get("section_normal_m_per_V")
-    change = 0.0 if section is None else 100 * (abs(section) / abs(wave["normal_m_per_V"]) - 1)
-    spreading = (
-        []
-        if section is None
-        else [f"diffraction     the plane section would give {change:+.2g} % at the slider's place"]
+    if not record.points:
+        yield "velocity", f"{wave['phase_velocity_m_per_s']:.8g} m/s"
+        yield "surface ratio", f"{wave['surface_ratio']:.6g} (|u_x/u_z|)"
+        yield "attenuation", f"{wave['attenuation_per_m']:.4g} 1/m"
+    if not electrical:
+        return
+    size, velocity, ratio = (
+        wave[key] for key in ("normal_m_per_V", "phase_velocity_m_per_s", "standing_wave_ratio")
     )
-    return [
-        f"wave            {abs(wave['normal_m_per_V']) * 1e9:.4g} nm per V at the slider's place, "
-        f"{wave['phase_velocity_m_per_s']:.6g} m/s, standing-wave ratio {wave['standing_wave_ratio']:.3g}",
-        *spreading,
-        f"admittance      {admittance.real * 1e3:.4g} + {admittance.imag * 1e3:.4g}i mS",
-        *_source(record),
-    ]
+    place = f"{abs(size) * 1e9:.4g} nm per V at the slider's place"
+    yield "wave", f"{place}, {velocity:.6g} m/s, standing-wave ratio {ratio:.3g}"
+    if "section_normal_m_per_V" in wave:
+        change = 100 * (abs(wave["section_normal_m_per_V"]) / abs(size) - 1)
+        yield "diffraction", f"the plane section would give {change:+.2g} % at the slider's place"
+    admittance = electrical["admittance_S"]
+    yield "admittance", f"{admittance.real * 1e3:.4g} + {admittance.imag * 1e3:.4g}i mS"
+    yield from _source(electrical, record.scene.drive)
 
 
-def _source(record: Record) -> list[str]:
-    """Return the network's elements and where the available power goes, for a source with an impedance."""
-    electrical, match, lines = record.electrical, record.scene.drive.match, []
-    if match != "none":
-        parts = [f"{name} {size:.4g} {ELEMENTS[name]}" for (name, size), *_ in match]
-        lines.append("match           " + ", ".join(parts) + " (from the source to the transducer)")
+def _source(electrical: dict, drive):
+    """Yield the network's elements and where the available power goes, for a source with an impedance."""
+    if drive.match != "none":
+        parts = [f"{name} {size:.4g} {ELEMENTS[name]}" for (name, size), *_ in drive.match]
+        yield "match", ", ".join(parts) + " (from the source to the transducer)"
     available = electrical.get("power_available_W_per_V2")
     if available is not None:
-        shares = {
-            "delivered": "power_W_per_V2",
-            "network": "power_network_W_per_V2",
-            "solid": "power_solid_W_per_V2",
-            "loads": "power_loads_W_per_V2",
-            "to the left": "power_radiated_left_W_per_V2",
-            "to the right": "power_radiated_right_W_per_V2",
-        }
-        text = ", ".join(f"{name} {100 * electrical[key] / available:.3g} %" for name, key in shares.items())
-        lines.append(f"power           of the available: {text}")
-        lines.append(f"electrodes      {abs(electrical['comb_voltage_per_volt']):.4g} V per V of the source")
-    if "recovery_ratio" in electrical:
-        kept = f"{100 * electrical['recovery_ratio']:.3g} % of the power into the transducers"
-        load = complex(record.scene.drive.recovery.load)
-        lines.append(f"recovered       {kept}, in {load.real:.4g} {load.imag:+.4g}i ohm")
+        shares = (
+            f"{name} {100 * electrical[f'power_{key}'] / available:.3g} %" for name, key in SHARES.items()
+        )
+        yield "power", f"of the available: {', '.join(shares)}"
+        yield "electrodes", f"{abs(electrical['comb_voltage_per_volt']):.4g} V per V of the source"
+    ratio = electrical.get("recovery_ratio")
+    if ratio is not None:
+        load = complex(drive.recovery.load)
+        kept = f"{100 * ratio:.3g} % of the power into the transducers"
+        yield "recovered", f"{kept}, in {load.real:.4g} {load.imag:+.4g}i ohm"
     if "power_net_W_per_V2" in electrical:
-        less, gain = (
-            electrical["power_W_per_V2"] / electrical["power_net_W_per_V2"],
-            electrical["recovery_ratio"],
-        )
-        lines.append(
-            f"circulation     the source gives 1/{less:.4g} of it; gain of the loop {gain:.4g}, stable below 1"
-        )
-    return lines
+        less = electrical["power_W_per_V2"] / electrical["power_net_W_per_V2"]
+        gives = f"the source gives 1/{less:.4g} of it"
+        yield "circulation", f"{gives}; gain of the loop {ratio:.4g}, stable below 1"
 
 
-def _uncertainty(block: dict) -> list[str]:
-    """Return how the bands were made, and what each tolerance makes of the velocity at the highest level."""
+def _uncertainty(block: dict):
+    """Yield how the bands were made, and what each tolerance makes of the velocity at the highest level."""
+    if not block:
+        return
     made = "linear, tolerances added in quadrature"
     if "samples" in block:
         made = f"percentiles of {block['samples']} samples (Latin hypercube)"
-    lines, widths = [f"uncertainty     bands of 95 %: {made}"], block.get("velocity_half_width_m_per_s", {})
+    yield "uncertainty", f"bands of 95 %: {made}"
+    widths = block.get("velocity_half_width_m_per_s", {})
     for key, size in block["tolerances"].items():
         effect = f": +- {widths[key] * 1e3:.3g} mm/s at the highest level" if key in widths else ""
-        lines.append(f"                {key} +- {size:.4g}{effect}")
+        yield "", f"{key} +- {size:.4g}{effect}"
     for name in ("threshold", "release"):
         for key, factor, unit in ((f"{name}_voltage_V", 1.0, "V"), (f"{name}_amplitude_m", 1e9, "nm")):
             if key in block:
                 low, high = (end * factor for end in block[key])
-                lines.append(f"                {name} {low:.4g} to {high:.4g} {unit}")
-    return lines
+                yield "", f"{name} {low:.4g} to {high:.4g} {unit}"
 
 
 def sentences(record: Record) -> tuple[str, ...]:
@@ -188,13 +189,10 @@ def sentences(record: Record) -> tuple[str, ...]:
     return tuple(lines + ([f"below the tolerance: {', '.join(small)}"] if small else []))
 
 
-def _limits(record: Record) -> list[str]:
-    lines = []
+def _limits(summary: dict):
+    """Yield threshold and release."""
     for name in ("threshold", "release"):
-        amplitude = record.summary.get(f"{name}_amplitude_m")
-        if amplitude is None:
-            continue
-        voltage = record.summary.get(f"{name}_voltage_V")
-        at = "" if voltage is None else f"{voltage:.4g} V, "
-        lines.append(f"{name:<15} {at}{amplitude * 1e9:.4g} nm")
-    return lines
+        if f"{name}_amplitude_m" in summary:
+            voltage = summary.get(f"{name}_voltage_V")
+            at = "" if voltage is None else f"{voltage:.4g} V, "
+            yield name, f"{at}{summary[f'{name}_amplitude_m'] * 1e9:.4g} nm"

@@ -6,8 +6,10 @@ the page.  A crystal axis X, Y or Z (1, 2, 3 of the material's tables) is drawn 
 
 from pathlib import Path
 
+from fem import VACUUM_PERMITTIVITY, rotation_matrix
 from studies.refusal import RunError, SceneError
 from studies.report.answer import table
+from studies.report.figures import COLOURS, arrow, saved
 
 __all__ = ["axes", "axes_figure", "crystal_tables", "save_axes", "tables_text"]
 
@@ -33,8 +35,6 @@ def crystal_tables(solid, orientation) -> dict:
         ``stiffness_Pa``, ``coupling_C_per_m2``, ``permittivity_relative``, ``density_kg_per_m3``, and
         ``axes_in_crystal``: unit vectors of x, y and z along the crystal's axes.
     """
-    from fem import VACUUM_PERMITTIVITY, rotation_matrix
-
     rows = rotation_matrix(orientation)
     return {
         "stiffness_Pa": solid.stiffness,
@@ -47,18 +47,16 @@ def crystal_tables(solid, orientation) -> dict:
 
 def tables_text(crystal: dict) -> list[str]:
     """Return the tensors and axes as lines of text, Voigt order 11 22 33 23 13 12."""
-    lines = ["stiffness c (GPa), rotated"]
-    lines += _table(crystal["stiffness_Pa"], VOIGT, VOIGT, 1e-9)
-    lines += ["", "coupling e (C/m^2), rotated"]
-    lines += _table(crystal["coupling_C_per_m2"], "xyz", VOIGT, 1.0)
-    lines += ["", "permittivity (relative to vacuum, clamped), rotated"]
-    lines += _table(crystal["permittivity_relative"], "xyz", "xyz", 1.0)
-    lines += ["", "axes of the cut along the crystal's"]
-    cut = crystal["axes_in_crystal"]
-    names = {"x": "x, propagation", "y": "y", "z": "z, outward normal"}
-    rows = [["", "X", "Y", "Z"]]
-    rows += [[names[name], *(f"{part + 0.0:.5f}" for part in _clean(cut[name]))] for name in "xyz"]
-    return lines + table(rows)
+    lines = []
+    for head, key, rows, columns, unit in (
+        ("stiffness c (GPa), rotated", "stiffness_Pa", VOIGT, VOIGT, 1e-9),
+        ("coupling e (C/m^2), rotated", "coupling_C_per_m2", "xyz", VOIGT, 1.0),
+        ("permittivity (relative to vacuum, clamped), rotated", "permittivity_relative", "xyz", "xyz", 1.0),
+    ):
+        lines += [head, *_table(crystal[key], rows, columns, unit), ""]
+    cut, names = crystal["axes_in_crystal"], {"x": "x, propagation", "y": "y", "z": "z, outward normal"}
+    rows = [[name, *(f"{part + 0.0:.5f}" for part in _clean(cut[axis]))] for axis, name in names.items()]
+    return [*lines, "axes of the cut along the crystal's", *table([["", "X", "Y", "Z"], *rows])]
 
 
 def axes(crystal: dict) -> dict:
@@ -69,16 +67,12 @@ def axes(crystal: dict) -> dict:
 
 def axes_figure(answer: dict, ax):
     """Draw the crystal axes in the section's corner of the material that `half_space_wave` answered for."""
-    from studies.report.figures import COLOURS
-
     colours = {"X": COLOURS["slip"], "Y": COLOURS["second"], "Z": COLOURS["intermittent"]}
     ax.axhspan(-1.5, 0, color=COLOURS["stick"], alpha=0.25, linewidth=0)
     ax.axhline(0, color=COLOURS["line"], linewidth=1.2)
     for name, (x, y, z) in axes(answer["crystal"]).items():
         if x * x + z * z > SEEN**2:
-            ax.annotate(
-                "", (x, z), (0, 0), arrowprops={"arrowstyle": "-|>", "color": colours[name], "linewidth": 2}
-            )
+            arrow(ax, (0, 0), (x, z), colours[name], width=2.0)
         mark = "" if abs(y) < SEEN else f" ({abs(y):.2f} {'into' if y > 0 else 'out of'} the page)"
         size = max((x * x + z * z) ** 0.5, SEEN)
         at = (1.15 * x, 1.15 * z + (0.09 if abs(z) < 0.1 else 0.0)) if size > SEEN else (0.12, -0.12)
@@ -106,8 +100,6 @@ def save_axes(answer: dict, file: str | Path) -> None:
     RunError
         If it cannot be written.
     """
-    from studies.report.figures import saved
-
     if Path(file).suffix.lower() not in FORMATS:
         raise SceneError("--plot", f"must end in one of {', '.join(FORMATS)}, got {str(file)!r}")
     try:

@@ -7,9 +7,11 @@ own numbers, friction above all, are taken as exact.
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
+import contact
 from studies.chain import run
 from studies.chain.driven_contact import DrivenContact
 from studies.record import Record
@@ -27,67 +29,38 @@ CONTACT_TOLERANCE = 1e-4
 CENTRE = 5e-4  # of the frequency of the strongest wave: a coarse discretisation (fem/solve/passband.py)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Row:
-    """One line of the datasheet.
+class Row(NamedTuple):
+    """One line of the datasheet."""
 
-    Attributes
-    ----------
-    group, name : str
-        Where it stands and what it is.
-    value : float
-        In SI units.
-    unit : str
-    error : float or None
-        Relative; None where the number is given by the scene or counted.
-    condition : str
-        What it holds for beyond the rated level.
-    """
-
-    group: str
+    group: str  # of `datasheet_page.GROUPS`
     name: str
-    value: float
+    value: float  # in SI units
     unit: str
-    error: float | None = None
-    condition: str = ""
+    error: float | None = None  # relative; None where the number is given by the scene or counted
+    condition: str = ""  # what it holds for beyond the rated level
 
 
 @dataclass(frozen=True, kw_only=True)
 class Datasheet:
-    """A motor's datasheet.
+    """A motor's datasheet."""
 
-    Attributes
-    ----------
-    record : Record
-        Of the run behind it.
-    driven : DrivenContact
-    rated : float
-        V of the source, or m of given amplitude.
-    rows : tuple of Row
-    lines : dict of str to contact.LoadLine
-        By level; of one of the balls that are computed as one.
-    balls : float
-        How many balls such a load line stands for.
-    start_stop : contact.Trajectory
-        A burst from rest at the rated level, and the stop after it.
-    steps : tuple of contact.Step
-        The shortest bursts that move the slider by the sizes in `STEPS`.
-    """
-
-    record: Record
+    record: Record  # of the run behind it
     driven: DrivenContact = field(repr=False)
-    rated: float
+    rated: float  # V of the source, or m of given amplitude
     rows: tuple[Row, ...]
-    lines: dict = field(repr=False)
-    balls: float
-    start_stop: object = field(repr=False)
-    steps: tuple = field(repr=False)
+    lines: dict = field(repr=False)  # by level: contact.LoadLine of one of the balls that are computed as one
+    balls: float  # how many balls such a load line stands for
+    start_stop: object = field(
+        repr=False
+    )  # contact.Trajectory from rest at the rated level, and the stop after it
+    steps: tuple = field(repr=False)  # contact.Step: the shortest bursts that move by the sizes in `STEPS`
 
     def to_dict(self) -> dict:
         """Return what datasheet.json holds: title, rated level, the rows and the model error."""
         level = "amplitude_m" if self.record.scene.wave is not None else "voltage_V"
         rows = [
-            {key: value for key, value in vars(row).items() if value not in (None, "")} for row in self.rows
+            {key: value for key, value in row._asdict().items() if value not in (None, "")}
+            for row in self.rows
         ]
         whole = {"title": self.record.scene.title, f"rated_{level}": self.rated, "rows": rows}
         return whole | ({"model_error": self.record.model_error} if self.record.model_error else {})
@@ -114,8 +87,6 @@ def datasheet(
     RunError
         If a number of the datasheet has no answer.
     """
-    import contact
-
     say = progress or (lambda text: None)
     if scene.slider is None:
         scene.refuse("slider", "is missing: a datasheet is of a whole motor")
@@ -157,21 +128,13 @@ def datasheet(
         *_resonances(record, driven, say),
     )
     return Datasheet(
-        record=record,
-        driven=driven,
-        rated=rated,
-        rows=rows,
-        lines=lines,
-        balls=balls,
-        start_stop=start_stop,
+        record=record, driven=driven, rated=rated, rows=rows, lines=lines, balls=balls, start_stop=start_stop,
         steps=steps,
-    )
+    )  # fmt: skip
 
 
 def _start_stop(driven: DrivenContact, rated: float):
     """Return a burst from rest that reaches the steady velocity, and the stop after it."""
-    import contact
-
     slider, orbits = driven.slider, driven.at(rated)
     acceleration = slider.friction_coefficient * slider.preload / slider.mass
     steady = contact.steady(slider, orbits, tolerance=CONTACT_TOLERANCE).velocity
@@ -181,114 +144,91 @@ def _start_stop(driven: DrivenContact, rated: float):
     )
 
 
-def _speeds(record: Record, driven: DrivenContact, rated: float) -> list[Row]:
+def _speeds(record: Record, driven: DrivenContact, rated: float):
     point = next(each for each in record.points if each[record.level] == rated)
     # the point's error is stated over max(|v|, omega |u_x| / 10)
-    omega = 2.0 * np.pi * record.scene.frequency
-    velocity = point["velocity_m_per_s"]
-    scale = max(abs(velocity), omega * point["tangential_amplitude_m"] / 10.0)
+    speed, omega = abs(point["velocity_m_per_s"]), 2.0 * np.pi * record.scene.frequency
+    error = point["relative_error"] * max(speed, omega * point["tangential_amplitude_m"] / 10.0) / speed
+    yield Row("speed", "speed", speed, "m/s", error, "no load, steady")
     unit, key = ("m", "amplitude_m") if record.scene.wave is not None else ("V", "voltage_V")
-    rows = [Row(group="speed", name="speed", value=abs(velocity), unit="m/s",
-                error=point["relative_error"] * scale / abs(velocity), condition="no load, steady")]  # fmt: skip
     for name, words in (("threshold", "starts to move"), ("release", "leaves the surface in every cycle")):
         if f"{name}_{key}" in record.summary:
-            rows.append(Row(group="speed", name=name, value=record.summary[f"{name}_{key}"], unit=unit,
-                            error=driven.stator_error, condition=f"the slider {words}"))  # fmt: skip
-    return rows
+            value, condition = record.summary[f"{name}_{key}"], f"the slider {words}"
+            yield Row("speed", name, value, unit, driven.stator_error, condition)
 
 
-def _forces(driven: DrivenContact, rated: float, balls: float) -> list[Row]:
-    import contact
-
+def _forces(driven: DrivenContact, rated: float, balls: float):
     slider = driven.slider
     stall, held = contact.blocked_thrust(slider, driven.at(rated))
     more, _ = contact.blocked_thrust(slider, driven.at(rated * (1.0 + driven.stator_error)))
-    friction = slider.friction_coefficient * slider.preload
-    return [
-        Row(group="force", name="blocked thrust", value=balls * stall, unit="N",
-            error=abs(more / stall - 1.0) + CONTACT_TOLERANCE, condition="load at which the motor stalls"),
-        Row(group="force", name="load held on the wave", value=balls * held, unit="N",
-            error=abs(more / stall - 1.0) + CONTACT_TOLERANCE, condition="against the drive, at rest"),
-        Row(group="force", name="holding force", value=balls * friction, unit="N",
-            condition="drive off: friction coefficient times preload"),
-        Row(group="force", name="largest acceleration", value=friction / slider.mass, unit="m/s\u00b2",
-            condition="that friction can give: holding force over mass"),
-    ]  # fmt: skip
-
-
-def _positioning(driven: DrivenContact, rated: float, steps, start_stop) -> list[Row]:
-    import contact
-
-    frequency, rows = driven.scene.frequency, []
-    for size, step in zip(STEPS, steps, strict=True):
-        again = contact.step(
-            driven.slider, driven.at(rated * (1.0 + driven.stator_error)), cycles=step.cycles
-        )
-        name = "smallest step" if size == STEPS[0] else "step"
-        cycles = f"{step.cycles} cycle{'' if step.cycles == 1 else 's'}"
-        rows.append(
-            Row(group="positioning", name=f"{name} of {size * 1e9:g} nm or more", value=abs(step.displacement),
-                unit="m", error=abs(again.displacement / step.displacement - 1.0) if driven.stator_error else None,
-                condition=f"a burst of {cycles}, {step.cycles / frequency * 1e6:.4g} \u00b5s; rests after "
-                f"{step.stopping_time * 1e6:.3g} \u00b5s, then rings by {step.ring * 1e9:.2g} nm")
-        )  # fmt: skip
-    time, speed = start_stop.time, abs(start_stop.velocity)
-    reached = time[np.argmax(speed >= SETTLED * abs(start_stop.velocity_at_burst_end))]
-    # the slider has stopped when its velocity is that of its ring in the contact's spring
-    after = time >= start_stop.duration
-    slow = after & (speed < 1e-2 * abs(start_stop.velocity_at_burst_end))
-    stopped = time[np.argmax(slow)] - start_stop.duration
-    grid = float(np.max(np.diff(time)))
-    rows += [
-        Row(group="positioning", name="start time", value=float(reached), unit="s", error=grid / float(reached),
-            condition=f"from rest to {SETTLED:.0%} of the speed, wave at full size from the first cycle"),
-        Row(group="positioning", name="stop time", value=float(stopped), unit="s", error=grid / float(stopped),
-            condition="from full speed to 1 % of it after the drive is off"),
-    ]  # fmt: skip
-    return rows
-
-
-def _powers(record: Record, driven: DrivenContact, rated: float, line, balls: float) -> list[Row]:
-    best = int(np.argmax(line.power))
-    load, velocity = balls * float(line.load[best]), float(line.velocity[best])
-    rows = [
-        Row(group="power", name="largest mechanical power", value=balls * float(line.power[best]), unit="W",
-            error=2.0 * driven.stator_error + CONTACT_TOLERANCE,
-            condition=f"of {LOADS} loads: {load * 1e6:.4g} \u00b5N at {velocity * 1e3:.4g} mm/s"),
-        Row(group="power", name="efficiency of the contact", value=float(np.max(line.efficiency)), unit="1",
-            error=2.0 * driven.stator_error + CONTACT_TOLERANCE,
-            condition="mechanical power over the power that the wave gives the balls, best load"),
-    ]  # fmt: skip
-    if not record.electrical:
-        return rows
-    electrical = record.electrical
-    error, drawn = electrical["admittance_relative_error"], electrical["power_W_per_V2"] * rated**2
-    current = (
-        abs(complex(electrical["admittance_S"])) * abs(complex(electrical["comb_voltage_per_volt"])) * rated
+    friction, error = (
+        slider.friction_coefficient * slider.preload,
+        abs(more / stall - 1.0) + CONTACT_TOLERANCE,
     )
-    return [
-        Row(group="power", name="electrical power", value=drawn, unit="W", error=error, condition="mean, while driven"),
-        Row(group="power", name="current", value=current, unit="A", error=error,
-            condition="peak, into the driven transducer"),
-        *rows,
-        Row(group="power", name="efficiency of the motor", value=balls * float(line.power[best]) / drawn, unit="1",
-            error=error + 2.0 * driven.stator_error + CONTACT_TOLERANCE,
-            condition="largest mechanical power over electrical power"),
-    ]  # fmt: skip
+    yield Row("force", "blocked thrust", balls * stall, "N", error, "load at which the motor stalls")
+    yield Row("force", "load held on the wave", balls * held, "N", error, "against the drive, at rest")
+    condition = "drive off: friction coefficient times preload"
+    yield Row("force", "holding force", balls * friction, "N", condition=condition)
+    condition = "that friction can give: holding force over mass"
+    yield Row("force", "largest acceleration", friction / slider.mass, "m/s\u00b2", condition=condition)
 
 
-def _resonances(record: Record, driven: DrivenContact, say) -> list[Row]:
-    scene, contacts = record.scene, len(driven.orbits)
-    rows = [Row(group="resonance", name="drive frequency", value=scene.frequency, unit="Hz")]
+def _positioning(driven: DrivenContact, rated: float, steps, start_stop):
+    more = driven.at(rated * (1.0 + driven.stator_error))
+    for size, step in zip(STEPS, steps, strict=True):
+        error = None
+        if driven.stator_error:
+            again = contact.step(driven.slider, more, cycles=step.cycles)
+            error = abs(again.displacement / step.displacement - 1.0)
+        name = f"{'smallest step' if size == STEPS[0] else 'step'} of {size * 1e9:g} nm or more"
+        cycles = f"{step.cycles} cycle{'' if step.cycles == 1 else 's'}"
+        condition = (
+            f"a burst of {cycles}, {step.cycles / driven.scene.frequency * 1e6:.4g} \u00b5s; rests after "
+            f"{step.stopping_time * 1e6:.3g} \u00b5s, then rings by {step.ring * 1e9:.2g} nm"
+        )
+        yield Row("positioning", name, abs(step.displacement), "m", error, condition)
+    time, speed, last = start_stop.time, abs(start_stop.velocity), abs(start_stop.velocity_at_burst_end)
+    grid, reached = float(np.max(np.diff(time))), float(time[np.argmax(speed >= SETTLED * last)])
+    condition = f"from rest to {SETTLED:.0%} of the speed, wave at full size from the first cycle"
+    yield Row("positioning", "start time", reached, "s", grid / reached, condition)
+    # the slider has stopped when its velocity is that of its ring in the contact's spring
+    slow = (time >= start_stop.duration) & (speed < 1e-2 * last)
+    stopped = float(time[np.argmax(slow)] - start_stop.duration)
+    condition = "from full speed to 1 % of it after the drive is off"
+    yield Row("positioning", "stop time", stopped, "s", grid / stopped, condition)
+
+
+def _powers(record: Record, driven: DrivenContact, rated: float, line, balls: float):
+    best, error = int(np.argmax(line.power)), 2.0 * driven.stator_error + CONTACT_TOLERANCE
+    power, drawn = balls * float(line.power[best]), 0.0
+    electrical = record.electrical
+    if electrical:
+        of_charge, drawn = electrical["admittance_relative_error"], electrical["power_W_per_V2"] * rated**2
+        current = (
+            abs(complex(electrical["admittance_S"]) * complex(electrical["comb_voltage_per_volt"])) * rated
+        )
+        yield Row("power", "electrical power", drawn, "W", of_charge, "mean, while driven")
+        yield Row("power", "current", current, "A", of_charge, "peak, into the driven transducer")
+    at = f"{balls * line.load[best] * 1e6:.4g} \u00b5N at {line.velocity[best] * 1e3:.4g} mm/s"
+    yield Row("power", "largest mechanical power", power, "W", error, f"of {LOADS} loads: {at}")
+    condition = "mechanical power over the power that the wave gives the balls, best load"
+    yield Row("power", "efficiency of the contact", float(np.max(line.efficiency)), "1", error, condition)
+    if electrical:
+        condition = "largest mechanical power over electrical power"
+        yield Row("power", "efficiency of the motor", power / drawn, "1", of_charge + error, condition)
+
+
+def _resonances(record: Record, driven: DrivenContact, say):
+    scene, contacts, slider = record.scene, len(driven.orbits), driven.slider
+    yield Row("resonance", "drive frequency", scene.frequency, "Hz")
     if scene.transducer:
         say("stator: looking for the strongest wave")
         best = resolved.resolved(replace(scene, drive=replace(scene.drive, frequency="center"))).frequency
-        rows.append(Row(group="resonance", name="frequency of the strongest wave", value=best, unit="Hz", error=CENTRE,
-                        condition="per volt, sent by the driven fingers alone"))  # fmt: skip
-    return [
-        *rows,
-        Row(group="resonance", name="bounce of the slider", value=driven.slider.normal_resonance(contacts), unit="Hz",
-            condition="on the contacts' normal springs, small motion about rest"),
-        Row(group="resonance", name="tangential ring", value=driven.slider.tangential_resonance(contacts), unit="Hz",
-            condition="on the contacts' tangential springs, small motion about rest"),
-    ]  # fmt: skip
+        condition = "per volt, sent by the driven fingers alone"
+        yield Row("resonance", "frequency of the strongest wave", best, "Hz", CENTRE, condition)
+    for name, frequency, springs in (
+        ("bounce of the slider", slider.normal_resonance(contacts), "normal"),
+        ("tangential ring", slider.tangential_resonance(contacts), "tangential"),
+    ):
+        condition = f"on the contacts' {springs} springs, small motion about rest"
+        yield Row("resonance", name, frequency, "Hz", condition=condition)

@@ -4,7 +4,7 @@ import numpy as np
 
 from studies.report.answer import sentences
 from studies.report.datasheet import SETTLED, Datasheet, Row
-from studies.report.figures import COLOURS, as_svg, finished, velocity
+from studies.report.figures import COLOURS, as_uri, curve, family, finished, velocity
 from studies.report.intermediate import si
 from studies.report.limits import model_limits
 from studies.report.page import rendered
@@ -21,7 +21,6 @@ GROUPS = {
     "resonance": "Resonance",
 }
 PICTURE = (4.6, 3.9)  # inches
-PALETTE = ("stick", "slip", "intermittent")
 
 
 def page(sheet: Datasheet) -> str:
@@ -41,7 +40,7 @@ def page(sheet: Datasheet) -> str:
             title: [_written(row) for row in sheet.rows if row.group == group]
             for group, title in GROUPS.items()
         },
-        pictures=[{"data": as_svg(draw, size=PICTURE), "caption": caption} for draw, caption in drawn],
+        pictures=[{"data": as_uri(draw, size=PICTURE), "caption": caption} for draw, caption in drawn],
         limits=(*(f"{each[0].upper()}{each[1:]}." for each in record.left_out), *model_limits(record.scene)),
         warnings=record.warnings,
         model_error=sentences(record),
@@ -52,14 +51,16 @@ def page(sheet: Datasheet) -> str:
 
 def table(sheet: Datasheet) -> str:
     """Return the datasheet's table as text."""
-    rows = [_written(row) for row in sheet.rows]
-    name, value = (max(len(row[key]) for row in rows) for key in ("name", "value"))
+    written = {group: [_written(row) for row in sheet.rows if row.group == group] for group in GROUPS}
+    name, value = (
+        max(len(row[key]) for rows in written.values() for row in rows) for key in ("name", "value")
+    )
     lines = [f"{sheet.record.scene.title}: rated at {sheet.driven.named(sheet.rated)} peak"]
-    for group, title in GROUPS.items():
-        lines += ["", title]
+    for group, rows in written.items():
+        lines += ["", GROUPS[group]]
         lines += [
             f"  {each['name']:<{name}}  {each['value']:>{value}}  {each['error']:<10}  {each['condition']}".rstrip()
-            for each in (_written(row) for row in sheet.rows if row.group == group)
+            for each in rows
         ]
     if sheet.record.model_error:
         lines += [
@@ -79,15 +80,8 @@ def speed(sheet: Datasheet, ax):
 
 def load_lines(sheet: Datasheet, ax):
     """Draw speed against load at some levels of the drive."""
-    for (name, line), colour in zip(sheet.lines.items(), PALETTE[-len(sheet.lines) :], strict=True):
-        ax.plot(
-            sheet.balls * line.load * 1e6,
-            line.velocity * 1e3,
-            ".-",
-            color=COLOURS[colour],
-            linewidth=1,
-            label=name,
-        )
+    for name, line, colour in family(sheet.lines):
+        curve(ax, sheet.balls * line.load * 1e6, line.velocity * 1e3, ".-", colour, name)
     ax.set_xlim(left=0)
     ax.set_ylim(bottom=0)
     return finished(ax, "load (\u00b5N)", "speed (mm/s)", "speed against load")
@@ -96,15 +90,13 @@ def load_lines(sheet: Datasheet, ax):
 def start_and_stop(sheet: Datasheet, ax):
     """Draw the slider's velocity from rest to its speed and back to rest."""
     motion = sheet.start_stop
-    ax.plot(motion.time * 1e3, motion.velocity * 1e3, color=COLOURS["slip"], linewidth=1.3, label="slider")
-    ax.axvline(motion.duration * 1e3, color=COLOURS["line"], linestyle=":", linewidth=1, label="drive off")
+    curve(ax, motion.time * 1e3, motion.velocity * 1e3, "-", "slip", "slider")
     share = SETTLED * motion.velocity_at_burst_end * 1e3
-    ax.axhline(
-        share, color=COLOURS["stick"], linestyle="--", linewidth=1, label=f"{SETTLED:.0%} of the speed"
-    )
-    return finished(
-        ax, "time (ms)", "slider velocity (mm/s)", f"start and stop at {sheet.driven.named(sheet.rated)}"
-    )
+    ax.axvline(motion.duration * 1e3, color=COLOURS["line"], linestyle=":", linewidth=1, label="drive off")
+    label = f"{SETTLED:.0%} of the speed"
+    ax.axhline(share, color=COLOURS["stick"], linestyle="--", linewidth=1, label=label)
+    title = f"start and stop at {sheet.driven.named(sheet.rated)}"
+    return finished(ax, "time (ms)", "slider velocity (mm/s)", title)
 
 
 def _written(row: Row) -> dict:
@@ -122,25 +114,20 @@ def _conditions(sheet: Datasheet) -> str:
     """Return what the motor is, in two sentences."""
     scene, slider = sheet.record.scene, sheet.record.scene.slider
     balls = len(slider.offsets)
-    feet = {"sphere": "ball", "punch": "flat punch"}[slider.shape]
-    feet += ("es" if slider.shape == "punch" else "s") * (balls > 1)
-    sentences = []
+    foot, more = {"sphere": ("ball", "s"), "punch": ("flat punch", "es")}[slider.shape]
+    at = si(scene.frequency, "Hz", 6)
+    text = f"Given wave at {at}. "
     if scene.stator is not None:
-        driven = scene.driven_transducer
-        material = scene.stator.material
+        driven, material = scene.driven_transducer, scene.stator.material
         name = material if isinstance(material, str) else getattr(material, "name", None) or "own material"
         size = f"{scene.stator.length * 1e3:g} mm long"
-        sentences.append(
-            f"Stator of {name}, {size}, {driven.finger_pairs} finger pairs driven at {si(scene.frequency, 'Hz', 6)}."
-        )
-    else:
-        sentences.append(f"Given wave at {si(scene.frequency, 'Hz', 6)}.")
-    sentences.append(
-        f"Slider of {si(1e3 * slider.mass, 'g', 4)} on {balls} {feet} of radius "
+        text = f"Stator of {name}, {size}, {driven.finger_pairs} finger pairs driven at {at}. "
+    text += (
+        f"Slider of {si(1e3 * slider.mass, 'g', 4)} on {balls} {foot}{more * (balls > 1)} of radius "
         f"{si(slider.radius, 'm', 4)}, preload {si(slider.preload, 'N', 4)}, friction coefficient "
         f"{slider.friction_coefficient:g}, {slider.law} contact law"
-        + (", contacts of different height." if slider.heights else ".")
+        f"{', contacts of different height' if slider.heights else ''}."
     )
     if slider.load and np.isfinite(slider.load):
-        sentences.append(f"The scene's load of {si(slider.load, 'N', 4)} is part of the speed above.")
-    return " ".join(sentences)
+        text += f" The scene's load of {si(slider.load, 'N', 4)} is part of the speed above."
+    return text

@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from studies.chain import SHARE, bridge
+from studies.chain import SHARE
+from studies.chain.driven_contact import DrivenContact
 from studies.chain.points import STEADY_METHODS
 from studies.record import Record
 
@@ -37,18 +38,13 @@ def balances(record: Record) -> tuple[Balance, ...]:
     scene = record.scene
     if scene.slider is None:
         return ()
-    slider = bridge.contact_slider(scene.slider)
-    if scene.wave is not None:
-        orbits = bridge.given_orbits(scene.wave)
-    else:
-        orbits = bridge.orbits_per_volt(record.surface_motion, scene.slider)
+    driven = DrivenContact.of_run(record)
     share = len(scene.slider.offsets) if isinstance(scene.slider.contacts, int) else 1
     method = scene.slider.method if scene.slider.method in STEADY_METHODS else "auto"
     found = []
     for level in _chosen(record):
-        state = contact.steady(
-            slider, bridge.scaled(orbits, level), tolerance=record.tolerance * SHARE, method=method
-        )
+        given = {"tolerance": record.tolerance * SHARE, "method": method}
+        state = contact.steady(driven.slider, driven.at(level), **given)
         power = share * scene.frequency
         entries = tuple((text, getattr(state.ledger, name) * power) for name, text in ENTRIES)
         found.append(Balance(level=level, entries=entries, residual=state.ledger.relative_residual))

@@ -7,6 +7,7 @@ import base64
 import io
 import textwrap
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 from studies.record import Record
@@ -16,8 +17,10 @@ __all__ = [
     "AXES",
     "COLOURS",
     "PALETTE",
-    "as_svg",
+    "arrow",
+    "as_uri",
     "curve",
+    "data_uri",
     "draw_run",
     "errors",
     "family",
@@ -25,16 +28,14 @@ __all__ = [
     "legend_below",
     "lines",
     "logarithmic",
+    "new_figure",
     "own",
     "pictures",
-    "profile",
     "refuse_without_toolkit",
     "saved",
     "shaded",
     "show",
-    "surface",
     "titled",
-    "trajectories",
     "velocity",
 ]
 
@@ -61,19 +62,19 @@ MARKS = {"stick": "s", "slip": "o", "intermittent": "^"}
 
 
 def pictures(record: Record) -> dict[str, Callable]:
-    """Return the functions that draw what a run found, by the name of their file."""
+    """Return what draws the pictures of a run on an Axes, by the name of their file; the main result first."""
     found = {"velocity": velocity} if record.scene.slider is not None else {}
     if record.trajectories:
         found["trajectory"] = trajectories
     if record.surface:
         found["surface"] = surface if record.scene.transducer else profile
-    return found
+    return {name: partial(draw, record) for name, draw in found.items()}
 
 
 def draw_run(record: Record, folder: Path) -> None:
     """Draw the pictures that a record has, into a directory."""
     for name, draw in pictures(record).items():
-        saved(folder / f"{name}.png", lambda ax, draw=draw: draw(record, ax))
+        saved(folder / f"{name}.png", draw)
 
 
 def refuse_without_toolkit(what: str, instead: str) -> None:
@@ -87,35 +88,45 @@ def refuse_without_toolkit(what: str, instead: str) -> None:
         )
 
 
-def show(record: Record) -> None:
-    """Show what a run found in windows until they are closed: velocity and trajectories, or surface or profile."""
+def show(*drawings: Callable) -> None:
+    """Show what functions draw on an Axes, each in a window, until they are closed."""
     from matplotlib import pyplot
 
-    for draw in pictures(record).values():
-        pyplot.figure(figsize=(7.0, 4.3), layout="constrained")
-        draw(record, pyplot.gca())
+    for draw in drawings:
+        draw(pyplot.figure(figsize=SIZE, layout="constrained").add_subplot())
     pyplot.show()
+
+
+def new_figure(width: float, height: float, *, rows: int = 1, columns: int = 1, dpi: float = 100, **kwargs):
+    """Return a Figure of some size in inches that is drawn off screen, and its Axes; None for no rows."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), dpi=dpi, layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure, figure.subplots(rows, columns, **kwargs) if rows else None
 
 
 def saved(file, draw: Callable, *, size: tuple[float, float] = SIZE, **options) -> None:
     """Make a figure with one Axes, let it be drawn and save it; nothing is shown."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=size, dpi=DPI, layout="constrained")
-    FigureCanvasAgg(figure)
-    draw(figure.add_subplot())
+    figure, ax = new_figure(*size, dpi=DPI)
+    draw(ax)
     # laid out once; savefig would draw everything for the layout first
     figure.get_layout_engine().execute(figure)
     figure.set_layout_engine("none")
     figure.savefig(file, **options)
 
 
-def as_svg(draw: Callable, *, size: tuple[float, float] = SIZE) -> str:
-    """Make a figure with one Axes, let it be drawn and return it as a data URI."""
-    file = io.BytesIO()
-    saved(file, draw, size=size, format="svg", metadata={"Date": None})
-    return "data:image/svg+xml;base64," + base64.b64encode(file.getvalue()).decode("ascii")
+def as_uri(draw: Callable, *, size: tuple[float, float] = SIZE, kind: str = "svg+xml") -> str:
+    """Make a figure with one Axes, let it be drawn and return it as a data URI of a kind of image."""
+    file, remarks = io.BytesIO(), {"metadata": {"Date": None}} if kind == "svg+xml" else {}
+    saved(file, draw, size=size, format=kind[:3], **remarks)
+    return data_uri(file.getvalue(), kind)
+
+
+def data_uri(image: bytes, kind: str) -> str:
+    """Return an image of a kind, such as "png", as a data URI."""
+    return f"data:image/{kind};base64,{base64.b64encode(image).decode('ascii')}"
 
 
 def legend_below(ax, handles=None, *, columns: int = 4) -> None:
@@ -135,13 +146,14 @@ def legend_below(ax, handles=None, *, columns: int = 4) -> None:
 
 
 def finished(ax, across: str, up: str, title: str, *, columns: int = 4, grid: bool = True):
-    """Write axes and title, put the legend below, and return the Axes."""
+    """Write axes and title, put the legend below unless it has no columns, and return the Axes."""
     ax.set_xlabel(across)
     ax.set_ylabel(up)
     titled(ax, title)
     if grid:
         ax.grid(alpha=0.3)
-    legend_below(ax, columns=columns)
+    if columns:
+        legend_below(ax, columns=columns)
     return ax
 
 
@@ -155,6 +167,12 @@ def titled(ax, title: str) -> None:
 def curve(ax, x, y, style: str, colour: str, label: str | None = None, *, size: float = 3.0) -> None:
     """Draw a curve in a colour of `COLOURS`: theory as a line, computed values as points of a size."""
     ax.plot(x, y, style, color=COLOURS[colour], linewidth=1, markersize=size, label=label)
+
+
+def arrow(ax, tail, head, colour: str, *, width: float = 1.6, **given) -> None:
+    """Draw an arrow between two points (x, y) in a colour of matplotlib."""
+    drawn = {"arrowstyle": "-|>", "color": colour, "linewidth": width, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", head, tail, arrowprops=drawn, **given)
 
 
 def own(ax, x, y, label: str) -> None:
@@ -207,8 +225,7 @@ def logarithmic(axis) -> None:
 
 def velocity(record: Record, ax):
     """Draw steady velocity against voltage or amplitude, by regime, with threshold and release."""
-    given = record.level == "normal_amplitude_m"
-    scale, unit = (1e9, "normal amplitude (nm)") if given else (1.0, "drive voltage, peak (V)")
+    unit, scale = AXES[record.level]
     for regime, mark in MARKS.items():
         chosen = [point for point in record.points if point.get("regime") == regime]
         if chosen:
@@ -223,24 +240,18 @@ def velocity(record: Record, ax):
             *zip(*banded, strict=True), color=COLOURS["slip"], alpha=0.2, linewidth=0, label=label
         )
     for name, style in (("threshold", ":"), ("release", "--")):
-        limit = record.summary.get(f"{name}_amplitude_m" if given else f"{name}_voltage_V")
-        if limit is not None and limit * scale <= 1.2 * max(record.scene.levels) * scale:
-            ax.axvline(
-                limit * scale, color=COLOURS["line"], linestyle=style, linewidth=1, label=f"{name} (theory)"
-            )
+        limit = record.summary.get(f"{name}_{record.level.removeprefix('normal_')}")
+        if limit is not None and limit <= 1.2 * max(record.scene.levels):
+            given = {"linestyle": style, "linewidth": 1, "label": f"{name} (theory)"}
+            ax.axvline(limit * scale, color=COLOURS["line"], **given)
     speeds = [point["velocity_m_per_s"] for point in record.points if "velocity_m_per_s" in point]
     if speeds and not any(speeds) and not record.measured:
         ax.set_ylim(-1.0, 1.0)
         ax.text(0.5, 0.75, "at rest: the slider sticks at every level", transform=ax.transAxes, ha="center")
     if record.measured:
         _measured(record, ax, scale)
-    ax.set_xlabel(unit)
     _power_axis(record, ax)
-    ax.set_ylabel("slider velocity (mm/s)")
-    titled(ax, record.scene.title)
-    ax.grid(alpha=0.3)
-    legend_below(ax, columns=3)
-    return ax
+    return finished(ax, unit, "slider velocity (mm/s)", record.scene.title, columns=3)
 
 
 def _power_axis(record: Record, ax) -> None:
@@ -251,13 +262,13 @@ def _power_axis(record: Record, ax) -> None:
     import numpy as np
     from matplotlib.ticker import MaxNLocator
 
-    def power(voltage):
-        return available * np.maximum(voltage, 0.0) ** 2
-
-    def voltage(power):
-        return np.sqrt(np.maximum(power, 0.0) / available)
-
-    upper = ax.secondary_xaxis("top", functions=(power, voltage))
+    upper = ax.secondary_xaxis(
+        "top",
+        functions=(
+            lambda voltage: available * np.maximum(voltage, 0.0) ** 2,
+            lambda power: np.sqrt(np.maximum(power, 0.0) / available),
+        ),
+    )
     upper.xaxis.set_major_locator(MaxNLocator(6))
     upper.set_xlabel("available power (W)")
 
@@ -266,27 +277,12 @@ def _measured(record: Record, ax, scale: float) -> None:
     """Draw measured points with their errors, and a line through the prediction that they are compared with."""
     known = sorted((p[record.level], p["velocity_m_per_s"]) for p in record.points if "velocity_m_per_s" in p)
     at, speeds = zip(*known, strict=True)
-    ax.plot(
-        [value * scale for value in at],
-        [value * 1e3 for value in speeds],
-        color=COLOURS["line"],
-        linewidth=0.8,
-        label="predicted",
-        zorder=1,
-    )
+    curve(ax, [x * scale for x in at], [v * 1e3 for v in speeds], "-", "line", "predicted")
     points = record.measured["points"]
     bars = [point["error_m_per_s"] * 1e3 for point in points] if "error_m_per_s" in points[0] else None
-    ax.errorbar(
-        [point[record.level] * scale for point in points],
-        [point["velocity_m_per_s"] * 1e3 for point in points],
-        yerr=bars,
-        fmt="D",
-        color=COLOURS["second"],
-        markersize=5,
-        markerfacecolor="none",
-        capsize=3,
-        label="measured",
-    )
+    at, speeds = zip(*((p[record.level] * scale, p["velocity_m_per_s"] * 1e3) for p in points), strict=True)
+    given = {"markersize": 5, "markerfacecolor": "none", "capsize": 3, "label": "measured"}
+    ax.errorbar(at, speeds, yerr=bars, fmt="D", color=COLOURS["second"], **given)
 
 
 def trajectories(record: Record, ax):
@@ -306,32 +302,28 @@ def trajectories(record: Record, ax):
 
 def surface(record: Record, ax):
     """Draw |u_z| and |u_x| per volt along the surface, with transducers and slider."""
-    columns = record.surface
-    x = columns["x_m"] * 1e3
-    ax.plot(
-        x,
-        abs(columns["u_z_m_per_V"]) * 1e9,
-        color=COLOURS["slip"],
-        linewidth=0.8,
-        label="|u_z|, " + ("y = 0" if record.scene.driven_obliquely else "plane section"),
-    )
-    ax.plot(x, abs(columns["u_x_m_per_V"]) * 1e9, color=COLOURS["intermittent"], linewidth=0.8, label="|u_x|")
-    for transducer in record.scene.transducer:
-        if transducer.angle % 180:
-            continue  # not in the section
-        half, center = transducer.finger_pairs * transducer.period / 2, transducer.place[0]
-        ends = (center - half) * 1e3, (center + half) * 1e3
-        ax.axvspan(*ends, color=COLOURS["stick"], alpha=0.25, linewidth=0)
-    if record.scene.slider is not None:
-        ax.axvline(record.scene.slider.center[0] * 1e3, color=COLOURS["line"], linestyle=":", label="slider")
+    columns, scene = record.surface, record.scene
+    label, scale = AXES["x_m"]
+    x = columns["x_m"] * scale
+    what = "y = 0" if scene.driven_obliquely else "plane section"
+    curve(ax, x, abs(columns["u_z_m_per_V"]) * 1e9, "-", "slip", f"|u_z|, {what}")
+    curve(ax, x, abs(columns["u_x_m_per_V"]) * 1e9, "-", "intermittent", "|u_x|")
+    for each in scene.transducer:
+        if each.angle % 180 == 0:  # in the section
+            half, center = each.finger_pairs * each.period / 2, each.place[0]
+            shaded(ax, (center - half) * scale, (center + half) * scale)
+    if scene.slider is not None:
+        ax.axvline(scene.slider.center[0] * scale, color=COLOURS["line"], linestyle=":", label="slider")
+    if "section_normal_m_per_V" in record.wave and scene.slider is not None:
+        place = [scene.slider.center[0] * scale]
+        for part, colour, what in (
+            ("normal", "slip", "finite aperture"),
+            ("tangential", "intermittent", None),
+        ):
+            curve(ax, place, [abs(record.wave[f"{part}_m_per_V"]) * 1e9], "D", colour, what, size=6.0)
     ax.set_ylim(bottom=0)
-    return finished(
-        ax,
-        "x along the surface (mm)",
-        "amplitude per volt, peak (nm/V)",
-        f"{record.scene.title}: {record.wave['frequency_Hz'] / 1e6:g} MHz",
-        grid=False,
-    )
+    title = f"{scene.title}: {record.wave['frequency_Hz'] / 1e6:g} MHz"
+    return finished(ax, label, "amplitude per volt, peak (nm/V)", title, grid=False)
 
 
 def profile(record: Record, ax):
@@ -340,26 +332,19 @@ def profile(record: Record, ax):
     depth = -columns["z_m"] * 1e3
     for name, colour in (("u_z", "slip"), ("u_x", "intermittent"), ("u_y", "second")):
         values = columns[f"{name}_per_m_of_u_z"]
-        part = values.imag if name == "u_x" else values.real
         if abs(values).max() > 1e-9:
-            label = f"Im {name}" if name == "u_x" else f"Re {name}"
-            ax.plot(depth, part, ".-", color=COLOURS[colour], markersize=3, linewidth=0.8, label=label)
-    return finished(
-        ax,
-        "depth (mm)",
-        "displacement over u_z at the surface",
-        f"{record.scene.title}: {record.wave['phase_velocity_m_per_s']:.2f} m/s",
-    )
+            part, label = (values.imag, f"Im {name}") if name == "u_x" else (values.real, f"Re {name}")
+            curve(ax, depth, part, ".-", colour, label)
+    title = f"{record.scene.title}: {record.wave['phase_velocity_m_per_s']:.2f} m/s"
+    return finished(ax, "depth (mm)", "displacement over u_z at the surface", title)
 
 
 def errors(record: Record, ax):
     """Draw the estimated error of each point, with what was asked for."""
-    given = record.level == "normal_amplitude_m"
-    scale, unit = (1e9, "normal amplitude (nm)") if given else (1.0, "drive voltage, peak (V)")
+    unit, scale = AXES[record.level]
     known = [point for point in record.points if point.get("relative_error")]
-    at = [point[record.level] * scale for point in known]
-    ax.semilogy(
-        at, [point["relative_error"] for point in known], "o", color=COLOURS["slip"], label="estimated error"
-    )
+    at, sizes = zip(*((p[record.level] * scale, p["relative_error"]) for p in known), strict=True)
+    curve(ax, at, sizes, "o", "slip", "estimated error", size=5.0)
     ax.axhline(record.tolerance, color=COLOURS["line"], linestyle="--", linewidth=1, label="asked for")
+    ax.set_yscale("log")
     return finished(ax, unit, "relative error", record.scene.title)

@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 
 from studies.record import Record
+from studies.report.surface_map import surface_map
 from studies.scene.toml import document
 
 __all__ = ["write_run", "write_table"]
@@ -49,9 +50,11 @@ def write_run(record: Record, folder: Path, *, field: bool) -> None:
 
         fem.write_vtu(fem.wave_field(record.surface_wave), folder / "field.vtu")
         if record.surface_motion.beam is not None:
-            from studies.report.surface_map import write_surface_map
-
-            write_surface_map(record.surface_motion.beam, record.scene.stator, folder)
+            x, y, motion = surface_map(record.surface_motion.beam, record.scene.stator)
+            fem.write_surface(x, y, motion, folder / "surface_map.vtu")
+            columns = {"x_m": x.repeat(y.size), "y_m": y[None].repeat(x.size, axis=0).ravel()}
+            columns |= {f"u_{name}_m_per_V": each.ravel() for name, each in zip("xyz", motion, strict=True)}
+            write_columns(folder / "surface_map.csv", columns)
 
 
 def write_columns(path: Path, columns: dict) -> None:

@@ -1,7 +1,9 @@
 """``sawmotor wave``: the Rayleigh wave of a material's half-space, without a mesh and without loss."""
 
+import fem
+from fem import surface_named
 from studies.refusal import RunError, SceneError
-from studies.report.answer import table
+from studies.report.answer import labelled, table
 from studies.report.crystal import crystal_tables, tables_text
 from studies.results.content import plain
 from studies.scene.blocks import Orientation
@@ -30,9 +32,6 @@ def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") 
         ``depth_profile`` with displacements over u_z at the surface and the potential in V per m of it,
         ``material``, ``crystal`` with the rotated tensors and the cut's axes.
     """
-    import fem
-    from fem import surface_named
-
     orientation = Orientation().read("--orientation", orientation)
     try:
         solid = fem.rotated(fem.material(material), orientation)
@@ -65,18 +64,17 @@ def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") 
 
 def half_space_answer(answer: dict) -> str:
     """Return the wave as text for a reader."""
-    material = answer["material"]
-    lines = [
-        f"{material['name']}, {material['orientation']}, surface {answer['surface']} ({material['source']})",
-        f"velocity       {answer['velocity_m_per_s']:.8g} m/s",
-    ]
+    material, sense = answer["material"], "retrograde" if answer["retrograde"] else "prograde"
+    title = (
+        f"{material['name']}, {material['orientation']}, surface {answer['surface']} ({material['source']})"
+    )
+    lines = [("velocity", f"{answer['velocity_m_per_s']:.8g} m/s")]
     if "coupling_K2" in answer:
-        lines.append(f"coupling K2    {100 * answer['coupling_K2']:.4g} %")
-    sense = "retrograde" if answer["retrograde"] else "prograde"
-    lines += [f"surface ratio  {answer['surface_ratio']:.6g} (|u_x/u_z|, {sense})", ""]
+        lines.append(("coupling K2", f"{100 * answer['coupling_K2']:.4g} %"))
+    lines.append(("surface ratio", f"{answer['surface_ratio']:.6g} (|u_x/u_z|, {sense})"))
     profile = answer["depth_profile"]
     rows = [["depth (wavelengths)", "|u_x|", "|u_y|", "|u_z|"]]
     for row in range(0, len(profile["depth_wavelengths"]), 5):
         sizes = [f"{abs(complex(*profile[f'u_{axis}'][row])):.5f}" for axis in "xyz"]
         rows.append([f"{profile['depth_wavelengths'][row]:g}", *sizes])
-    return "\n".join([*lines, *table(rows), "", *tables_text(answer["crystal"])])
+    return "\n".join([title, *labelled(lines, 15), "", *table(rows), "", *tables_text(answer["crystal"])])

@@ -14,7 +14,7 @@ from pathlib import Path
 from studies.record import Record
 from studies.refusal import SceneError, shown
 
-__all__ = ["Measured", "MeasuredTable", "compared", "comparison_lines", "read_measured"]
+__all__ = ["Measured", "MeasuredTable", "compared", "comparison", "read_measured"]
 
 VOLTAGES, LENGTHS = {"V": 1.0}, {"m": 1.0, "nm": 1e-9}  # units of a column's name, in SI units
 SPEEDS, TIMES = {"m_per_s": 1.0, "mm_per_s": 1e-3}, {"s": 1.0, "ms": 1e-3}
@@ -23,44 +23,22 @@ OPTION = "--measured"
 
 @dataclass(frozen=True, kw_only=True)
 class Measured:
-    """Measured points, in SI units.
+    """Measured points, in SI units."""
 
-    Attributes
-    ----------
-    name : str
-        Of the file.
-    key : str
-        ``voltage_V`` or ``normal_amplitude_m``.
-    level, velocity : tuple of float
-        V or m, and m/s.
-    error : tuple of float, or None
-        Standard deviations, m/s.
-    """
-
-    name: str
-    key: str
-    level: tuple[float, ...]
-    velocity: tuple[float, ...]
-    error: tuple[float, ...] | None
+    name: str  # of the file
+    key: str  # ``voltage_V`` or ``normal_amplitude_m``
+    level: tuple[float, ...]  # V or m
+    velocity: tuple[float, ...]  # m/s
+    error: tuple[float, ...] | None  # standard deviations, m/s
 
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredTable:
-    """The columns of a CSV file, as text.
-
-    Attributes
-    ----------
-    path : Path
-    option : str
-        Of the command, for refusals.
-    names : list of str
-        Of the columns.
-    rows : list of list of str
-    """
+    """The columns of a CSV file, as text."""
 
     path: Path
-    option: str
-    names: list[str]
+    option: str  # of the command, for refusals
+    names: list[str]  # of the columns
     rows: list[list[str]]
 
     @classmethod
@@ -201,25 +179,19 @@ def compared(record: Record, measured: Measured) -> dict:
     return block
 
 
-def comparison_lines(block: dict) -> list[str]:
-    """Return what a run prints of a comparison."""
+def comparison(block: dict):
+    """Yield what a run prints of a comparison, as rows of a name and a line."""
+    if not block:
+        return
     rms, mean = (block[f"{kind}_deviation_m_per_s"] * 1e3 for kind in ("rms", "mean"))
     relative = block.get("rms_deviation_relative")
     share = "" if relative is None else f" ({100 * relative:.2g} % of the largest predicted)"
-    lines = [
-        f"measured        {block['compared']} of {len(block['points'])} points of {block['file']} compared"
-    ]
-    lines.append(f"                deviation {rms:.3g} mm/s rms{share}, mean {mean:+.3g} mm/s")
+    yield "measured", f"{block['compared']} of {len(block['points'])} points of {block['file']} compared"
+    yield "", f"deviation {rms:.3g} mm/s rms{share}, mean {mean:+.3g} mm/s"
     if "measured_over_predicted" in block:
-        lines.append(
-            f"                measured / predicted {block['measured_over_predicted']:.3g} (least squares)"
-        )
+        yield "", f"measured / predicted {block['measured_over_predicted']:.3g} (least squares)"
     if "within_one_error" in block:
-        chi = block["chi_square_per_point"]
-        lines.append(
-            f"                {block['within_one_error']} of {block['compared']} within their error, "
-            f"chi^2 per point {chi:.3g}"
-        )
+        within = f"{block['within_one_error']} of {block['compared']} within their error"
+        yield "", f"{within}, chi^2 per point {block['chi_square_per_point']:.3g}"
     if block["sign_of_prediction_given"]:
-        lines.append("                measured without a sign: taken to run as predicted")
-    return lines
+        yield "", "measured without a sign: taken to run as predicted"

@@ -6,6 +6,7 @@ Everything is inside the file: pictures are data, there is no script, and nothin
 import os
 import platform
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 
 from studies.record import Record
@@ -19,6 +20,12 @@ from studies.scene.toml import document
 __all__ = ["rendered", "report", "write_report"]
 
 TEMPLATE = "report.html"
+CAPTIONS = {
+    "velocity": "Slider velocity; marks are computed, lines are closed forms.",
+    "trajectory": "Velocity during the bursts and after them.",
+    "surface": "Motion of the surface per volt; grey: transducers.",
+    "errors": "Estimated error of each point, and what was asked for.",
+}  # of `figures.pictures`
 
 
 def write_report(record: Record, folder: Path) -> None:
@@ -103,21 +110,11 @@ def _way(record: Record, point: dict) -> str:
 
 
 def _pictures(record: Record) -> list[dict]:
-    drawn = []
-    if record.scene.slider is not None:
-        drawn.append((figures.velocity, "Slider velocity; marks are computed, lines are closed forms."))
-    if record.trajectories:
-        drawn.append((figures.trajectories, "Velocity during the bursts and after them."))
-    if record.surface_wave is not None:
-        drawn.append((figures.surface, "Motion of the surface per volt; grey: transducers."))
-    elif record.surface:
-        drawn.append((figures.profile, "The wave against depth."))
+    drawn = figures.pictures(record)
     if len([point for point in record.points if point.get("relative_error")]) > 1:
-        drawn.append((figures.errors, "Estimated error of each point, and what was asked for."))
-    return [
-        {"data": figures.as_svg(lambda ax, draw=draw: draw(record, ax)), "caption": caption}
-        for draw, caption in drawn
-    ]
+        drawn["errors"] = partial(figures.errors, record)
+    captions = CAPTIONS if record.scene.transducer else CAPTIONS | {"surface": "The wave against depth."}
+    return [{"data": figures.as_uri(draw), "caption": captions[name]} for name, draw in drawn.items()]
 
 
 def _machine() -> str:

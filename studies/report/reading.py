@@ -10,19 +10,6 @@ from studies.scene import Scene
 
 __all__ = ["read_run"]
 
-COMPLEX = {
-    "wave": (
-        "normal_m_per_V",
-        "tangential_m_per_V",
-        "lateral_m_per_V",
-        "section_normal_m_per_V",
-        "section_tangential_m_per_V",
-        "rayleigh_normal_m_per_V",
-        "rayleigh_tangential_m_per_V",
-    ),
-    "electrical": ("admittance_S", "comb_voltage_per_volt"),
-}
-
 
 def read_run(folder: Path) -> dict:
     """Return the fields of the record that a run left in a directory.
@@ -44,9 +31,7 @@ def read_run(folder: Path) -> dict:
         for key in ("tolerance", "summary", "uncertainty", "measured", "error", "seconds", "shortfall")
         if key in whole
     }
-    for block, names in COMPLEX.items():
-        values = whole.get(block, {})
-        fields[block] = values | {name: complex(*values[name]) for name in names if name in values}
+    fields |= {block: _complex(whole.get(block, {})) for block in ("wave", "electrical")}
     for key in ("points", "left_out", "model_error", "warnings"):
         fields[key] = tuple(whole.get(key, ()))
     fields |= {"scene": scene, "versions": whole.get("provenance", {})}
@@ -56,6 +41,13 @@ def read_run(folder: Path) -> dict:
     if (folder / "trajectory.csv").exists():
         fields["trajectories"] = _trajectories(folder / "trajectory.csv")
     return fields
+
+
+def _complex(value):
+    """Return a value of run.json, its pairs of numbers as complex ones."""
+    if isinstance(value, dict):
+        return {key: _complex(each) for key, each in value.items()}
+    return complex(*value) if isinstance(value, list) and len(value) == 2 else value
 
 
 def _table(path: Path) -> dict:

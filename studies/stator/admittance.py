@@ -8,6 +8,7 @@ capacitance's within a quarter at the band's edges, where hardly a wave is sent.
 
 import numpy as np
 
+import fem
 from studies.chain import passband
 from studies.chain.spectrum import port_admittances
 from studies.report.figures import lines
@@ -32,8 +33,6 @@ def run(
     tolerance : float
         Relative, of the admittances.
     """
-    import fem
-
     chosen = passband.driven_scene(scene)
     at = passband.frequencies(chosen, count)
     ports = port_admittances(chosen, at, tolerance, progress)

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+import fem
 from studies.chain import bridge, passband
 from studies.chain.model_error import slit_ratio
 from studies.refusal import RunError
@@ -45,8 +46,6 @@ def run(
     tolerance : float
         Relative, of the section's surface motion.
     """
-    import fem
-
     chosen = passband.driven_scene(scene)
     place, transducers = passband.place(chosen), resolved.transducers(chosen)
     driven = resolved.driven(chosen)

@@ -8,7 +8,10 @@ charge at weak coupling; the capacitance of conformal mapping to 1 %.  Run time:
 """
 
 import numpy as np
+from scipy.special import ellipk, eval_legendre
 
+import fem
+from fem import LEVELS, grating, surface_permittivity
 from studies.chain import passband
 from studies.refusal import RunError
 from studies.report.figures import AXES, COLOURS, curve, finished, legend_below, shaded
@@ -34,11 +37,6 @@ def run(
     tolerance : float
         Of the stop bands' edges, relative to their width.
     """
-    from scipy.special import ellipk, eval_legendre
-
-    import fem
-    from fem import LEVELS, grating, surface_permittivity
-
     chosen = passband.driven_scene(scene)
     driven = chosen.driven_transducer
     solid, above, m = resolved.solid(chosen.stator), chosen.stator.above, driven.metallisation

@@ -11,6 +11,7 @@ import math
 
 import numpy as np
 
+import fem
 from studies.report.figures import AXES, curve, finished
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
@@ -33,8 +34,6 @@ def run(scene: str | Scene = "rayleigh", *, count: int = COUNT, progress=None) -
     count : int
         Frequencies.
     """
-    import fem
-
     if scene.stator is None:
         scene.refuse("stator", "is missing: a given wave has no section to guide it")
     scene = resolved.resolved(scene)
@@ -69,8 +68,6 @@ def figure(record: Panel, ax):
 
 def _propagating(stator, frequencies):
     """Frequency (Hz), wavenumber (rad/m) and nearness to the surface (1: the nearest) of the modes that propagate."""
-    import fem
-
     rows = []
     for frequency in frequencies:
         modes = fem.guided_modes(stator, frequency=float(frequency), tolerance=TOLERANCE, propagating=True)

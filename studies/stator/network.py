@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
+import fem
 from studies.chain import passband
 from studies.chain.spectrum import port_admittances
 from studies.refusal import SceneError
@@ -56,8 +57,6 @@ def run(
     tolerance : float
         Relative, of the admittances.
     """
-    import fem
-
     chosen = passband.driven_scene(scene)
     reference = float(z0) if is_number(z0) else si_value("--z0", z0, "ohm")
     if not reference > 0:
@@ -116,8 +115,6 @@ def run(
 
 def tables(record: StudyRecord) -> dict[str, str]:
     """Return the Touchstone file and the SPICE subcircuits, by file name."""
-    import fem
-
     data = record.panel("magnitude").data
     remarks = (record.panel("magnitude").title, "ports: " + ", ".join(data["ports"]))
     texts = fem.touchstone(data["frequency_Hz"], data["scattering"], data["reference_ohm"], remarks)
@@ -217,8 +214,6 @@ def _band(text: str):
 
 def _measured(file: Path, ports: int, reference: float):
     """Return frequencies and S-parameters of a Touchstone file."""
-    import fem
-
     if not file.is_file():
         raise SceneError("--measured", f"must be a Touchstone file, and {str(file)!r} is none")
     if file.suffix.lower() != f".s{ports}p":

@@ -13,6 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
+import fem
 from studies.chain import passband
 from studies.chain.spectrum import port_admittances
 from studies.refusal import RunError
@@ -38,8 +39,6 @@ def run(
     tolerance : float
         Of the P-matrices and of the admittances.
     """
-    import fem
-
     chosen = passband.driven_scene(scene)
     block = resolved.stator(chosen.stator)
     row = tuple(sorted(resolved.section_row(chosen), key=lambda each: each.center))

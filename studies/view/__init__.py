@@ -4,20 +4,29 @@ What a run left is enough: the field is computed anew.  Pictures and movies are 
 are pyvista's.
 """
 
+import os
 import warnings
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+import fem
+from studies.record import Record
 from studies.refusal import RunError, SceneError
-from studies.view import movie
+from studies.report import figures
+from studies.report.surface_map import draw_surface_map, pixels
+from studies.view import field_data, movie, wave_page
+from studies.view.contact_view import contact_writers
 from studies.view.options import Wanted
-from studies.view.run_field import NO_STATOR, RunField, left_run, run_field
+from studies.view.quantities import palette, quantity
+from studies.view.run_field import NO_STATOR, left_run, motion_again, run_field
+from studies.view.section import Section, chosen_views, limits, near, views
+from studies.view.solid import Solid, open_window
 
 __all__ = ["plotter", "view"]
 
-FORMATS = (".png", ".jpg", ".jpeg", ".tif", ".tiff")
 STILL_SIZE, MOVIE_SIZE, WINDOW_SIZE = (1600, 1100), (1000, 400), (1500, 900)
 FRAMES, RATE = 24, 16.0  # of a movie: one period of the wave
 INSTANTS = 12  # of a .pvd
@@ -49,66 +58,30 @@ def view(
     RunError
         If something is missing on this machine, or a file cannot be written.
     """
-    from studies.view import field_data
-    from studies.view.quantities import palette, quantity
-    from studies.view.section import limits
-
-    _check_files(wanted)
-    scene = left_run(folder).scene
-    show = wanted.show or ("field" if scene.stator is not None else "contact")
-    if show == "contact":
-        from studies.view import contact_view
-
-        contact_view.show(folder, wanted, written, progress=progress)
-        if scene.stator is None and not wanted.show:
-            note(f"{NO_STATOR}; this is its contact")
-        return
-    if show == "beam":
-        from studies.view import beam_view
-
-        beam_view.show(folder, wanted, written, progress=progress)
-        return
+    record = left_run(folder)
+    show = wanted.show or ("field" if record.scene.stator is not None else "contact")
+    wanted.check(show)
     quantity(wanted.quantity)
-    if not wanted.files:
-        from studies.view.solid import refuse_without_display
-
-        refuse_without_display()
-    found = run_field(folder, progress=progress)
-    span = limits(found, wanted.span)
-    _check_scale(found, wanted.factor)
-    if wanted.data is not None:
-        field_data.save(
-            found, wanted.data, span=span, instants=wanted.frames or INSTANTS, progress=progress, note=note,
-            surface=wanted.surface,
-        )  # fmt: skip
-    if wanted.html is not None:
-        from studies.view.wave_page import page
-
-        progress("writing the page")
-        text = page(found, quantity=wanted.quantity, phase=wanted.phase, factor=wanted.factor, span=span)
-        written(wanted.html, lambda: Path(wanted.html).write_text(text, encoding="utf-8"))
-    if wanted.screenshot is not None:
-        progress("drawing")
-        if show == "solid":
-            drawn = _solid(found, wanted, wanted.size or STILL_SIZE, off_screen=True)
-            written(wanted.screenshot, lambda: drawn.plotter.screenshot(wanted.screenshot))
-            drawn.plotter.close()
-        else:
-            figure = _section(found, wanted, span, wanted.size or STILL_SIZE).figure
-            written(wanted.screenshot, lambda: figure.savefig(wanted.screenshot, dpi=figure.dpi))
     if wanted.movie is not None:
-        drawn, count = _section(found, wanted, span, wanted.size or MOVIE_SIZE), wanted.frames or FRAMES
-        movie.save(
-            drawn.figure, lambda number: drawn.show(wanted.phase + 2 * np.pi * number / count), count,
-            wanted.movie, rate=RATE, progress=progress, palette=palette(drawn.shade.colour_map),
-        )  # fmt: skip
+        movie.check(wanted.movie)
     if not wanted.files:
-        from studies.view.solid import open_window
-
-        section = show != "solid"
-        open_window(
-            _solid(found, wanted, WINDOW_SIZE, off_screen=False, section=section, span=span), section=section
-        )
+        _refuse_without_display()
+    if show == "contact":
+        writers = contact_writers(record, wanted, progress)
+    elif show == "beam":
+        writers = _beam_writers(record, wanted, progress)
+    else:
+        writers = _field_writers(folder, wanted, show, progress, note)
+    for option, file in wanted.files.items():
+        progress(f"writing {file}")
+        try:
+            writers[option](file)
+        except OSError as error:
+            raise RunError(f"the file {file!r} cannot be written: {error.strerror or error}") from None
+    if not wanted.files:
+        writers["window"]()
+    if record.scene.stator is None and not wanted.show:
+        note(f"{NO_STATOR}; this is its contact")
 
 
 def plotter(
@@ -133,61 +106,87 @@ def plotter(
     size : tuple of int
         Pixels.
     """
-    from studies.view.section import limits
-
     found = run_field(folder, progress=lambda text: None)
-    wanted = Wanted(quantity=quantity, phase=phase)
-    return _solid(found, wanted, size, off_screen=True, section=True, span=limits(found, span)).plotter
+    given = {"quantity": quantity, "phase": phase, "factor": None, "size": size, "off_screen": True}
+    return Solid(found, span=limits(found, span) or near(found), **given).plotter
 
 
-def written(file: str, write: Callable[[], object]) -> None:
-    """Write a file; what cannot be written is said in a sentence."""
-    try:
-        write()
-    except OSError as error:
-        raise RunError(f"the file {file!r} cannot be written: {error.strerror or error}") from None
-
-
-def _check_files(wanted: Wanted) -> None:
-    if wanted.screenshot is not None and Path(wanted.screenshot).suffix.lower() not in FORMATS:
-        raise SceneError(
-            "--screenshot", f"must end in one of {', '.join(FORMATS)}, got {wanted.screenshot!r}"
-        )
-    if wanted.movie is not None:
-        movie.check(wanted.movie)
-        if wanted.show == "solid":
-            raise SceneError(
-                "--movie", "shows the field or the contact, not the solid: leave --show solid out"
-            )
-    if wanted.html is not None and Path(wanted.html).suffix.lower() not in (".html", ".htm"):
-        raise SceneError("--html", f"must end in .html, got {wanted.html!r}")
-    if wanted.data is not None:
-        from studies.view import field_data
-
-        field_data.check(wanted.data, surface=wanted.surface)
-
-
-def _section(found: RunField, wanted: Wanted, span, size):
-    """Return the figure of the section: whole and near for a stretch or a movie, else also at the transducer."""
-    from studies.view.section import Section, chosen_views, views
-
-    shown = chosen_views(found, span) if span is not None or wanted.movie is not None else views(found)
-    return Section(
-        found, shown, quantity=wanted.quantity, phase=wanted.phase, factor=wanted.factor, size=size
-    )
-
-
-def _solid(found: RunField, wanted: Wanted, size, **given):
-    from studies.view.solid import Solid
-
-    return Solid(
-        found, quantity=wanted.quantity, phase=wanted.phase, factor=wanted.factor, size=size, **given
-    )
-
-
-def _check_scale(found: RunField, factor: float | None) -> None:
-    """Refuse a displacement drawn larger than the stator is thick."""
+def _field_writers(folder, wanted: Wanted, show: str, progress, note) -> dict[str, Callable]:
+    """Return what writes each option's file of a run's field, and what opens its window."""
+    found = run_field(folder, progress=progress)
+    span = limits(found, wanted.span)
     most = -float(found.field.z[0]) / (float(abs(found.field.displacement).max()) or 1.0)
-    if factor is not None and factor > most:
+    if wanted.factor is not None and wanted.factor > most:
         rule = f"must be at most {most:.3g}, where the displacement is drawn as large as the stator is thick"
-        raise SceneError("--scale", f"{rule}, got {factor:g}")
+        raise SceneError("--scale", f"{rule}, got {wanted.factor:g}")
+    given = {"quantity": wanted.quantity, "phase": wanted.phase, "factor": wanted.factor}
+
+    def solid(size, **changes):
+        return Solid(found, size=size, **given, **changes)
+
+    def still(file) -> None:
+        size = wanted.size or STILL_SIZE
+        if show == "solid":
+            drawn = solid(size, off_screen=True).plotter
+            drawn.screenshot(file)
+            drawn.close()
+        else:
+            stretches = views(found) if span is None else chosen_views(found, span)
+            figure = Section(found, stretches, size=size, **given).figure
+            figure.savefig(file, dpi=figure.dpi)
+
+    def film(file) -> None:
+        drawn = Section(found, chosen_views(found, span), size=wanted.size or MOVIE_SIZE, **given)
+        count = wanted.frames or FRAMES
+        movie.save(
+            drawn.figure, lambda number: drawn.show(wanted.phase + 2 * np.pi * number / count), count, file,
+            rate=RATE, progress=progress, palette=palette(drawn.shade.colour_map),
+        )  # fmt: skip
+
+    def page(file) -> None:
+        Path(file).write_text(wave_page.page(found, span=span, **given), encoding="utf-8")
+
+    def data(file) -> None:
+        told = {"instants": wanted.frames or INSTANTS, "progress": progress, "note": note}
+        field_data.save(found, file, span=span, surface=wanted.surface, **told)
+
+    def window() -> None:
+        stretch = None if show == "solid" else span or near(found)
+        open_window(solid(WINDOW_SIZE, off_screen=False, span=stretch))
+
+    return {"screenshot": still, "movie": film, "html": page, "data": data, "window": window}
+
+
+def _beam_writers(record: Record, wanted: Wanted, progress) -> dict[str, Callable]:
+    """Return what draws the beam of a run from above into each option's file, and in a window."""
+    scene = record.scene
+    if not scene.transducer:
+        raise SceneError("--show", "beam needs a driven stator: this run has none")
+    progress("solving the stator")
+    try:
+        motion = motion_again(record, progress=progress)
+        beam = motion.beam or fem.surface_beam(motion.wave, mirror_width=scene.stator.mirror_width)
+    except fem.BeamError as error:
+        raise RunError(f"no beam to show: {error}") from None
+
+    size, draw = (
+        tuple(each / figures.DPI for each in wanted.size or pixels(scene.stator)),
+        partial(draw_surface_map, beam, scene),
+    )
+
+    def still(file) -> None:
+        figures.saved(file, draw, size=size)
+
+    def page(file) -> None:
+        shown = movie.image(figures.as_uri(draw, size=size, kind="png"), "size of u_z over the surface")
+        Path(file).write_text(movie.page(f"{scene.title}: beam", [shown]), encoding="utf-8")
+
+    return {"screenshot": still, "html": page, "window": lambda: figures.show(draw)}
+
+
+def _refuse_without_display() -> None:
+    """Refuse to open a window where there is nothing to open it on, and name what to do instead."""
+    if os.name == "posix" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        raise RunError(
+            "there is no display to open a window on; --screenshot FILE, --movie FILE and --html FILE draw without one"
+        )

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fem import rotation_matrix
+from studies.report.crystal import SEEN
 from studies.view.run_field import RunField
 
 __all__ = ["AXIS_COLOUR", "BALL_COLOUR", "Electrode", "balls", "crystal_axes", "electrodes", "shown_fingers"]
@@ -18,40 +20,22 @@ KINDS = {"+": ("#000000", "+ fingers"), "-": ("#CC79A7", "- fingers"), "o": ("#E
 
 @dataclass(frozen=True, kw_only=True)
 class Electrode:
-    """The strips of one electrode, or the open strips, of all transducers.
+    """The strips of one electrode, or the open strips, of all transducers."""
 
-    Attributes
-    ----------
-    sign : str
-        "+", "-" or "o".
-    colour, label : str
-        How it is drawn and what the legend calls it.
-    strips : tuple of (float, float)
-        Left and right edges, m.
-    """
-
-    sign: str
+    sign: str  # "+", "-" or "o"
     colour: str
-    label: str
-    strips: tuple[tuple[float, float], ...] = field(repr=False)
+    label: str  # of the legend
+    strips: tuple[tuple[float, float], ...] = field(repr=False)  # left and right edges, m
 
 
 @dataclass(frozen=True, kw_only=True)
 class Ball:
-    """A ball of the slider.
+    """A ball of the slider."""
 
-    Attributes
-    ----------
-    place, lateral, radius : float
-        x and y of the contact, and the ball's own, m.
-    crest : float
-        |u_z| of the surface under it, m per V: it rides on the crests of the enlarged wave.
-    """
-
-    place: float
-    lateral: float
-    radius: float
-    crest: float
+    place: float  # x of the contact, m
+    lateral: float  # y of it, m
+    radius: float  # m
+    crest: float  # |u_z| of the surface under it, m per V: it rides on the crests of the enlarged wave
 
 
 def electrodes(found: RunField) -> tuple[Electrode, ...]:
@@ -72,7 +56,6 @@ def shown_fingers(found: RunField, start: float, stop: float) -> str:
 
 def balls(found: RunField, *, spreads: bool = False) -> tuple[Ball, ...]:
     """Return the balls of the slider, on the crests of the section or of the beam."""
-    places = () if found.scene.slider is None else found.scene.slider.places
     return tuple(
         Ball(
             place=x if spreads else found.in_section((x, y)),
@@ -80,15 +63,12 @@ def balls(found: RunField, *, spreads: bool = False) -> tuple[Ball, ...]:
             radius=found.radius,
             crest=abs(found.beam.motion(x, y)[2]) if spreads else found.crest(found.in_section((x, y))),
         )
-        for x, y in places
+        for x, y in found.places
     )
 
 
 def crystal_axes(found: RunField) -> tuple[tuple[str, float, float], ...]:
     """Return name and x and z components of the crystal axes that lie in the section, at least in part."""
-    from fem import rotation_matrix
-    from studies.report.crystal import SEEN
-
     columns = rotation_matrix(found.scene.stator.orientation).T
     return tuple(
         (name, float(x), float(z))

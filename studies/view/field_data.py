@@ -10,24 +10,16 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from studies.refusal import RunError, SceneError
+from fem import write_instant, write_vtu
+from studies.refusal import RunError
 from studies.report.files import write_columns
 from studies.view.run_field import LINES, RunField
 
-__all__ = ["FORMATS", "check", "save"]
+__all__ = ["save"]
 
-FORMATS = (".vtu", ".pvd", ".csv")
 LARGE = 20e6  # bytes: from here on the size is said before it is written
 # bytes per number: of a table; of a .vtu, whose vectors have a third component; of an instant, in single precision
 TABLE, COMPLEX, INSTANT = 19.5, 9.0, 2.2
-
-
-def check(file: str | Path, *, surface: bool = False) -> None:
-    """Refuse a file that is none of `FORMATS`, or of the surface alone and no table."""
-    if surface and Path(file).suffix.lower() != ".csv":
-        raise SceneError("--surface", f"is a table: --data must end in .csv, got {str(file)!r}")
-    if Path(file).suffix.lower() not in FORMATS:
-        raise SceneError("--data", f"must end in one of {', '.join(FORMATS)}, got {str(file)!r}")
 
 
 def save(
@@ -47,7 +39,6 @@ def save(
     row for each node, complex columns as two; with ``surface`` of the surface alone.  ``note`` is told the size of a
     large file before it is written.
     """
-    check(file, surface=surface)
     file = Path(file)
     energies = not surface
     if span is None:
@@ -68,8 +59,6 @@ def save(
         elif file.suffix.lower() == ".csv":
             write_columns(file, columns(field))
         elif file.suffix.lower() == ".vtu":
-            from fem import write_vtu
-
             write_vtu(field, file)
         else:
             _series(field, file, instants, progress)
@@ -110,8 +99,6 @@ def columns(field) -> dict[str, np.ndarray]:
 
 
 def _series(field, file: Path, instants: int, progress) -> None:
-    from fem import write_instant
-
     folder = file.with_suffix("")
     folder.mkdir(parents=True, exist_ok=True)
     root = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")

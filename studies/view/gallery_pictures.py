@@ -1,113 +1,284 @@
-"""The pictures of the gallery, from the results of its study, by what draws them for ``sawmotor view``."""
+"""The pictures of the gallery: orbits, amplitude, depth, start and stop, power, ledger, and those of ``sawmotor view``.
+
+`draw_all` takes the results of the study; the others take plain numbers and return a matplotlib Figure.  Theory is a
+line, computed values are points.
+"""
 
 from collections.abc import Callable
 from pathlib import Path
 
-__all__ = ["draw_all"]
+import matplotlib
+import numpy as np
+from PIL import Image
 
+import fem
+from fem import reference_matrices
+from studies.report.figures import (
+    COLOURS,
+    arrow,
+    curve,
+    finished,
+    legend_below,
+    new_figure,
+    saved,
+    shaded,
+    velocity,
+)
+from studies.scene import resolved
+from studies.view import movie
+from studies.view.contact_pictures import strip
+from studies.view.contact_view import slow_motion
+from studies.view.quantities import DIVERGING, palette
+from studies.view.section import Section, chosen_views, views
+from studies.view.solid import Solid
+
+__all__ = [
+    "amplitude",
+    "anticlockwise",
+    "bars",
+    "depth_profile",
+    "depth_weights",
+    "draw_all",
+    "ledger_rows",
+    "orbits",
+    "power_along",
+    "power_rows",
+    "start_and_stop",
+]
+
+NM, MM = 1e9, 1e3
+TURN = np.linspace(0.0, 2 * np.pi, 121)
 ORBITS = 12
 MOVIE, SOLID, STILL = (720, 300), (1000, 470), (1200, 720)
 FRAMES = 16
-COLOURS = 128  # of a diagram
+PALETTE_COLOURS = 128  # of a diagram
 DPI = 80
 DEPTH = 3.0  # wavelengths
+LEDGER = {
+    "wave_normal": "wave, normal force",
+    "wave_tangential": "wave, friction force",
+    "slip": "lost in slip",
+    "contact_damper": "damper in the contact",
+    "normal_damper": "normal damper",
+    "tangential_damper": "tangential damper",
+    "load": "work against the load",
+    "leak": "leak of the elastic law",
+    "stored": "held by the springs",
+    "lifted": "held by the preload",
+    "slider": "held by the slider",
+}
+GIVEN = ("wave_normal", "wave_tangential")
 
 
 def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
     """Draw the pictures of a gallery into a directory, and tell what is being done."""
-    from studies.report.figures import saved, velocity
-    from studies.view.contact_pictures import start_and_stop, strip
-    from studies.view.power_pictures import ledger_bars, power_bars
-    from studies.view.section import Section, views
-
     found, record = gallery.found, gallery.record
-    title = record.scene.title
-    given = {"phase": 0.0, "factor": None}
-    for name, figure in (
-        ("orbits", _orbits(found)),
-        ("amplitude", _amplitude(found)),
+    title, top, (name, place) = record.scene.title, found.field.displacement[:, -1].T, found.focus
+    places = (np.arange(ORBITS) + 0.5) / ORBITS * found.length
+    energies = found.whole(energies=True)
+    passing = (
+        energies.densities.power_flow[..., 0] @ depth_weights(energies.z, energies.order) * found.aperture
+    )
+    power = record.electrical["power_W_per_V2"]
+    ledger, balance = ledger_rows(gallery.ledger)
+    for picture, figure in (
+        ("orbits", orbits(places, *np.array([found.surface(x) for x in places]).T, title=title)),
+        ("amplitude", amplitude(found.field.x, top[0], top[2], wavelength=found.wavelength, covered=found.spans,
+                                focus=(name, place), title=title)),
         ("depth", _depth(found)),
         ("contact", strip(gallery.contact[0], title=gallery.contact[1])),
         ("start_stop", start_and_stop(gallery.bursts, acceleration=gallery.acceleration, title=title)),
-        ("power", power_bars(record.electrical, title=title)),
-        ("power_flow", _power_flow(found)),
-        ("ledger", ledger_bars(gallery.ledger, title=f"{title}: {gallery.voltage:g} V")),
+        ("power", bars(power_rows(record.electrical), "mW per V^2", "power (mW per V^2 of the source, peak)",
+                       f"{title}\npower of the driven transducer")),
+        ("power_flow", power_along(found.field.x, passing, covered=found.spans, given=power, title=title)),
+        ("ledger", bars(ledger, "pJ", "energy in one cycle of the wave (pJ); blue: from the wave, orange: to where",
+                        f"{title}: {gallery.voltage:g} V\nledger of one contact, {balance}")),
         *(
-            (name, Section(found, views(found), quantity=quantity, size=STILL, **given).figure)
-            for name, quantity in (("wave", "u_z"), ("wave_power_flow", "power_flow"))
+            (picture, Section(found, views(found), quantity=quantity, phase=0.0, factor=None, size=STILL).figure)
+            for picture, quantity in (("wave", "u_z"), ("wave_power_flow", "power_flow"))
         ),
-    ):
-        progress(f"drawing {name}")
-        figure.savefig(folder / f"{name}.png", dpi=100 if name.startswith("wave") else DPI)
+    ):  # fmt: skip
+        progress(f"drawing {picture}")
+        figure.savefig(folder / f"{picture}.png", dpi=100 if picture.startswith("wave") else DPI)
     saved(folder / "velocity.png", lambda ax: velocity(record, ax))
     for module, panel in gallery.others:
         saved(folder / f"{panel.name}.png", lambda ax, module=module, panel=panel: module.figure(panel, ax))
     if gallery.films:
-        _films(gallery, folder, progress, given)
-    for picture in folder.glob("*.png"):
-        _reduce(picture)
+        _films(gallery, folder, progress)
+    for file in folder.glob("*.png"):
+        _reduce(file)
 
 
-def _films(gallery, folder: Path, progress, given: dict) -> None:
-    import numpy as np
-
-    from studies.view import movie
-    from studies.view.contact_view import slow_motion
-    from studies.view.quantities import palette
-    from studies.view.section import Section, chosen_views
-    from studies.view.solid import Solid
-
-    found = gallery.found
-    progress("wave and contact in slow motion")
-    moving = Section(found, chosen_views(found, None), quantity="u_z", size=MOVIE, **given)
-    movie.save(
-        moving.figure, lambda number: moving.show(2 * np.pi * number / FRAMES), FRAMES, folder / "wave.gif", rate=12.0,
-        palette=palette(moving.shade.colour_map),
-    )  # fmt: skip
-    figure, show = slow_motion(*gallery.contact, 2 * FRAMES)
-    figure.set_dpi(DPI)
-    movie.save(figure, show, 2 * FRAMES, folder / "contact.gif", rate=10.0)
-    progress("drawing the solid")
-    solid = Solid(found, quantity="u_z", size=SOLID, off_screen=True, **given).plotter
-    solid.screenshot(folder / "solid.png")
-    solid.close()
-
-
-def _orbits(found):
-    import numpy as np
-
-    from studies.view.surface_pictures import orbits
-
-    places = (np.arange(ORBITS) + 0.5) / ORBITS * found.length
-    tangential, normal = np.array([found.surface(place) for place in places]).T
-    return orbits(places, tangential, normal, per="nm per V", title=found.scene.title)
+def orbits(places, tangential, normal, *, title: str):
+    """Draw the orbits of surface points at places (m), complex u_x and u_z (m per V), an arrow at each crest."""
+    columns = min(6, len(places))
+    rows = -(-len(places) // columns)
+    size, shared = (
+        (1.35 * columns + 0.6, 1.55 * rows + 0.7),
+        {"sharex": True, "sharey": True, "squeeze": False},
+    )
+    figure, axes = new_figure(*size, rows=rows, columns=columns, **shared)
+    turning = anticlockwise(tangential, normal)
+    pair = NM * np.array([tangential, normal])
+    reach = 1.15 * abs(pair).max()
+    for number, ax in enumerate(axes.flat):
+        if number >= len(places):
+            ax.set_visible(False)
+            continue
+        motion, colour = pair[:, number, None], "slip" if turning[number] else "intermittent"
+        curve(ax, *(motion * np.exp(1j * TURN)).real, "-", colour)
+        crest = -np.angle(motion[1])  # omega t of largest u_z; the arrow lies on the orbit about it
+        tail, head = (motion * np.exp(1j * (crest + np.array([-0.35, 0.35])))).real.T
+        arrow(ax, tail, head, COLOURS[colour], width=1.0)
+        ax.plot([0], [0], "+", color=COLOURS["line"], markersize=5)
+        ax.set_title(f"x = {places[number] * MM:.4g} mm", fontsize="small")
+        ax.set(aspect="equal", xlim=(-reach, reach), ylim=(-reach, reach))
+        ax.tick_params(labelsize="x-small")
+        ax.grid(alpha=0.3)
+    figure.supxlabel("u_x (nm per V); arrow: motion at the crest", fontsize="small")
+    figure.supylabel("u_z (nm per V)", fontsize="small")
+    colours = f"{turning.sum()} anticlockwise (blue), {(~turning).sum()} clockwise (orange)"
+    figure.suptitle(f"{title}\nsurface orbits, {colours}", fontsize="medium")
+    return figure
 
 
-def _amplitude(found):
-    from studies.view.surface_pictures import amplitude
+def anticlockwise(tangential, normal) -> np.ndarray:
+    """Return whether orbits turn anticlockwise, x to the right and z up: x dz/dt - z dx/dt > 0.
 
-    top, x = found.field.displacement[:, -1], found.field.x
-    return amplitude(
-        x, top[:, 0], top[:, 2], wavelength=found.wavelength, covered=found.spans, focus=found.focus,
-        per="nm per V", title=found.scene.title,
-    )  # fmt: skip
+    A wave that runs to +x turns so (retrograde: against the wave at the crest), one that runs to -x the other way.
+
+    Examples
+    --------
+    >>> bool(anticlockwise(1j, 1.0)), bool(anticlockwise(-1j, 1.0))
+    (True, False)
+    """
+    return np.imag(np.asarray(tangential) * np.conj(normal)) > 0
+
+
+def amplitude(x, tangential, normal, *, wavelength: float, covered, focus: tuple[str, float], title: str):
+    """Draw |u_x| and |u_z| (m per V) along the surface (m), and within 4 wavelengths of a place with its name."""
+    figure, (whole, near) = new_figure(7.2, 5.2, rows=2)
+    name, place = focus
+    for ax, chosen in ((whole, x == x), (near, abs(x - place) <= 4 * wavelength)):
+        curve(ax, x[chosen] * MM, abs(normal[chosen]) * NM, "-", "slip", "|u_z|")
+        curve(ax, x[chosen] * MM, abs(tangential[chosen]) * NM, "-", "intermittent", "|u_x|")
+        ax.axvline(place * MM, color=COLOURS["line"], linestyle=":", linewidth=1.2, label=name)
+        ax.set_ylim(0.0, 1.12 * NM * abs(np.array([tangential, normal])[:, chosen]).max())
+    for span in covered:
+        shaded(whole, *np.multiply(span, MM))
+    size = abs(normal[abs(x - place) <= wavelength])
+    ripple = f"largest over smallest |u_z| {size.max() / size.min():.3g} within one"
+    across, up = "x along the surface (mm)", "amplitude, peak (nm per V)"
+    finished(whole, across, up, f"{title}\namplitude along the surface (grey: transducers)", columns=0)
+    finished(near, across, up, f"within 4 wavelengths of the {name}: {ripple}")
+    return figure
+
+
+def depth_profile(line_depth, analytic, computed, *, title: str):
+    """Draw computed points of a wave, name to (depth in wavelengths, parts by name), on the lines of the half-space."""
+    figure, ax = new_figure(7.2, 4.2)
+    for (name, values), colour in zip(analytic.items(), ("slip", "intermittent"), strict=True):
+        curve(ax, line_depth, values, "-", colour, f"{name}, half-space (theory)")
+    for number, (what, (depth, parts)) in enumerate(computed.items()):
+        for (name, values), colour, mark in zip(parts.items(), ("slip", "intermittent"), "o^", strict=True):
+            curve(ax, depth, values, mark, "stick" if number else colour, f"{name}, {what}", size=3.5)
+            ax.lines[-1].set_zorder(2 - number)
+    ax.axhline(0, color=COLOURS["line"], linewidth=0.6)
+    finished(ax, "depth (wavelengths)", "amplitude over |u_z| at the surface", title, columns=2)
+    return figure
+
+
+def start_and_stop(trajectories, *, acceleration: float, title: str):
+    """Draw trajectories of bursts by name, closely how they stop, and the largest acceleration (m/s^2) of friction."""
+    figure, (whole, end) = new_figure(7.6, 6.0, rows=2)
+    colours = matplotlib.colormaps["cividis"](np.linspace(0.0, 0.85, len(trajectories)))
+    for (name, motion), colour in zip(trajectories, colours, strict=True):
+        after = motion.time >= motion.duration - 1e-12
+        whole.plot(motion.time * 1e3, motion.velocity * 1e3, color=colour, linewidth=1.3, label=name)
+        end.plot((motion.time[after] - motion.duration) * 1e3, motion.velocity[after] * 1e3, color=colour)
+    fastest = max((motion for _, motion in trajectories), key=lambda each: abs(each.velocity_at_burst_end))
+    last = fastest.velocity_at_burst_end
+    sign, label = np.sign(last) or 1.0, "mu preload / m (theory)"
+    fall, rise = (np.array([0.0, speed / acceleration]) for speed in (abs(last), abs(fastest.velocity).max()))
+    curve(end, fall * 1e3, (last - sign * acceleration * fall) * 1e3, ":", "line", label)
+    curve(whole, rise * 1e3, sign * acceleration * rise * 1e3, ":", "line", label)
+    whole.axvline(fastest.duration * 1e3, color=COLOURS["stick"], linewidth=1, label="end of the burst")
+    finished(whole, "time (ms)", "slider velocity (mm/s)", f"{title}\nstart and stop", columns=0)
+    finished(end, "time after the burst (ms)", "slider velocity (mm/s)", "", columns=0)
+    legend_below(end, whole.get_legend_handles_labels()[0], columns=5)
+    return figure
+
+
+def power_rows(electrical: dict) -> list[tuple[str, float, str]]:
+    """Return name, mW per V^2 and colour of the powers of ``electrical``: given by the source, sent out, lost."""
+    return [
+        (name, electrical[f"power_{key}W_per_V2"] * 1e3, COLOURS[colour])
+        for name, key, colour in (
+            ("given by the source", "", "slip"),
+            ("sent out beyond the transducers", "radiated_", "second"),
+            ("lost in the solid", "dissipated_", "intermittent"),
+        )
+    ]
+
+
+def ledger_rows(ledger) -> tuple[list[tuple[str, float, str]], str]:
+    """Return name, pJ and colour of the energies of one cycle of the contact, and how far they balance."""
+    energies = {key: getattr(ledger, key) for key in LEDGER}
+    largest = max(map(abs, energies.values())) or 1.0
+    rows = [
+        (name, energies[key] * 1e12, COLOURS["slip" if key in GIVEN else "intermittent"])
+        for key, name in LEDGER.items()
+        if key in GIVEN or abs(energies[key]) > 1e-6 * largest
+    ]
+    missed = sum(energies[key] * (1 if key in GIVEN else -1) for key in LEDGER)
+    return rows, f"balance to {abs(missed) / largest:.0e} of the largest"
+
+
+def bars(rows, unit: str, across: str, title: str):
+    """Draw rows of name, value and colour as bars with their values."""
+    figure, ax = new_figure(7.2, 1.2 + 0.33 * len(rows))
+    names, values, colours = zip(*rows, strict=True)
+    places = np.arange(len(rows))[::-1]
+    drawn = ax.barh(places, values, color=colours, height=0.62)
+    ax.bar_label(drawn, [f"{value:.3g} {unit}" for value in values], padding=3, fontsize="small")
+    ax.set_yticks(places, names)
+    low, high = min([0.0, *values]), max([0.0, *values])
+    reach = (high - low) or 1.0
+    ax.axvline(0, color=COLOURS["line"], linewidth=0.8)
+    ax.set_xlim(low - (0.45 * reach if low < 0 else 0), high + 0.45 * reach)
+    finished(ax, across, "", title, columns=0)
+    return figure
+
+
+def power_along(x, power, *, covered, given: float, title: str):
+    """Draw the power (W per V^2) that passes each line of the stator, between the transducers that cover it."""
+    figure, ax = new_figure(7.2, 3.4)
+    curve(ax, x * MM, power * 1e3, "-", "slip", "through the section, mean of a cycle")
+    for share, label in ((0.5e3, "half of what the source gives"), (-0.5e3, None)):
+        ax.axhline(share * given, color=COLOURS["line"], linestyle=":", linewidth=1, label=label)
+    for span in covered:
+        shaded(ax, *np.multiply(span, MM))
+    ax.axhline(0, color=COLOURS["line"], linewidth=0.6)
+    title = f"{title}\npower flow (grey: transducers)"
+    finished(ax, "x along the surface (mm)", "power along +x (mW per V^2)", title)
+    return figure
+
+
+def depth_weights(z: np.ndarray, order: int) -> np.ndarray:
+    """Return the weights that integrate values at the nodes over the depth, exactly for polynomials of the order."""
+    lumped = reference_matrices(order).mass.sum(axis=1)
+    weights = np.zeros(len(z))
+    for part, height in enumerate(np.diff(z[::order])):
+        weights[part * order : (part + 1) * order + 1] += height * lumped
+    return weights
 
 
 def _depth(found):
     """Profiles of the section's free wave and of the driven stator under the slider, on the half-space's."""
-    import numpy as np
-
-    import fem
-    from studies.scene import resolved
-    from studies.view.surface_pictures import depth_profile
-
-    stator, scene = resolved.stator(found.scene.stator), found.scene
-    half_space, free = (
-        fem.rayleigh(stator.solid, "open"),
-        fem.free_wave(stator, frequency=scene.frequency, tolerance=1e-6),
-    )
-    field, (_, place) = found.field, found.focus
-    line = field.displacement[np.searchsorted(field.x, place - 1e-9)]
+    stator, scene, (name, place) = resolved.stator(found.scene.stator), found.scene, found.focus
+    half_space = fem.rayleigh(stator.solid, "open")
+    free = fem.free_wave(stator, frequency=scene.frequency, tolerance=1e-6)
+    line = found.field.displacement[np.searchsorted(found.field.x, place - 1e-9)]
 
     def parts(u):
         return {"Re u_z": u[:, 2].real, "Im u_x": u[:, 0].imag}
@@ -117,36 +288,35 @@ def _depth(found):
         return -z[chosen] / found.wavelength, parts(u[chosen] / u[-1, 2])
 
     at = np.linspace(0, DEPTH, 200)
-    return depth_profile(
-        at,
-        parts(half_space.profile(at)[0]),
-        {
-            "free wave of the section": near(free.depth, free.profile),
-            f"driven stator under the {found.focus[0]}, all modes": near(field.z, line),
-        },
-        title=f"{scene.title}\nprofile through the depth",
-    )
+    computed = {
+        "free wave of the section": near(free.depth, free.profile),
+        f"driven stator under the {name}, all modes": near(found.field.z, line),
+    }
+    title = f"{scene.title}\nprofile through the depth"
+    return depth_profile(at, parts(half_space.profile(at)[0]), computed, title=title)
 
 
-def _power_flow(found):
-    from studies.view.power_pictures import depth_weights, power_along
-
-    field = found.whole(energies=True)
-    passing = field.densities.power_flow[..., 0] @ depth_weights(field.z, field.order) * found.aperture
-    return power_along(
-        field.x, passing, covered=found.spans, given=found.record.electrical["power_W_per_V2"],
-        title=found.scene.title,
+def _films(gallery, folder: Path, progress) -> None:
+    found, given = gallery.found, {"quantity": "u_z", "phase": 0.0, "factor": None}
+    progress("wave and contact in slow motion")
+    moving = Section(found, chosen_views(found, None), size=MOVIE, **given)
+    movie.save(
+        moving.figure, lambda number: moving.show(2 * np.pi * number / FRAMES), FRAMES, folder / "wave.gif", rate=12.0,
+        palette=palette(moving.shade.colour_map),
     )  # fmt: skip
+    figure, show = slow_motion(*gallery.contact, 2 * FRAMES)
+    figure.set_dpi(DPI)
+    movie.save(figure, show, 2 * FRAMES, folder / "contact.gif", rate=10.0)
+    progress("drawing the solid")
+    solid = Solid(found, size=SOLID, off_screen=True, **given).plotter
+    solid.screenshot(folder / "solid.png")
+    solid.close()
 
 
 def _reduce(picture: Path) -> None:
     """Write a picture again with a palette: a third of the size."""
-    from PIL import Image
-
-    from studies.view.quantities import DIVERGING, palette
-
     with Image.open(picture) as image:
         plain = image.convert("RGB")
     field = picture.stem in ("wave", "wave_power_flow", "solid")
-    colours = palette(DIVERGING) if field else plain.quantize(COLOURS)
+    colours = palette(DIVERGING) if field else plain.quantize(PALETTE_COLOURS)
     plain.quantize(palette=colours, dither=Image.Dither.NONE).save(picture, optimize=True)

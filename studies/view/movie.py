@@ -1,13 +1,19 @@
-"""Figures in a row as a moving picture GIF by Pillow, which every installation has, MP4 by ffmpeg."""
+"""Moving pictures of a figure, GIF by Pillow, which every installation has, MP4 by ffmpeg; pages that hold pictures."""
 
 import shutil
 import subprocess
 from collections.abc import Callable
+from html import escape
 from pathlib import Path
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.animation import FFMpegWriter
+from PIL import Image
 
 from studies.refusal import RunError, SceneError
 
-__all__ = ["check", "save"]
+__all__ = ["check", "image", "page", "save"]
 
 FORMATS = (".gif", ".mp4")
 COLOURS = 128  # of a GIF whose palette is found in its pictures
@@ -28,7 +34,7 @@ def save(
     file: str | Path,
     *,
     rate: float,
-    progress=None,
+    progress=lambda text: None,
     palette=None,
 ) -> None:
     """Write a count of pictures as a movie that repeats (GIF) or plays (MP4), ``rate`` per second.
@@ -40,8 +46,7 @@ def save(
 
     def pictures():
         for number in range(count):
-            if progress is not None:
-                progress(f"picture {number + 1} of {count}")
+            progress(f"picture {number + 1} of {count}")
             show(number)
             yield
 
@@ -54,10 +59,19 @@ def save(
         raise RunError(f"the movie {str(file)!r} cannot be written: {error.strerror or error}") from None
 
 
-def _gif(figure, pictures, file, rate: float, palette) -> None:
-    import numpy as np
-    from PIL import Image
+def image(uri: str, words: str) -> str:
+    """Return a data URI of a picture as an element of HTML, with words for who cannot see it."""
+    return f'<img alt="{escape(words)}" src="{uri}" style="max-width: 100%">'
 
+
+def page(title: str, images: list[str]) -> str:
+    """Return an HTML page that holds pictures."""
+    head = f'<meta charset="utf-8"><link rel="icon" href="data:,"><title>{escape(title)}</title>'
+    shown = "\n".join(f"<p>{each}</p>" for each in images)
+    return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n<body>\n{shown}\n</body></html>\n'
+
+
+def _gif(figure, pictures, file, rate: float, palette) -> None:
     frames = []
     for _ in pictures:
         figure.canvas.draw()
@@ -72,18 +86,14 @@ def _gif(figure, pictures, file, rate: float, palette) -> None:
 
 
 def _mp4(figure, pictures, file, rate: float) -> None:
-    from matplotlib import rc_context
-    from matplotlib.animation import FFMpegWriter
-
     writer = FFMpegWriter(fps=rate, codec="libx264")
     try:
         with rc_context({"animation.ffmpeg_path": _ffmpeg()}), writer.saving(figure, file, figure.dpi):
             for _ in pictures:
                 writer.grab_frame()
     except subprocess.CalledProcessError as error:
-        raise RunError(
-            f"the movie {str(file)!r} cannot be written: ffmpeg ends with {error.returncode}"
-        ) from None
+        reason = f"ffmpeg ends with {error.returncode}"
+        raise RunError(f"the movie {str(file)!r} cannot be written: {reason}") from None
 
 
 def _ffmpeg() -> str:

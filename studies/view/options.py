@@ -1,6 +1,7 @@
 """What ``sawmotor view`` is asked for: files, quantity, instant, stretch, sizes."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -9,55 +10,56 @@ from studies.scene.override import toml_value
 
 __all__ = ["Wanted"]
 
-SHOWN = ("field", "solid", "beam", "contact")
+OFFERED = {
+    "field": ("screenshot", "movie", "html", "data"),
+    "solid": ("screenshot", "html", "data"),
+    "beam": ("screenshot", "html"),
+    "contact": ("screenshot", "movie", "html", "data"),
+}  # what is shown: the files that there are of it
+FORMATS = {
+    "screenshot": (".png", ".jpg", ".jpeg", ".tif", ".tiff"),
+    "movie": (".gif", ".mp4"),
+    "html": (".html", ".htm"),
+    "data": (".vtu", ".pvd", ".csv"),
+}
 
 
 @dataclass(frozen=True, kw_only=True)
 class Wanted:
-    """What to show of a run, as asked for on the command line.
-
-    Attributes
-    ----------
-    screenshot, movie, html, data : str or None
-        Files; none at all: a window.
-    surface : bool
-        Whether the data are a table of the surface alone.
-    show : str or None
-        "field", "solid", "beam" or "contact"; None: the field, or without a stator the contact.
-    quantity : str
-        What colours the field.
-    phase : float
-        omega t, rad.
-    span : str or tuple of float or None
-        "whole", "slider" or "wavelength", or from where to where, m.
-    factor : float or None
-        By which the displacement is enlarged.
-    size : tuple of int or None
-        Pixels.
-    frames : int
-        Of a movie, or instants of a .pvd.
-    level : float or None
-        Voltage in V, or amplitude in m, of the contact; None: the largest.
-    """
+    """What to show of a run, as asked for on the command line; without files a window."""
 
     screenshot: str | None = None
     movie: str | None = None
     html: str | None = None
     data: str | None = None
-    surface: bool = False
-    show: str | None = None
-    quantity: str = "u_z"
-    phase: float = 0.0
-    span: str | tuple[float, float] | None = None
-    factor: float | None = None
-    size: tuple[int, int] | None = None
-    frames: int | None = None
-    level: float | None = None
+    surface: bool = False  # the data are a table of the surface alone
+    show: str | None = None  # of `OFFERED`; None: the field, or without a stator the contact
+    quantity: str = "u_z"  # colours the field
+    phase: float = 0.0  # omega t, rad
+    span: str | tuple[float, float] | None = None  # "whole", "slider" or "wavelength", or two places, m
+    factor: float | None = None  # by which the displacement is enlarged
+    size: tuple[int, int] | None = None  # pixels
+    frames: int | None = None  # of a movie, or instants of a .pvd
+    level: float | None = None  # V, or m of given amplitude, of the contact; None: the largest
 
     @property
-    def files(self) -> tuple[str, ...]:
-        """What is to be written."""
-        return tuple(each for each in (self.screenshot, self.movie, self.html, self.data) if each is not None)
+    def files(self) -> dict[str, str]:
+        """What is to be written, by option."""
+        return {name: file for name in FORMATS if (file := getattr(self, name)) is not None}
+
+    def check(self, show: str) -> None:
+        """Refuse a file whose name has another format, or that there is not of what is shown."""
+        for option, file in self.files.items():
+            if option not in OFFERED[show]:
+                raise SceneError(f"--{option}", f"does not go with --show {show}, got {file!r}")
+            allowed = (
+                (".csv",) if option == "data" and (self.surface or show == "contact") else FORMATS[option]
+            )
+            if Path(file).suffix.lower() not in allowed:
+                one = f"one of {', '.join(allowed)}" if len(allowed) > 2 else " or ".join(allowed)
+                raise SceneError(f"--{option}", f"must end in {one}, got {file!r}")
+        if self.surface and (self.data is None or show == "contact"):
+            raise SceneError("--surface", "makes --data FILE.csv of a field a table of its surface")
 
     @classmethod
     def read(cls, arguments) -> "Wanted":
@@ -68,26 +70,17 @@ class Wanted:
         SceneError
             Naming the option and its rule.
         """
-        if arguments.show not in (None, *SHOWN):
-            raise SceneError("--show", f"must be one of {', '.join(SHOWN)}, got {arguments.show!r}")
-        if arguments.surface and arguments.data is None:
-            raise SceneError("--surface", "says what --data FILE.csv holds: give --data too")
+        if arguments.show not in (None, *OFFERED):
+            raise SceneError("--show", f"must be one of {', '.join(OFFERED)}, got {arguments.show!r}")
+        same = ("screenshot", "movie", "html", "data", "surface", "show", "quantity")
         return cls(
-            screenshot=arguments.screenshot,
-            movie=arguments.movie,
-            html=arguments.html,
-            data=arguments.data,
-            surface=arguments.surface,
-            show=arguments.show,
-            quantity=arguments.quantity,
+            **{name: getattr(arguments, name) for name in same},
             phase=np.radians(_number("--phase", arguments.phase, "degrees")),
             span=_span(arguments.span),
-            factor=None if arguments.scale is None else _number("--scale", arguments.scale, "times", low=0.0),
+            factor=_number("--scale", arguments.scale, "times", low=0.0),
             size=_size(arguments.size),
-            frames=None if arguments.frames is None else _count("--frames", arguments.frames),
-            level=None
-            if arguments.voltage is None
-            else _number("--voltage", arguments.voltage, "V", low=0.0),
+            frames=_count("--frames", arguments.frames),
+            level=_number("--voltage", arguments.voltage, "V", low=0.0),
         )
 
 
@@ -97,9 +90,8 @@ def _span(text: str | None):
     try:
         start, stop = (float(part) for part in text.split(":"))
     except ValueError:
-        raise SceneError(
-            "--span", f"must be whole, slider, wavelength or START:STOP in mm, got {text!r}"
-        ) from None
+        rule = "must be whole, slider, wavelength or START:STOP in mm"
+        raise SceneError("--span", f"{rule}, got {text!r}") from None
     return start * 1e-3, stop * 1e-3
 
 
@@ -115,22 +107,19 @@ def _size(text: str | None) -> tuple[int, int] | None:
     return width, height
 
 
-def _number(option: str, text: str, unit: str, *, low: float = -np.inf) -> float:
-    value = toml_value(text)
-    good = (
-        isinstance(value, (int, float))
-        and not isinstance(value, bool)
-        and np.isfinite(value)
-        and value >= low
-    )
-    if not good:
+def _number(option: str, text: str | None, unit: str, *, low: float = -np.inf) -> float | None:
+    value = None if text is None else toml_value(text)
+    if value is None:
+        return None
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if not (number and np.isfinite(value) and value >= low):
         bound = "" if low == -np.inf else f" of at least {low:g}"
         raise SceneError(option, f"must be a finite number{bound} ({unit}), got {shown(text)}")
     return float(value)
 
 
-def _count(option: str, text: str) -> int:
-    value = toml_value(text)
-    if not isinstance(value, int) or isinstance(value, bool) or not 2 <= value <= 2000:
+def _count(option: str, text: str | None) -> int | None:
+    value = None if text is None else toml_value(text)
+    if text is not None and not (type(value) is int and 2 <= value <= 2000):
         raise SceneError(option, f"must be a whole number from 2 to 2000, got {shown(text)}")
     return value

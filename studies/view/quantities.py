@@ -7,8 +7,11 @@ what is never negative.  Both are told apart by colour-blind eyes and change eve
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
+import matplotlib
 import numpy as np
+from PIL import Image
 
 from studies.refusal import SceneError, nearest
 
@@ -22,6 +25,7 @@ __all__ = [
     "present",
     "quantity",
     "shade",
+    "shade_of",
 ]
 
 NM = 1e9
@@ -30,97 +34,42 @@ SCALE = 192  # colours of a map in a palette of 256
 DIVERGING, SEQUENTIAL = "RdBu_r", "Blues"
 
 
-@dataclass(frozen=True, kw_only=True)
-class Quantity:
-    """Something to colour the field by.
+class Quantity(NamedTuple):
+    """Something to colour the field by."""
 
-    Attributes
-    ----------
-    name : str
-        As it is asked for.
-    title : str
-        As it is written.
-    units : tuple of str
-        Per volt of the source, and over u_z at the surface of a free wave.
-    scales : tuple of float
-        From SI to those.
-    signed : bool
-        Whether it takes both signs.
-    turns : int
-        n, its frequency over the wave's.
-    parts : callable
-        Mean and complex amplitude, in SI, of a WaveField.
-    """
-
-    name: str
-    title: str
-    units: tuple[str, str]
-    scales: tuple[float, float]
-    parts: Callable
-    signed: bool = True
-    turns: int = 1
+    name: str  # as it is asked for
+    title: str  # as it is written
+    units: tuple[str, str]  # per volt of the source, and over u_z at the surface of a free wave
+    scales: tuple[float, float]  # from SI to those
+    parts: Callable  # mean and complex amplitude, in SI, of a WaveField
+    signed: bool = True  # whether it takes both signs
+    turns: int = 1  # n, its frequency over the wave's
 
 
+LENGTH = ("nm per V", "over u_z"), (NM, 1.0)
 QUANTITIES = {
     each.name: each
     for each in (
-        *(
-            Quantity(
-                name=f"u_{axis}",
-                title=f"u_{axis}",
-                units=("nm per V", "over u_z"),
-                scales=(NM, 1.0),
-                parts=lambda f, k=k: (0.0, f.displacement[..., k]),
-            )
-            for axis, k in (("z", 2), ("x", 0), ("y", 1))
-        ),
-        Quantity(
-            name="potential",
-            title="potential",
-            units=("V per V", "V per nm"),
-            scales=(1.0, 1 / NM),
-            parts=lambda f: (0.0, f.potential),
-        ),
-        Quantity(
-            name="strain_energy",
-            title="strain energy",
-            units=("mJ/m^3 per V^2", "J/m^3 per nm^2"),
-            scales=(1e3, NM**-2),
-            signed=False,
-            turns=2,
-            parts=lambda f: (f.densities.strain_energy, f.densities.strain_energy_pulse),
-        ),
-        Quantity(
-            name="power_flow",
-            title="power flow along x",
-            units=("W/m^2 per V^2", "W/m^2 per nm^2"),
-            scales=(1.0, NM**-2),
-            turns=2,
-            parts=lambda f: (f.densities.power_flow[..., 0], f.densities.power_flow_pulse[..., 0]),
-        ),
+        Quantity("u_z", "u_z", *LENGTH, lambda f: (0.0, f.displacement[..., 2])),
+        Quantity("u_x", "u_x", *LENGTH, lambda f: (0.0, f.displacement[..., 0])),
+        Quantity("u_y", "u_y", *LENGTH, lambda f: (0.0, f.displacement[..., 1])),
+        Quantity("potential", "potential", ("V per V", "V per nm"), (1.0, 1 / NM), lambda f: (0.0, f.potential)),
+        Quantity("strain_energy", "strain energy", ("mJ/m^3 per V^2", "J/m^3 per nm^2"), (1e3, NM**-2),
+                 lambda f: (f.densities.strain_energy, f.densities.strain_energy_pulse), signed=False, turns=2),
+        Quantity("power_flow", "power flow along x", ("W/m^2 per V^2", "W/m^2 per nm^2"), (1.0, NM**-2),
+                 lambda f: (f.densities.power_flow[..., 0], f.densities.power_flow_pulse[..., 0]), turns=2),
     )
-}
+}  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
 class Shade:
-    """A quantity as it colours the field of one run.
-
-    Attributes
-    ----------
-    quantity : Quantity
-    label : str
-        Title and unit.
-    scale : float
-        From SI to that unit.
-    reach : float
-        End of the colour scale: the largest value beside the transducers, at whose edges the field is singular.
-    """
+    """A quantity as it colours the field of one run."""
 
     quantity: Quantity
-    label: str
-    scale: float
-    reach: float
+    label: str  # title and unit
+    scale: float  # from SI to that unit
+    reach: float  # end of the scale: the largest value beside the transducers, at whose edges the field is singular
 
     @property
     def limits(self) -> tuple[float, float]:
@@ -166,17 +115,18 @@ def shade(found, name: str) -> Shade:
             "--quantity", f"{name!r} is zero everywhere: uncoupled in this solid, orientation {material}"
         )
     size = abs(amplitude[outside]) + (abs(mean[outside]) if chosen.turns == 2 else 0.0)
-    unit, scale = chosen.units[found.free], chosen.scales[found.free]
-    return Shade(
-        quantity=chosen, label=f"{chosen.title} ({unit})", scale=scale, reach=float(size.max()) * scale
-    )
+    return shade_of(chosen, size, free=found.free)
+
+
+def shade_of(chosen: Quantity, size, *, free: bool) -> Shade:
+    """Return how a quantity colours values that are at most as large as ``size`` in SI units."""
+    scale = chosen.scales[free]
+    label, reach = f"{chosen.title} ({chosen.units[free]})", float(np.max(size)) * scale
+    return Shade(quantity=chosen, label=label, scale=scale, reach=reach)
 
 
 def palette(colour_map: str):
     """Return an image with the 256 colours that a picture of a field needs: a colour map, marks and greys."""
-    import matplotlib
-    from PIL import Image
-
     scale = matplotlib.colormaps[colour_map](np.linspace(0.0, 1.0, SCALE), bytes=True)[:, :3]
     marks = [list(bytes.fromhex(colour[1:])) for colour in MARK_COLOURS]
     greys = np.repeat(np.linspace(0, 255, 256 - SCALE - len(marks)).round()[:, None], 3, axis=1)

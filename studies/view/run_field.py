@@ -7,6 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+import fem
+from fem import LEVELS, one_blas_thread, solve_driven, surface_beam, surface_wave
+from studies.chain import run
 from studies.chain.surface_motion import SurfaceMotion, crossed_motion
 from studies.record import Record
 from studies.refusal import RunError, SceneError, shown
@@ -21,37 +24,19 @@ NO_STATOR = "there is no wave field: the scene of this run gives the surface mot
 
 @dataclass(frozen=True, kw_only=True)
 class RunField:
-    """A field and what stands on it.
+    """A field and what stands on it."""
 
-    Attributes
-    ----------
-    compute : callable
-        Gives the field in m per V, or over u_z at the surface of a free wave; keywords ``span`` (m), ``per_wavelength``
-        and ``energies`` as in `fem.wave_field`.
-    length : float
-        Of what is shown at most, m.
-    record : Record
-        Of the run.
-    wavelength : float
-        Of the surface wave, m.
-    fingers : dict
-        Edges of the electrodes in m by sign: "+" and "-" the combs, "o" open strips.
-    spans : tuple of (float, float)
-        From end to end of each transducer, m.
-    wave : fem.SurfaceWave or None
-        Of a driven stator.
-    crossed : fem.CrossedBeam or None
-        Of turned transducers.
-    """
-
+    # the field in m per V, or over u_z at the surface of a free wave; keywords ``span`` (m), ``per_wavelength`` and
+    # ``energies`` as in `fem.wave_field`
     compute: Callable = field(repr=False)
-    length: float
-    record: Record = field(repr=False)
-    wavelength: float
+    length: float  # of what is shown at most, m
+    record: Record = field(repr=False)  # of the run
+    wavelength: float  # of the surface wave, m
+    # edges of the electrodes in m by sign: "+" and "-" the combs, "o" open strips
     fingers: dict = field(repr=False)
-    spans: tuple[tuple[float, float], ...]
-    wave: object = field(default=None, repr=False)
-    crossed: object = field(default=None, repr=False)
+    spans: tuple[tuple[float, float], ...]  # from end to end of each transducer, m
+    wave: object = field(default=None, repr=False)  # the fem.SurfaceWave of a driven stator
+    crossed: object = field(default=None, repr=False)  # the fem.CrossedBeam of turned transducers
 
     def in_section(self, place: tuple[float, float]) -> float:
         """Where a place (x, y) lies along the section, m."""
@@ -85,17 +70,17 @@ class RunField:
         """The beam of a run whose wave spreads in three dimensions, or None."""
         if self.crossed is not None or self.wave is None or not self.scene.stator.diffraction:
             return self.crossed
-        from fem import surface_beam
-
         return surface_beam(self.wave, mirror_width=self.scene.stator.mirror_width)
 
     @property
+    def places(self) -> tuple[tuple[float, float], ...]:
+        """Places (x, y) of the contacts, m."""
+        return () if self.scene.slider is None else self.scene.slider.places
+
+    @property
     def balls(self) -> tuple[float, ...]:
-        """Places of the contacts, m."""
-        slider = self.scene.slider
-        if slider is None:
-            return ()
-        return tuple(x for x, _ in slider.places)
+        """Their places along the surface, m."""
+        return tuple(x for x, _ in self.places)
 
     @property
     def radius(self) -> float:
@@ -178,8 +163,6 @@ def of_record(record: Record, *, progress: Callable[[str], None]) -> RunField:
 
 
 def _driven(record: Record, progress) -> RunField:
-    import fem
-
     scene, motion = record.scene, motion_again(record, progress=progress)
     wave, crossed = motion.wave, motion.beam
     rows = resolved.transducers(scene) if crossed is None else crossed.rows[0].transducers
@@ -204,13 +187,9 @@ def _driven(record: Record, progress) -> RunField:
 
 def motion_again(record: Record, *, progress) -> SurfaceMotion:
     """Return the section of a run, or its crossing beams, at the resolution that run.json tells; else run again."""
-    from fem import LEVELS, one_blas_thread, solve_driven, surface_wave
-
     scene, named = record.scene, record.wave.get("resolution")
     level = [each for each in LEVELS if named == f"order {each.order}, {each.edge_layers} edge layers"]
     if not level:
-        from studies.chain import run
-
         bare = replace(scene, slider=None)
         found = run(bare, tolerance=record.tolerance, progress=progress).surface_motion
         return found if scene.crossed else SurfaceMotion(wave=found.wave)
@@ -231,8 +210,6 @@ def motion_again(record: Record, *, progress) -> SurfaceMotion:
 
 
 def _free(record: Record) -> RunField:
-    import fem
-
     scene, stator = record.scene, resolved.stator(record.scene.stator)
     try:
         wave = fem.free_wave(stator, frequency=scene.frequency, tolerance=record.tolerance)

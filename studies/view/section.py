@@ -10,15 +10,20 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle
 
 from studies.refusal import SceneError
+from studies.report.figures import arrow, new_figure
 from studies.view import description
 from studies.view.quantities import Shade, shade
 from studies.view.run_field import LINES, RunField
-from studies.view.surface_pictures import MM, new_figure
 
-__all__ = ["Section", "View", "chosen_views", "limits", "magnification", "piece", "thinned", "views"]
+__all__ = ["Section", "View", "chosen_views", "limits", "magnification", "near", "piece", "thinned", "views"]
 
+MM = 1e3
 AMPLITUDE = 0.08  # of a wavelength: as large as the largest displacement is drawn
 CLOSE = 7.0  # wavelengths either side, in the close views
 NARROWEST = 0.05  # wavelengths
@@ -57,15 +62,19 @@ def limits(found: RunField, span) -> tuple[float, float] | None:
     return span
 
 
+def near(found: RunField) -> tuple[float, float]:
+    """Return the two wavelengths (m) about what is to be looked at from near."""
+    return found.focus[1] - found.wavelength, found.focus[1] + found.wavelength
+
+
 def views(found: RunField) -> tuple[View, ...]:
     """Return what is shown unless something else is asked for: the whole, the driven transducer, the slider."""
     if found.free:
         return chosen_views(found, (0.0, found.length))
-    driven = found.scene.driven_transducer
-    near = CLOSE * found.wavelength
+    driven, reach = found.scene.driven_transducer, CLOSE * found.wavelength
     whole = View(name="the whole section", start=0.0, stop=found.length, weight=0.17)
     return whole, *(
-        View(name=name, start=max(place - near, 0.0), stop=min(place + near, found.length), weight=0.4)
+        View(name=name, start=max(place - reach, 0.0), stop=min(place + reach, found.length), weight=0.4)
         for name, place in (
             (f"driven transducer {driven.name!r}", found.in_section(driven.place)),
             found.focus,
@@ -172,8 +181,7 @@ class Section:
         self.found, self.shown, self.size = found, shown, size
         self.factor = magnification(found) if factor is None else factor
         self.shade: Shade = shade(found, quantity)
-        self.figure, _ = new_figure(size[0] / DPI, size[1] / DPI, rows=0)
-        self.figure.set_dpi(DPI)
+        self.figure, _ = new_figure(size[0] / DPI, size[1] / DPI, rows=0, dpi=DPI)
         self.figure.set_layout_engine("none")
         total, upper = sum(view.weight for view in shown), 1.0
         self.pieces, self._moving = [], []
@@ -204,9 +212,6 @@ class Section:
 
     def _draw(self, row: int, view: View, low: float, share: float) -> None:
         """Draw one view into a strip of the figure."""
-        from matplotlib.collections import LineCollection
-        from matplotlib.patches import Circle
-
         found, (width, height) = self.found, self.size
         across = max(width - LEFT - RIGHT, 0.3 * width)
         up = max(share * height - ABOVE - BELOW, 0.3 * share * height)
@@ -243,7 +248,7 @@ class Section:
         for ball in description.balls(found):
             centre = ball.place * MM, (ball.radius + self.factor * ball.crest) * MM
             ax.add_patch(
-                Circle(centre, ball.radius * MM, color=description.BALL_COLOUR, linewidth=0, zorder=2)
+                Circle(centre, ball.radius * MM, color=description.BALL_COLOUR, linewidth=0, zorder=4)
             )
         self.pieces.append(drawn)
         self._moving.append((ax, None, drawn, fingers))
@@ -259,9 +264,6 @@ class Section:
 
     def _write(self, ax, row: int, view: View, deep: float) -> None:
         """Write caption, crystal axes, legend and colour bar."""
-        from matplotlib.cm import ScalarMappable
-        from matplotlib.lines import Line2D
-
         found, highest = self.found, max(each.weight for each in self.shown)
         fingers = description.shown_fingers(found, view.start, view.stop)
         name = f"{view.name}, {fingers}" if fingers else view.name
@@ -274,15 +276,12 @@ class Section:
             fontsize=letters, parse_math=False,
         )  # fmt: skip
         if deep > 100:
+            colour = description.AXIS_COLOUR
             for axis, x, z in description.crystal_axes(found):
-                ax.annotate(
-                    axis, (0, 0), (40 + 30 * x, 30 + 30 * z), xycoords="axes fraction", textcoords="offset pixels",
-                    color=description.AXIS_COLOUR, ha="center", va="center", fontsize="small",
-                )  # fmt: skip
-                ax.annotate(
-                    "", (40 + 24 * x, 30 + 24 * z), (40, 30), xycoords="axes pixels", textcoords="axes pixels",
-                    arrowprops={"arrowstyle": "-|>", "color": description.AXIS_COLOUR, "shrinkA": 0, "shrinkB": 0},
-                )  # fmt: skip
+                place, given = (40 + 30 * x, 30 + 30 * z), {"xycoords": "axes pixels", "color": colour}
+                ax.annotate(axis, place, ha="center", va="center", fontsize="small", **given)
+                pixels = {"xycoords": "axes pixels", "textcoords": "axes pixels"}
+                arrow(ax, (40, 30), (40 + 24 * x, 30 + 24 * z), colour, width=1.0, **pixels)
         if row == 0:
             handles = [
                 Line2D([], [], color=each.colour, linewidth=3, label=each.label)

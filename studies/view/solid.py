@@ -6,23 +6,23 @@ transducers, as far as the beam does not spread.  There the field is extruded; b
 the picture says so.  A free wave has no aperture and fills the width.  Lengths are in mm.
 """
 
-import os
 import time
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import RegularGridInterpolator
 
-from studies.refusal import RunError, SceneError, needed
+from studies.refusal import SceneError, needed
 from studies.scene import resolved
 from studies.view import description
-from studies.view.quantities import QUANTITIES, Shade, present, shade
+from studies.view.quantities import QUANTITIES, present, shade, shade_of
 from studies.view.run_field import RunField
 from studies.view.section import magnification, piece
-from studies.view.surface_pictures import MM
 
-__all__ = ["Solid", "open_window", "refuse_without_display"]
+__all__ = ["Solid", "open_window"]
 
+MM = 1e3
 BARE, EDGE = "#D9D9D9", "#606060"
 LINES = 24  # per wavelength, of what is drawn
 BEAM_LINES, ACROSS = 12, 81  # of the surface of a beam: per wavelength along x, and across the width
@@ -42,7 +42,7 @@ class _Moving(NamedTuple):
 
 
 class Solid:
-    """A pyvista plotter with the field at any instant.
+    """A pyvista plotter with the field at any instant: the whole solid, or the section seen along y.
 
     Parameters
     ----------
@@ -56,43 +56,30 @@ class Solid:
     size : tuple of int
         Pixels.
     off_screen : bool
-    section : bool
-        Whether to look at the section alone, along y, instead of the whole solid.
     span : tuple of float or None
-        m, of the section that is looked at; two wavelengths about the slider if None.
+        m, of the section that is looked at; None for the whole solid.
 
     Attributes
     ----------
     plotter : pyvista.Plotter
     """
 
-    def __init__(
-        self, found: RunField, *, quantity, phase, factor, size, off_screen, section=False, span=None
-    ):
-        self.pyvista = _pyvista()
-        self.found, self.phase = found, phase
+    def __init__(self, found: RunField, *, quantity, phase, factor, size, off_screen, span=None):
+        self.pyvista = needed("pyvista", "a solid or a window of the field")
+        self.pyvista.vtk_verbosity(
+            "off"
+        )  # without a display VTK says so on stderr before it finds another way
+        self.found, self.phase, self.span = found, phase, span
         self.factor = magnification(found) if factor is None else factor
-        self.aperture, self._span = found.aperture, (0.0, found.length)
-        self.spreads = not section and found.beam is not None
+        self.spreads = span is None and found.beam is not None
         self._length = found.scene.stator.length if self.spreads else found.length
-        if section and span is not None:
-            room = span[1] - span[0]
-            self._span = max(span[0] - room, 0.0), min(span[1] + room, found.length)
         self.plotter = self.pyvista.Plotter(off_screen=off_screen, window_size=size)
         self.set_quantity(quantity)
         self._stand()
-        if not section:
+        if span is None:
             self._bare()
-        self._write(section, size)
-        if section:
-            start, stop = span or (found.focus[1] - found.wavelength, found.focus[1] + found.wavelength)
-            self._look(start, stop, size)
-        else:
-            self.plotter.camera_position = "xz"
-            self.plotter.camera.azimuth, self.plotter.camera.elevation = 35, 28
-            self.plotter.enable_parallel_projection()
-            self.plotter.reset_camera()
-            self.plotter.camera.zoom(1.35)  # room for the colour bar
+        self._write(size)
+        self._look(size)
 
     def set_quantity(self, name: str) -> None:
         """Colour the field by a quantity."""
@@ -113,7 +100,7 @@ class Solid:
         for former in list(self.plotter.scalar_bars.keys()):
             self.plotter.remove_scalar_bar(former)
         self.plotter.add_scalar_bar(
-            title=self.shade.label.replace(" (", "\n("),
+            title=self.shade.label.replace(" (", "\n(") + "\n",
             mapper=self.plotter.actors["surface"].mapper, vertical=True, position_x=0.9, position_y=0.5,
             width=0.06, height=0.35, title_font_size=13, label_font_size=13, n_labels=3, fmt="%.3g",
         )  # fmt: skip
@@ -133,21 +120,22 @@ class Solid:
         """Return the corners (x, y) of an electrode's strips in m, shape (4 n, 2), as they are or in the section."""
         if self.spreads:
             rows = resolved.transducers(self.found.scene)
-            return np.concatenate([each.on_surface(each.strips(electrode.sign)) for each in rows]).reshape(
-                -1, 2
-            )
+            corners = np.concatenate([each.on_surface(each.strips(electrode.sign)) for each in rows])
+            return corners.reshape(-1, 2)
         x = np.array(electrode.strips)[:, [0, 1, 1, 0]].ravel()
-        return np.stack([x, np.resize(0.5 * self.aperture * np.array([-1, -1, 1, 1]), len(x))], axis=-1)
+        return np.stack([x, np.resize(0.5 * self.found.aperture * np.array([-1, -1, 1, 1]), len(x))], axis=-1)
 
     def _lay_section(self, name: str) -> Callable:
         """Add the surface, the section in front and the right end; return the surface's motion over (x, y) in m."""
-        self.shade = shade(self.found, name)
-        spacing = min(self.found.wavelength / LINES, (self._span[1] - self._span[0]) / 1000)
-        self._piece = drawn = piece(
-            self.found, self.shade, span=self._span, bottom=self.found.field.z[0], spacing=spacing
-        )
+        found, (start, stop) = self.found, self.span or (0.0, self.found.length)
+        self.shade, room = shade(found, name), stop - start
+        kept = (0.0, found.length)  # a short stretch is finer, and less is kept beside it
+        if room < 1.99 * found.wavelength:
+            kept = max(start - room, 0.0), min(stop + room, found.length)
+        spacing = min(found.wavelength / LINES, (kept[1] - kept[0]) / 1000)
+        self._piece = drawn = piece(found, self.shade, span=kept, bottom=found.field.z[0], spacing=spacing)
         moved = np.insert(drawn.displacement, 1, 0.0, axis=-1)
-        edges = np.array([-0.5, 0.5]) * self.aperture
+        edges = np.array([-0.5, 0.5]) * found.aperture
         for part, lines, rows, y in (
             ("surface", slice(None), slice(-1, None), edges),
             ("section", slice(None), slice(None), edges[:1]),
@@ -162,8 +150,6 @@ class Solid:
 
     def _lay_beam(self, name: str) -> Callable:
         """Add the surface that the beam moves; return its motion over (x, y) in m."""
-        from scipy.interpolate import RegularGridInterpolator
-
         found = self.found
         if name not in MOTIONS:
             raise SceneError(
@@ -176,16 +162,9 @@ class Solid:
         x, half = np.linspace(0.0, stator.length, int(stator.length * lines) + 1), stator.width / 2
         y = np.linspace(-half, half, int(stator.width * lines) + 1 if crossed else ACROSS)
         moved = found.beam.motion(x[:, None], y)
-        one, size = QUANTITIES[name], moved[MOTIONS.index(name)]
-        scale = one.scales[0]
-        self.shade = Shade(
-            quantity=one,
-            label=f"{one.title} ({one.units[0]})",
-            scale=scale,
-            reach=float(abs(size).max()) * scale,
-        )
-        rest = np.stack(np.meshgrid(x, y, 0.0, indexing="ij"), axis=-1)
-        amplitude = size[..., None] * scale
+        size = moved[MOTIONS.index(name), ..., None]
+        self.shade = shade_of(QUANTITIES[name], abs(size), free=False)
+        rest, amplitude = np.stack(np.meshgrid(x, y, 0.0, indexing="ij"), axis=-1), size * self.shade.scale
         self._lay("surface", rest, np.moveaxis(moved, 0, -1)[:, :, None], 0.0 * amplitude.real, amplitude)
         return RegularGridInterpolator((x, y), np.moveaxis(moved, 0, -1))
 
@@ -214,7 +193,8 @@ class Solid:
 
     def _bare(self) -> None:
         """Draw the parts of the solid that carry no field: beside the aperture, or below the surface of a beam."""
-        half, width, depth = 0.5 * self.aperture, 0.5 * self.found.scene.stator.width, self.found.field.z[0]
+        found = self.found
+        half, width, depth = 0.5 * found.aperture, 0.5 * found.scene.stator.width, found.field.z[0]
         parts = [(-width, -half, 0.25), (half, width, 1.0)]  # the half in front is seen through
         if self.spreads:
             parts = [(-width, width, 1.0)]
@@ -230,13 +210,13 @@ class Solid:
             self.plotter.add_mesh(box, style="wireframe", color=EDGE, line_width=1)
         if not self.spreads:
             return
-        for each in resolved.transducers(self.found.scene):
-            outline = np.insert(each.corners[[0, 1, 2, 3, 0]], 2, 0.1 * self.found.wavelength, axis=-1)
+        for each in resolved.transducers(found.scene):
+            outline = np.insert(each.corners[[0, 1, 2, 3, 0]], 2, 0.1 * found.wavelength, axis=-1)
             self.plotter.add_mesh(self.pyvista.lines_from_points(MM * outline), color="black", line_width=2)
 
-    def _write(self, section: bool, size: tuple[int, int]) -> None:
+    def _write(self, size: tuple[int, int]) -> None:
         """Write the caption and the names of the electrodes; show the directions, or of the section the scale."""
-        found = self.found
+        found, section = self.found, self.span is not None
         extents = self._length, found.scene.stator.width, -found.field.z[0]
         extent = " x ".join(f"{each * MM:.4g}" for each in extents)
         lines = [
@@ -259,15 +239,23 @@ class Solid:
         else:
             self.plotter.add_axes(xlabel="x", ylabel="y", zlabel="z", line_width=3)
 
-    def _look(self, start: float, stop: float, size: tuple[int, int]) -> None:
-        """Look along y at a stretch (m)."""
-        middle, reach = 0.5 * (start + stop) * MM, (stop - start) * MM
-        height = 1.1 * reach * size[1] / size[0]
+    def _look(self, size: tuple[int, int]) -> None:
+        """Look at the whole solid from a corner, or along y at the stretch."""
+        camera = self.plotter.camera
+        if self.span is None:
+            self.plotter.camera_position = "xz"
+            camera.azimuth, camera.elevation = 35, 28
+            self.plotter.enable_parallel_projection()
+            self.plotter.reset_camera()
+            camera.zoom(1.35)  # room for the colour bar
+            return
+        start, stop = self.span
+        middle, height = 0.5 * (start + stop) * MM, 1.1 * (stop - start) * MM * size[1] / size[0]
         self.plotter.enable_parallel_projection()
-        self.plotter.camera.up = (0, 0, 1)
-        self.plotter.camera.focal_point = middle, 0.0, -0.15 * height
-        self.plotter.camera.position = middle, -10 * self.found.length * MM, -0.15 * height
-        self.plotter.camera.parallel_scale = 0.5 * height
+        camera.up = (0, 0, 1)
+        camera.focal_point = middle, 0.0, -0.15 * height
+        camera.position = middle, -10 * self.found.length * MM, -0.15 * height
+        camera.parallel_scale = 0.5 * height
         self.plotter.reset_camera_clipping_range()
 
 
@@ -334,25 +322,10 @@ class Controls:
             self.solid.set_quantity(name)
 
 
-def open_window(solid: Solid, *, section: bool) -> None:
+def open_window(solid: Solid) -> None:
     """Show a solid with its controls until the window is closed; of a section a drag moves and the wheel zooms."""
     controls = Controls(solid)
-    if section:
+    if solid.span is not None:
         solid.plotter.enable_2d_style()
     solid.plotter.add_timer_event(max_steps=2**31 - 1, duration=TICK, callback=controls.tick)
     solid.plotter.show(title=f"sawmotor: {solid.found.scene.title}")
-
-
-def _pyvista():
-    """Import pyvista, quietly: without a display VTK says so on stderr before it finds another way."""
-    pyvista = needed("pyvista", "a solid or a window of the field")
-    pyvista.vtk_verbosity("off")
-    return pyvista
-
-
-def refuse_without_display() -> None:
-    """Refuse to open a window where there is nothing to open it on, and name what to do instead."""
-    if os.name == "posix" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        raise RunError(
-            "there is no display to open a window on; --screenshot FILE, --movie FILE and --html FILE draw without one"
-        )

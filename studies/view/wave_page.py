@@ -7,13 +7,19 @@ and coloured at any phase.  A wave that spreads in three dimensions is shown fro
 import base64
 import gzip
 import json
+from functools import partial
+from html import escape
 from importlib.resources import files
 
+import matplotlib
 import numpy as np
 
+from studies.report.figures import DPI, as_uri
+from studies.report.surface_map import draw_surface_map, pixels
 from studies.view import description
+from studies.view.movie import image
 from studies.view.quantities import Shade, present, shade
-from studies.view.run_field import RunField
+from studies.view.run_field import RunField, run_field
 from studies.view.section import magnification, thinned
 
 __all__ = ["page", "widget"]
@@ -80,11 +86,11 @@ def _beam(found: RunField) -> str:
     """Return the picture of a beam from above, and what the moving field is beside it; nothing without one."""
     if found.beam is None:
         return ""
-    from studies.view.beam_view import drawn, image
-
+    draw = partial(draw_surface_map, found.beam, found.scene)
+    uri = as_uri(draw, size=tuple(each / DPI for each in pixels(found.scene.stator)), kind="png")
     return (
         "<p>The moving field is that of the plane section, which does not spread; over the whole surface the finite "
-        f"apertures give:</p>\n{image(drawn(found.beam, found.scene))}"
+        f"apertures give:</p>\n{image(uri, 'size of u_z over the surface')}"
     )
 
 
@@ -95,8 +101,6 @@ class Widget:
         self.text, self.height = text, height
 
     def _repr_html_(self) -> str:
-        from html import escape
-
         frame = f'style="width: 100%; height: {self.height}px; border: 0"'
         return f'<iframe srcdoc="{escape(self.text, quote=True)}" {frame}></iframe>'
 
@@ -113,8 +117,6 @@ def widget(folder, *, quantity: str = "u_z", height: int = 640) -> Widget:
     height : int
         Pixels.
     """
-    from studies.view.run_field import run_field
-
     found = run_field(folder, progress=lambda text: None)
     return Widget(page(found, quantity=quantity, phase=0.0, factor=None, span=None), height)
 
@@ -124,8 +126,6 @@ def _short(values: np.ndarray, largest: float) -> np.ndarray:
 
 
 def _described(name: str, shading: Shade, scale: float) -> dict:
-    import matplotlib
-
     table = matplotlib.colormaps[shading.colour_map](np.linspace(0.0, 1.0, 128), bytes=True)
     return {
         "name": name,

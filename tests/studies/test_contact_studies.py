@@ -8,9 +8,9 @@ import pytest
 from studies.chain import run
 from studies.motor import load_line, regime_map, step_planner
 from studies.refusal import SceneError
+from studies.report.figures import new_figure
 from studies.scene import Scene, read_table
 from studies.scene.override import assigned
-from studies.view.surface_pictures import new_figure
 from tests.studies.legible import assert_legible
 
 

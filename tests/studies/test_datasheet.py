@@ -16,9 +16,9 @@ from studies.refusal import SceneError
 from studies.report import datasheet_page
 from studies.report.answer import sentences
 from studies.report.datasheet import datasheet
+from studies.report.figures import new_figure
 from studies.scene import Scene, read_table
 from studies.scene.override import assigned
-from studies.view.surface_pictures import new_figure
 from tests.studies.legible import assert_legible
 
 CHROMIUM = shutil.which("chromium")

@@ -10,9 +10,9 @@ from contact import steady, threshold_factor
 from studies.chain import bridge
 from studies.motor import design_map
 from studies.refusal import SceneError
+from studies.report.figures import new_figure
 from studies.scene import Scene
 from studies.scene.resolved import resolved
-from studies.view.surface_pictures import new_figure
 from tests.studies.legible import assert_legible
 
 OVER = {"wave.normal_amplitude": "0.5 nm:15 nm:7:log", "slider.radius": "0.5 mm:4 mm:4"}

@@ -9,7 +9,7 @@ from studies.__main__ import main
 from studies.record import Record
 from studies.refusal import SceneError
 from studies.report.figures import velocity
-from studies.report.measured import compared, comparison_lines, read_measured
+from studies.report.measured import compared, comparison, read_measured
 from studies.scene import Scene
 from studies.scene.resolved import resolved
 
@@ -51,7 +51,7 @@ def test_deviations_are_those_worked_out_by_hand(record, measured):
     assert block["measured_over_predicted"] == pytest.approx((110 + 225 + 810) / (100 + 225 + 900))
     assert block["within_one_error"] == 2
     assert block["chi_square_per_point"] == pytest.approx((0.25 + 0 + 9) / 3)
-    said = "\n".join(comparison_lines(block))
+    said = "\n".join(line for _, line in comparison(block))
     assert "3 of 4 points of lab.csv" in said
     assert "1.83 mm/s rms" in said
     assert "2 of 3 within their error" in said

@@ -7,8 +7,12 @@ import pytest
 from matplotlib.text import Text
 
 from contact import Orbit, Slider, burst, contact_history, steady
-from studies.view import power_pictures, surface_pictures
-from studies.view.contact_pictures import SlowMotion, moments, start_and_stop, strip
+from studies.record import Record
+from studies.report.figures import new_figure, pictures
+from studies.scene import Scene, resolved
+from studies.view import gallery_pictures
+from studies.view.contact_pictures import SlowMotion, moments, strip
+from studies.view.gallery_pictures import start_and_stop
 from tests.studies.legible import assert_legible
 
 UNIT = re.compile(r"\([^()]+\)| over ")  # a ratio has none
@@ -42,17 +46,18 @@ def labelled(figure):
 def test_the_drawn_path_is_the_contact_s_clock(found):
     """The drawn surface point moves at the history's surface velocity and rises as the approach does."""
     _, drawn = found
-    step = drawn.time[1] - drawn.time[0]
-    speed = np.gradient(drawn.surface[:, 0], step)[2:-2]
-    np.testing.assert_allclose(speed, drawn.surface_velocity[2:-2], atol=1e-3 * abs(speed).max())
-    ball = drawn.surface[:, 1] - drawn.approach  # the slider, far heavier than a wave's period, hardly moves
+    step = drawn["time_s"][1] - drawn["time_s"][0]
+    speed = np.gradient(drawn["u_x_m"], step)[2:-2]
+    np.testing.assert_allclose(speed, drawn["surface_velocity_m_per_s"][2:-2], atol=1e-3 * abs(speed).max())
+    ball = drawn["u_z_m"] - drawn["approach_m"]  # the slider, far heavier than a wave's period, hardly moves
     assert np.ptp(ball) < 1e-3 * abs(ORBIT.normal)
-    size = np.hypot(*drawn.orbit.T)
-    assert size.max() == pytest.approx(np.hypot(*drawn.surface.T).max(), rel=1e-3)
-    separated = drawn.regime == "separated"
+    turn = np.exp(1j * np.linspace(0, 2 * np.pi, 2001))
+    path = np.hypot((ORBIT.tangential * turn).real, (ORBIT.normal * turn).real)
+    assert np.hypot(drawn["u_x_m"], drawn["u_z_m"]).max() == pytest.approx(path.max(), rel=1e-3)
+    separated = drawn["regime"] == "separated"
     assert 0.2 < separated.mean() < 0.8
-    assert not np.any(drawn.normal_force[separated])
-    assert drawn.slider_velocity.mean() == pytest.approx(
+    assert not np.any(drawn["normal_force_N"][separated])
+    assert drawn["slider_velocity_m_per_s"].mean() == pytest.approx(
         steady(SLIDER, ORBIT, tolerance=1e-6).velocity, rel=1e-9
     )
 
@@ -69,11 +74,11 @@ def test_slow_motion_shows_the_instant(found):
         ax = motion.figure.axes[0]
         (circle,) = ax.patches
         bottom = circle.center[1] - circle.radius
-        assert bottom == pytest.approx((drawn.surface[index, 1] - drawn.approach[index]) * 1e9, rel=1e-12)
+        assert bottom == pytest.approx((drawn["u_z_m"][index] - drawn["approach_m"][index]) * 1e9, rel=1e-12)
         arrows = [text for text in ax.texts if text.arrow_patch is not None]
         assert len(arrows) == (2 if index == 50 else 0)
-        assert ax.get_title().startswith(str(drawn.regime[index]))
-        assert motion._cursors[0].get_xdata()[0] == pytest.approx(drawn.time[index] * 1e9)
+        assert ax.get_title().startswith(str(drawn["regime"][index]))
+        assert motion._cursors[0].get_xdata()[0] == pytest.approx(drawn["time_s"][index] * 1e9)
         motion.figure.canvas.draw()
         pictures.append(np.array(motion.figure.canvas.buffer_rgba()))
     assert np.mean(pictures[0] != pictures[1]) > 0.01
@@ -118,8 +123,8 @@ def test_orbits_turn_the_way_the_arrows_say():
     places = np.array([0.01, 0.02, 0.03])
     normal = np.exp([0.3j, -2.0j, 1.1j])
     tangential = np.array([0.7j, 0.6j, -0.7j]) * normal
-    assert surface_pictures.anticlockwise(tangential, normal).tolist() == [True, True, False]
-    figure = surface_pictures.orbits(places, tangential, normal, per="nm per V", title="orbits")
+    assert gallery_pictures.anticlockwise(tangential, normal).tolist() == [True, True, False]
+    figure = gallery_pictures.orbits(places, tangential, normal, title="orbits")
     figure.canvas.draw()
     assert labelled(figure)
     assert_legible(figure)
@@ -137,9 +142,9 @@ def test_amplitude_tells_the_ripple_of_the_standing_wave():
     x, wavelength = np.linspace(0, 0.1, 20001), 1e-3
     k = 2 * np.pi / wavelength
     normal = np.exp(-1j * k * x) + 0.1 * np.exp(1j * k * x)
-    figure = surface_pictures.amplitude(
+    figure = gallery_pictures.amplitude(
         x, 0.7j * normal, normal, wavelength=wavelength, covered=[(0.01, 0.02)], focus=("slider", 0.05),
-        per="nm per V", title="amplitude",
+        title="amplitude",
     )  # fmt: skip
     figure.canvas.draw()
     assert labelled(figure)
@@ -153,7 +158,7 @@ def test_depth_profile_puts_points_on_lines():
     depth = np.linspace(0, 3, 50)
     theory = {"Re u_z": np.exp(-depth), "Im u_x": -np.exp(-2 * depth)}
     points = {"Re u_z": np.exp(-depth[::5]), "Im u_x": -np.exp(-2 * depth[::5])}
-    figure = surface_pictures.depth_profile(depth, theory, {"section": (depth[::5], points)}, title="depth")
+    figure = gallery_pictures.depth_profile(depth, theory, {"section": (depth[::5], points)}, title="depth")
     figure.canvas.draw()
     assert labelled(figure)
     assert_legible(figure)
@@ -168,26 +173,29 @@ def test_bars_are_as_long_as_the_powers_and_energies():
         "power_radiated_W_per_V2": 2.2e-3,
         "power_dissipated_W_per_V2": 1.4e-3,
     }
-    figure = power_pictures.power_bars(electrical, title="power")
+    title = "power (mW per V^2)"
+    figure = gallery_pictures.bars(gallery_pictures.power_rows(electrical), "mW per V^2", title, "power")
     figure.canvas.draw()
     assert [bar.get_width() for bar in figure.axes[0].patches] == pytest.approx([3.6, 2.2, 1.4])
     assert UNIT.search(figure.axes[0].get_xlabel())
     assert_legible(figure)
-    books = vars(steady(SLIDER, ORBIT, tolerance=1e-6).ledger)
-    figure = power_pictures.ledger_bars(books, title="8 nm")
+    books = steady(SLIDER, ORBIT, tolerance=1e-6).ledger
+    rows, balance = gallery_pictures.ledger_rows(books)
+    assert balance.startswith("balance to ")
+    figure = gallery_pictures.bars(rows, "pJ", "energy (pJ)", "8 nm")
     assert_legible(figure)
     bars = {
         label.get_text(): bar.get_width()
         for label, bar in zip(figure.axes[0].get_yticklabels(), figure.axes[0].patches, strict=True)
     }
-    assert bars["wave, friction force"] == pytest.approx(books["wave_tangential"] * 1e12)
+    assert bars["wave, friction force"] == pytest.approx(books.wave_tangential * 1e12)
     given = bars.pop("wave, friction force") + bars.pop("wave, normal force")
     assert sum(bars.values()) == pytest.approx(given, rel=1e-5)
 
 
 def test_power_along_the_stator_is_drawn_in_milliwatt():
     x = np.linspace(0, 0.1, 11)
-    figure = power_pictures.power_along(x, 1e-3 * x, covered=[(0.01, 0.02)], given=2e-3, title="flow")
+    figure = gallery_pictures.power_along(x, 1e-3 * x, covered=[(0.01, 0.02)], given=2e-3, title="flow")
     figure.canvas.draw()
     assert labelled(figure)
     assert_legible(figure)
@@ -198,7 +206,7 @@ def test_weights_of_the_depth_integrate_polynomials():
     from fem.discretize.spectral import line_nodes
 
     z = line_nodes(np.array([-2.0, -0.5, 0.0]), 4)
-    assert power_pictures.depth_weights(z, 4) @ z**4 == pytest.approx(32 / 5, rel=1e-12)
+    assert gallery_pictures.depth_weights(z, 4) @ z**4 == pytest.approx(32 / 5, rel=1e-12)
 
 
 @pytest.mark.parametrize("levels", [[0.3e-9, 0.5e-9], [0.5e-9, 3e-9, 10e-9]])
@@ -210,12 +218,33 @@ def test_the_picture_of_the_velocity_says_when_nothing_moves(levels):
 
     table = replaced(read_table("twente-contact"), "wave.normal_amplitude", levels)
     record = run(Scene.from_table("", table), tolerance=1e-3)
-    figure, ax = surface_pictures.new_figure(7.0, 4.3)
+    figure, ax = new_figure(7.0, 4.3)
     velocity(record, ax)
     assert_legible(figure)
     stuck = "at rest: the slider sticks at every level" in [text.get_text() for text in ax.texts]
     assert stuck == (levels[-1] < 0.6e-9)
     assert not stuck or ax.get_ylim() == (-1.0, 1.0)
+
+
+def test_the_surface_s_picture_marks_the_finite_aperture_under_the_slider():
+    """The run's own motion there, which the curves of the plane section do not show."""
+    scene = Scene.load("twente")
+    wave = {"frequency_Hz": 2.2e6, "normal_m_per_V": 0.2e-9j, "tangential_m_per_V": 0.15e-9}
+    columns = {
+        "x_m": np.array([0.0, 0.16]),
+        "u_z_m_per_V": np.full(2, 3e-10j),
+        "u_x_m_per_V": np.full(2, 2e-10j),
+    }
+    record = Record(scene=resolved.resolved(scene), tolerance=1e-3, wave=wave, surface=columns)
+    for spreads in (False, True):
+        figure, ax = new_figure(7.0, 4.3)
+        if spreads:
+            wave["section_normal_m_per_V"] = 3e-10j
+        pictures(record)["surface"](ax)
+        assert_legible(figure)
+        assert labelled(figure)
+        points = [line.get_xydata()[0].tolist() for line in ax.lines if line.get_marker() == "D"]
+        assert points == (pytest.approx(np.array([[80.0, 0.2], [80.0, 0.15]])) if spreads else [])
 
 
 def test_run_plot_shows_what_the_run_draws(tmp_path, monkeypatch, capsys):

@@ -105,16 +105,6 @@ def test_more_asked_for_costs_more():
     assert [part.name for part in burst.parts] == ["stator", "beam", "ring-up", "contact"]
 
 
-def test_terms_that_are_zero_are_not_written():
-    equations = (
-        plan(changed("twente-contact", "slider.damping.tangential=0"), tolerance=1e-3).parts[0].equations
-    )
-    assert "R_t" not in equations[-1]
-    assert "R_n2" in equations[-1]
-    equations = plan(changed("twente-contact", "slider.load=1 uN"), tolerance=1e-3).parts[0].equations
-    assert equations[-1].endswith("m v_s' = Q - R_t v_s - load")
-
-
 def test_kernels_that_are_not_there_are_counted(monkeypatch, tmp_path):
     import contact.jit.compiled
 

@@ -11,8 +11,8 @@ from studies.__main__ import main
 from studies.refusal import SceneError
 from studies.report import figures
 from studies.report.answer import answer
+from studies.report.figures import new_figure
 from studies.scene.toml import document
-from studies.view.surface_pictures import new_figure
 
 PRELOAD, MODULUS = 8e-4, 64e9
 

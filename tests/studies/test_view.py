@@ -26,6 +26,7 @@ from studies import view
 from studies.__main__ import main
 from studies.chain import run
 from studies.refusal import RunError, SceneError
+from studies.report.figures import new_figure
 from studies.report.files import write_run
 from studies.scene import Scene, read_table
 from studies.scene.override import assigned
@@ -33,11 +34,11 @@ from studies.view import field_data, movie, wave_page
 from studies.view.options import Wanted
 from studies.view.quantities import shade
 from studies.view.run_field import run_field
-from studies.view.section import Section, View, chosen_views, limits, magnification, views
+from studies.view.section import Section, View, chosen_views, limits, magnification, near, views
 from studies.view.solid import Solid
-from studies.view.surface_pictures import MM, new_figure
 from tests.studies.legible import assert_legible
 
+MM = 1e3
 CHROMIUM = shutil.which("chromium")
 
 
@@ -457,9 +458,8 @@ def test_without_a_toolkit_the_contact_s_window_is_refused_with_what_to_install(
 def test_the_window_plays_pauses_and_picks(found):
     from studies.view.solid import Controls
 
-    solid = Solid(
-        found, quantity="u_z", phase=1.0, factor=None, size=(600, 400), off_screen=True, section=True
-    )
+    given = {"quantity": "u_z", "phase": 1.0, "factor": None, "size": (600, 400), "off_screen": True}
+    solid = Solid(found, span=near(found), **given)
     window = Controls(solid)
     assert window.playing
     assert solid.plotter.camera.parallel_scale == pytest.approx(1.1 * found.wavelength * MM * 400 / 600)
@@ -685,7 +685,7 @@ def test_a_stuck_slider_is_drawn_at_rest(given):
     record = left_run(given)
     drawn, title = contact_moments(record, level=0.3e-9, progress=quiet)
     assert title.endswith(": 0.3 nm, slider held at rest")
-    assert abs(drawn.slider_velocity.mean()) < 1e-6 * abs(drawn.slider_velocity).max()
+    assert abs(drawn["slider_velocity_m_per_s"].mean()) < 1e-6 * abs(drawn["slider_velocity_m_per_s"]).max()
     _, moving = contact_moments(record, level=10e-9, progress=quiet)
     speed = next(point["velocity_m_per_s"] for point in record.points if point["normal_amplitude_m"] == 10e-9)
     assert moving.endswith(f": 10 nm, slider at {speed * 1e3:.4g} mm/s")
@@ -704,7 +704,7 @@ def test_what_is_no_run_is_refused(tmp_path, content):
     [
         (["--screenshot", "a.gif"], "--screenshot must end in one of .png"),
         (["--movie", "a.avi"], "--movie must end in .gif or .mp4, got 'a.avi'"),
-        (["--html", "a.txt"], "--html must end in .html, got 'a.txt'"),
+        (["--html", "a.txt"], "--html must end in .html or .htm, got 'a.txt'"),
         (["--data", "a.txt"], "--data must end in one of .vtu, .pvd, .csv, got 'a.txt'"),
         (["--screenshot", "a.png", "--quantity", "u_q"], "--quantity 'u_q' does not exist; did you mean u_z?"),
         (["--screenshot", "a.png", "--show", "all"], "--show must be one of field, solid, beam, contact, got 'all'"),
@@ -716,12 +716,13 @@ def test_what_is_no_run_is_refused(tmp_path, content):
         (["--screenshot", "a.png", "--span", "14:14.001"], "--span must be at least 0.0496 mm long"),
         (["--screenshot", "a.png", "--scale", "1e300"], "--scale must be at most "),
         (["--movie", "a.gif", "--frames", "1"], "--frames must be a whole number from 2 to 2000, got '1'"),
-        (["--movie", "a.gif", "--show", "solid"], "--movie shows the field or the contact, not the solid"),
+        (["--movie", "a.gif", "--show", "solid"], "--movie does not go with --show solid, got 'a.gif'"),
+        (["--data", "a.csv", "--show", "beam"], "--data does not go with --show beam, got 'a.csv'"),
         (["--screenshot", "a.png", "--show", "contact", "--voltage", "0"], "--voltage must be above 0: at 0 nothing"),
-        (["--data", "a.vtu", "--surface"], "--surface is a table: --data must end in .csv, got 'a.vtu'"),
-        (["--surface"], "--surface says what --data FILE.csv holds: give --data too"),
-        (["--data", "a.csv", "--surface", "--show", "contact"], "--surface belongs to the field, and this shows"),
-        (["--data", "a.vtu", "--show", "contact"], "--data must end in .csv for a contact, got 'a.vtu'"),
+        (["--data", "a.vtu", "--surface"], "--data must end in .csv, got 'a.vtu'"),
+        (["--surface"], "--surface makes --data FILE.csv of a field a table of its surface"),
+        (["--data", "a.csv", "--surface", "--show", "contact"], "--surface makes --data FILE.csv of a field a table"),
+        (["--data", "a.vtu", "--show", "contact"], "--data must end in .csv, got 'a.vtu'"),
     ],
 )  # fmt: skip
 def test_bad_options_are_refused_in_one_sentence(computed, tmp_path, monkeypatch, capsys, words, said):
