@@ -168,7 +168,10 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
             before = motion.wave.relative_error
             whole = motion.relative_error(places)
             goal = _needed(answer, before, tolerance, 0.0 if ringing is None else ringing.error)
-            if goal is None or _beyond_the_section(answer, 1 - before / whole) > HOPELESS * tolerance:
+            if (
+                goal is None
+                or _beyond_the_section(answer, tolerance, 1 - before / whole) > HOPELESS * tolerance
+            ):
                 break
             try:
                 motion = solved_motion(scene, places, tolerance=goal, **given)
@@ -259,9 +262,11 @@ def _needed(answer: SliderAnswer, reached: float, tolerance: float, ringing: flo
     return goal if goal < reached else None
 
 
-def _beyond_the_section(answer: SliderAnswer, share: float) -> float:
-    """Return what the beam's own share of the stator's error makes of the velocity's error, at the best point."""
-    return share * min((stator for stator, _ in answer.parts), default=0.0)
+def _beyond_the_section(answer: SliderAnswer, tolerance: float, share: float) -> float:
+    """Return what the beam's share of the stator's error makes of the velocity's, at the best point above tolerance."""
+    return share * min(
+        (stator for stator, contact in answer.parts if stator + contact > tolerance), default=0.0
+    )
 
 
 def _slider_blocks(answer: SliderAnswer, tolerance: float) -> dict:
