@@ -43,15 +43,13 @@ def _put_off(usual):
         def _optimize_functions(self, module):
             module.data_layout = self._codegen._data_layout
 
-        def _optimize_final_module(self):
-            pass
-
-        def _finalize_final_module(self):
-            self._finalize_dynamic_globals()
+        def finalize(self):
             self._finalized = True
 
+        def _get_module_for_linking(self):  # into a library of numba's own that wants the same function
+            return _linked(self)
+
         def get_pointer_to_function(self, name):
-            self._ensure_finalized()
             return 0
 
     return Lowered
@@ -103,19 +101,23 @@ def _record():
     from llvmlite import ir
     from numba.core import types
     from numba.core.typing.templates import AttributeTemplate
-    from numba.extending import infer_getattr, lower_getattr_generic, models, register_model
+    from numba.extending import infer_getattr, lower_builtin, lower_getattr_generic, models, register_model
 
     word = ir.IntType(64)
 
-    class Record(types.Type):
+    class Record(types.BaseTuple):
         def __init__(self, name, fields):
             self.fields, self.places, at = dict(fields), {}, 0
+            self.types = tuple(self.fields.values())
             for field, kind in fields:
                 self.places[field] = at
                 at += _size(kind)
             self.size = at
             digest = hashlib.sha256(repr(fields).encode()).hexdigest()
             super().__init__(f"{name}{digest[:8]}")  # short, for it is part of the names of functions
+
+        def __len__(self):
+            return len(self.types)
 
     def _size(kind):
         if isinstance(kind, types.Array):
@@ -134,8 +136,13 @@ def _record():
         def generic_resolve(self, record, name):
             return record.fields.get(name)
 
+    @lower_builtin("static_getitem", Record, types.IntegerLiteral)
+    def _(context, builder, signature, arguments):
+        record, (table, place) = signature.args[0], arguments
+        return field(context, builder, record, table, list(record.fields)[place])
+
     @lower_getattr_generic(Record)
-    def _(context, builder, record, table, name):
+    def field(context, builder, record, table, name):
         kind, at = record.fields[name], record.places[name]
 
         def loaded(place, kind):
@@ -178,6 +185,21 @@ def _opened(record):
     return opened
 
 
+def _linked(library):
+    """Return one module of a library's functions and of all that they call."""
+    libraries = [library]
+    for each in libraries:
+        libraries += [other for other in dict.fromkeys(each._linking_libraries) if other not in libraries]
+    modules = [each._final_module.clone() for each in libraries]
+    for module in modules:
+        for function in module.functions:
+            if not function.is_declaration:
+                function.linkage = "linkonce_odr"
+    for module in modules[1:]:
+        modules[0].link_in(module)
+    return modules[0]
+
+
 def _optimised(library):
     """Return the object file of the library's entry."""
     import llvmlite.binding as llvm
@@ -186,7 +208,7 @@ def _optimised(library):
         cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=3, codemodel="jitdefault",
         jit=True,
     )  # fmt: skip
-    text = _COUNTING.sub("", str(library._final_module))
+    text = _COUNTING.sub("", str(_linked(library)))
     for name in ("incref", "decref"):
         text = re.sub(rf"^declare [^\n]*@NRT_{name}\([^\n]*$", "", text, flags=re.MULTILINE)
         text += f"\ndefine internal void @NRT_{name}(ptr %0) alwaysinline {{\n  ret void\n}}\n"
