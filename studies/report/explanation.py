@@ -146,7 +146,9 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[Part], list[str], floa
     """Return the parts of a driven stator, what they leave out, their operations, and the bytes of their blocks."""
     from fem import LEVELS, isotropic_about_normal, planned_levels, stator_size
 
-    stator, row, slider = resolved.stator(scene.stator), resolved.transducers(scene), scene.slider
+    slider, (along, _) = scene.slider, resolved.first_row(scene, (0.0, 0.0))
+    stator, row = resolved.stator(along.stator), resolved.transducers(along)
+    sections = len(resolved.rows(scene)) if scene.crossed else 1
     planned = [*planned_levels(stator, tolerance if slider is None else tolerance * SHARE)]
     if scene.stator.ends != "absorbing" and planned[-1] + 1 < len(LEVELS):
         planned.append(planned[-1] + 1)  # resonances of the block multiply the error
@@ -157,13 +159,18 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[Part], list[str], floa
     facts = (
         _where(scene),
         f"transducers: {len(row)}, different ones: {finest.scatterers}, fingers in all: {fingers}",
+        *(
+            [f"sections, one for each row of parallel transducers: {sections}; the first is told"]
+            if scene.crossed
+            else ()
+        ),
         "two discretisations, the second for the error; one more wherever their difference exceeds the tolerance",
         f"fields {', '.join(finest.section.solid.fields)}; {'complex' if finest.complex else 'real'} arithmetic in "
         "the pieces, guided modes between them",
     )
     parts = [Part(name="stator", facts=facts, levels=tuple(_level(sizes[k]) for k in planned))]
     operations, kept = (
-        sum(_operations(sizes[k]) for k in planned),
+        sections * sum(_operations(sizes[k]) for k in planned),
         sum(sorted(sizes[k].block_bytes for k in planned)[-2:]),
     )
     diffraction = wanted_diffraction(scene.stator.diffraction, slider is not None)

@@ -126,13 +126,18 @@ def section_row(scene: Scene) -> tuple:
     return transducers(scene)
 
 
-def first_row(scene: Scene, place: tuple[float, float]) -> tuple[Scene, float]:
-    """Return the scene of the section that a turned scene's answers refer to, and where in it a place lies, m."""
+def rows(scene: Scene) -> tuple:
+    """Return the `fem.rows_of` a scene with turned transducers."""
     import fem
 
+    return fem.rows_of(stator(scene.stator), scene.stator.width, transducers(scene), drive(scene))
+
+
+def first_row(scene: Scene, place: tuple[float, float]) -> tuple[Scene, float]:
+    """Return the scene of the section that a turned scene's answers refer to, and where in it a place lies, m."""
     if not scene.crossed:
         return scene, place[0]
-    row = fem.rows_of(stator(scene.stator), scene.stator.width, transducers(scene), drive(scene))[0]
+    row = rows(scene)[0]
     blocks, given = {each.name: each for each in scene.transducer}, scene.drive
     alone = tuple(
         replace(blocks[each.name], center=each.center, angle=0.0, pattern=each.pattern)
