@@ -9,7 +9,7 @@ from contact.answers.derivatives import velocity_derivative
 from contact.answers.load_line import LoadLine, blocked_thrust, load_line, mean_traction
 from contact.answers.steady import SteadyState, steady
 from contact.answers.steps import Step, cycles_for, step
-from contact.answers.sweep import MeanMotion, mean_motion, steady_map, steady_sweep
+from contact.answers.sweep import MeanMotion, mean_motion, steady_sweep
 from contact.answers.thresholds import (
     release_amplitude,
     release_factor,
@@ -48,7 +48,6 @@ __all__ = [
     "release_factor",
     "riding_height",
     "steady",
-    "steady_map",
     "steady_sweep",
     "step",
     "threshold_amplitude",

@@ -37,12 +37,6 @@ class Envelope:
         if np.any(self.amplitude < 0.0):
             raise ValueError(f"envelope.amplitude must be zero or positive, got {self.amplitude.min()}")
 
-    @classmethod
-    def ring_up(cls, *, time_constant: float, duration: float, points: int = 400) -> "Envelope":
-        """Return 1 - exp(-t/time_constant) over a duration in s: a resonance that is switched on."""
-        t = np.linspace(0.0, duration, points)
-        return cls(time=t, amplitude=-np.expm1(-t / time_constant), phase=np.zeros(points))
-
     def at(self, time: np.ndarray) -> np.ndarray:
         """Return the complex factor at given times in s."""
         amplitude = np.interp(time, self.time, self.amplitude)

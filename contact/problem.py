@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.codes import Law
-from contact.jit.compiled import compiled
-from contact.kinematics import Paths
+from contact.jit.compiled import compiled, formula
+from contact.kinematics import Paths, normal_amplitude, tangential_amplitude
 from contact.law import normal
 from contact.orbit import Orbit
 from contact.slider import Slider
@@ -89,41 +89,78 @@ def changed(problem, load, paths):
     )  # fmt: skip
 
 
+# columns of a slider's numbers, SI units; the last is the largest approach at rest
+(
+    MASS,
+    STIFFNESS,
+    LIMIT_SLOPE,
+    PRELOAD,
+    LOAD,
+    FRICTION,
+    CHI,
+    NORMAL_DAMPING,
+    TANGENTIAL_DAMPING,
+    SHAPE,
+    REST,
+) = range(11)
+
+
+def numbers(s: Slider, contacts: int) -> np.ndarray:
+    """Return what `dimensionless` takes of a slider, by the names of this module."""
+    return np.array([
+        s.mass, s.normal_stiffness, s.limit_slope, s.preload, s.load, s.friction_coefficient, s.contact_damping,
+        s.normal_damping, s.tangential_damping, s.contact_shape, np.max(s.rest_approaches(contacts)),
+    ])  # fmt: skip
+
+
+def paths_of(orbits: tuple[Orbit, ...], factor: complex = 1.0) -> Paths:
+    """Return the paths in m of contacts of height 0, the orbits' amplitudes times a factor."""
+    u_z, u_x = np.array([(o.normal * factor, o.tangential * factor) for o in orbits], complex).T
+    return Paths(np.zeros(len(orbits)), u_z.real.copy(), -u_z.imag, u_x.real.copy(), -u_x.imag)
+
+
+@formula
+def dimensionless(slider, heights, given, factor, omega, paths):
+    """Return the problem of the elastic law of a slider (`numbers`) on paths in m times a factor.
+
+    Its own paths are filled; its longest segment is left open.
+    """
+    contacts, shape = paths.height.size, int(slider[SHAPE])
+    mass, reach = slider[MASS], 0.0
+    for i in range(contacts):
+        reach = max(reach, factor * tangential_amplitude(given, i), factor * normal_amplitude(given, i))
+    length = max(slider[REST], reach, 1e-300)
+    unit = mass * omega**2 * length
+    for i in range(contacts):
+        paths.height[i] = heights[i] / length
+        paths.normal_cos[i] = given.normal_cos[i] * factor / length
+        paths.normal_sin[i] = given.normal_sin[i] * factor / length
+        paths.tangential_cos[i] = given.tangential_cos[i] * factor / length
+        paths.tangential_sin[i] = given.tangential_sin[i] * factor / length
+    return Problem(
+        slider[STIFFNESS] * normal.load(length, shape) / unit, slider[CHI] * omega * length,
+        slider[NORMAL_DAMPING] / (mass * omega), slider[PRELOAD] / unit, slider[TANGENTIAL_DAMPING] / (mass * omega),
+        slider[LOAD] / unit, slider[FRICTION], slider[LIMIT_SLOPE], 0.0, np.inf, 0, shape, paths, length, omega,
+    )  # fmt: skip
+
+
 def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start: float) -> Problem:
     """Return the dimensionless problem of a slider and one orbit per contact.
 
     `direction`: +1 or -1, that of the motion that the load opposes; `start`: angle of the wave at phase 0, rad:
     u = Re(amplitude exp(i (phase + start))).
     """
-    omega = orbits[0].omega
-    reach = max(max(abs(o.normal), abs(o.tangential)) for o in orbits)
-    length = max(float(np.max(slider.rest_approaches(len(orbits)))), reach, 1e-300)
-    unit = slider.mass * omega**2 * length
-    kappa = slider.normal_stiffness * float(normal.load(length, slider.contact_shape)) / unit
-    turn = np.exp(1j * start) / length
-    u_z, u_x = np.array([o.normal * turn for o in orbits]), np.array([o.tangential * turn for o in orbits])
-    law = (
-        Law.HYSTERETIC if slider.law == "hysteretic" else Law.RECIPROCAL if slider.reciprocal else Law.ELASTIC
-    )
-    problem = Problem(
-        stiffness=kappa,
-        contact_damping=slider.contact_damping * omega * length,
-        normal_damping=slider.normal_damping / (slider.mass * omega),
-        preload=slider.preload / unit,
-        tangential_damping=slider.tangential_damping / (slider.mass * omega),
-        load=direction * slider.load / unit,
-        friction=slider.friction_coefficient,
-        limit_slope=slider.limit_slope,
-        stick_band=slider.stick_band / (omega * length),
-        longest=2.0 * math.pi / 8.0 if reach > 0.0 else math.inf,
-        law=law,
-        shape=slider.contact_shape,
-        paths=Paths(
-            slider.offsets(len(orbits)) / length, u_z.real.copy(), -u_z.imag, u_x.real.copy(), -u_x.imag
-        ),
-        length=length,
-        omega=omega,
-    )
+    contacts, omega = len(orbits), orbits[0].omega
+    room, given, heights = Paths(*np.empty((5, contacts))), paths_of(orbits), slider.offsets(contacts)
+    problem = dimensionless(numbers(slider, contacts), heights, given, 1.0, omega, room)
+    problem = Problem(*(each.item() if isinstance(each, np.floating) else each for each in problem))
+    paths = paths_of(orbits, np.exp(1j * start) / problem.length)._replace(height=heights / problem.length)
+    moves = any(o.normal != 0 or o.tangential != 0 for o in orbits)
+    law = Law.RECIPROCAL if slider.reciprocal else Law.ELASTIC
+    problem = problem._replace(
+        paths=paths, load=direction * problem.load, law=Law.HYSTERETIC if slider.law == "hysteretic" else law,
+        stick_band=slider.stick_band / problem.speed, longest=2.0 * math.pi / 8.0 if moves else math.inf,
+    )  # fmt: skip
     return _with_longest(problem)
 
 

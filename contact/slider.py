@@ -177,23 +177,3 @@ class Slider:
         """Return the frequency in Hz of a small tangential ring at rest, sqrt(sum 8 a G/m)/2 pi; dP/dz = 2 a E."""
         ratio = 4.0 * self.tangential_modulus / self.effective_modulus
         return math.sqrt(ratio) * self.normal_resonance(contacts)
-
-    def ring_at_slip_limit(self, contacts: int) -> float:
-        """Return the frequency in Hz of the tangential ring whose amplitude is the least slip limit of a contact.
-
-        Quarter period by energy, (1/4) T = int_0^{x_max} dx/sqrt(2 (W(x_max) - W(x))/m), regularised at the turning
-        point by x = x_max sin(psi); W the energy of the spring.
-        """
-        if self.friction_coefficient == 0.0 or self.preload == 0.0:
-            return self.tangential_resonance(contacts)
-        z, c, shape = self.rest_approaches(contacts), self.limit_slope, self.contact_shape
-        z = z[z > 0.0, None]
-        least = float(np.min(z))
-        node, weight = np.polynomial.legendre.leggauss(64)
-        psi, weight = 0.25 * math.pi * (node + 1.0), 0.25 * math.pi * weight
-        short = 2.0 * least * np.sin(0.25 * math.pi - 0.5 * psi) ** 2  # (x_max - x)/c without cancellation
-        rest = z - least
-        lost = short * normal.load(z, shape) - normal.energy(rest + short, shape) + normal.energy(rest, shape)
-        lost = np.sum(lost, axis=0) * self.friction_coefficient * self.normal_stiffness * c
-        quarter = np.sum(weight * c * least * np.cos(psi) / np.sqrt(2.0 * lost / self.mass))
-        return float(0.25 / quarter)

@@ -8,21 +8,10 @@ MAX_PROBLEMS = 20  # printed for one scene; a table of numbers with a wrong unit
 
 
 class SceneError(ValueError):
-    """A scene that breaks a rule.
+    """A scene that breaks a rule; ``problems`` are all the faults that were found, this one first.
 
-    Parameters
-    ----------
-    path : str
-        Key in the scene file, such as ``slider.mass``; empty when the whole scene is meant.
-    rule : str
-        The rest of the sentence: what is allowed and what was given.
-    place : str
-        Where the key stands, such as ``motor.toml, line 12``; empty when it is not known.
-
-    Attributes
-    ----------
-    problems : tuple of SceneError
-        Every fault that was found, this one first.
+    ``path`` is the key, such as ``slider.mass``, or empty; ``rule`` the rest of the sentence: what is allowed and what
+    was given; ``place`` where the key stands, such as ``motor.toml, line 12``, or empty.
     """
 
     def __init__(self, path: str, rule: str, place: str = ""):

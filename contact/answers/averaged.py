@@ -81,14 +81,14 @@ def averaged_run(burst, begin):
     inner = (ends > 1) & (ends < cycles)
     at = turn * (ends[inner] - 1.0)
     compared = turn * np.unique(np.linspace(cycles // 2, cycles - 2, COMPARED).astype(int))
-    phases, counted = np.union1d(at, compared), np.zeros(2, np.int64)
+    phases = np.union1d(at, compared)
     late, stop = np.isin(phases, compared), turn * (cycles - 2)
 
     def follow(harmonics, allowed, per_period, nodes):
         """Return (state at the end, rows) of one run: v to `allowed` of the unit, so many steps per bounce."""
         state, rows = begin.state[:3].copy(), np.zeros((phases.size, 2))
         rule, corrected = quadrature(nodes), int(harmonics > 0)
-        span = Span(stop, allowed * unit, per_period, rule, corrected, phases, rows, counted)
+        span = Span(stop, allowed * unit, per_period, rule, corrected, phases, rows)
         why = response(burst.problem, state, span, HARMONICS)
         if why != Status.DONE:
             raise ConvergenceError(*(STICKS if why == Status.STICKS else NOT_FINITE))

@@ -51,10 +51,8 @@ def blocked_thrust(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> tuple[f
 
     Parameters
     ----------
-    slider : Slider
-        Its own load is not used.
-    orbits : Orbit or tuple of Orbit
-        Motion of the surface under each contact.
+    slider, orbits
+        As for `steady`; the slider's own load is not used.
 
     Raises
     ------
@@ -74,10 +72,8 @@ def mean_traction(slider: Slider, orbits: Orbit | tuple[Orbit, ...], velocities:
 
     Parameters
     ----------
-    slider : Slider
-        Its load and its tangential damping are not used.
-    orbits : Orbit or tuple of Orbit
-        Motion of the surface under each contact.
+    slider, orbits
+        As for `steady`; the slider's load and tangential damping are not used.
     velocities : ndarray, shape (k,)
         m/s along +x.
 
@@ -112,10 +108,8 @@ def load_line(
 
     Parameters
     ----------
-    slider : Slider
-        Its own load is not used.
-    orbits : Orbit or tuple of Orbit
-        Motion of the surface under each contact.
+    slider, orbits
+        As for `steady`; the slider's own load is not used.
     points : int
         Loads, evenly spaced; at least 2.
     tolerance : float

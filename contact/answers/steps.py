@@ -61,10 +61,8 @@ def step(
 
     Parameters
     ----------
-    slider : Slider
-        The slider; with friction, or it never stops.
-    orbits : Orbit or tuple of Orbit
-        Motion of the surface under each contact.
+    slider, orbits
+        As for `steady`; without friction the slider never stops.
     cycles : int
         Of the wave, at least one.
     envelope : Envelope, optional

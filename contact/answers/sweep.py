@@ -2,7 +2,7 @@ r"""Averaged steady states of one slider or of many: velocities, their errors, a
 
 Each problem is scaled and solved by itself in one compiled loop (`solve.averaged_sweep`), with the second-order
 correction, so that its answer does not depend, to the last bit, on which problems are computed beside it, nor on the
-number of threads. A single steady state (`mean_motion`) and a map over amplitude and preload (`steady_map`) are sweeps.
+number of threads. A single steady state (`mean_motion`) and a map over amplitude and preload are sweeps.
 What averaging does not know or does not reach has the regime "unknown", and is left to `steady`.
 
 The wave's relative error bounds the change of both amplitudes, a common phase apart, relative to the larger one. Four
@@ -13,7 +13,7 @@ are good to O((f_n/f)^2), and their effects added in quadrature.
 import math
 import os
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -25,7 +25,9 @@ from contact.convergence import ConvergenceError
 from contact.drive import towards_plus
 from contact.kinematics import Paths
 from contact.orbit import Orbit, as_orbits
+from contact.problem import numbers, paths_of
 from contact.slider import Slider
+from contact.solve import averaged
 from contact.solve import averaged_sweep as columns
 from contact.solve.equilibrium import RUNAWAY
 
@@ -85,57 +87,27 @@ def steady_sweep(
     wave_errors: np.ndarray,
     threads: int | None = None,
 ) -> MeanMotion:
-    """Return the steady states of n problems, as arrays (n,).
+    """Return the steady states of many problems, as arrays of the shape of `factors`; a map is a sweep of two axes.
 
     Parameters
     ----------
     sliders : list of Slider
     waves : list of tuple of Orbit
         One orbit per contact, all tuples of one length.
-    which : (n, 2) array of int
+    which : (..., 2) array of int
         Slider and wave of each problem.
-    factors : (n,) array
+    factors : (...) array
         On the wave's amplitudes, zero or positive.
     wave_errors : (w,) array
         Relative, of the waves.
     threads : int, optional
         As many as there are processors when absent.
     """
-    return _answer(_rows(sliders, waves, which, factors, wave_errors, threads))
-
-
-def steady_map(
-    slider: Slider,
-    orbits: Orbit | tuple[Orbit, ...],
-    *,
-    factors: np.ndarray,
-    preloads: np.ndarray,
-    threads: int | None = None,
-) -> MeanMotion:
-    """Return steady states over factors on the orbits and preloads in N, as arrays (preloads, factors).
-
-    Parameters
-    ----------
-    slider : Slider
-        Its own preload is not used.
-    orbits : Orbit or tuple of Orbit
-        Motion of the surface under each contact at factor 1.
-    factors : (n,) array
-        Zero or positive.
-    preloads : (m,) array
-        N, positive.
-    threads : int, optional
-        As many as there are processors when absent.
-    """
-    factors, preloads = np.atleast_1d(np.asarray(factors, float)), np.atleast_1d(np.asarray(preloads, float))
-    for factor in factors:
+    factors = np.asarray(factors, float)
+    for factor in factors[~((factors >= 0.0) & (factors < math.inf))]:
         bounds.non_negative("factors", factor, "")
-    for preload in preloads:
-        bounds.positive("preloads", preload, "N")
-    sliders = [replace(slider, preload=float(preload)) for preload in preloads]
-    which = np.indices((preloads.size, 1)).reshape(2, -1).T.repeat(factors.size, axis=0)
-    rows = _rows(sliders, [as_orbits(orbits)], which, np.tile(factors, preloads.size), [0.0], threads)
-    return _answer(rows.reshape(preloads.size, factors.size, -1))
+    rows = _rows(sliders, waves, which, factors.ravel(), wave_errors, threads)
+    return _answer(rows.reshape(*factors.shape, -1))
 
 
 def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion:
@@ -143,10 +115,8 @@ def mean_motion(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> MeanMotion
 
     Parameters
     ----------
-    slider : Slider
-        The slider.
-    orbits : Orbit or tuple of Orbit
-        Motion of the surface under each contact.
+    slider, orbits
+        As for `steady`.
 
     Raises
     ------
@@ -169,22 +139,22 @@ def _answer(rows):
     """Return the answer that the columns of `averaged_sweep` hold."""
     regime = np.nan_to_num(rows[..., columns.REGIME]).astype(int)
     rows = np.where(regime[..., None] == Steady.UNKNOWN, math.nan, rows)
-    found = MeanMotion(*np.moveaxis(rows[..., : columns.STATUS], -1, 0))
-    return replace(found, regime=REGIMES[regime], held=found.held == 1.0)
+    return MeanMotion(
+        velocity=rows[..., averaged.VELOCITY], first_order=rows[..., averaged.FIRST_ORDER],
+        height=rows[..., averaged.HEIGHT], regime=REGIMES[regime], held=rows[..., averaged.HELD] == 1.0,
+        relative_error=rows[..., columns.ERROR], error_from_wave=rows[..., columns.FROM_WAVE],
+        blocked_thrust=rows[..., columns.THRUST], load_sign=rows[..., averaged.LOAD_SIGN],
+    )  # fmt: skip
 
 
 def _rows(sliders, waves, which, factors, wave_errors, threads):
     """Return the columns of `averaged_sweep` of every problem; NaN as status where averaging does not apply."""
-    which, factors = np.asarray(which, np.int64).reshape(-1, 2), np.asarray(factors, float)
+    which, factors = np.asarray(which, np.int64).reshape(-1, 2), np.array(factors, float)
     number, contacts = len(which), len(waves[0])
-    parameters = np.array([_parameters(slider, contacts) for slider in sliders])
+    parameters = np.array([numbers(slider, contacts) for slider in sliders])
     heights = np.array([slider.offsets(contacts) for slider in sliders])
     sides, driven = zip(*(towards_plus(orbits) for orbits in waves), strict=True)
-    u_z, u_x = (
-        np.array([[getattr(orbit, name) for orbit in orbits] for orbits in driven])
-        for name in ("normal", "tangential")
-    )
-    paths = Paths(np.zeros(u_z.shape), u_z.real.copy(), -u_z.imag, u_x.real.copy(), -u_x.imag)
+    paths = Paths(*(np.array(each) for each in zip(*map(paths_of, driven), strict=True)))
     omegas = np.array([orbits[0].omega for orbits in waves])
     resonances = np.array([slider.normal_resonance(contacts) for slider in sliders])
     ratios = resonances[which[:, 0]] * 2.0 * math.pi / omegas[which[:, 1]]
@@ -203,7 +173,7 @@ def _rows(sliders, waves, which, factors, wave_errors, threads):
     )
     _spread(given, out, todo, threads)
     side = np.array(sides)[which[:, 1]]
-    for column in (columns.VELOCITY, columns.FIRST_ORDER):
+    for column in (averaged.VELOCITY, averaged.FIRST_ORDER):
         out[:, column] = side * out[:, column] + 0.0  # no negative zero
     return out
 
@@ -217,18 +187,10 @@ def _fill_closed(slider, orbits, factor, row):
     if found is None:
         return
     row[:] = 0.0
-    row[columns.SIGN_OF_LOAD] = 1.0
-    row[columns.VELOCITY] = row[columns.FIRST_ORDER] = found["velocity"]
-    row[columns.HEIGHT], row[columns.HELD] = found["height"], found["regime"] == "stick"
+    row[averaged.LOAD_SIGN] = 1.0
+    row[averaged.VELOCITY] = row[averaged.FIRST_ORDER] = found["velocity"]
+    row[averaged.HEIGHT], row[averaged.HELD] = found["height"], found["regime"] == "stick"
     row[columns.REGIME] = np.flatnonzero(found["regime"] == REGIMES)[0]
-
-
-def _parameters(s: Slider, contacts: int) -> tuple[float, ...]:
-    return (
-        s.mass, s.normal_stiffness, s.limit_slope, s.preload, s.load, s.friction_coefficient, s.contact_damping,
-        s.normal_damping, s.tangential_damping, float(s.contact_shape),
-        float(np.max(s.rest_approaches(contacts))),
-    )  # fmt: skip
 
 
 def _spread(given, out, todo, threads):

@@ -28,6 +28,7 @@ from contact.drive import towards_plus
 from contact.law.elastic import tangential_force
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
+from contact.solve.equilibrium import balanced
 from contact.solve.riding import mean_load, riding_height
 from contact.solve.roots import bracketed
 
@@ -42,13 +43,9 @@ def threshold_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float
 
     Parameters
     ----------
-    slider : Slider
-        The slider.
-    orbits : Orbit or tuple of Orbit
-        Motion of the surface under each contact; only ratios and phases matter.
+    slider, orbits
+        As for `steady`; only ratios and phases of the orbits matter.
     """
-    from contact.solve.equilibrium import balanced
-
     listed = as_orbits(orbits)
     if all(orbit.normal == 0 and orbit.tangential == 0 for orbit in listed):
         return math.inf
@@ -66,8 +63,6 @@ def release_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
 
     Parameters as for `threshold_factor`. Contacts that do not touch at rest do not count.
     """
-    from contact.solve.equilibrium import balanced
-
     listed = as_orbits(orbits)
     if not slider.heights and not slider.reciprocal:
         reach = [abs(o.normal) for o in listed]

@@ -14,7 +14,6 @@ fades as a ring-down says, followed in fixed steps.
 import math
 import time as clock
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -104,10 +103,8 @@ def burst(
 
     Parameters
     ----------
-    slider : Slider
-        The slider.
-    orbits : Orbit or tuple of Orbit
-        Motion of the surface under each contact while the burst lasts.
+    slider, orbits
+        As for `steady`, the orbits while the burst lasts.
     duration : float
         s; rounded to whole cycles of the wave, at least one.
     after : float or (float, Envelope)
@@ -158,15 +155,14 @@ def burst(
     ]
     if cycles % stride:
         parts.append((np.full(1, cycles / frequency), motion.state[[VELOCITY]], motion.state[[POSITION]]))
-    book = None
-    if motion.begun is not None:
-        book = ledger(slider, motion)
-    slid = _follow_on(slider, motion, frequency, after, ring_down, samples * (1.0 - share))
-    parts += [(cycles / frequency + part[0], *part[1:]) for part in slid.parts]
-    if slid.rang > 0.0:
-        book = None
-    if slid.book is not None:
-        book = None if book is None else together(book, slid.book)
+    books = [ledger(slider, motion)] if motion.begun is not None else []
+    slid, rang, still = _follow_on(slider, motion, frequency, after, ring_down, samples * (1.0 - share))
+    parts += [(cycles / frequency + part[0], *part[1:]) for part in slid]
+    after_book = None
+    if still is not None:
+        after_book = ledger(slider, still)
+        statistics |= {f"after_{name}": number for name, number in still.events().items()}
+        books += [after_book] if books else []
     time, velocity, position = (np.concatenate(series) for series in zip(*parts, strict=True))
     status, message = "ok", f"{cycles} cycles from rest"
     if relative > tolerance:
@@ -175,23 +171,19 @@ def burst(
     return Trajectory(
         slider=slider, orbits=listed, time=time, velocity=side * velocity * problem.speed,
         position=position * problem.length,
-        duration=cycles / frequency, cycles=cycles, rang=slid.rang, velocity_at_burst_end=end,
-        relative_error=float(relative), status=status, message=message, method=method, ledger=book,
-        after_ledger=slid.book, statistics=statistics | slid.statistics, seconds=clock.perf_counter() - begun,
+        duration=cycles / frequency, cycles=cycles, rang=rang, velocity_at_burst_end=end,
+        relative_error=float(relative), status=status, message=message, method=method,
+        ledger=together(*books) if books and not rang else None, after_ledger=after_book, statistics=statistics,
+        seconds=clock.perf_counter() - begun,
     )  # fmt: skip
 
 
-class _Slide(NamedTuple):
-    """What follows a burst: parts (times in s from its end, v, z_s), how long the surface rang, ledger, events."""
-
-    parts: list
-    rang: float
-    book: Ledger | None
-    statistics: dict
-
-
 def _follow_on(slider, motion, frequency, after, envelope, samples):
-    """Follow the slider for some seconds after the burst, while the surface rings down and on a surface at rest."""
+    """Follow the slider for some seconds after the burst, while the surface rings down and then on a surface at rest.
+
+    Returns parts (times in s from the end of the burst, v, z_s), how long the surface rang, and the motion at the end,
+    None if the surface was not at rest by then.
+    """
     parts, rang, problem = [], 0.0, motion.problem
     if envelope is not None:
         times, rows = _ring_down(slider, motion, frequency, after, envelope, max(2, round(samples / 2.0)))
@@ -199,14 +191,13 @@ def _follow_on(slider, motion, frequency, after, envelope, samples):
             rang = float(times[-1])
             parts.append((times, rows[:, ROW_VELOCITY], rows[:, ROW_POSITION]))
     if after <= rang:
-        return _Slide(parts, rang, None, {})
+        return parts, rang, None
     still, span, count = silence(motion), after - rang, max(2, round(samples))
     at = np.arange(1, count + 1) * (span / count)
     z, *_, velocity = still.move(0.0, problem.omega * span * (1.0 + 1e-12), at * problem.omega)[:, 0].T
     # the surface stands still at zero: the first contact's approach is its height less the slider's position
     parts.append((rang + at, velocity, problem.paths.height[0] - z))
-    statistics = {f"after_{name}": number for name, number in still.events().items()}
-    return _Slide(parts, rang, ledger(slider, still), statistics)
+    return parts, rang, still
 
 
 def _ring_down(slider, motion, frequency, longest, envelope, samples):

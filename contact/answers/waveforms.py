@@ -77,10 +77,8 @@ def contact_history(
 
     Parameters
     ----------
-    slider : Slider
-        The slider.
-    orbits : Orbit or tuple of Orbit
-        Motion of the surface under each contact.
+    slider, orbits
+        As for `steady`.
     stage : str
         "start", "steady" or "after".
     skip, cycles : float

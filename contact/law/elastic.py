@@ -132,21 +132,16 @@ def opening(problem, point):
 
 
 @formula
-def traction(problem, regime, sign, point):
-    """Return Q; in stick the smooth branch of sign s is continued past x = 0 and held at mu P past the limit."""
+def spring(problem, regime, sign, point):
+    """Return Q, the reciprocal force dW/dz at constant x, and the energy W of a contact's tangential spring.
+
+    In stick the smooth branch of sign s is continued past x = 0, and held at mu P past the limit. All three are those
+    of one friction coefficient: one that depends on the point is written here, and energies and ledger follow.
+    """
     z, x, _, _ = point
     friction, c, shape = problem.friction * problem.stiffness, problem.limit_slope, problem.shape
     if regime == Regime.SEPARATED or z <= 0.0 or c <= 0.0:
-        return 0.0
-    return sign * friction * friction_load(z, z - sign * x / c if regime == Regime.STICK else 0.0, shape)
-
-
-@formula
-def back_force(problem, regime, sign, point):
-    """Return dW/dz at constant x, W the energy of the tangential spring; mu P c/2 for a sphere at the slip limit."""
-    z, x, _, _ = point
-    friction, c, shape = problem.friction * problem.stiffness, problem.limit_slope, problem.shape
-    if regime == Regime.SEPARATED or z <= 0.0 or c == 0.0:
-        return 0.0
+        return 0.0, 0.0, 0.0
     stick = max(z - sign * x / c, 0.0) if regime == Regime.STICK else 0.0
-    return friction * c * back_load(z, stick, shape)
+    force = sign * friction * friction_load(z, stick, shape)
+    return force, friction * c * back_load(z, stick, shape), friction * c * friction_energy(z, stick, shape)

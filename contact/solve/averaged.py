@@ -23,11 +23,12 @@ from contact.solve.cycle_mean import MADE, NORMAL, SLIPS, STUCK, TANGENTIAL, Cyc
 from contact.solve.riding import Rule, mean_push, quadrature, riding
 from contact.solve.roots import narrowed, trial
 
-# columns of an equilibrium: mean velocity, of first order, of first order by the coarse rule; mean approach, residual
-# velocity, held (1 or 0), contacts made, slips begun, error of the velocity by harmonics left out and by quadrature,
-# mean tangential forces of a cycle at rest (least and largest), sign of the load
-V, FIRST, COARSE, H, RESIDUAL, IS_HELD, MADE_PER_CYCLE, SLIPS_PER_CYCLE = range(8)
-TAIL, QUADRATURE, LEAST_AT_REST, LARGEST_AT_REST, LOAD_SIGN, COLUMNS = range(8, 14)
+# Columns of an equilibrium: mean velocity, that of first order, mean approach, held (1 or 0), sign of the load;
+# velocity of first order by the coarse rule, residual velocity, contacts made, slips begun, error of the velocity by
+# harmonics left out and by quadrature, mean tangential forces of a cycle at rest (least and largest)
+VELOCITY, FIRST_ORDER, HEIGHT, HELD, LOAD_SIGN = range(5)
+COARSE, RESIDUAL, MADE_PER_CYCLE, SLIPS_PER_CYCLE, TAIL, QUADRATURE = range(5, 11)
+LEAST_AT_REST, LARGEST_AT_REST, COLUMNS = range(11, 14)
 # Nodes per smooth piece of a cycle: those of the search, and those of the answer. The difference between the two times
 # RULE_ERROR bounds the error of the finer (true: 1/70 with 16 and 24 nodes, an elliptic orbit of general phase).
 NODES, FINE_NODES, RULE_ERROR = 16, 24, 0.1
@@ -125,19 +126,19 @@ def balance_row(problem, harmonics, work, out):
     for k in range(out.size):
         out[k] = 0.0
     h = riding(problem, work.rule)
-    out[H] = h
+    out[HEIGHT] = h
     way, force = _at_rest(problem, h, work, out)
     sticks = work.first.counts[STUCK] > 0
     problem = changed(problem, force, problem.paths)
     out[LOAD_SIGN] = -1.0 if force < 0.0 else 1.0
     if way == 0.0:
-        out[IS_HELD] = 1.0
+        out[HELD] = 1.0
         return Status.DONE
     status, top, slope = _first_order(problem, h, way, 1e-11 if harmonics == 0 else 1e-5, work, out)
     if status != Status.DONE or harmonics == 0 or not slope < 0.0:
         return status
     status = _second_order(problem, slope, top, work, out)
-    return Status.STICKS if sticks and abs(out[V]) < 1e-6 * top else status
+    return Status.STICKS if sticks and abs(out[VELOCITY]) < 1e-6 * top else status
 
 
 @compiled
@@ -187,7 +188,7 @@ def _first_order(problem, h, way, close, work, out):
     out[QUADRATURE] = RULE_ERROR * abs((f - f_old) / slope)
     if slope < 0.0:
         v -= f / slope
-    out[V], out[FIRST] = v, v
+    out[VELOCITY], out[FIRST_ORDER] = v, v
     out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = work.first.counts[MADE], work.first.counts[SLIPS]
     return Status.DONE, top, slope
 
@@ -197,7 +198,7 @@ def _second_order(problem, slope, top, work, out):
     """Correct the equilibrium by the slider's fast motion; return the reason for ending."""
     second = work.second
     rest(second.fast)
-    h, v, v_old, f_old, change = out[H], out[V], out[V], 0.0, np.inf
+    h, v, v_old, f_old, change = out[HEIGHT], out[VELOCITY], out[VELOCITY], 0.0, np.inf
     for count in range(40):
         h, change = settled(problem, work.fine, h, v, second, 1)
         f = second.means[TANGENTIAL] - problem.tangential_damping * v - problem.load
@@ -210,7 +211,7 @@ def _second_order(problem, slope, top, work, out):
         change = max(change, abs(f / slope))
         if change < 1e-12:
             break
-    out[V], out[H], out[RESIDUAL] = v, h, change
+    out[VELOCITY], out[HEIGHT], out[RESIDUAL] = v, h, change
     out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = second.counts[MADE], second.counts[SLIPS]
     # the coefficients fall as n^-4.5 and the tail enters the mean with its own small share of the force
     last = second.force.tangential_cos.size - 1

@@ -17,19 +17,14 @@ import numpy as np
 from contact.codes import Status, Steady
 from contact.jit.compiled import compiled, native
 from contact.kinematics import Paths, at_phase, normal_amplitude, of_run, tangential_amplitude
-from contact.law.normal import load
-from contact.problem import Problem, changed
+from contact.problem import MASS, changed, dimensionless
 from contact.solve import averaged
 from contact.solve.averaged import Work, balance_row, excess, room
 from contact.solve.riding import riding
 
-# columns of a slider, SI units: slip limit over approach, mu, chi, the viscous dampers, largest approach at rest
-MASS, STIFFNESS, LIMIT_SLOPE, PRELOAD, LOAD, FRICTION, CHI, NORMAL_DAMPING, TANGENTIAL_DAMPING = range(9)
-SHAPE, REST = 9, 10
-# columns of an answer, SI units; the first velocity is that of first order, errors are over max(|v|, omega |u_x|/10)
-VELOCITY, FIRST_ORDER, HEIGHT, REGIME, HELD, ERROR, FROM_WAVE, THRUST, SIGN_OF_LOAD, STATUS, ANSWER = range(
-    11
-)
+# further columns of an answer, whose first ones are those of its equilibrium, SI units; errors are over
+# max(|v|, omega |u_x|/10)
+REGIME, ERROR, FROM_WAVE, THRUST, STATUS, ANSWER = range(averaged.COLUMNS, averaged.COLUMNS + 6)
 # Relative error of the threshold amplitude over (f_n/f)^2: at 0.75 nm, just above the seed's threshold, first order
 # errs by 12 (f_n/f)^2 in velocity (`tests/benchmarks/contact_ways.py`). At most half the amplitude is added.
 THRESHOLD_ERROR, MAX_THRESHOLD_ERROR = 12.0, 0.5
@@ -49,7 +44,7 @@ LEAST_ERROR = 1e-9
 class Given(NamedTuple):
     """The problems of a sweep."""
 
-    sliders: np.ndarray  # (s, 11) array: By the names of this module; SI units
+    sliders: np.ndarray  # (s, 11) array: `problem.numbers`
     heights: np.ndarray  # (s, contacts) array: Of the contacts, m
     paths: Paths  # Of the waves, m; arrays (w, contacts), the heights zero
     # (w,) arrays: rad/s; relative
@@ -62,10 +57,10 @@ class Given(NamedTuple):
 
 
 class Room(NamedTuple):
-    """Work arrays of a sweep: those of an equilibrium, two of its answers, paths of a problem and of one changed."""
+    """Work arrays of a sweep: those of an equilibrium, a second one of it, paths of a problem and of one changed."""
 
     work: Work
-    answers: np.ndarray
+    tried: np.ndarray
     paths: Paths
     spare: Paths
 
@@ -82,7 +77,7 @@ def states(given: Given, out, todo, harmonics: int, first: int, stride: int) -> 
     rooms = vars(_ROOMS)
     if key not in rooms:
         paths, spare = (Paths(*np.zeros((5, key[1]))) for _ in range(2))
-        rooms[key] = Room(room(harmonics), np.zeros((2, averaged.COLUMNS)), paths, spare)
+        rooms[key] = Room(room(harmonics), np.zeros(averaged.COLUMNS), paths, spare)
     _states(given, out, todo, harmonics, first, stride, rooms[key])
 
 
@@ -94,12 +89,12 @@ def _states(given, out, todo, harmonics, first, stride, room):
         slider, wave = given.sliders[given.which[k, 0]], given.which[k, 1]
         omega = given.omegas[wave]
         heights, paths = given.heights[given.which[k, 0]], of_run(given.paths, wave)
-        problem = _scaled(slider, heights, paths, given.factors[k], omega, room.paths)
+        problem = dimensionless(slider, heights, paths, given.factors[k], omega, room.paths)
         _state(problem, given.ratios[k], given.wave_errors[wave], harmonics, room, out[k])
         row, speed = out[k], problem.length * omega
-        row[VELOCITY] *= speed
-        row[FIRST_ORDER] *= speed
-        row[HEIGHT] *= problem.length
+        row[averaged.VELOCITY] *= speed
+        row[averaged.FIRST_ORDER] *= speed
+        row[averaged.HEIGHT] *= problem.length
         row[THRUST] *= slider[MASS] * omega * speed
     return 0
 
@@ -107,25 +102,23 @@ def _states(given, out, todo, harmonics, first, stride, room):
 @compiled
 def _state(problem, ratio, wave_error, harmonics, room, row):
     """Fill the scaled answer of one problem."""
-    state, tried, work, spare = room.answers[0], room.answers[1], room.work, room.spare
-    status = balance_row(problem, harmonics, work, state)
+    tried, work, spare = room.tried, room.work, room.spare
+    status = balance_row(problem, harmonics, work, row[: averaged.COLUMNS])
     row[STATUS] = status.value
     if status != Status.DONE:
         return
-    problem = changed(problem, state[averaged.LOAD_SIGN] * abs(problem.load), problem.paths)
+    problem = changed(problem, row[averaged.LOAD_SIGN] * abs(problem.load), problem.paths)
     along = 0.0
     for i in range(problem.paths.height.size):
         along = max(along, tangential_amplitude(problem.paths, i))
-    v = state[averaged.V]
+    v = row[averaged.VELOCITY]
     reference = max(abs(v), along / 10.0)
-    error = max(
-        state[averaged.TAIL], state[averaged.RESIDUAL], state[averaged.QUADRATURE], LEAST_ERROR * abs(v)
-    )
-    error = max(error, CORRECTION_ERROR * abs(v - state[averaged.FIRST]))
-    if state[averaged.IS_HELD] == 1.0 or abs(v) < EDGE * reference:
+    error = max(row[averaged.TAIL], row[averaged.RESIDUAL], row[averaged.QUADRATURE], LEAST_ERROR * abs(v))
+    error = max(error, CORRECTION_ERROR * abs(v - row[averaged.FIRST_ORDER]))
+    if row[averaged.HELD] == 1.0 or abs(v) < EDGE * reference:
         larger = 1.0 + min(THRESHOLD_ERROR * ratio**2, MAX_THRESHOLD_ERROR)
         status = balance_row(_with_error(problem, larger, 0.0, 0.0, spare), 0, work, tried)
-        beyond = abs(tried[averaged.V] - state[averaged.FIRST])
+        beyond = abs(tried[averaged.VELOCITY] - row[averaged.FIRST_ORDER])
         if status == Status.DONE and beyond > 0.0 and ratio > MAX_RATIO_HELD:
             status = Status.NEAR_THRESHOLD
         row[STATUS] = status.value
@@ -133,47 +126,20 @@ def _state(problem, ratio, wave_error, harmonics, room, row):
             return
         error = max(error, beyond)
         reference = max(reference, beyond) if reference == 0.0 else reference
-    lost = _from_wave(problem, spare, state[averaged.COARSE], wave_error, work, tried)
+    lost = _from_wave(problem, spare, row[averaged.COARSE], wave_error, work, tried)
     if not (np.isfinite(v) and np.isfinite(error) and np.isfinite(lost)):
         return
-    stall = state[averaged.LEAST_AT_REST]
-    if state[averaged.LARGEST_AT_REST] <= -stall:  # driven against its crests
-        stall = -state[averaged.LARGEST_AT_REST]
-    row[VELOCITY], row[FIRST_ORDER], row[HEIGHT] = v, state[averaged.FIRST], state[averaged.H]
+    stall = row[averaged.LEAST_AT_REST]
+    if row[averaged.LARGEST_AT_REST] <= -stall:  # driven against its crests
+        stall = -row[averaged.LARGEST_AT_REST]
     row[REGIME] = Steady.STICK.value
-    if state[averaged.MADE_PER_CYCLE] > 0.0:
+    if row[averaged.MADE_PER_CYCLE] > 0.0:
         row[REGIME] = Steady.INTERMITTENT.value
-    elif state[averaged.SLIPS_PER_CYCLE] > 0.0:
+    elif row[averaged.SLIPS_PER_CYCLE] > 0.0:
         row[REGIME] = Steady.SLIP.value
-    row[HELD] = state[averaged.IS_HELD]
     row[ERROR] = error / reference if reference > 0.0 else 0.0
     row[FROM_WAVE] = lost / reference if reference > 0.0 else 0.0
     row[THRUST] = max(stall, 0.0)
-    row[SIGN_OF_LOAD] = state[averaged.LOAD_SIGN]
-
-
-@compiled
-def _scaled(slider, heights, given, factor, omega, paths):
-    """Return the scaled problem, with its paths in the room given."""
-    contacts, shape = paths.height.size, int(slider[SHAPE])
-    mass, preload = slider[MASS], slider[PRELOAD]
-    reach = 0.0
-    for i in range(contacts):
-        reach = max(reach, factor * tangential_amplitude(given, i), factor * normal_amplitude(given, i))
-    length = max(slider[REST], reach)
-    unit = mass * omega**2 * length
-    for i in range(contacts):
-        paths.height[i] = heights[i] / length
-        paths.normal_cos[i] = given.normal_cos[i] * factor / length
-        paths.normal_sin[i] = given.normal_sin[i] * factor / length
-        paths.tangential_cos[i] = given.tangential_cos[i] * factor / length
-        paths.tangential_sin[i] = given.tangential_sin[i] * factor / length
-    return Problem(
-        slider[STIFFNESS] * load(length, shape) / unit, slider[CHI] * omega * length,
-        slider[NORMAL_DAMPING] / (mass * omega), preload / unit, slider[TANGENTIAL_DAMPING] / (mass * omega),
-        slider[LOAD] / unit, slider[FRICTION], slider[LIMIT_SLOPE], 0.0, np.inf, 0, shape, paths, length,
-        omega,
-    )  # fmt: skip
 
 
 @compiled

@@ -18,7 +18,6 @@ from contact.solve.cycle_mean import NORMAL, STUCK, TANGENTIAL, cycle, respond
 from contact.solve.end_corrections import cubic
 from contact.solve.riding import Rule, mean_push, riding
 
-_NODES = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
 _TABLE = np.array(
     [
         [0.0] * 6,
@@ -81,7 +80,6 @@ class Span(NamedTuple):
     # (k,), (k, 2) arrays: Phases to report, rising; v and z_s there
     at: np.ndarray
     rows: np.ndarray
-    steps: np.ndarray  # (2,) int array: Steps of the bounce and of the velocity are added
 
 
 @compiled
@@ -136,7 +134,6 @@ def bounce(problem, state, span, work):
                 break
             largest = 0.0
     state[0], state[1], state[2] = h, w, v
-    span.steps[0] += steps
     return phase, taken, Status.DONE
 
 
@@ -199,7 +196,6 @@ def accelerate(problem, state, phase, taken, span, work, k):
         phase += d
         v = y
         k[0] = k[6]
-        span.steps[1] += 1
         d *= min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
     state[0], state[1], state[2] = h, 0.0, v
     return Status.DONE

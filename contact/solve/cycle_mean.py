@@ -28,8 +28,8 @@ from contact.solve.riding import circle
 TURN = 2.0 * np.pi
 # places in the means: sum of P and of Q
 NORMAL, TANGENTIAL = 0, 1
-# places in the counts: contacts made, slips begun, reversals, contacts that stick on with their memory
-MADE, SLIPS, REVERSALS, STUCK = 0, 1, 2, 3
+# places in the counts: contacts made, slips begun, contacts that stick on with their memory
+MADE, SLIPS, STUCK = range(3)
 
 
 class Harmonics(NamedTuple):
@@ -58,7 +58,7 @@ class Cycle(NamedTuple):
     force: Harmonics  # Of P (1 + chi z') and of Q; empty where only the means are wanted
     nodes: Nodes  # As many as the quadrature has; empty likewise
     means: np.ndarray  # (2,) array: Of sum P and sum Q
-    counts: np.ndarray  # (4,) int array: See the names of this module
+    counts: np.ndarray  # (3,) int array: See the names of this module
 
 
 class Path(NamedTuple):
@@ -85,7 +85,7 @@ def cycle_room(harmonics: int, nodes: int = 0) -> Cycle:
         Harmonics(*np.zeros((4, n))) for n in (harmonics, harmonics, harmonics * (nodes > 0))
     )
     room = Nodes(*np.zeros((2, harmonics, nodes)), *np.zeros((2, nodes)))
-    return Cycle(fast, path, force, room, np.zeros(2), np.zeros(4, np.int64))
+    return Cycle(fast, path, force, room, np.zeros(2), np.zeros(3, np.int64))
 
 
 @compiled
@@ -317,7 +317,6 @@ def _stick(problem, path, rule, work, start, stop, anchor):
             root = _crossing(path, 0.0, 1.0, anchor, left, right, after > 0.0)
             _gather(problem, path, rule, work, begin, root, 0.0, offset)
             begin = root
-            work.counts[REVERSALS] += 1
         before, left = after, right
     _gather(problem, path, rule, work, begin, stop, 0.0, offset)
 
@@ -389,7 +388,7 @@ def _contact(problem, path, rule, work):
     {
         "problem.paths.height": "n", "problem.paths.normal_cos": "n", "rule.place": "q", "rule.weight": "q",
         "work.fast.normal_cos": "k", "work.path.normal_cos": "k", "work.force.normal_cos": "0 | k", "work.means": "2",
-        "work.counts": "4", "work.nodes.cos": "k q | 1 0",
+        "work.counts": "3", "work.nodes.cos": "k q | 1 0",
     },
 )  # fmt: skip
 def cycle(problem, h, v, rule, work):

@@ -13,7 +13,7 @@ from contact.codes import Law, Regime
 from contact.interpolation import interpolate
 from contact.jit.compiled import compiled
 from contact.kinematics import slip_speed
-from contact.law.elastic import back_force
+from contact.law.elastic import spring
 from contact.law.hysteretic import annulus_slip, front, place_on
 from contact.solve.segment import BACK, CLIMB, FRONT, SPEED, TRAVEL, U_X_RATE, U_Z_RATE, P, Q, point_at
 
@@ -44,11 +44,11 @@ def account(problem, grid, state, nodes, segment):
                 continue
             point, tangential = point_at(nodes, i, k), own[Q, i, k]
             z, _, z_rate, x_rate = point
-            spring = own[P, i, k] + own[BACK, i, k]
+            normal = own[P, i, k] + own[BACK, i, k]
             damper = problem.contact_damping * own[P, i, k] * z_rate
             sums[TRACTION] += weight * tangential
-            sums[SUPPORT] += weight * spring
-            sums[WAVE_NORMAL] += weight * (spring + damper) * own[U_Z_RATE, i, k]
+            sums[SUPPORT] += weight * normal
+            sums[WAVE_NORMAL] += weight * (normal + damper) * own[U_Z_RATE, i, k]
             sums[WAVE_TANGENTIAL] += weight * tangential * own[U_X_RATE, i, k]
             sums[CONTACT_LOSS] += weight * damper * z_rate
             slip = slip_speed(sign, z_rate, x_rate, c)
@@ -57,7 +57,7 @@ def account(problem, grid, state, nodes, segment):
             elif regime == Regime.ANNULUS:
                 sums[SLIP_LOSS] += weight * friction * annulus_slip(z, own[FRONT, i, k]) * slip
             if problem.law == Law.ELASTIC:
-                sums[LEAK] -= weight * back_force(problem, regime, sign, point) * z_rate
+                sums[LEAK] -= weight * spring(problem, regime, sign, point)[1] * z_rate
     sums[DISPLACEMENT] += slider[TRAVEL, last]
     if sums[SINCE] > 0.0:
         sums[SINCE] += segment.length
@@ -71,14 +71,15 @@ def mark(sums):
     sums[SINCE] = 1e-300
 
 
-def chain_energy(memory, i, regime, s, z, x, c):
-    """Return the tangential springs' energy over mu K: (3/8c) int (x - y)^2/sqrt(eta) d eta, (x - y)^2 the deflection.
+def chain_energy(problem, memory, i, regime, s, z, x):
+    """Return the tangential springs' energy, mu K (3/8c) int (x - y)^2/sqrt(eta) d eta, x - y the deflection.
 
     On a line y is linear in eta; on a curve sqrt(eta) dy = (2c/3) dM, so that by parts the integral is
     [2 sqrt(eta) (x - y)^2] + (8c/3) int (x - y) dM, by Gauss's rule on its polynomials.
     """
     if regime == Regime.SEPARATED or z <= 0.0:
         return 0.0
+    c = problem.limit_slope
     pieces = [(memory.kind[i, k], *memory.corner[i, k, :3], k) for k in range(memory.count[i])]
     if regime == Regime.SLIP:
         pieces = [(int(s), 0.0, 0.0, 0.0, -1)]
@@ -120,4 +121,4 @@ def chain_energy(memory, i, regime, s, z, x, c):
             2.0 * np.sqrt(stop) * (x - at(profile, end)) ** 2
             - 2.0 * np.sqrt(max(start, 0.0)) * (x - profile[0]) ** 2
         )
-    return 0.375 / c * total
+    return problem.friction * problem.stiffness * 0.375 / c * total

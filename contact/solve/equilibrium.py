@@ -3,12 +3,8 @@ r"""The averaged equilibrium of any law, as a cycle that the event-driven solver
 A slider that is heavy on the wave's time scale keeps height h and velocity v through a cycle. h follows from
 <sum P_i> = preload (`solve.riding`), v from <sum Q_i>(v) = R_t v + load. The elastic law's means are in closed
 form between events, and `averaged` has found h and v already (`cycle_at`); for the other laws the mean tangential force
-comes from a cycle of the event-driven solver (`balanced`). Bracket and rules are those of `averaged`. Error
-O((f_n/f)^2) against the full motion.
-
-Held: a contact that can stick for good keeps the deformation it was left with, so the wave alone leaves a whole
-interval of mean tractions, from the one it settles to from below to the one from above. If the load lies in it, v is
-exactly 0.
+comes from a cycle of the event-driven solver (`balanced`). Bracket and rules are those of `averaged`; `answers.steady`
+says when a slider is held. Error O((f_n/f)^2) against the full motion.
 """
 
 import math

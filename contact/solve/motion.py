@@ -119,19 +119,15 @@ class Motion:
         At phase 0: the surface's height there is what the approach is taken from.
         """
         problem, state = self.problem, self.carried
-        kappa, mu, c = problem.stiffness, problem.friction, problem.limit_slope
         height, climb, speed = state.slider
-        z = np.maximum(problem.paths.height + problem.paths.normal_cos - height, 0.0)
-        stored = kappa * np.sum(normal.energy(z, problem.shape))
-        if self.memory is None and c > 0.0:
-            stick = np.maximum(z - np.abs(state.deformation) / c, 0.0)
-            stored += mu * kappa * c * np.sum(elastic.friction_energy(z, stick, problem.shape))
-        elif self.memory is not None:
-            for i in range(z.size):
-                x = state.deformation[i]
-                stored += (
-                    mu * kappa * energy.chain_energy(self.memory, i, self.regime[i], self.sign[i], z[i], x, c)
-                )
+        approach = problem.paths.height + problem.paths.normal_cos - height
+        stored = problem.stiffness * np.sum(normal.energy(approach, problem.shape))
+        for i, (z, x) in enumerate(zip(approach, state.deformation, strict=True)):
+            regime, sign = self.regime[i], self.sign[i]
+            if self.memory is None:
+                stored += elastic.spring(problem, regime, sign, Point(z, x, 0.0, 0.0))[2]
+            else:
+                stored += energy.chain_energy(problem, self.memory, i, regime, sign, z, x)
         return np.array([stored, problem.preload * height, 0.5 * (climb**2 + speed**2)])
 
     def _displace(self, height, climb, speed, deformations):

@@ -12,7 +12,7 @@ import numpy as np
 from contact.codes import Law, Regime
 from contact.jit.compiled import compiled
 from contact.kinematics import Point, at_phase
-from contact.law.elastic import FAR_SIDE, back_force, guard, traction
+from contact.law.elastic import FAR_SIDE, guard, spring
 from contact.law.hysteretic import memory_guard, moment
 from contact.law.normal import load
 from contact.solve.riding import short_sine
@@ -146,10 +146,10 @@ def _contact(problem, grid, state, nodes, i, memory):
             own[Q, i, j] = friction * level
     else:
         for j in range(n):
-            own[Q, i, j] = traction(problem, regime, sign, point_at(nodes, i, j))
+            own[Q, i, j] = spring(problem, regime, sign, point_at(nodes, i, j))[0]
     if problem.law == Law.RECIPROCAL:
         for j in range(n):
-            own[BACK, i, j] = back_force(problem, regime, sign, point_at(nodes, i, j))
+            own[BACK, i, j] = spring(problem, regime, sign, point_at(nodes, i, j))[1]
 
 
 @compiled

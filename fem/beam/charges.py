@@ -83,9 +83,23 @@ def electrode_charges(solution: Solution, index: int) -> ElectrodeCharges:
     charge = np.add.reduceat(reaction, first)
     covered = np.logical_or.reduceat(on_metal, first)
     finger = np.cumsum(np.diff(covered.astype(int), prepend=0) == 1)
-    medium = section.solid
-    return ElectrodeCharges(
-        x=place[first][covered],
-        charge=-charge[covered] * (medium.stress_unit / medium.potential_unit),
-        finger=finger[covered],
-    )
+    unit = -section.solid.stress_unit / section.solid.potential_unit
+    x, charge, finger = place[first][covered], unit * charge[covered], finger[covered]
+    if solution.fields.dipoles:
+        added = solution.fields.dipoles[index] @ solution.circuit.voltages * (unit * section.length_unit)
+        x, charge, finger = _with_dipoles(
+            x, charge, finger, solution.fields.transducers[index].signs.replace("0", ""), added
+        )
+    return ElectrodeCharges(x=x, charge=charge, finger=finger)
+
+
+def _with_dipoles(x, charge, finger, signs: str, dipoles: np.ndarray):
+    """Charges with a pair of lumps more on every finger "+" or "-"."""
+    numbers = 1 + np.flatnonzero([sign in "+-" for sign in signs])
+    edges = np.array([x[finger == number][[0, -1]] for number in numbers])
+    half = np.diff(edges, axis=1) / 2 * np.sqrt(0.75)
+    x = np.concatenate([x, np.ravel(edges.mean(axis=1, keepdims=True) + half * [-1, 1])])
+    charge = np.concatenate([charge, np.ravel(dipoles[:, None] / (2 * half) * [-1, 1])])
+    finger = np.concatenate([finger, np.repeat(numbers, 2)])
+    in_row = np.argsort(x, kind="stable")
+    return x[in_row], charge[in_row], finger[in_row]

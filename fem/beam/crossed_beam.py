@@ -447,12 +447,10 @@ def mutual_admittance(
     forward, across = turn(widest if along is None else along)
     between = np.array([other.center - one.center, other.center_y - one.center_y])
     distance, offset = float(between @ forward), float(between @ across)
-    source, section = line_source(modes), modes.section
+    source = line_source(modes)
     k = source.wavenumbers
     wavelength = 2 * np.pi / float(np.mean(k[source.surface].real))
     kept = -k.imag * max(wavelength / LOCAL, distance / LARGEST_DECAY) < 1
-    shapes = modes.right[section.surface_dofs["phi"], modes.wavenumbers != 0]
-    potentials = shapes * source.amplitudes * section.solid.potential_unit
     reach = abs(offset) + sum(
         float(abs((each.corners - each.corners.mean(axis=0)) @ across).max()) for each in plan
     )
@@ -477,7 +475,7 @@ def mutual_admittance(
                 )
             ]
             phase = np.exp(-1j * (kappa * distance + lateral * offset))
-            total += potentials[number] * np.sum(
+            total += source.potential[number] * np.sum(
                 contour.weights / 2 * (k[number] / kappa) * sent[0] * sent[1] * phase
             )
     return complex(-2j * np.pi * modes.frequency * total)

@@ -69,8 +69,12 @@ class LineSource:
         Of the modes as `GuidedModes` scales them, per C/m.
     tangential, normal : ndarray, shape (modes,)
         u_x and u_z at the surface, m per C/m.
+    potential : ndarray, shape (modes,)
+        phi at the surface, V per C/m.
     static : complex
         u_x of the pole at k = 0, m per C/m; 0 where the section is grounded.
+    slope : complex
+        Of its potential, phi / |x|, V/m per C/m.
     """
 
     surface: np.ndarray = field(repr=False)
@@ -78,13 +82,16 @@ class LineSource:
     amplitudes: np.ndarray = field(repr=False)
     tangential: np.ndarray = field(repr=False)
     normal: np.ndarray = field(repr=False)
+    potential: np.ndarray = field(repr=False)
     static: complex
+    slope: complex
 
     @property
     def surface_mode(self) -> "LineSource":
         """The surface wave alone."""
-        fields = ("surface", "wavenumbers", "amplitudes", "tangential", "normal")
-        return LineSource(**{name: getattr(self, name)[self.surface] for name in fields}, static=0.0)
+        fields = ("surface", "wavenumbers", "amplitudes", "tangential", "normal", "potential")
+        kept = {name: getattr(self, name)[self.surface] for name in fields}
+        return LineSource(**kept, static=0.0, slope=0.0)
 
     def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
         """Wavenumber along x of the surface wave at lateral wavenumbers, rad/m; in a plate the mean of its two."""
@@ -161,34 +168,32 @@ def line_source(modes: GuidedModes) -> LineSource:
     """
     section = modes.section
     second, first, _ = section.matrices(modes.frequency)
-    at, moving = section.surface_dofs, np.flatnonzero(modes.wavenumbers != 0)
+    at, moving = section.full.surface_dofs, np.flatnonzero(modes.wavenumbers != 0)
     k, right = modes.wavenumbers[moving], modes.right[:, moving]
     left = np.where(section.odd, -1.0, 1.0)[:, None] * right
     # biorthogonal but for rounding, which the two surface waves of a thick plate, 1e-8 apart, enlarge to 1e-4
     products = (k[:, None] + k) * (left.T @ second @ right) + 1j * (left.T @ (first - first.T) @ right)
     norms = np.sqrt(np.diag(products))
     scale = charge_scale(section.solid)
-    received = np.linalg.solve(products / np.outer(norms, norms), left[at["phi"]] / norms)
+    received = np.linalg.solve(products / np.outer(norms, norms), section.lift(left)[at["phi"]] / norms)
     amplitudes = -1j * scale * received / norms
+    surface = section.lift(right) * amplitudes
+    slope, motion = static_mode(modes) if section.floating_potential else (0.0, np.zeros(section.size))
     return LineSource(
         surface=np.isin(moving, modes.rayleigh),
         wavenumbers=k / section.length_unit,
-        tangential=right[at["ux"]] * amplitudes,
-        normal=right[at["uz"]] * amplitudes,
+        tangential=surface[at["ux"]],
+        normal=surface[at["uz"]],
+        potential=surface[at["phi"]] * section.solid.potential_unit,
         amplitudes=amplitudes,
-        static=scale * _static_motion(modes) if section.floating_potential else 0.0,
+        static=scale * slope * section.lift(motion)[at["ux"]],
+        slope=scale * slope * section.solid.potential_unit / section.length_unit,
     )
 
 
 def charge_scale(medium: Medium) -> float:
     """Scaled reaction of a charge of 1 C/m."""
     return -medium.potential_unit / medium.stress_unit
-
-
-def _static_motion(modes: GuidedModes) -> complex:
-    """Motion u_x = s w at the surface that goes with the potential s |x| of a unit reaction."""
-    slope, motion = static_mode(modes)
-    return complex(slope * motion[modes.section.surface_dofs["ux"]])
 
 
 def static_mode(modes: GuidedModes) -> tuple[complex, np.ndarray]:

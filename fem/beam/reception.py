@@ -11,15 +11,19 @@ Massless fingers scatter by their charges alone: what a transducer sends for an 
 less the wave that passes, and the waves of all others pass it as they pass a bare surface.  W_j B_ij,p does not change
 when i and j are exchanged, so the admittance matrix stays symmetric.
 
-Limits: solids isotropic about z, absorbing ends; elsewhere transducers receive as in the section.  A transducer's
-response to its own charges, and how it weighs a wave along its length, are the section's: for 20 wavelengths of
-aperture and 10 of length the former leaves out 1.4 % of the power.
+A transducer's response to its own charges is that of own_aperture.py.  Limits: solids isotropic about z, absorbing
+ends; elsewhere transducers receive, and respond to their own charges, as in the section.  How a transducer weighs a
+wave along its length is the section's.
 """
+
+from dataclasses import replace
 
 import numpy as np
 
 from fem.beam.lateral import evanescent, lateral_rule
-from fem.beam.line_source import isotropic_about_normal
+from fem.beam.line_source import isotropic_about_normal, line_source
+from fem.beam.own_aperture import finger_coupling, polarisability
+from fem.condense.transducer import finger_ports
 from fem.waveguide.network import PortSolution, Scatterer
 from fem.waveguide.port_fields import PortFields, connected
 
@@ -68,7 +72,7 @@ def aperture_coupling(
 
 
 def with_apertures(fields: PortFields, mirror_width: float | None = None) -> PortFields:
-    """Solve the ports of a stator again, each transducer receiving the mean of the beams over its aperture.
+    """Solve the ports of a stator again, the waves and each transducer's own field averaged over its aperture.
 
     Parameters
     ----------
@@ -80,45 +84,70 @@ def with_apertures(fields: PortFields, mirror_width: float | None = None) -> Por
     Returns
     -------
     PortFields
-        Charges and admittances of transducers of finite aperture; ``sides`` are their lines for the mean waves.  The
-        fields as they are for one transducer, and beyond the limits above.
+        Charges and admittances of transducers of finite aperture; ``sides`` are their lines for the mean waves, with
+        the potential of every finger that would make its charge in the section.  Beyond the limits above the fields as
+        they are.
     """
-    network = fields.network
-    alone = len(network.scatterers) == 1
-    if alone or fields.stator.ends != "absorbing" or not isotropic_about_normal(fields.stator.solid):
+    if fields.stator.ends != "absorbing" or not isotropic_about_normal(fields.stator.solid):
         return fields
-    kept = network.survivors(float(np.diff(network.segments, axis=1)[1:-1].min()))
+    network, section = fields.network, fields.section
+    segments = network.segments[1:-1]
+    kept = network.survivors(float(np.diff(segments, axis=1).min())) if len(segments) else np.empty(0, int)
     m = len(kept)
     travel = _travel(fields, kept, mirror_width)
-    counts = [each.potentials.shape[1] for each in network.scatterers]
-    volts = np.split(np.eye(network.ports), np.cumsum(counts)[:-1])
-    responses = [_response(scatterer, kept) for scatterer in network.scatterers]
+    source = line_source(fields.modes)
+    # V per C/m, over charge and charge, charge and dipole, dipole and dipole, to scaled ones
+    units = section.solid.stress_unit / section.solid.potential_unit**2 * section.length_unit ** np.arange(3)
+    scatterers, responses, done = [], [], {}
+    for plain, transducer in zip(network.scatterers, fields.transducers, strict=True):
+        if id(plain) not in done:
+            done[id(plain)] = _by_fingers(plain, transducer.signs)
+        scatterer, dipoles = done[id(plain)]
+        if (id(plain), transducer.aperture) not in done:
+            change = [*finger_coupling(source, transducer, mirror_width)]
+            change = [unit * each for unit, each in zip(units, change, strict=True)]
+            change.append(-polarisability(source, transducer.finger_width) / units[2])
+            done[id(plain), transducer.aperture] = _response(scatterer, dipoles, kept, change)
+        scatterers.append(scatterer)
+        responses.append(done[id(plain), transducer.aperture])
+    network = replace(network, scatterers=tuple(scatterers))
     coupling = np.zeros_like(travel)
-    for index, (_, _, sent) in enumerate(responses):
+    for index, (_, _, sent, _) in enumerate(responses):
         mine = slice(2 * m * index, 2 * m * (index + 1))
         coupling[mine] = sent[:, : 2 * m] @ travel[mine]
+    volts = np.split(np.eye(network.ports), np.cumsum([each.potentials.shape[1] for each in scatterers])[:-1])
     by_ports = np.concatenate(
-        [sent[:, 2 * m :] @ own for (_, _, sent), own in zip(responses, volts, strict=True)]
+        [sent[:, 2 * m :] @ own for (_, _, sent, _), own in zip(responses, volts, strict=True)]
     )
     arriving = travel @ np.linalg.solve(np.eye(len(coupling)) - coupling, by_ports)
-    sides, incoming, charges = [], [], []
-    for scatterer, (lines, comes, _), own, waves in zip(
-        network.scatterers, responses, volts, np.split(arriving, len(responses)), strict=True
+    sides, incoming, charges, dipoles = [], [], [], []
+    for scatterer, (lines, comes, _, added), own, waves in zip(
+        scatterers, responses, volts, np.split(arriving, len(responses)), strict=True
     ):
         weights = np.concatenate([waves, own])
         sides.append(lines @ weights)
         incoming.append(comes @ weights)
-        charges.append(scatterer.charge(sides[-1], scatterer.potentials @ own))
+        dipoles.append(added @ weights)
+        charges.append(scatterer.charge(*np.split(sides[-1], [2 * section.size])))
     solution = PortSolution(
         sides=tuple(sides),
         incoming=tuple(incoming),
         charges=np.concatenate(charges),
         coupling=coupling,
         waves=np.tile(kept, 2 * len(responses)),
+        dipoles=tuple(dipoles),
     )
     return connected(
         fields.stator, fields.transducers, network, solution, resolution=fields.resolution, own_apertures=True
     )
+
+
+def _by_fingers(scatterer: Scatterer, signs: str) -> tuple[Scatterer, np.ndarray]:
+    """The scatterer with a potential for every finger; and the fingers' dipoles by its sides."""
+    electrodes = ["+-".index(sign) for sign in signs if sign in "+-"]
+    superelement, dipoles = finger_ports(scatterer.superelement, signs)
+    own = scatterer.potentials[electrodes]
+    return Scatterer(superelement=superelement, modes=scatterer.modes, potentials=own), dipoles
 
 
 def _travel(fields: PortFields, kept: np.ndarray, mirror_width) -> np.ndarray:
@@ -152,20 +181,40 @@ def _travel(fields: PortFields, kept: np.ndarray, mirror_width) -> np.ndarray:
     return out
 
 
-def _response(scatterer: Scatterer, kept: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Lines, what arrives there, and amplitudes sent, for each mode from the left and from the right, and each port."""
+def _response(
+    scatterer: Scatterer, dipoles: np.ndarray, kept: np.ndarray, change: tuple[np.ndarray, ...]
+) -> tuple[np.ndarray, ...]:
+    """Response to each mode from the left and from the right, and to each port.
+
+    Lines with the fingers' potentials in the section, what arrives there, amplitudes sent, and dipoles beyond the
+    section's.  ``dipoles`` of the fingers by the sides, ``change`` of their potentials by charges and dipoles, scaled.
+    """
     modes, width = scatterer.modes, scatterer.superelement.width
     n, m = modes.section.size, len(kept)
-    ports = scatterer.potentials.shape[1]
-    incoming = np.zeros((2 * n, 2 * m + ports), dtype=complex)
+    fingers, ports = scatterer.potentials.shape
+    incoming = np.zeros((2 * n, 2 * m + fingers), dtype=complex)
     incoming[:n, :m] = modes.right[:, kept]
     incoming[n:, m : 2 * m] = modes.left[:, kept]
-    potentials = np.hstack([np.zeros((2, 2 * m)), scatterer.potentials])
-    sides = scatterer.sides(incoming, potentials)
-    out = sides - incoming
+    potentials = np.eye(fingers, 2 * m + fingers, 2 * m)
+    lines = scatterer.sides(incoming, potentials)
+    sides = np.concatenate([lines, potentials])
+    reactions = scatterer.superelement.matrix[2 * n :] @ sides
+    by_waves, by_fingers = reactions[:, : 2 * m], reactions[:, 2 * m :]
+    # one potential on all fingers of a floating section makes no charge
+    gauge = abs(np.diag(by_fingers)).mean() / fingers if modes.section.floating_potential else 0.0
+    dipole = np.linalg.solve((by_fingers + gauge).T, (dipoles @ sides[:, 2 * m :]).T).T
+    charges, mixed, moments, polarisability = change
+    gradient = mixed.T + moments @ dipole  # by the charges
+    own = charges + mixed @ dipole + dipole.T @ gradient + polarisability * gradient.T @ gradient
+    given = np.hstack([own @ by_waves, scatterer.potentials])
+    weights = np.eye(2 * m + fingers, 2 * m + ports, dtype=complex)
+    weights[2 * m :] = np.linalg.solve(np.eye(fingers) - own @ by_fingers, given)
+    lines, incoming = lines @ weights, incoming @ weights
+    out = lines - incoming
     sent = np.concatenate([modes.right_amplitudes(out[n:])[kept], modes.left_amplitudes(out[:n])[kept]])
     passed = np.append(
         np.exp(-1j * modes.wavenumbers[kept] * width), np.exp(1j * modes.backwards[kept] * width)
     )
     sent[:, : 2 * m] -= np.diag(passed)
-    return sides, incoming, sent
+    added = polarisability * gradient @ reactions @ weights
+    return np.concatenate([lines, weights[2 * m :]]), incoming, sent, added

@@ -1,7 +1,9 @@
 """Surface motion in three dimensions of a stator whose fingers end at y = +-W/2, per volt of the source.
 
-The charge on the fingers is that of the section within the aperture and zero beyond.  For every lateral wavenumber the
-bare stator's response to it is a sum of guided modes (line_source.py): at x, what the charges q_j to the left send,
+The charge on the fingers is uniform along y within the aperture and zero beyond; how much, follows from the mean
+potential over every finger (own_aperture.py, reception.py; in other cuts it is the section's).  For every lateral
+wavenumber the bare stator's response to it is a sum of guided modes (line_source.py): at x, what the charges q_j to the
+left send,
 
     u(x, y) = int dk_y / 2 pi  W sinc(k_y W / 2) exp(-i k_y y) sum_p a_p(k_y) sum_j q_j exp(-i kappa_p (x - x_j)),
 
@@ -11,11 +13,9 @@ k_y (faces.py).
 
 On the axis y = 0, u_y vanishes by symmetry.
 
-Left out: the charge near the ends of the fingers, which counts as some 0.07 periods more aperture at each, so that
-nothing nearer than a wavelength to the ends is resolved (evanescent modes that reach less far end there with the
-aperture); what a finite aperture changes in a transducer's response to its own charges (reception.py has the others').
-The latter is 1 to 2 % of the power for 20 wavelengths of aperture (`SurfaceBeam.radiated_share`); for 4 to 6, and a
-strongly coupled plate mode near its cut-off, it is 0.2 to 0.3 of the amplitude (tests/fem/beam/test_volume.py).
+Left out: how the charge varies along the fingers.  Near their ends this counts as some 0.07 periods more aperture at
+each, so that nothing nearer than a wavelength to the ends is resolved (evanescent modes that reach less far end there
+with the aperture).
 """
 
 from dataclasses import dataclass, field, replace
@@ -43,7 +43,6 @@ UNLIKE = (
     0.25  # of what is not followed; half as much fails beside one finger pair on PZT-8 (test_cut_source.py)
 )
 RULE_GAIN = 1.5  # power of the coarse rule's error that bounds the fine one's; 1.8 measured, 2 in theory
-DIRECTIONS = 400  # of a transducer's power; enough for 200 wavelengths of aperture
 CHUNK = 2000  # points at a time whose distances to all fingers, or whose spectra, are tabulated
 FULL_GRID = 4  # points of the grid of all x and y per point asked for, up to which the whole grid is computed
 SAME_STEP = 1e-15  # m: steps from node to node that differ by less share their phases
@@ -160,24 +159,6 @@ class SurfaceBeam:
         """The part of the field that the surface wave alone carries."""
         returned = self.faces and self.faces.surface_mode
         return replace(self, source=self.source.surface_mode, complete=False, faces=returned)
-
-    def radiated_share(self, index: int) -> float:
-        """Power that a transducer's charges send as a surface wave in three dimensions, over that in the section.
-
-        What it differs from 1, a transducer's response to the finite aperture of its own charges leaves out: as
-        1 / W, 1 to 2 % for 20 wavelengths of aperture.  Solids isotropic about z; for ``charges[index]``.
-        """
-        charges, aperture = self.charges[index], self.apertures[index]
-        k = float(self.surface_wavenumbers(0.0).real)
-        angles, weights = (np.pi / 2 * each for each in np.polynomial.legendre.leggauss(DIRECTIONS))
-        lobe = (aperture * np.sinc(k * np.sin(angles) * aperture / (2 * np.pi))) ** 2
-        spread = plane = 0.0
-        for side in (1, -1):
-            along = np.append(side * k * np.cos(angles), side * k)
-            sent = abs(charges.transform(along, charges.x.mean())) ** 2
-            spread += k / (2 * np.pi) * np.sum(weights * lobe * sent[:-1])
-            plane += aperture * sent[-1]
-        return float(spread / plane)
 
     def surface_wavenumbers(self, lateral: np.ndarray) -> np.ndarray:
         """Slowness curve: wavenumber along x of the surface wave, as it decays, at real lateral wavenumbers, rad/m.

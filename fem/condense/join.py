@@ -18,15 +18,15 @@ def joined(
 ) -> Superelement:
     """Superelement of two neighbours; its ``parts`` keep the way back to the line they share.
 
-    If that line's surface node lies on a finger: ``phi``, the number of the potential there, and the finger's
-    electrode.
+    Both have the same potentials.  If that line's surface node lies on a finger: ``phi``, the number of the potential
+    there, and the finger's electrode.
     """
     n = left.size
     first, second = left.matrix, right.matrix
     if electrode is not None:
         first, second = folded(left, 1, phi, electrode), folded(right, 0, phi, electrode)
     middle = first[n : 2 * n, n : 2 * n] + second[:n, :n]
-    coupling = np.zeros((n, 2 * n + PORTS), dtype=middle.dtype)
+    coupling = np.zeros((n, len(first)), dtype=middle.dtype)
     coupling[:, :n] = first[n : 2 * n, :n]
     coupling[:, n : 2 * n] = second[:n, n : 2 * n]
     coupling[:, 2 * n :] = first[n : 2 * n, 2 * n :] + second[:n, 2 * n :]
@@ -61,6 +61,21 @@ def repeated(
         power = join(power, power)
 
 
+def with_ports(piece: Superelement, ports: np.ndarray, places: np.ndarray, count: int) -> Superelement:
+    """The same piece with ``count`` potentials, those of the numbers ``ports`` at ``places`` and the others idle."""
+    first = 2 * piece.size
+    here, there = (np.r_[0:first, first + np.asarray(each, dtype=int)] for each in (ports, places))
+    matrix = np.zeros((first + count,) * 2, dtype=piece.matrix.dtype)
+    matrix[np.ix_(there, there)] = piece.matrix[np.ix_(here, here)]
+
+    def expand(sides: np.ndarray) -> tuple[Superelement, np.ndarray]:
+        own = np.zeros((len(piece.matrix), *sides.shape[1:]), dtype=sides.dtype)
+        own[here] = sides[there]
+        return piece, own
+
+    return Superelement(size=piece.size, matrix=matrix, width=piece.width, expand=expand)
+
+
 def exchanged(piece: Superelement) -> Superelement:
     """The same piece with its fingers on the other electrode; inside, it keeps its own."""
     n = piece.size
@@ -84,11 +99,13 @@ def mirrored(piece: Superelement, odd: np.ndarray, phi_odd: bool) -> Superelemen
         left, right, back = piece.parts
         reflected = signs[:, None] * back[:, order] * all_signs
         parts = mirrored(right, odd, phi_odd), mirrored(left, odd, phi_odd), reflected
+    phi_sign = -all_signs[-1]  # of a moment, for x changes its sign
     return Superelement(
         size=n,
         matrix=all_signs[:, None] * piece.matrix[np.ix_(order, order)] * all_signs,
         width=piece.width,
         parts=parts,
+        moment=None if piece.moment is None else phi_sign * piece.moment[order] * all_signs,
     )
 
 
@@ -117,7 +134,8 @@ def lines(
     if piece.floating is not None:
         sides = np.concatenate([sides[:first], piece.floating[None] @ sides, sides[first + 1 :]])
     if piece.expand is not None:
-        piece, sides = piece.expand(sides)
+        yield from lines(*piece.expand(sides), start, finest=finest)
+        return
     if not piece.parts or piece.width <= finest:
         yield start, piece, sides
         return

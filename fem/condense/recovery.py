@@ -11,9 +11,17 @@ is an audit of the whole solve, and not an identity of one matrix.
 
 import numpy as np
 
-from fem.condense.superelement import Column, ElementSets, electrode_dofs, element_dofs, element_kind
+from fem.condense.superelement import (
+    Column,
+    ElementSets,
+    Superelement,
+    electrode_dofs,
+    element_dofs,
+    element_kind,
+)
 from fem.discretize.forms import element_matrix
 from fem.discretize.section import FIELD_COLUMN
+from fem.discretize.spectral import gll_nodes
 
 
 class ColumnField:
@@ -79,3 +87,46 @@ class ColumnField:
             if element > below:
                 break
         return total
+
+
+def finger_dipole(cell: Superelement) -> np.ndarray:
+    """First moment of the reactions on a cell's only finger about its middle, length units, (2 n + 1,).
+
+    As a function of the lines and the finger's potential.
+    """
+    left, right, back = cell.parts
+    moments = (finger_moment(half, side) for side, half in enumerate((left, right)))
+    return rows_of_parts(*moments, back)[:-1]
+
+
+def finger_moment(half: Superelement, side: int) -> np.ndarray:
+    """First moment of the reactions on half a finger about the end of its cell's left (0) or right half, (2 n + 2,).
+
+    All nodes of bare surface but that at the other end are free of charge.
+    """
+    if half.moment is not None:
+        return half.moment
+    column = half
+    while column.parts:
+        column = column.parts[0]
+    corner = column.column.section.surface_dofs["phi"]
+    if side:
+        return _moment(half, 0.0) - half.width * half.matrix[half.size + corner]
+    return _moment(half, -half.width) + half.width * half.matrix[corner]
+
+
+def _moment(piece: Superelement, start: float) -> np.ndarray:
+    if not piece.parts:
+        column = piece.column
+        reactions = ColumnField(column).surface_reactions(np.eye(len(piece.matrix)))
+        return (start + gll_nodes(column.section.order) * piece.width) @ reactions
+    left, right, back = piece.parts
+    return rows_of_parts(_moment(left, start), _moment(right, start + left.width), back)
+
+
+def rows_of_parts(left: np.ndarray, right: np.ndarray, back: np.ndarray) -> np.ndarray:
+    """Sum of two functions of the sides of two neighbours as one of the sides of both, (..., 2 n + potentials)."""
+    n = len(back)
+    return (left[..., n : 2 * n] + right[..., :n]) @ back + np.concatenate(
+        [left[..., :n], right[..., n : 2 * n], left[..., 2 * n :] + right[..., 2 * n :]], axis=-1
+    )

@@ -42,8 +42,11 @@ class Superelement:
     exchanged: bool = False
     # shape (2 n + 2,): for an open strip: its potential, in the place of electrode 0, as a function of the sides
     floating: np.ndarray | None = field(default=None, repr=False)
-    # for a superelement on lines reduced to a basis: its sides -> the same piece on full lines, and its sides
+    # its sides -> the same piece on full lines or with its own potentials, and its sides, for a superelement on lines
+    # reduced to a basis or with the potentials of a row
     expand: Callable[[np.ndarray], tuple["Superelement", np.ndarray]] | None = field(default=None, repr=False)
+    # shape (2 n + 2,): for half a finger's cell on reduced lines: `fem.condense.recovery.finger_moment`
+    moment: np.ndarray | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.condense.join import exchanged, joined, mirrored, open_circuited, repeated
+from fem.condense.join import exchanged, joined, mirrored, open_circuited, repeated, with_ports
+from fem.condense.recovery import finger_dipole, rows_of_parts
 from fem.condense.superelement import Superelement, condensed
 from fem.discretize.grading import Resolution, edge_layers, graded
 from fem.discretize.section import Section
@@ -130,11 +131,52 @@ def fingers_in_row(
             if stop - start == 1:
                 runs[key] = single(*fingers[start])
             else:
-                half = start + 2 ** ((stop - start - 1).bit_length() - 1)
+                half = start + _left_half(stop - start)
                 runs[key] = make.joined(run(start, half), run(half, stop))
         return runs[key]
 
     return run(0, len(fingers))
+
+
+def _left_half(count: int) -> int:
+    """Fingers in the left part of the superelement of a row."""
+    return 2 ** ((count - 1).bit_length() - 1)
+
+
+def finger_ports(row: Superelement, signs: str) -> tuple[Superelement, np.ndarray]:
+    """Superelement of a row of fingers with one potential for each finger "+" or "-", from left to right.
+
+    Also the first moments of these fingers' reactions about their middles as functions of its sides, length units,
+    shape (fingers, 2 n + fingers).
+    """
+    done: dict[tuple[int, int], tuple[Superelement, np.ndarray]] = {}
+
+    def of(piece: Superelement, own: str) -> tuple[Superelement, np.ndarray]:
+        key = id(piece), len(own)
+        if key not in done:
+            done[key] = _single(piece, own) if len(own) == 1 else both(piece, own)
+        return done[key]
+
+    def both(piece: Superelement, own: str) -> tuple[Superelement, np.ndarray]:
+        half = _left_half(len(own))
+        (left, below), (right, above) = of(piece.parts[0], own[:half]), of(piece.parts[1], own[half:])
+        first, count = len(below), len(below) + len(above)
+        left = with_ports(left, range(first), range(first), count)
+        right = with_ports(right, range(count - first), range(first, count), count)
+        whole = joined(left, right)
+        n = piece.size
+        moments = np.zeros((2, count, 2 * n + count), dtype=complex)
+        moments[0, :first, : 2 * n + first] = below
+        moments[1, first:, np.r_[0 : 2 * n, 2 * n + first : 2 * n + count]] = above.T
+        return whole, rows_of_parts(*moments, whole.parts[2])
+
+    return of(row, signs)
+
+
+def _single(piece: Superelement, sign: str) -> tuple[Superelement, np.ndarray]:
+    if sign not in "+-":
+        return with_ports(piece, [], [], 0), np.zeros((0, 2 * piece.size))
+    return with_ports(piece, ["+-".index(sign)], [0], 1), finger_dipole(piece)[None]
 
 
 def transducer_superelements(

@@ -29,7 +29,10 @@ from fem.waveguide.port_fields import PortFields, joined_fields
 
 @dataclass(frozen=True, kw_only=True)
 class HalfCell:
-    """Projected half cells of one kind of finger at the nodes, electrode 0: shape (nodes, 2 r + 2, 2 r + 2) each."""
+    """Projected half cells of one kind of finger at the nodes, electrode 0, with the row of the finger's moment.
+
+    Shape (nodes, 2 r + 3, 2 r + 2) each.
+    """
 
     rising: np.ndarray = field(repr=False)
     falling: np.ndarray | None = field(repr=False)
@@ -108,9 +111,8 @@ class ReducedModel:
         halves, section = self.half_cells[shape], self.section
 
         def interpolated(stack: np.ndarray) -> Superelement:
-            return Superelement(
-                size=section.size, matrix=np.tensordot(weights, stack, axes=1), width=halves.width
-            )
+            *matrix, moment = np.tensordot(weights, stack, axes=1)
+            return Superelement(size=section.size, matrix=np.array(matrix), width=halves.width, moment=moment)
 
         def expanded(half: Superelement, side: int) -> Superelement:
             return replace(half, expand=lambda sides: full.half_cell(shape, side, sides))

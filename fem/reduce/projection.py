@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem.circuit import Drive
+from fem.condense.recovery import finger_moment
 from fem.condense.superelement import PORTS
 from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.discretize.elements import discretise
@@ -65,7 +66,7 @@ class NodeSolutions:
 
     section: Section
     resolution: Resolution
-    # by finger shape: at every node the matrices of the rising and the falling half
+    # by finger shape: at every node the matrices of the rising and the falling half, their moments below
     half_cells: dict = field(repr=False)
     walls: list = field(repr=False)  # at every node, or empty
     fields: tuple = field(repr=False)  # seen on the lines in mid-gap and in mid-finger
@@ -95,7 +96,12 @@ def solve_at_nodes(problem: BandProblem, resolution: Resolution) -> NodeSolution
             *seen, solution = snapshots(
                 stator, transducers, section, frequency, halves, resolution, problem.drive, arriving
             )
-        matrices = {shape: tuple(half.matrix for half in pair) for shape, pair in halves.items()}
+        matrices = {
+            shape: tuple(
+                np.vstack([half.matrix, finger_moment(half, side)]) for side, half in enumerate(pair)
+            )
+            for shape, pair in halves.items()
+        }
         return matrices, walls, seen, solution
 
     nodes = side_by_side(at_node, range(len(squares)))
@@ -148,6 +154,9 @@ def _projected_halves(pairs: list[tuple], bases, width: float, both: bool) -> Ha
     for frame, (left, right) in ((rising_frame, (gap, finger)), (falling_frame, (finger, gap))):
         frame[:n, :r], frame[n : 2 * n, r : 2 * r] = left, right
         frame[2 * n :, 2 * r :] = np.eye(PORTS)
-    rising = np.stack([rising_frame.T @ rising @ rising_frame for rising, _ in pairs])
-    falling = np.stack([falling_frame.T @ falling @ falling_frame for _, falling in pairs]) if both else None
+    rising, falling = (
+        np.stack([np.vstack([frame.T @ half[:-1], half[-1:]]) @ frame for half in halves])
+        for frame, halves in zip((rising_frame, falling_frame), zip(*pairs, strict=True), strict=True)
+    )
+    falling = falling if both else None
     return HalfCell(rising=rising, falling=falling, width=width)

@@ -5,7 +5,8 @@ the imaginary moduli, element by element (recovery.py), and the power in from ci
 different origin that must balance.
 
 With finite apertures (fem.beam.reception) the lines carry the mean waves over each transducer's aperture.  What one
-sends and the next does not receive is then counted as lost: in the solid, or past its aperture.
+sends and the next does not receive is then counted as lost: in the solid, or past its aperture.  What a transducer's
+charges send more or less than in the section, for their own finite aperture, counts to both of its sides alike.
 """
 
 from dataclasses import dataclass
@@ -71,9 +72,17 @@ def power_balance(solution: Solution) -> PowerBalance:
         taken = aperture * np.pi * frequency * np.imag(np.sum(reaction * np.conj(sides[2 * n :])))
         lost = aperture * sum(recovery.loss(places) for recovery, _, places in column_fields(solution, index))
         worst = max(worst, abs(taken - (fluxes[1] - fluxes[0]) - lost))
+        name = fields.transducers[index].name
+        beyond = 0.0
+        if fields.own_apertures:
+            at_port = 0.0
+            if name in circuit.names:
+                port = circuit.names.index(name)
+                at_port = 0.5 * np.real(circuit.voltages[port] * np.conj(circuit.currents[port]))
+            beyond, taken = at_port - taken, at_port
         lost_under += lost
-        into_loads -= 0.0 if fields.transducers[index].name in circuit.driven else taken
-        through.append(fluxes)
+        into_loads -= 0.0 if name in circuit.driven else taken
+        through.append((fluxes[0] - beyond / 2, fluxes[1] + beyond / 2))
     left, right = -through[0][0], through[-1][1]
     between = sum(one[1] - other[0] for one, other in pairwise(through))
     if fields.network.ends != "absorbing":  # what leaves towards an end is lost on the way there and back

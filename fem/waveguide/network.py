@@ -28,8 +28,8 @@ class Scatterer:
 
     superelement: Superelement
     modes: GuidedModes
-    # shape (2, ports): electrode potentials of each port: half and minus half for the voltage; one and one for the
-    # mean where the section is grounded (elsewhere the mean is a matter of gauge)
+    # shape (2, ports), or a row for each finger: electrode potentials of each port: half and minus half for the
+    # voltage; one and one for the mean where the section is grounded (elsewhere the mean is a matter of gauge)
     potentials: np.ndarray
 
     @cached_property
@@ -203,9 +203,9 @@ class Network:
             for columns, slot in sources:
                 weights[columns] = amplitudes[slot]
             weights[own, mine] = np.eye(own.stop - own.start)
-            sides.append(lines @ weights)
+            sides.append(np.concatenate([lines, potentials]) @ weights)
             incoming.append(arriving @ weights)
-            charges[mine] = scatterer.charge(sides[-1], potentials @ weights)
+            charges[mine] = scatterer.charge(*np.split(sides[-1], [len(lines)]))
         return PortSolution(
             sides=tuple(sides), incoming=tuple(incoming), charges=charges, coupling=coupling, waves=waves
         )
@@ -215,11 +215,14 @@ class Network:
 class PortSolution:
     """Fields per unit of scaled potential at each port."""
 
-    # sides, incoming: shape (2 n, ports): of each scatterer: its lines, and the part of them that comes in
+    # shape (2 n + electrodes, ports): of each scatterer: its lines and the potentials of its electrodes
     sides: tuple[np.ndarray, ...] = field(repr=False)
+    # shape (2 n, ports): the part of the lines that comes in
     incoming: tuple[np.ndarray, ...] = field(repr=False)
     charges: np.ndarray  # shape (ports, ports): reactions q, scaled; symmetric
     # shape (waves, waves): M of (1 - M) a = a_sent: amplitudes that leave scatterers and ends from those that
     # left the ones beside them. The stator resonates where an eigenvalue of M is near 1.
     coupling: np.ndarray = field(repr=False)
     waves: np.ndarray = field(repr=False)  # shape (waves,): number of the mode of each of these amplitudes
+    # shape (fingers, ports): of each scatterer: first moments of the reactions that its lines do not have
+    dipoles: tuple[np.ndarray, ...] = field(default=(), repr=False)

@@ -44,7 +44,7 @@ class PortFields:
     resolution: Resolution
     names: tuple[str, ...]  # transducers that are ports, from left to right
     # shape (2 n + 2, ports): of each transducer: left line, right line, potentials of the positive and
-    # negative electrode; scaled
+    # negative electrode, or of every finger (fem.beam.reception); scaled
     sides: tuple[np.ndarray, ...] = field(repr=False)
     # shape (2 n, ports): the part of its lines that comes in
     incoming: tuple[np.ndarray, ...] = field(repr=False)
@@ -56,6 +56,9 @@ class PortFields:
     own_apertures: bool = (
         False  # each transducer's charge is that of its whole aperture, not of the shared beam
     )
+    # shape (fingers, ports): of each transducer: first moments of the reactions on its charged fingers that its lines
+    # do not have, length units; scaled; or empty
+    dipoles: tuple[np.ndarray, ...] = field(default=(), repr=False)
 
     @property
     def section(self) -> Section:
@@ -187,7 +190,6 @@ def connected(
     voltage = np.concatenate([own.sum(axis=0) == 0 for own in potentials])  # +1/2 and -1/2; a mean has 1s
     uncharged = _uncharged(admittances, voltage)
     volts = uncharged / medium.potential_unit
-    weights = np.split(volts, np.cumsum(counts)[:-1])
     return PortFields(
         stator=stator,
         transducers=transducers,
@@ -195,15 +197,13 @@ def connected(
         network=network,
         resolution=resolution,
         names=tuple(transducers[owner].name for owner in owners[voltage]),
-        sides=tuple(
-            np.concatenate([lines @ volts, own @ weight])
-            for lines, own, weight in zip(solution.sides, potentials, weights, strict=True)
-        ),
+        sides=tuple(lines @ volts for lines in solution.sides),
         incoming=tuple(lines @ volts for lines in solution.incoming),
         admittances=(admittances @ uncharged)[voltage],
         coupling=solution.coupling,
         waves=solution.waves,
         own_apertures=own_apertures,
+        dipoles=tuple(each @ volts for each in solution.dipoles),
     )
 
 

@@ -75,17 +75,6 @@ def _aperture(record: Record) -> Iterator[NeglectedEffect]:
         size=max((float(each) - 1 for each in ratios), key=abs),
         source="the beam between side faces that reflect it as mirrors against none, or the other way round",
     )
-    if not fem.isotropic_about_normal(motion.wave.solution.fields.stator.solid):
-        return
-    index = [each.name for each in motion.beam.solution.fields.transducers].index(
-        record.scene.driven_transducer.name
-    )
-    yield NeglectedEffect(
-        effect="a transducer's response to the finite aperture of its own charges",
-        quantity="its conductance",
-        size=motion.beam.radiated_share(index) - 1,
-        source="power of the surface wave that its charges send to all sides, over that of the section",
-    )
 
 
 def _crossed(record: Record, places) -> Iterator[NeglectedEffect]:

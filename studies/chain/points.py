@@ -201,6 +201,40 @@ def contact_load(slider, orbits: tuple, threshold: float) -> dict:
     return found
 
 
+def averaged(asked: list[tuple], threads: int | None = None) -> list[tuple]:
+    """Return averaged steady states, each of (slider, orbits, wave error, factor on the orbits).
+
+    An answer is velocity, regime, error, error from the wave and blocked thrust.  Those with equally many orbits are
+    computed side by side, in one compiled loop (`contact.steady_sweep`); what averaging does not know has the regime
+    "unknown".
+    """
+    import contact
+
+    groups, answers = {}, [()] * len(asked)
+    for at, (_, orbits, _, _) in enumerate(asked):
+        groups.setdefault(len(orbits), []).append(at)
+    for members in groups.values():
+        some, sliders, waves = [asked[at] for at in members], {}, {}
+        which = [
+            (sliders.setdefault(slider, len(sliders)), waves.setdefault((orbits, error), len(waves)))
+            for slider, orbits, error, _ in some
+        ]
+        orbits, errors = zip(*waves, strict=True)
+        found = contact.steady_sweep(
+            list(sliders),
+            orbits,
+            which=which,
+            factors=[each[-1] for each in some],
+            wave_errors=errors,
+            threads=threads,
+        )
+        names = ("velocity", "regime", "relative_error", "error_from_wave", "blocked_thrust")
+        rows = zip(*(getattr(found, name).tolist() for name in names), strict=True)
+        for at, row in zip(members, rows, strict=True):
+            answers[at] = row
+    return answers
+
+
 def half_thrust(slider, orbits: tuple, thrust: float, tolerance: float) -> tuple[float, float]:
     """Return what a slider gives out under half of its blocked thrust (N), W, and over what the wave puts in."""
     import contact

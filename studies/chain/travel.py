@@ -38,9 +38,9 @@ class WaveAlong:
 class Travel:
     """Motion along the field."""
 
-    time: np.ndarray  # s; m/s along +x; displacement from the beginning in m
-    velocity: np.ndarray  # s; m/s along +x; displacement from the beginning in m
-    place: np.ndarray  # s; m/s along +x; displacement from the beginning in m
+    time: np.ndarray  # s
+    velocity: np.ndarray  # m/s along +x
+    place: np.ndarray  # displacement from the beginning, m
     held_velocity: np.ndarray  # of the same equation at one place, m/s
     ended: bool  # whether a ball reached the stator's end, where the motion stops being followed
     error: float  # of the change of velocity at the end, m/s: from half as many places, speeds and steps

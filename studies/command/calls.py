@@ -117,7 +117,7 @@ def _show(arguments: argparse.Namespace, whole: dict, text: str) -> None:
 def _say(sentences) -> None:
     """Say something on stderr."""
     for each in sentences:
-        print(f"sawmotor: {each}", file=sys.stderr)
+        print(f"sawmotor: {each}", file=sys.stderr, flush=True)
 
 
 def _warn(warnings) -> None:
@@ -209,11 +209,8 @@ def view(arguments: argparse.Namespace) -> int:
 
     wanted = Wanted.read(arguments)
 
-    def note(text: str) -> None:
-        print(f"sawmotor: {text}", file=sys.stderr, flush=True)
-
     with Progress() as progress:
-        show(arguments.run, wanted, progress=progress, note=note)
+        show(arguments.run, wanted, progress=progress, note=lambda text: _say([text]))
     print("\n".join(wanted.files.values()), end="\n" if wanted.files else "")
     return 0
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from studies.chain import bridge
 from studies.chain.driven_contact import DrivenContact, given_contact
+from studies.chain.points import averaged
 from studies.chain.surface_motion import solved_motion
 from studies.inverse.data import Measurement
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
@@ -93,8 +94,12 @@ class Predictor:
                 answers[k] = self._burst(measurement, contact, float(factors[0]))
             else:
                 answers[k] = np.array([contact.slider.tangential_resonance(len(contact.orbits))])
-        for (k, _, _), found in zip(states, self._steady(states), strict=True):
-            answers[k] = found
+        asked = [
+            (contact.slider, contact.orbits, 0.0, float(f)) for _, contact, factors in states for f in factors
+        ]
+        rows = iter(averaged(asked))
+        for k, contact, factors in states:
+            answers[k] = np.array([_steady(contact, float(f), *next(rows)) for f in factors])
         return answers
 
     def _contact(self, numbers: dict) -> DrivenContact:
@@ -144,35 +149,6 @@ class Predictor:
             )
         return levels * numbers[AMPLITUDE_PER_VOLT]
 
-    def _steady(self, states: list) -> list[np.ndarray]:
-        """Return the steady velocities of (number, contact, factors)."""
-        import contact as library
-
-        groups, answers = {}, [None] * len(states)
-        for at, (_, contact, _) in enumerate(states):
-            groups.setdefault(len(contact.orbits), []).append(at)
-        for members in groups.values():
-            waves, which, factors = {}, [], []
-            for row, at in enumerate(members):
-                _, contact, own = states[at]
-                wave = waves.setdefault(contact.orbits, len(waves))
-                which += [(row, wave)] * len(own)
-                factors += list(own)
-            sliders = [states[at][1].slider for at in members]
-            found = library.steady_sweep(
-                sliders, list(waves), which=np.array(which), factors=np.array(factors),
-                wave_errors=np.zeros(len(waves)),
-            )  # fmt: skip
-            good = (found.regime != "unknown") & (found.relative_error < TRUSTED)
-            velocity, first = np.where(good, found.velocity, math.nan), 0
-            for at in members:
-                _, contact, own = states[at]
-                answers[at] = velocity[first : first + len(own)].copy()
-                for k in np.flatnonzero(np.isnan(answers[at])):
-                    answers[at][k] = _alone(contact, float(own[k]))
-                first += len(own)
-        return answers
-
     def _burst(self, measurement: Measurement, contact: DrivenContact, level: float) -> np.ndarray:
         """Return v at the instants of a burst."""
         import contact as library
@@ -181,37 +157,41 @@ class Predictor:
         if duration is None:
             key = "wave.burst" if self.given_wave else "drive.burst"
             raise SceneError(f"--data {measurement.name}", f'holds a burst: give {key}="0.1 s" with the file')
+        envelope, fading = self._envelopes(contact.scene, duration)
+        after = max(0.0, 1.01 * measurement.time[-1] - duration)
         try:
             found = library.burst(
-                contact.slider, bridge.scaled(contact.orbits, level), duration=duration,
-                after=max(0.0, 1.01 * measurement.time[-1] - duration), tolerance=BURST_TOLERANCE, samples=SAMPLES,
-                envelope=self._envelope(contact.scene, duration),
+                contact.slider, contact.at(level), duration=duration, envelope=envelope, tolerance=BURST_TOLERANCE,
+                after=after if fading is None else (after, fading), samples=SAMPLES,
             )  # fmt: skip
         except library.ConvergenceError:
             return np.full(len(measurement.time), math.nan)
         return np.interp(measurement.time, found.time, found.velocity)
 
-    def _envelope(self, scene: Scene, duration: float):
-        """Return how the surface's motion grows, where it does so within a share of the burst that matters."""
+    def _envelopes(self, scene: Scene, duration: float) -> tuple:
+        """Return how the surface's motion grows and fades, where that takes a share of the burst that matters."""
         if self.given_wave:
-            return None
+            return None, None
         from studies.chain.ring_up import ring_up
 
         plain = replace(scene, slider=None, drive=replace(scene.drive, voltage=(1.0,)))
-        name = (plain, scene.slider.center[0])
+        name = (plain, scene.slider.center)
         if name not in self._ring_ups:
-            self._ring_ups[name] = ring_up(plain, scene.slider.center[0], progress=self.progress)
+            self._ring_ups[name] = ring_up(plain, scene.slider.center, progress=self.progress)
         found = self._ring_ups[name]
         if found.found is None or found.found.settling < 1e-2 * duration:
-            return None
-        return found.envelope
+            return None, None
+        return found.envelope, found.ring_down
 
 
-def _alone(contact: DrivenContact, factor: float) -> float:
+def _steady(contact: DrivenContact, factor: float, velocity: float, regime: str, error: float, *_) -> float:
+    """Return an averaged velocity that is good enough, or that of the motion itself."""
     import contact as library
 
+    if regime != "unknown" and error < TRUSTED:
+        return velocity
     try:
-        found = library.steady(contact.slider, bridge.scaled(contact.orbits, factor), tolerance=ALONE)
+        found = library.steady(contact.slider, contact.at(factor), tolerance=ALONE)
     except library.ConvergenceError:
         return math.nan
     except ValueError as error:

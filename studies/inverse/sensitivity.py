@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 
 from studies.chain.driven_contact import DrivenContact
-from studies.chain.points import half_thrust
+from studies.chain.points import averaged, half_thrust
 from studies.inverse.prediction import Predictor
 from studies.refusal import SceneError
 from studies.scene import Scene
@@ -146,14 +146,10 @@ def _answers(outcome: str, asked: list[tuple[DrivenContact, float]], duration: f
         return [factor(contact.slider, contact.orbits) for contact, _ in asked]
     if outcome == "start-up time":
         return [_start_up(contact, level, duration) for contact, level in asked]
-    found = library.steady_sweep(
-        [contact.slider for contact, _ in asked], [contact.orbits for contact, _ in asked],
-        which=np.arange(len(asked)).repeat(2).reshape(-1, 2), factors=np.array([level for _, level in asked]),
-        wave_errors=np.zeros(len(asked)),
-    )  # fmt: skip
+    rows = averaged([(each.slider, each.orbits, 0.0, level) for each, level in asked])
     if outcome == "velocity":
-        return np.abs(found.velocity).tolist()
-    thrusts = zip(found.blocked_thrust.tolist(), asked, strict=True)
+        return [abs(row[0]) for row in rows]
+    thrusts = [(row[-1], each) for row, each in zip(rows, asked, strict=True)]
     if outcome == "thrust":
         return [thrust * each.scene.slider.mass / each.slider.mass for thrust, (each, _) in thrusts]
     return [

@@ -52,9 +52,11 @@ def run(
         chosen.refuse("slider.preload", "must be positive, with friction, for a map of regimes")
     at, loads, reach = _grid(driven, per_metre, amplitudes, preloads)
     progress(f"regime map: {at.size * loads.size} steady states")
-    found = contact.steady_map(slider, per_metre, factors=at, preloads=loads)
-    kind = np.where((found.regime == "intermittent") & (found.height < 0.0), "hopping", found.regime)
     loaded = [replace(slider, preload=float(preload)) for preload in loads]
+    which = np.stack([*np.indices((loads.size, 1))], axis=-1).repeat(at.size, axis=1)
+    factors = np.tile(at, (loads.size, 1))
+    found = contact.steady_sweep(loaded, [per_metre], which=which, factors=factors, wave_errors=[0.0])
+    kind = np.where((found.regime == "intermittent") & (found.height < 0.0), "hopping", found.regime)
     shares = sum(abs(orbit.normal) ** 1.5 for orbit in per_metre)
     lines = {
         "threshold": np.array([contact.threshold_factor(s, per_metre) for s in loaded]),

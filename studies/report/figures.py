@@ -31,14 +31,11 @@ __all__ = [
     "new_figure",
     "own",
     "pictures",
-    "profile",
     "refuse_without_toolkit",
     "saved",
     "shaded",
     "show",
-    "surface",
     "titled",
-    "trajectories",
     "velocity",
 ]
 
@@ -265,13 +262,13 @@ def _power_axis(record: Record, ax) -> None:
     import numpy as np
     from matplotlib.ticker import MaxNLocator
 
-    def power(voltage):
-        return available * np.maximum(voltage, 0.0) ** 2
-
-    def voltage(power):
-        return np.sqrt(np.maximum(power, 0.0) / available)
-
-    upper = ax.secondary_xaxis("top", functions=(power, voltage))
+    upper = ax.secondary_xaxis(
+        "top",
+        functions=(
+            lambda voltage: available * np.maximum(voltage, 0.0) ** 2,
+            lambda power: np.sqrt(np.maximum(power, 0.0) / available),
+        ),
+    )
     upper.xaxis.set_major_locator(MaxNLocator(6))
     upper.set_xlabel("available power (W)")
 
@@ -317,6 +314,13 @@ def surface(record: Record, ax):
             shaded(ax, (center - half) * scale, (center + half) * scale)
     if scene.slider is not None:
         ax.axvline(scene.slider.center[0] * scale, color=COLOURS["line"], linestyle=":", label="slider")
+    if "section_normal_m_per_V" in record.wave and scene.slider is not None:
+        place = [scene.slider.center[0] * scale]
+        for part, colour, what in (
+            ("normal", "slip", "finite aperture"),
+            ("tangential", "intermittent", None),
+        ):
+            curve(ax, place, [abs(record.wave[f"{part}_m_per_V"]) * 1e9], "D", colour, what, size=6.0)
     ax.set_ylim(bottom=0)
     title = f"{scene.title}: {record.wave['frequency_Hz'] / 1e6:g} MHz"
     return finished(ax, label, "amplitude per volt, peak (nm/V)", title, grid=False)

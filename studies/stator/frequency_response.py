@@ -14,7 +14,7 @@ import fem
 from studies.chain import bridge, passband
 from studies.chain.spectrum import response
 from studies.chain.surface_motion import surface_motion
-from studies.report.figures import lines, shaded
+from studies.report.figures import curve, lines, shaded
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
@@ -55,6 +55,7 @@ def run(
     middle_delay = float(np.median(delay[inside]))
     ratio = float(abs(surface).max() / theory.max())
     title = f"{chosen.title}: x = {place * 1e3:g} mm, plane section"
+    aperture, spreading = _aperture(chosen, place, tolerance, progress)
     panels = (
         Panel(
             name="amplitude",
@@ -66,7 +67,8 @@ def run(
                 "estimate_m_per_V": theory,
                 "half_power_Hz": np.array(band),
                 "relative_error": max(each.relative_error for each in waves),
-            },
+            }
+            | aperture,
         ),
         Panel(
             name="group_delay",
@@ -89,25 +91,24 @@ def run(
             middle_delay * free.velocity / way, low=0.9, high=1.1, expected="1, within 10 %",
         ),
     )  # fmt: skip
-    return panels, findings + _aperture(chosen, place, tolerance, progress)
+    return panels, findings + spreading
 
 
-def _aperture(scene: Scene, place: float, tolerance: float, progress) -> tuple[Finding, ...]:
-    """Return what the finite aperture makes of the section's amplitude at the drive's frequency, where it counts."""
+def _aperture(scene: Scene, place: float, tolerance: float, progress) -> tuple[dict, tuple[Finding, ...]]:
+    """Return the amplitude of the finite aperture at the drive's frequency, where it counts, and what it changes."""
     if not resolved.diffracts(scene):
-        return ()
+        return {}, ()
     progress("stator: the beam at the drive's frequency")
     at = (place, 0.0) if scene.slider is None else scene.slider.center
     section = bridge.driven_section(scene, tolerance=tolerance, places=(place,))
-    motion = surface_motion(section, scene.stator, [at])
-    ratio = abs(motion.at([at])[2, 0] / section.motion(place)[1])
-    return (
-        Finding.judged(
-            "The finite aperture changes the amplitude at the slider.",
-            f"|u_z| in three dimensions over that of the plane section at {scene.frequency / 1e6:.5g} MHz",
-            ratio, low=0.3, high=2, remark="all curves are of the plane section, where the wave does not spread",
-        ),
+    found = abs(surface_motion(section, scene.stator, [at]).at([at])[2, 0])
+    finding = Finding.judged(
+        "The finite aperture changes the amplitude at the slider.",
+        f"|u_z| in three dimensions over that of the plane section at {scene.frequency / 1e6:.5g} MHz",
+        found / abs(section.motion(place)[1]), low=0.3, high=2,
+        remark="all curves are of the plane section, where the wave does not spread",
     )  # fmt: skip
+    return {"drive_frequency_Hz": scene.frequency, "finite_aperture_m_per_V": found}, (finding,)
 
 
 @of_record
@@ -124,7 +125,12 @@ def figure(record: Panel, ax):
         ("estimate_m_per_V", "-", "line", "no reflections, no bulk waves (estimate)"),
     )
     shaded(ax, *data["half_power_Hz"] / 1e6, "half of the power")
-    ax.set_ylim(0, 1.05e9 * max(abs(data[key]).max() for key, *_ in rows))
+    sizes = [abs(data[key]).max() for key, *_ in rows]
+    if "finite_aperture_m_per_V" in data:
+        sizes.append(data["finite_aperture_m_per_V"])
+        at, label = data["drive_frequency_Hz"] / 1e6, "finite aperture, at the drive's frequency"
+        curve(ax, [at], [sizes[-1] * 1e9], "D", "intermittent", label, size=6.0)
+    ax.set_ylim(0, 1.05e9 * max(sizes))
     return lines(
         ax, record, "frequency_Hz", rows, "normal amplitude per volt, peak (nm/V)", factor=1e9, columns=2
     )

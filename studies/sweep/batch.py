@@ -7,11 +7,12 @@ whatever that does not know or reach - other laws, bursts, stiff contacts - is s
 
 import math
 import time
+from contextlib import suppress
 from dataclasses import replace
 from functools import lru_cache
 
 from studies.chain import bridge
-from studies.chain.points import slider_answer
+from studies.chain.points import averaged, slider_answer
 from studies.chain.surface_motion import solved_motion
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
@@ -105,52 +106,21 @@ def _places(slider) -> tuple[tuple[float, float], ...]:
 
 def _mapped(question, ready: dict[int, Driven], threads) -> dict[int, dict]:
     """Return the answers of those points that the compiled loop reaches within the tolerance."""
-    import contact
-
-    groups = {}
+    asked, answers = {}, {}
     for point, driven in ready.items():
-        if driven.scene.burst is None and driven.scene.slider.method in MAPPED:
-            groups.setdefault(len(driven.orbits), []).append(point)
-    answers = {}
-    for points in groups.values():
-        index, sliders, waves, which = {}, [], {}, []
-        for point in points:
-            driven, block = ready[point], ready[point].scene.slider
-            if block not in index:
-                try:
-                    sliders.append(bridge.contact_slider(block))
-                    index[block] = len(sliders) - 1
-                except ValueError:
-                    index[block] = None  # refused by name when it is solved by itself
-            which.append((index[block], waves.setdefault((driven.orbits, driven.error), len(waves))))
-        kept = [k for k, (slider, _) in enumerate(which) if slider is not None]
-        if not kept:
-            continue
-        found = contact.steady_sweep(
-            sliders,
-            [orbits for orbits, _ in waves],
-            which=[which[k] for k in kept],
-            factors=[ready[points[k]].level for k in kept],
-            wave_errors=[error for _, error in waves],
-            threads=threads,
-        )
-        columns = (
-            found.velocity,
-            found.regime,
-            found.relative_error,
-            found.error_from_wave,
-            found.blocked_thrust,
-        )
-        for k, row in zip(kept, zip(*(column.tolist() for column in columns), strict=True), strict=True):
-            velocity, regime, of_contact, of_stator, thrust = row
-            if regime == "unknown" or of_contact > SHARE * question.tolerance:
-                continue
-            answers[points[k]] = {
-                "velocity_m_per_s": velocity,
-                "regime": regime,
-                "thrust_N": thrust,
-            } | _judged(question, of_stator, of_contact, "ok")
+        block = driven.scene.slider
+        if driven.scene.burst is None and block.method in MAPPED:
+            with suppress(ValueError):  # refused by name when it is solved by itself
+                asked[point] = (_contact_slider(block), driven.orbits, driven.error, driven.level)
+    for point, row in zip(asked, averaged(list(asked.values()), threads), strict=True):
+        velocity, regime, of_contact, of_stator, thrust = row
+        if regime != "unknown" and of_contact <= SHARE * question.tolerance:
+            found = {"velocity_m_per_s": velocity, "regime": regime, "thrust_N": thrust}
+            answers[point] = found | _judged(question, of_stator, of_contact, "ok")
     return answers
+
+
+_contact_slider = lru_cache(10_000)(bridge.contact_slider)
 
 
 def _one(question, driven: Driven) -> dict:

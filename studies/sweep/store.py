@@ -35,7 +35,7 @@ create table if not exists batches (finished text default current_timestamp, poi
 
 
 class Store:
-    """The points of one sweep, in a folder whose lock it holds, or in memory; a context manager."""
+    """The points of one sweep, in a folder whose lock it holds, or in memory."""
 
     def __init__(self, folder: Path | None, design: Design):
         self.folder, self._names = folder, (*design.question.keys, *design.question.outcomes)
@@ -52,13 +52,6 @@ class Store:
             raise
         marks = ", ".join("?" * (len(self._names) + 1))
         self._insert = f"insert or replace into points values ({marks})"
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        if self.folder is not None:
-            self.close()
 
     def close(self) -> None:
         """Close the file and give the lock back."""

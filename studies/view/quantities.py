@@ -7,6 +7,7 @@ what is never negative.  Both are told apart by colour-blind eyes and change eve
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import matplotlib
 import numpy as np
@@ -33,58 +34,32 @@ SCALE = 192  # colours of a map in a palette of 256
 DIVERGING, SEQUENTIAL = "RdBu_r", "Blues"
 
 
-@dataclass(frozen=True, kw_only=True)
-class Quantity:
+class Quantity(NamedTuple):
     """Something to colour the field by."""
 
     name: str  # as it is asked for
     title: str  # as it is written
     units: tuple[str, str]  # per volt of the source, and over u_z at the surface of a free wave
     scales: tuple[float, float]  # from SI to those
+    parts: Callable  # mean and complex amplitude, in SI, of a WaveField
     signed: bool = True  # whether it takes both signs
     turns: int = 1  # n, its frequency over the wave's
-    parts: Callable  # mean and complex amplitude, in SI, of a WaveField
 
 
+LENGTH = ("nm per V", "over u_z"), (NM, 1.0)
 QUANTITIES = {
     each.name: each
     for each in (
-        *(
-            Quantity(
-                name=f"u_{axis}",
-                title=f"u_{axis}",
-                units=("nm per V", "over u_z"),
-                scales=(NM, 1.0),
-                parts=lambda f, k=k: (0.0, f.displacement[..., k]),
-            )
-            for axis, k in (("z", 2), ("x", 0), ("y", 1))
-        ),
-        Quantity(
-            name="potential",
-            title="potential",
-            units=("V per V", "V per nm"),
-            scales=(1.0, 1 / NM),
-            parts=lambda f: (0.0, f.potential),
-        ),
-        Quantity(
-            name="strain_energy",
-            title="strain energy",
-            units=("mJ/m^3 per V^2", "J/m^3 per nm^2"),
-            scales=(1e3, NM**-2),
-            signed=False,
-            turns=2,
-            parts=lambda f: (f.densities.strain_energy, f.densities.strain_energy_pulse),
-        ),
-        Quantity(
-            name="power_flow",
-            title="power flow along x",
-            units=("W/m^2 per V^2", "W/m^2 per nm^2"),
-            scales=(1.0, NM**-2),
-            turns=2,
-            parts=lambda f: (f.densities.power_flow[..., 0], f.densities.power_flow_pulse[..., 0]),
-        ),
+        Quantity("u_z", "u_z", *LENGTH, lambda f: (0.0, f.displacement[..., 2])),
+        Quantity("u_x", "u_x", *LENGTH, lambda f: (0.0, f.displacement[..., 0])),
+        Quantity("u_y", "u_y", *LENGTH, lambda f: (0.0, f.displacement[..., 1])),
+        Quantity("potential", "potential", ("V per V", "V per nm"), (1.0, 1 / NM), lambda f: (0.0, f.potential)),
+        Quantity("strain_energy", "strain energy", ("mJ/m^3 per V^2", "J/m^3 per nm^2"), (1e3, NM**-2),
+                 lambda f: (f.densities.strain_energy, f.densities.strain_energy_pulse), signed=False, turns=2),
+        Quantity("power_flow", "power flow along x", ("W/m^2 per V^2", "W/m^2 per nm^2"), (1.0, NM**-2),
+                 lambda f: (f.densities.power_flow[..., 0], f.densities.power_flow_pulse[..., 0]), turns=2),
     )
-}
+}  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,6 +1,6 @@
 """The contact's costs and accuracies: prints its tables, each figure beside the one asked for.
 
-    python tests/benchmarks/contact_ways.py
+    python -m tests.benchmarks.contact_ways
 
 A figure that is not reached is marked SHORT. The seed's slider (1 mm ball, 0.089 g, mu 0.08) on its 2.2 MHz wave.
 Times are the best of three, kernels compiled beforehand; errors are relative to max(|v|, omega |u_x|/10).
@@ -21,6 +21,7 @@ import numpy as np
 
 import contact
 from contact.answers.methods import rest, rest_problem
+from tests.contact.motors import steady_map
 
 SLIDER = contact.Slider(
     radius=1e-3, mass=0.089e-3, preload=0.089e-3 * 9.81, load=0.0, friction_coefficient=0.08, effective_modulus=64e9,
@@ -124,9 +125,7 @@ def steady_states():
     factors, preloads = np.linspace(0.5, 20.0, 40), np.geomspace(1e-4, 1e-2, 25)
     for workers in (1, 2):
         found, spent = timed(
-            lambda w=workers: contact.steady_map(
-                SLIDER, orbit(1e-9), factors=factors, preloads=preloads, threads=w
-            )
+            lambda w=workers: steady_map(SLIDER, orbit(1e-9), factors=factors, preloads=preloads, threads=w)
         )
         print(
             f"map of {found.velocity.size} steady states, {workers} threads: {spent:.3f} s {asked(spent, 0.5, 's')}, "

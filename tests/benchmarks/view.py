@@ -28,20 +28,18 @@ def first_picture(folder: Path) -> tuple[float, float]:
 
 def pictures(folder: Path, quantity: str) -> tuple[float, float]:
     """Moving pictures per second of the whole stator and of the slider, 1000 x 400, each read back."""
-    from studies.view.stage import Stage, chosen_views
-
     from studies.view.run_field import run_field
+    from studies.view.section import Section, chosen_views
 
     found = run_field(folder, progress=lambda text: None)
-    stage = Stage(
-        found, chosen_views(found, None), quantity=quantity, phase=0.0, factor=None, size=(1000, 400),
-        off_screen=True, smooth=False,
-    )  # fmt: skip
-    stage.image()
+    given = {"quantity": quantity, "phase": 0.0, "factor": None, "size": (1000, 400)}
+    drawn = Section(found, chosen_views(found, None), **given)
+    drawn.figure.canvas.draw()
     begun, before = time.perf_counter(), time.process_time()
     for number in range(PICTURES):
-        stage.set_phase(0.1 * number)
-        stage.image()
+        drawn.show(0.1 * number)
+        drawn.figure.canvas.draw()
+        bytes(drawn.figure.canvas.buffer_rgba())
     return PICTURES / (time.perf_counter() - begun), PICTURES / (time.process_time() - before)
 
 

@@ -1,6 +1,10 @@
 """The seed's motor and its wave, for the tests of the contact."""
 
-from contact import Orbit, Slider
+from dataclasses import replace
+
+import numpy as np
+
+from contact import Orbit, Slider, steady_sweep
 
 SEED = {
     "radius": 1e-3,
@@ -28,3 +32,13 @@ def slider(**changed) -> Slider:
 def orbit(amplitude: float, ratio: float = 0.7, frequency: float = FREQUENCY) -> Orbit:
     """Return the seed's orbit: quadrature, at the crest towards +x."""
     return Orbit(frequency=frequency, normal=amplitude, tangential=-1j * ratio * amplitude)
+
+
+def steady_map(slider: Slider, orbits, *, factors, preloads, threads=None):
+    """Return the averaged steady states over preloads (first axis) and factors on the orbits."""
+    waves = [(orbits,) if isinstance(orbits, Orbit) else orbits]
+    which = np.stack([*np.indices((len(preloads), 1))], axis=-1).repeat(len(factors), axis=1)
+    return steady_sweep(
+        [replace(slider, preload=float(preload)) for preload in preloads], waves, which=which,
+        factors=np.tile(factors, (len(preloads), 1)), wave_errors=[0.0], threads=threads,
+    )  # fmt: skip

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from contact import ConvergenceError, Orbit, burst, mean_motion, steady, steady_map
-from tests.contact.motors import orbit, slider
+from contact import ConvergenceError, Orbit, burst, mean_motion, steady
+from tests.contact.motors import orbit, slider, steady_map
 
 
 def over(difference, v, A):

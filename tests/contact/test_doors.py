@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from contact import ConvergenceError, Orbit, mean_motion, steady, steady_map, steady_sweep, threshold_factor
+from contact import ConvergenceError, Orbit, mean_motion, steady, steady_sweep, threshold_factor
 from contact.drive import reference_speed
-from tests.contact.motors import FREQUENCY, SEED, orbit, slider
+from tests.contact.motors import FREQUENCY, SEED, orbit, slider, steady_map
 
 FRICTION = SEED["friction_coefficient"] * SEED["preload"]
 EDGE = threshold_factor(slider(), orbit(1.0))

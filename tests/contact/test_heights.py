@@ -12,12 +12,11 @@ from contact import (
     release_factor,
     riding_height,
     steady,
-    steady_map,
     step,
     threshold_factor,
 )
 from contact.law import elastic
-from tests.contact.motors import FREQUENCY, slider
+from tests.contact.motors import FREQUENCY, slider, steady_map
 from tests.contact.test_punch import PUNCH, trio
 from tests.oracles.contact_springs import velocity_from_rest
 

@@ -47,7 +47,7 @@ def transient():
     problem = rest_problem(slider(), (orbit(5e-9),))
     at, rows = 2.0 * np.pi * np.array([100.0, 200.0]), np.zeros((2, 2))
     state = np.array([-slider().rest_approach(1) / problem.length, 0.0, 0.0])
-    span = Span(2.0 * np.pi * 300, 1e-4, 8, quadrature(8), 1, at, rows, np.zeros(2, np.int64))
+    span = Span(2.0 * np.pi * 300, 1e-4, 8, quadrature(8), 1, at, rows)
     response(problem, state, span, 8)
     return [*state, *np.ravel(rows)]
 

@@ -5,17 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from contact import (
-    burst,
-    mean_motion,
-    release_amplitude,
-    riding_height,
-    steady,
-    steady_map,
-    threshold_amplitude,
-)
+from contact import burst, mean_motion, release_amplitude, riding_height, steady, threshold_amplitude
 from studies.evidence.stability.second_opinion import second_opinion
-from tests.contact.motors import FREQUENCY, orbit, slider
+from tests.contact.motors import FREQUENCY, orbit, slider, steady_map
 from tests.oracles.contact_springs import velocity_from_rest
 
 PUNCH = {"shape": "punch", "radius": 2e-6}

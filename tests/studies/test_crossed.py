@@ -1,6 +1,7 @@
 """Scenes with turned transducers: crossing beams in a run, and what is refused."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -28,9 +29,10 @@ def chip(small):
 
 @pytest.fixture(scope="module")
 def crossing(chip):
-    """Both driven, no slider."""
-    sources = {"left": 1.0, "front": 0.2}
-    return run(chip.replace(slider=None, drive={"transducer": None, "sources": sources}), tolerance=TOLERANCE)
+    """Both driven, the first a little turned; no slider."""
+    drive = {"transducer": None, "sources": {"left": 1.0, "front": 0.2}}
+    oblique = {"left": {"angle": "10 deg"}}
+    return run(chip.replace(slider=None, drive=drive, transducer=oblique), tolerance=TOLERANCE)
 
 
 def refused(scene, **changes) -> str:
@@ -45,7 +47,14 @@ def test_a_run_of_crossing_beams(crossing):
     assert [[each.name for each in row.transducers] for row in motion.beam.rows] == [["left"], ["front"]]
     place = (scene.stator.length / 2, 0.0)
     assert crossing.wave["normal_m_per_V"] == complex(motion.beam.motion(*place)[2])
-    assert crossing.wave["section_normal_m_per_V"] == complex(motion.wave.motion(place[0])[1])
+    assert crossing.wave["section_normal_m_per_V"] == complex(motion.wave.motion(motion.in_section(place))[1])
+    left = motion.beam.rows[0].transducers[0]
+    along, ahead = np.radians(10.0), place[0] - 4e-3
+    assert motion.in_section(place) - left.center == pytest.approx(ahead * np.cos(along))
+    assert -left.center_y == pytest.approx(-ahead * np.sin(along))
+    x, columns = crossing.surface["x_m"], crossing.surface
+    assert (x[0], x[-1]) == (0.0, scene.stator.length)  # no section lies along x: the beams on y = 0
+    np.testing.assert_array_equal(columns["u_z_m_per_V"], motion.along(x, 0.0)[2])
     assert set(crossing.electrical["sources"]) == {"left", "front"}
     assert any("metal of a transducer scatters" in each for each in crossing.left_out)
     effects = {each["effect"]: each["size"] for each in crossing.model_error}
@@ -58,10 +67,13 @@ def test_the_map_shows_turned_frames(crossing, monkeypatch):
     from matplotlib.figure import Figure
 
     monkeypatch.setattr("studies.report.surface_map.CROSSED", 1)
-    ax = draw_surface_map(crossing.surface_motion.beam, crossing.scene, Figure().add_subplot())
+    still = SimpleNamespace(
+        wave=crossing.surface_wave, rows=(), motion=lambda x, y: np.zeros((3, len(x), len(y)))
+    )
+    ax = draw_surface_map(still, crossing.scene, Figure().add_subplot())
     left, front = (patch.get_path().vertices[:4] for patch in ax.patches)
     assert np.ptp(front[:, 0]) == pytest.approx(5.0)
-    assert np.ptp(left[:, 1]) == pytest.approx(6.0)
+    assert np.linalg.norm(left[1] - left[2]) == pytest.approx(6.0)
     assert front[:, 1].mean() == pytest.approx(-9.0)
 
 
@@ -97,7 +109,13 @@ def test_a_drive_across_is_refused(chip):
     assert "drive.sources must drive" in refused(
         chip, drive={"transducer": None, "sources": {"front": 1.0, "left": 0}}
     )
-    resolved.resolved(chip.replace(drive={"transducer": "front"}, transducer={"front": {"angle": "40 deg"}}))
+    turned = resolved.resolved(
+        chip.replace(drive={"transducer": "front"}, transducer={"front": {"angle": "40 deg"}})
+    )
+    alone, place = resolved.first_row(turned, turned.slider.center)
+    (front,) = alone.transducer
+    assert not alone.crossed
+    assert place - front.place[0] == pytest.approx(9e-3 * np.sin(np.radians(40.0)))
 
 
 @pytest.mark.parametrize(

@@ -227,7 +227,9 @@ def test_side_faces_that_reflect_make_the_beam_of_its_images(small):
         next(each["size"] for each in record.model_error if each["effect"] == "side faces")
         for record in (wide, mirrored)
     ]
-    assert (1 + sizes[0]) * (1 + sizes[1]) == pytest.approx(1.0, rel=1e-9)
+    # of the charges that either run has
+    assert (1 + sizes[0]) * (1 + sizes[1]) == pytest.approx(1.0, rel=2e-3)
+    assert abs(sizes[0]) > 1e-2
     with pytest.raises(
         SceneError, match=r"stator\.sides must be absorbing where stator\.diffraction is false"
     ):

@@ -160,6 +160,20 @@ def test_predictions_are_those_of_a_run(curve):
 
 
 @pytest.mark.slow
+def test_a_burst_on_a_stator_is_that_of_a_run():
+    scene = Scene.load("twente-left").replace(
+        stator={"length": "30 mm", "thickness": "1 mm", "diffraction": False}, slider={"position": "20 mm"},
+        transducer={"left": {"finger_pairs": 2, "center": "6 mm"}}, drive={"voltage": "60 V", "burst": "0.2 ms"},
+    )  # fmt: skip
+    ((level, motion),) = run(scene, tolerance=1e-2).trajectories
+    burst = Measurement(
+        name="b", quantity="burst", level_key="voltage_V", levels=(level,), time=tuple(motion.time[1::100])
+    )
+    (found,) = Predictor(scene, tolerance=1e-2).predict([(burst, {})])
+    assert np.max(np.abs(found - motion.velocity[1::100])) < 2e-2 * np.max(np.abs(motion.velocity))
+
+
+@pytest.mark.slow
 def test_a_stator_s_amplitude_and_speeds_without_a_sign(tmp_path, capsys):
     """Voltages on the seed's stator: the factor on its amplitude comes back; a motor towards -x measured as speed."""
     true = Predictor(Scene.load("twente-left"), tolerance=1e-2)

@@ -95,6 +95,9 @@ def test_the_response_is_drawn(motion, tmp_path):
     labels = drawn(frequency_response, amplitude, tmp_path)
     assert labels == ["frequency (MHz)", "normal amplitude per volt, peak (nm/V)"]
     assert drawn(frequency_response, delay, tmp_path)[1] == "group delay (us)"
+    data = amplitude.data
+    section = np.interp(data["drive_frequency_Hz"], data["frequency_Hz"], abs(data["normal_m_per_V"]))
+    assert data["finite_aperture_m_per_V"] == pytest.approx(motion.findings[-1].found * section, rel=0.15)
 
 
 def test_half_power_of_a_known_lobe():

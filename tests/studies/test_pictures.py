@@ -7,7 +7,9 @@ import pytest
 from matplotlib.text import Text
 
 from contact import Orbit, Slider, burst, contact_history, steady
-from studies.report.figures import new_figure
+from studies.record import Record
+from studies.report.figures import new_figure, pictures
+from studies.scene import Scene, resolved
 from studies.view import gallery_pictures
 from studies.view.contact_pictures import SlowMotion, moments, strip
 from studies.view.gallery_pictures import start_and_stop
@@ -222,6 +224,27 @@ def test_the_picture_of_the_velocity_says_when_nothing_moves(levels):
     stuck = "at rest: the slider sticks at every level" in [text.get_text() for text in ax.texts]
     assert stuck == (levels[-1] < 0.6e-9)
     assert not stuck or ax.get_ylim() == (-1.0, 1.0)
+
+
+def test_the_surface_s_picture_marks_the_finite_aperture_under_the_slider():
+    """The run's own motion there, which the curves of the plane section do not show."""
+    scene = Scene.load("twente")
+    wave = {"frequency_Hz": 2.2e6, "normal_m_per_V": 0.2e-9j, "tangential_m_per_V": 0.15e-9}
+    columns = {
+        "x_m": np.array([0.0, 0.16]),
+        "u_z_m_per_V": np.full(2, 3e-10j),
+        "u_x_m_per_V": np.full(2, 2e-10j),
+    }
+    record = Record(scene=resolved.resolved(scene), tolerance=1e-3, wave=wave, surface=columns)
+    for spreads in (False, True):
+        figure, ax = new_figure(7.0, 4.3)
+        if spreads:
+            wave["section_normal_m_per_V"] = 3e-10j
+        pictures(record)["surface"](ax)
+        assert_legible(figure)
+        assert labelled(figure)
+        points = [line.get_xydata()[0].tolist() for line in ax.lines if line.get_marker() == "D"]
+        assert points == (pytest.approx(np.array([[80.0, 0.2], [80.0, 0.15]])) if spreads else [])
 
 
 def test_run_plot_shows_what_the_run_draws(tmp_path, monkeypatch, capsys):

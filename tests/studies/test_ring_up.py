@@ -94,7 +94,7 @@ def test_the_error_knows_the_envelope_s(record):
     longer = run(chip("drive.burst=0.4 ms"), tolerance=2e-2)
     parts = [each.error["parts"]["stator"] for each in (record, longer)]
     scene = resolved(chip())
-    own = ring_up(scene, scene.slider.position, progress=lambda text: None)
+    own = ring_up(scene, scene.slider.center, progress=lambda text: None)
     assert own.error == pytest.approx(own.found.relative_error * own.found.settling / 0.1e-3, rel=1e-12)
     assert parts[0] - parts[1] == pytest.approx(0.75 * own.error, rel=1e-2)
 

@@ -9,6 +9,7 @@ import sys
 import time
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import closing
 
 import numpy as np
 import pytest
@@ -328,7 +329,7 @@ def test_another_sweep_in_the_same_place_is_refused(tmp_path):
 def test_a_second_driver_is_refused_while_the_first_lives(tmp_path):
     design = designed(Scene.load("twente-contact").to_table(), OVER, tolerance=1e-3)
     words = [part for key, text in OVER.items() for part in ("--over", f"{key}={text}")]
-    with Store(tmp_path / "s", design):
+    with closing(Store(tmp_path / "s", design)):
         with pytest.raises(RunError, match=f"another sweep, process {os.getpid()} on .*, is writing"):
             sweep("twente-contact", OVER, out=tmp_path / "s")
         second = command("twente-contact", *words, "--out", str(tmp_path / "s"))

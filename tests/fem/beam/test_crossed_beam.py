@@ -166,6 +166,15 @@ def test_side_by_side_transducers_are_two_rows():
     )
 
 
+def test_many_places_at_an_oblique_angle_are_interpolated():
+    """Beside the fingers as well as one by one; on a line across the beam, 3 mm and more from them."""
+    found = crossed(turned(LEFT, 0.3))
+    x, y = np.linspace(MIDDLE, MIDDLE + 5e-3, 601), np.linspace(-3e-3, 4e-3, 601)
+    few = slice(None, None, 40)
+    expected = found.motion(x[few], y[few])
+    assert 0 < abs(found.motion(x, y)[:, few] - expected).max() < 1e-4 * abs(expected).max()
+
+
 def test_power_and_error_of_crossing_beams():
     found = crossed(LEFT, FRONT)
     assert found.power.input == pytest.approx(found.circuit.power)
