@@ -15,7 +15,7 @@ import numpy as np
 
 from contact.codes import Law
 from contact.jit.compiled import compiled, formula
-from contact.kinematics import Paths, normal_amplitude, tangential_amplitude
+from contact.kinematics import Paths
 from contact.law import normal
 from contact.orbit import Orbit
 from contact.slider import Slider
@@ -98,12 +98,12 @@ def changed(problem, load, paths):
 ) = range(11)
 
 
-def numbers(s: Slider, contacts: int) -> np.ndarray:
-    """Return what `dimensionless` takes of a slider, by the names of this module."""
-    return np.array([
+def numbers(s: Slider, contacts: int) -> list[float]:
+    """Return what `in_units` takes of a slider, by the names of this module."""
+    return [
         s.mass, s.normal_stiffness, s.limit_slope, s.preload, s.load, s.friction_coefficient, s.contact_damping,
-        s.normal_damping, s.tangential_damping, s.contact_shape, np.max(s.rest_approaches(contacts)),
-    ])  # fmt: skip
+        s.normal_damping, s.tangential_damping, s.contact_shape, float(np.max(s.rest_approaches(contacts))),
+    ]  # fmt: skip
 
 
 def paths_of(orbits: tuple[Orbit, ...], factor: complex = 1.0) -> Paths:
@@ -113,23 +113,10 @@ def paths_of(orbits: tuple[Orbit, ...], factor: complex = 1.0) -> Paths:
 
 
 @formula
-def dimensionless(slider, heights, given, factor, omega, paths):
-    """Return the problem of the elastic law of a slider (`numbers`) on paths in m times a factor.
-
-    Its own paths are filled; its longest segment is left open.
-    """
-    contacts, shape = paths.height.size, int(slider[SHAPE])
-    mass, reach = slider[MASS], 0.0
-    for i in range(contacts):
-        reach = max(reach, factor * tangential_amplitude(given, i), factor * normal_amplitude(given, i))
-    length = max(slider[REST], reach, 1e-300)
+def in_units(slider, length, omega, paths):
+    """Return the problem of the elastic law of a slider (`numbers`) on scaled paths, its longest segment left open."""
+    mass, shape = slider[MASS], int(slider[SHAPE])
     unit = mass * omega**2 * length
-    for i in range(contacts):
-        paths.height[i] = heights[i] / length
-        paths.normal_cos[i] = given.normal_cos[i] * factor / length
-        paths.normal_sin[i] = given.normal_sin[i] * factor / length
-        paths.tangential_cos[i] = given.tangential_cos[i] * factor / length
-        paths.tangential_sin[i] = given.tangential_sin[i] * factor / length
     return Problem(
         slider[STIFFNESS] * normal.load(length, shape) / unit, slider[CHI] * omega * length,
         slider[NORMAL_DAMPING] / (mass * omega), slider[PRELOAD] / unit, slider[TANGENTIAL_DAMPING] / (mass * omega),
@@ -143,16 +130,17 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
     `direction`: +1 or -1, that of the motion that the load opposes; `start`: angle of the wave at phase 0, rad:
     u = Re(amplitude exp(i (phase + start))).
     """
-    contacts, omega = len(orbits), orbits[0].omega
-    room, given, heights = Paths(*np.empty((5, contacts))), paths_of(orbits), slider.offsets(contacts)
-    problem = dimensionless(numbers(slider, contacts), heights, given, 1.0, omega, room)
-    problem = Problem(*(each.item() if isinstance(each, np.floating) else each for each in problem))
-    paths = paths_of(orbits, np.exp(1j * start) / problem.length)._replace(height=heights / problem.length)
-    moves = any(o.normal != 0 or o.tangential != 0 for o in orbits)
+    own, reach = numbers(slider, len(orbits)), max(max(abs(o.normal), abs(o.tangential)) for o in orbits)
+    length = max(own[REST], reach, 1e-300)
+    paths = paths_of(orbits, np.exp(1j * start) / length)._replace(
+        height=slider.offsets(len(orbits)) / length
+    )
+    problem = in_units(own, length, orbits[0].omega, paths)
     law = Law.RECIPROCAL if slider.reciprocal else Law.ELASTIC
     problem = problem._replace(
-        paths=paths, load=direction * problem.load, law=Law.HYSTERETIC if slider.law == "hysteretic" else law,
-        stick_band=slider.stick_band / problem.speed, longest=2.0 * math.pi / 8.0 if moves else math.inf,
+        stiffness=float(problem.stiffness), load=direction * problem.load,
+        law=Law.HYSTERETIC if slider.law == "hysteretic" else law, stick_band=slider.stick_band / problem.speed,
+        longest=2.0 * math.pi / 8.0 if reach > 0.0 else math.inf,
     )  # fmt: skip
     return _with_longest(problem)
 
