@@ -20,6 +20,12 @@ from contact.law import normal
 from contact.orbit import Orbit
 from contact.slider import Slider
 
+# columns of `Problem.row`
+STIFFNESS, CONTACT_DAMPING, NORMAL_DAMPING, PRELOAD, TANGENTIAL_DAMPING, LOAD, FRICTION, LIMIT_SLOPE = range(
+    8
+)
+STICK_BAND, LONGEST, LAW, SHAPE, LENGTH, OMEGA = range(8, 14)
+
 
 class Problem(NamedTuple):
     """A dimensionless problem."""
@@ -67,8 +73,9 @@ class Problem(NamedTuple):
 def from_row(row, paths):
     """Return the problem with these numbers (`Problem.row`) and paths."""
     return Problem(
-        row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9], int(row[10]), int(row[11]),
-        paths, row[12], row[13],
+        row[STIFFNESS], row[CONTACT_DAMPING], row[NORMAL_DAMPING], row[PRELOAD], row[TANGENTIAL_DAMPING], row[LOAD],
+        row[FRICTION], row[LIMIT_SLOPE], row[STICK_BAND], row[LONGEST], int(row[LAW]), int(row[SHAPE]), paths,
+        row[LENGTH], row[OMEGA],
     )  # fmt: skip
 
 

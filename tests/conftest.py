@@ -1,5 +1,44 @@
-"""One BLAS thread: the matrices are small, and threads of several libraries in one process slow each other down."""
+"""One BLAS thread, and an order in which the workers of a whole run never wait for the contact's compiler.
+
+The matrices are small, and threads of several libraries in one process slow each other down.  In a fresh cache the
+kernels of the contact take about a minute of two processors.  Two processes of their own compile them while the workers
+are busy with the tests of the field, which need none.
+"""
 
 import os
+import subprocess
+import sys
+from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+ROOT = Path(__file__).parents[1]
+KERNEL_PARTS = ("events", "averages")  # of tests/kernels.py
+ORDER = (
+    "tests/fem",
+    "tests/oracles",
+    "tests",
+    "",
+)  # folders, the documentation's examples of the product last
+COMPILERS: list[subprocess.Popen] = []
+
+
+def pytest_configure(config):
+    """Hand out the files in the order below; in a whole run by several workers start the compilers."""
+    config.option.loadscopereorder = False
+    whole = config.args_source == config.ArgsSource.TESTPATHS and not config.option.collectonly
+    if whole and getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):
+        for part in KERNEL_PARTS:
+            COMPILERS.append(subprocess.Popen([sys.executable, "-m", "tests.kernels", part], cwd=ROOT))
+
+
+def pytest_unconfigure(config):
+    """End the compilers, which a complete run has outlived."""
+    for each in COMPILERS:
+        each.kill()
+        each.wait()
+
+
+def pytest_collection_modifyitems(items):
+    """Put the tests of the field first."""
+    items.sort(key=lambda item: next(k for k, folder in enumerate(ORDER) if item.nodeid.startswith(folder)))

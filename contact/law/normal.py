@@ -21,8 +21,13 @@ SHAPES = ("sphere", "punch")
 @formula
 def load(z, shape):
     """Return p(z) = P/K, zero when separated."""
-    up = 0.5 * (z + abs(z))
-    return up * np.sqrt(up) if shape == Shape.SPHERE else up
+    return force(1.0, 0.5 * (z + abs(z)), shape)
+
+
+@formula
+def force(stiffness, z, shape):
+    """Return P of z >= 0."""
+    return stiffness * z * np.sqrt(z) if shape == Shape.SPHERE else stiffness * z
 
 
 @formula

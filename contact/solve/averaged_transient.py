@@ -15,6 +15,7 @@ from contact.jit.compiled import compiled, native
 from contact.kinematics import tangential_amplitude
 from contact.solve.averaged import rest, room, settled
 from contact.solve.cycle_mean import NORMAL, STUCK, TANGENTIAL, cycle, respond
+from contact.solve.end_corrections import cubic
 from contact.solve.riding import Rule, mean_push, riding
 
 _TABLE = np.array(
@@ -42,6 +43,19 @@ def _climb(problem, h, w, gain, rule):
     """Return h'' of the bounce; `gain` is the second-order correction of the mean force."""
     force, _ = mean_push(problem, h, rule)
     return problem.preload - (force + gain) * (1.0 + problem.contact_damping * w) - problem.normal_damping * w
+
+
+@compiled
+def _swung(problem, h, w, gain, rule, d):
+    """Return (h, h') after a step d of the classical Runge-Kutta method."""
+    a1 = _climb(problem, h, w, gain, rule)
+    w2 = w + 0.5 * d * a1
+    a2 = _climb(problem, h + 0.5 * d * w, w2, gain, rule)
+    w3 = w + 0.5 * d * a2
+    a3 = _climb(problem, h + 0.5 * d * w2, w3, gain, rule)
+    w4 = w + d * a3
+    a4 = _climb(problem, h + d * w3, w4, gain, rule)
+    return h + d / 6.0 * (w + 2.0 * w2 + 2.0 * w3 + w4), w + d / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
 
 
 @compiled
@@ -85,19 +99,8 @@ def bounce(problem, state, span, work):
     while phase < stop:
         d = min(dt, stop - phase)
         h0, w0, v0 = h, w, v
-        for half in range(2):
-            e = 0.5 * d
-            a1 = _climb(problem, h, w, gain, rule)
-            w2 = w + 0.5 * e * a1
-            a2 = _climb(problem, h + 0.5 * e * w, w2, gain, rule)
-            w3 = w + 0.5 * e * a2
-            a3 = _climb(problem, h + 0.5 * e * w2, w3, gain, rule)
-            w4 = w + e * a3
-            a4 = _climb(problem, h + e * w3, w4, gain, rule)
-            h += e / 6.0 * (w + 2.0 * w2 + 2.0 * w3 + w4)
-            w += e / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4)
-            if half == 0:
-                middle = h
+        middle, w = _swung(problem, h, w, gain, rule, 0.5 * d)
+        h, w = _swung(problem, middle, w, gain, rule, 0.5 * d)
         v_middle = v + 0.5 * d * (pull - problem.tangential_damping * v - problem.load)
         for _ in range(2 if steps == 0 else 1):
             if span.corrected:
@@ -121,11 +124,7 @@ def bounce(problem, state, span, work):
         while taken < at.size and at[taken] <= phase + d * (1.0 + 1e-12):
             s = (at[taken] - phase) / d
             rows[taken, 0] = v0 + s * (v - v0)
-            rows[taken, 1] = -(
-                h0
-                + s
-                * (d * w0 + s * (3.0 * (h - h0) - d * (2.0 * w0 + w) + s * (2.0 * (h0 - h) + d * (w0 + w))))
-            )
+            rows[taken, 1] = -cubic(s, h0, h, d * w0, d * w)
             taken += 1
         phase += d
         steps += 1

@@ -18,7 +18,7 @@ import numpy as np
 from contact.convergence import ConvergenceError
 from contact.jit.compiled import compiled, native
 from contact.kinematics import Paths, at_phase, of_run, slip_speed
-from contact.law.normal import load
+from contact.law.normal import force, load
 from contact.problem import from_row
 from contact.solve import end_corrections as edges
 from contact.solve.segment import (
@@ -136,8 +136,8 @@ def _stick(problem, passage, x, sticks):
     limit, deformation = problem.limit_slope * passage.z_new, x + passage.along
     if sticks:  # past x = 0
         x_rate = passage.x_rate_new
-        force = problem.friction * problem.stiffness * load(passage.z_new, problem.shape)
-        bend = edges.curvature(problem.shape) * force * x_rate * abs(x_rate) / (limit * limit)
+        friction = problem.friction * force(problem.stiffness, passage.z_new, problem.shape)
+        bend = edges.curvature(problem.shape) * friction * x_rate * abs(x_rate) / (limit * limit)
         return deformation, 0.0, edges.passage_excess(x / (x - deformation), passage.h, bend)
     sign, excess = _leave_stick(problem, passage, x)
     _, v_new = _slip_speeds(problem, passage, sign)
@@ -236,14 +236,14 @@ def _step(problem, k, table, own, slider, m):
             pull_excess += tangential
         own[X, i], own[SLIP, i] = x, slip
         if z_new > 0.0:
-            elastic = kappa * load(z_new, problem.shape)
+            elastic = force(kappa, z_new, problem.shape)
             push += elastic * (1.0 + problem.contact_damping * z_rate)
             if slip != 0.0:
                 pull += slip * mu * elastic
             else:
-                stuck = z_new - abs(x) * slider[INVERSE, m]
-                force = mu * (elastic - kappa * load(stuck, problem.shape))
-                pull += force if x > 0.0 else -force
+                stuck = max(z_new - abs(x) * slider[INVERSE, m], 0.0)
+                friction = mu * (elastic - force(kappa, stuck, problem.shape))
+                pull += friction if x > 0.0 else -friction
     climb = climb_half + 0.5 * h * (push - problem.preload) - push_excess
     speed = speed_half + 0.5 * h * (pull - problem.load) - pull_excess
     slider[HEIGHT, m], slider[CLIMB, m] = height, climb * slider[DAMP_N, m]

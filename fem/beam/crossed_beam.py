@@ -22,7 +22,7 @@ import numpy as np
 
 from fem.beam.charges import ElectrodeCharges, electrode_charges
 from fem.beam.lateral import evanescent, lateral_rule
-from fem.beam.line_source import LOCAL, isotropic_about_normal, line_source
+from fem.beam.line_source import KEPT, LOCAL, isotropic_about_normal, line_source
 from fem.beam.reception import with_apertures
 from fem.beam.surface_beam import BeamError, SurfaceBeam, aperture_beam
 from fem.circuit import Circuit, Drive, as_drive, solve_circuit
@@ -450,7 +450,7 @@ def mutual_admittance(
     source = line_source(modes)
     k = source.wavenumbers
     wavelength = 2 * np.pi / float(np.mean(k[source.surface].real))
-    kept = -k.imag * max(wavelength / LOCAL, distance / LARGEST_DECAY) < 1
+    kept = -k.imag * max(wavelength / LOCAL, distance / LARGEST_DECAY, gap / -np.log(KEPT)) < 1
     reach = abs(offset) + sum(
         float(abs((each.corners - each.corners.mean(axis=0)) @ across).max()) for each in plan
     )

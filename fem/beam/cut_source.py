@@ -15,6 +15,7 @@ from one k_y to the next.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -32,7 +33,7 @@ FADE = (
     0.6,
     0.85,
 )  # of the surface wave's wavenumber: lateral wavenumbers between which the integral fades out
-NEARLY_ZERO = 3e-4  # of the same: k_y in the place of 0, which makes the constant potential a double root
+NEARLY_ZERO = 1e-5  # of the same: k_y in the place of 0, which makes the constant potential a double root
 NEARLY_REAL = 0.3  # |Im k| / |Re k| below which a mode's power flux tells its direction
 NEAR = 0.02  # relative distance of k at which a mode's localisation counts half
 TWIN_SHARE, TWIN_DISTANCE = (
@@ -40,6 +41,11 @@ TWIN_SHARE, TWIN_DISTANCE = (
     0.03,
 )  # localisation and k, relative, of a second mode of the surface wave in a plate
 MAX_ITERATIONS, FOLLOWED = 8, 1e-10  # of a followed mode; last relative step
+FITTED = 4  # places behind from which it is extrapolated
+COARSER = 1.25  # spacing of the rule: 1e-6, where what is left out is 1e-5 and more
+INTERPOLATED = 32  # nodes of a rule at which a mode is solved for, besides a few that check what lies between
+ACCURACY = {"wavenumbers": 1e-6, "column": 1e-3}  # there; all nodes are solved for where it is not reached
+LOST = "the surface wave cannot be followed to oblique directions in this cut"
 
 
 class _Poles(NamedTuple):
@@ -100,9 +106,9 @@ class CutSource:
     def branches(self, reach: float, distance: float, _resolved: float, mirror_width) -> Iterator[Branch]:
         """Waves to both sides at the nodes of a rule that serves points up to ``reach``."""
         rounded = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # so that few rules are needed
-        rule = lateral_rule(
-            self.wavenumber, rounded, tuple(each * self.wavenumber for each in FADE), mirror_width
-        )
+        fade = tuple(each * self.wavenumber for each in FADE)
+        coarser = 1.0 if self.section.floating_potential else COARSER  # u_x depends on |k_y| there
+        rule = lateral_rule(self.wavenumber, rounded, fade, mirror_width, coarser=coarser)
         yield from self._lasting(rule, distance)
 
     def plane(self, _resolved: float) -> Iterator[Branch]:
@@ -140,20 +146,62 @@ class CutSource:
         return [self.section.surface_dofs[name] for name in ("ux", "uy", "uz", "phi")]
 
     def _spectrum(self, nodes) -> list[_Poles]:
+        """Modes at every node; those that are followed are interpolated along the contour."""
+        if not self.followed or len(nodes) <= INTERPOLATED:
+            return self._solved(nodes)
+        number = np.arange(len(nodes))
+        some, between = (
+            np.unique(np.round(number[-1] * np.sin(np.pi / 2 * np.linspace(0, 1, count)) ** 2).astype(int))
+            for count in (INTERPOLATED, INTERPOLATED // 4)
+        )
+        between = np.setdiff1d(between + 1, [*some, len(nodes)])
+        solved = np.union1d(some, between)
+        fields = [np.stack(each) for each in zip(*self._solved(nodes[solved]), strict=True)]
+        near = np.stack([_barycentric(some, each) for each in number])
+        known, checked = np.isin(solved, some), np.isin(solved, between)
+        found = []
+        for name, each in zip(_Poles._fields, fields, strict=True):
+            if each.dtype == bool:
+                found.append(np.repeat(each[:1], len(nodes), axis=0))
+                continue
+            found.append(np.tensordot(near, each[known], 1))
+            missed = abs(found[-1][between] - each[checked]).max()
+            if missed > ACCURACY.get(name, ACCURACY["column"]) * abs(each).max():
+                return self._solved(nodes)
+        return [_Poles(*each) for each in zip(*found, strict=True)]
+
+    @cached_property
+    def _polynomials(self) -> list[tuple]:
+        """Matrices of `Section.lateral_matrices` at k_y = 0, and their first and second power of k_y in rad/m."""
+        step = self.wavenumber * self.section.length_unit
+        below, here, above = (
+            self.section.lateral_matrices(self.frequency, sign * step) for sign in (-1, 0, 1)
+        )
+        return [
+            (b, (c - a) / (2 * self.wavenumber), (a - 2 * b + c) / (2 * self.wavenumber**2))
+            for a, b, c in zip(below, here, above, strict=True)
+        ]
+
+    def _solved(self, nodes) -> list[_Poles]:
         """Modes at every node, which follow one another closely from 0 on."""
         size = self.section.size
         estimates = [(k, *np.random.default_rng(0).normal(size=(2, size))) for k in self.followed]
-        previous, out, surface = self.followed, [], self.wavenumber
+        out, surface = [], self.wavenumber
+        passed, history = [0.0], [np.array(self.followed)]
         for node in nodes:
             lateral = max(abs(node), NEARLY_ZERO * self.wavenumber) * (node / abs(node) if node else 1.0)
-            second, first, adjoint, zeroth = self.section.lateral_matrices(
-                self.frequency, lateral * self.section.length_unit
+            second, first, adjoint, zeroth = (
+                a + lateral * (b + lateral * c) for a, b, c in self._polynomials
             )
             skew = first - adjoint
             if self.followed:
-                found = [_tracked(second, skew, zeroth, *each) for each in estimates]
-                estimates = [(2 * new[0] - old, *new[1:]) for new, old in zip(found, previous, strict=True)]
-                previous = [each[0] for each in found]
+                recent = _barycentric(np.array(passed[-FITTED:]), lateral) @ np.stack(history[-FITTED:])
+                found = [
+                    _tracked(second, skew, zeroth, k, *each[1:])
+                    for k, each in zip(recent, estimates, strict=True)
+                ]
+                estimates = found
+                passed, history = [*passed, lateral], [*history, np.array([each[0] for each in found])]
                 k, shapes, left = (np.stack(each, axis=-1) for each in zip(*found, strict=True))
                 left = left[self._surface]
             else:
@@ -204,16 +252,30 @@ def _all_pairs(second, skew, zeroth, odd, at) -> tuple[np.ndarray, np.ndarray, n
 
 def _tracked(second, skew, zeroth, k: complex, right: np.ndarray, left: np.ndarray):
     """Eigenvalue and both eigenvectors of L next to an estimate: two-sided Rayleigh quotient iteration."""
+    from scipy.linalg import lu_factor, lu_solve
+
     for _ in range(MAX_ITERATIONS):
         matrix, slope = k**2 * second + 1j * k * skew + zeroth, 2 * k * second + 1j * skew
-        right = np.linalg.solve(matrix, slope @ right)
-        left = np.linalg.solve(matrix.T, slope.T @ left)
+        factor = lu_factor(matrix, check_finite=False)
+        right = lu_solve(factor, slope @ right, check_finite=False)
+        left = lu_solve(factor, slope.T @ left, trans=1, check_finite=False)
         right, left = right / np.linalg.norm(right), left / np.linalg.norm(left)
         step = (left @ matrix @ right) / (left @ slope @ right)
         k -= step
         if abs(step) < FOLLOWED * abs(k):
             return k, right, left / (left @ slope @ right)
-    raise ConvergenceError("the surface wave cannot be followed to oblique directions in this cut")
+    raise ConvergenceError(LOST)
+
+
+def _barycentric(places: np.ndarray, at: complex) -> np.ndarray:
+    """Weights of values at some places for the polynomial through them elsewhere, shape of the places."""
+    here = abs(at - places) < 1e-14 * abs(places).max()
+    if here.any() or len(places) == 1:
+        return here.astype(float) if here.any() else np.ones(1)
+    spread = np.ptp(places)
+    apart = (places[:, None] - places) / spread + np.eye(len(places))
+    weights = 1 / (np.prod(apart, axis=1) * (at - places))
+    return weights / weights.sum()
 
 
 def cut_source(fields: PortFields) -> CutSource:

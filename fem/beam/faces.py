@@ -25,7 +25,6 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import eig
 
 from fem.beam.lateral import LateralRule, evanescent, lateral_rule
 from fem.beam.line_source import KEPT, SIGNS, LineSource, charge_scale, static_mode
@@ -246,9 +245,9 @@ def _turned_modes(fields: PortFields, source: LineSource) -> _TurnedModes:
     by_k_y = section.lateral_matrices(fields.frequency, 1.0)[1] - first
     u_x, u_y, u_z, phi = (column[column >= 0] for column in section.dofs.T)
     tangential, _, normal, potential = (column[column >= 0] for column in plane.section.dofs.T)
-    squares, shear = eig(-zeroth[np.ix_(u_y, u_y)], second[np.ix_(u_y, u_y)])
+    squares, shear = np.linalg.eig(-np.linalg.solve(second[np.ix_(u_y, u_y)], zeroth[np.ix_(u_y, u_y)]))
     moving, count = plane.wavenumbers != 0, plane.section.size
-    k = np.append(plane.wavenumbers, np.sqrt(squares))
+    k = np.append(plane.wavenumbers, np.sqrt(squares.astype(complex)))
     lines = plane.right / np.where(moving, k[:count], 1.0)
     even = plane.right.copy()
     sent = np.zeros(section.size, dtype=complex)

@@ -43,7 +43,12 @@ class LateralRule:
 
 
 def lateral_rule(
-    highest: float, reach: float, fade: tuple[float, float], mirror_width: float | None = None
+    highest: float,
+    reach: float,
+    fade: tuple[float, float],
+    mirror_width: float | None = None,
+    *,
+    coarser: float = 1.0,
 ) -> LateralRule:
     """Nodes and weights of the integral over k_y.
 
@@ -57,6 +62,8 @@ def lateral_rule(
         Lateral wavenumbers, rad/m, between which the integrand is faded out.
     mirror_width : float, optional
         Distance in m of two faces y = const that reflect; the rule is then the exact sum and has no coarser one.
+    coarser : float
+        Factor of the nodes' spacing, where a node is dear.
 
     Returns
     -------
@@ -70,7 +77,7 @@ def lateral_rule(
     offset = min(GROWTH / reach, MAX_TILT * highest)
     scale = 3.0 * offset
     start, stop = (each + scale for each in fade)
-    count = 2 * int(np.ceil(stop / (SPACING * offset) / 2))
+    count = 2 * int(np.ceil(stop / (coarser * SPACING * offset) / 2))
     t = np.linspace(0.0, stop, count + 1)
     weights = t[1] / np.pi * _faded(t, start, stop)
     weights[0] *= 0.5

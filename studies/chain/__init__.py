@@ -32,6 +32,7 @@ STALLED = (
     0.7  # of the motion's error: what is left then is the beam's own, which no finer section makes smaller
 )
 PER_WAVELENGTH = 12  # lines of surface.csv where no section lies along x
+HOPELESS = 3  # tolerances of the beam's own error at the best point, beyond which no finer section is tried
 ROUNDS = 3  # of the stator, each with the tolerance that the one before found to be needed
 
 
@@ -165,10 +166,13 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
         answer = answered()
         for _ in range(ROUNDS - 1):
             before = motion.wave.relative_error
-            goal = _needed(answer, before, tolerance, 0.0 if ringing is None else ringing.error)
-            if goal is None:
-                break
             whole = motion.relative_error(places)
+            goal = _needed(answer, before, tolerance, 0.0 if ringing is None else ringing.error)
+            if (
+                goal is None
+                or _beyond_the_section(answer, tolerance, 1 - before / whole) > HOPELESS * tolerance
+            ):
+                break
             try:
                 motion = solved_motion(scene, places, tolerance=goal, **given)
             except RunError:
@@ -256,6 +260,13 @@ def _needed(answer: SliderAnswer, reached: float, tolerance: float, ringing: flo
         return None
     goal = reached * room / (part - ringing)
     return goal if goal < reached else None
+
+
+def _beyond_the_section(answer: SliderAnswer, tolerance: float, share: float) -> float:
+    """Return what the beam's share of the stator's error makes of the velocity's, at the best point above tolerance."""
+    return share * min(
+        (stator for stator, contact in answer.parts if stator + contact > tolerance), default=0.0
+    )
 
 
 def _slider_blocks(answer: SliderAnswer, tolerance: float) -> dict:

@@ -107,9 +107,10 @@ class _Slowness:
     def fresnel(self, aperture: float, away, lateral):
         """Return Fresnel's integral at distances and lateral places (m), 1 for the plane wave."""
         wavelength, stretch = 2 * math.pi / self.along(0.0).real, abs(1 + self.gamma)
+        steering = self.steering
         return np.array(
             [
-                slit_ratio(aperture, wavelength, stretch * x, y - x * self.steering)
+                slit_ratio(aperture, wavelength, stretch * x, y - x * steering)
                 for x, y in zip(away, lateral, strict=True)
             ]
         )

@@ -1,6 +1,7 @@
 """One steady state, asked for through every door: the same velocity, error and regime; wide brackets; honest edges."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -10,7 +11,12 @@ from contact.drive import reference_speed
 from tests.contact.motors import FREQUENCY, SEED, orbit, slider, steady_map
 
 FRICTION = SEED["friction_coefficient"] * SEED["preload"]
-EDGE = threshold_factor(slider(), orbit(1.0))
+
+
+@cache
+def edge():
+    """Return the threshold amplitude in m; a function, so that collecting the tests compiles nothing."""
+    return threshold_factor(slider(), orbit(1.0))
 
 
 def doors(s, wave):
@@ -32,8 +38,8 @@ def doors(s, wave):
     [
         ({}, orbit(5e-9)),
         ({}, orbit(5e-9).mirrored()),
-        ({}, orbit((1.0 - 1e-6) * EDGE)),
-        ({}, orbit((1.0 + 1e-6) * EDGE)),
+        ({}, lambda: orbit((1.0 - 1e-6) * edge())),
+        ({}, lambda: orbit((1.0 + 1e-6) * edge())),
         ({"load": 0.4 * FRICTION}, orbit(5e-9)),
         ({"load": 0.9 * FRICTION}, orbit(3e-9)),
         ({"load": 0.5 * FRICTION}, Orbit(frequency=FREQUENCY, normal=8e-9, tangential=0.0)),
@@ -42,7 +48,7 @@ def doors(s, wave):
     ],
 )
 def test_every_door_gives_the_same_steady_state(changed, wave):
-    s = slider(**changed)
+    s, wave = slider(**changed), wave() if callable(wave) else wave
     found = doors(s, wave)
     assert all(each == found[0] for each in found)
     # Oracle: the periodic motion of the full equations, which shares neither bracket nor means with them
@@ -95,13 +101,16 @@ def test_beyond_full_slip_the_damper_alone_bounds_the_speed():
 
 
 def test_close_to_the_threshold_the_error_is_what_lies_beyond():
-    below, far = mean_motion(slider(), orbit((1.0 - 1e-6) * EDGE)), mean_motion(slider(), orbit(0.9 * EDGE))
+    below, far = (
+        mean_motion(slider(), orbit((1.0 - 1e-6) * edge())),
+        mean_motion(slider(), orbit(0.9 * edge())),
+    )
     assert (below.velocity, far.velocity, far.relative_error) == (0.0, 0.0, 0.0)
     # the amplitude larger by the averaging error of the threshold moves
     ratio = slider().normal_resonance(1) / FREQUENCY
-    beyond = mean_motion(slider(), orbit((1.0 - 1e-6) * EDGE * (1.0 + 12.0 * ratio**2)))
+    beyond = mean_motion(slider(), orbit((1.0 - 1e-6) * edge() * (1.0 + 12.0 * ratio**2)))
     assert below.relative_error > 1e-5
-    error = below.relative_error * reference_speed(0.0, (orbit((1.0 - 1e-6) * EDGE),))
+    error = below.relative_error * reference_speed(0.0, (orbit((1.0 - 1e-6) * edge()),))
     assert error == pytest.approx(beyond.first_order, rel=1e-6)
 
 
@@ -112,7 +121,7 @@ def test_a_stiff_contact_is_not_called_held_near_its_threshold(ratio):
         normal_damping=0.05 * SEED["mass"] * 2.0 * math.pi * slider().normal_resonance(1),
         tangential_damping=0.0,
     )
-    wave = Orbit(frequency=frequency, normal=0.999 * EDGE, tangential=-0.7j * 0.999 * EDGE)
+    wave = Orbit(frequency=frequency, normal=0.999 * edge(), tangential=-0.7j * 0.999 * edge())
     with pytest.raises(ConvergenceError, match="near the threshold"):
         mean_motion(s, wave)
     full = steady(s, wave, tolerance=1e-6)

@@ -22,7 +22,8 @@ TOLERANCE = 5e-2
 def chip(small):
     """The small motor with a second transducer in front, which sends across."""
     table = small.to_table()
-    table["transducer"][0] |= {"period": "1 mm", "aperture": "6 mm"}
+    table["stator"]["thickness"] = "1 mm"
+    table["transducer"][0] |= {"finger_pairs": 2, "period": "1 mm", "aperture": "6 mm"}
     table["transducer"].append(dict(ACROSS))
     return Scene.from_table("", table)
 
@@ -79,6 +80,7 @@ def test_the_map_shows_turned_frames(crossing, monkeypatch):
 
 def test_places_and_angles_that_change_nothing(small):
     """[x, 0] is x, and whole turns are none."""
+    small = small.replace(transducer={"left": {"period": "1 mm"}})
     plain = small.transducer[0]
     same = small.replace(transducer={"left": {"center": ["4 mm", 0], "angle": "360 deg"}})
     assert same.transducer[0].center == plain.center

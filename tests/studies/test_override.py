@@ -70,6 +70,10 @@ def test_a_range_in_a_scene(key, text, values):
     assert rule_at(key).read(key, text) == pytest.approx(values, rel=1e-15)
 
 
+def test_an_exponent_is_no_range():
+    assert rule_at("drive.voltage").read("drive.voltage", "15e-3 V") == (0.015,)
+
+
 def test_a_range_has_units_at_both_ends_or_neither():
     assert rule_at("drive.voltage").read("drive.voltage", "0:1 kV:3") == (0, 500, 1000)
     with pytest.raises(SceneError, match="a unit at both ends"):

@@ -41,9 +41,14 @@ class Listed(Rule):
         return values
 
     def _from_text(self, path, text):
-        if re.fullmatch(r"\s*[\d.]+\s*(\w+\s*)?(-|\.\.|to)\s*[\d.]+.*", text):
-            raise SceneError(path, f"must be START:STOP:N or a list, got {shown(text)}")
-        return read_range(path, text, self.each.unit).values if ":" in text else text
+        if ":" in text:
+            return read_range(path, text, self.each.unit).values
+        try:
+            return self.each.read(path, text)
+        except SceneError:
+            if re.fullmatch(r"\s*[\d.]+\s*(\w+\s*)?(-|\.\.|to)\s*[\d.]+.*", text):
+                raise SceneError(path, f"must be START:STOP:N or a list, got {shown(text)}") from None
+            raise
 
     def written(self, value):
         return [self.each.written(each) for each in value] if isinstance(value, tuple) else value

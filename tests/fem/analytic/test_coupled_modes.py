@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.linalg import expm
+from scipy.special import eval_legendre
 
 import fem
 from fem.analytic.coupled_modes import _leaving, relative_amplitude, stop_band_edges
@@ -19,6 +20,13 @@ def test_the_equations_of_coupled_modes(detuning, coupling):
     across = expm(system)
     left = -across[1, 2] / across[1, 1]  # S(0), from R(0) = S(L) = 0
     assert _leaving(np.array([float(detuning)]), coupling)[0] == pytest.approx(abs(left), rel=1e-9)
+
+
+@pytest.mark.parametrize("metallisation", [0.001, 0.1, 0.35, 0.5, 0.77, 0.999])
+def test_the_edges_of_the_stop_band_by_legendre_functions(metallisation):
+    cos = np.cos(np.pi * metallisation)
+    even = (1 + cos) / 2 + eval_legendre(0.5, -cos) / eval_legendre(-0.5, -cos)  # Oracle: scipy's
+    assert stop_band_edges(metallisation) == pytest.approx(((1 - cos) / 2, even), rel=1e-12)
 
 
 @pytest.mark.parametrize("metallisation", [0.3, 0.5, 0.7])

@@ -7,6 +7,7 @@ import pytest
 from scipy.special import fresnel
 
 from fem.beam.cut_source import cut_source
+from fem.beam.lateral import lateral_rule
 from fem.beam.surface_beam import surface_beam
 from tests.fem.stators import comb, cut, lossless, plate, solution, wave_of
 
@@ -68,12 +69,36 @@ CUTS = {
 }
 
 
+@pytest.mark.parametrize("name", ["128YX", "ST-X"])
+def test_followed_modes_are_interpolated(name):
+    """Against the solution at every node; at ST-X, whose wave changes fast with the angle, by that solution."""
+    beam = beam_in(lossless(*CUTS[name]), thickness=np.inf, length=14.0, pairs=1, order=4)
+    fade = (0.6 * beam.source.wavenumber, 0.85 * beam.source.wavenumber)
+    nodes = lateral_rule(beam.source.wavenumber, 6e-3, fade).nodes
+    found = beam.source._spectrum(nodes)
+    expected = beam.source._solved(nodes)
+    exact = sum(np.array_equal(a.column, b.column) for a, b in zip(found, expected, strict=True))
+    assert (exact < 40) == (name == "128YX")
+    assert len(nodes) > 60
+    for of, accuracy in (("wavenumbers", 2e-6), ("column", 2e-3), ("row", 2e-3)):
+        ours, theirs = (np.stack([getattr(each, of) for each in poles]) for poles in (found, expected))
+        np.testing.assert_allclose(ours, theirs, atol=accuracy * abs(theirs).max())
+
+
 @pytest.mark.parametrize("name", CUTS)
 def test_modes_without_lateral_wavenumber_are_the_section(name):
     beam = beam_in(lossless(*CUTS[name]), thickness=0.8, length=14.0, pairs=1)
     edges = beam.charges[0].x[[0, -1]]
     x = np.array([edges[0] - 2e-3, edges[1] + 1.5e-3, edges[1] + 4e-3])
     assert abs(beam._beyond_the_modes(x)).max() < 5e-3 * abs(beam.wave.motion(x)).max()
+
+
+def test_constant_potential_leaves_no_motion():
+    """k_y in the place of 0 makes u_x of the pole at k = 0 as small as itself."""
+    beam = beam_in(cut("PZT-8", "Z", quality=60.0), thickness=0.8, length=14.0, pairs=1)
+    solved = replace(beam, source=cut_source(beam.wave.solution.fields))
+    x = beam.charges[0].x[-1] + np.array([2e-3, 4e-3])
+    assert abs(solved._beyond_the_modes(x)).max() < 3e-5 * abs(beam.wave.motion(x)).max()
 
 
 @pytest.mark.parametrize("name", CUTS)

@@ -31,7 +31,7 @@ def lossy():
     return beam_of(cut("PZT-8", "Z", quality=60.0))
 
 
-@pytest.mark.parametrize("bottom", ["free", "grounded", "clamped"])
+@pytest.mark.parametrize("bottom", ["free", "grounded", pytest.param("clamped", marks=pytest.mark.slow)])
 def test_infinite_aperture_is_the_section(bottom):
     """Charges, line source and modes at k_y = 0 on both sides, next to the fingers and far away."""
     beam = section_charges(beam_of(cut("PZT-8", "Z", quality=60.0), bottom=bottom, aperture=1.0, layers=0))

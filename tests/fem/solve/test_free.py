@@ -15,8 +15,8 @@ from tests.fem.stators import FREQUENCY, cut, lossless, plate
         ("PZT-8", "Z"),
         ("PZT-5H", "X"),
         ("LiNbO3 (Warner)", "YZ"),
-        ("LiNbO3 (Kovacs)", "128YX"),
-        ("quartz (Bechmann)", "ST-X"),
+        pytest.param("LiNbO3 (Kovacs)", "128YX", marks=pytest.mark.slow),
+        pytest.param("quartz (Bechmann)", "ST-X", marks=pytest.mark.slow),
         ("steel", "Z"),
     ],
 )

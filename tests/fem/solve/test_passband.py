@@ -104,7 +104,10 @@ def test_length_and_aperture_of_the_stator_do_not_matter():
     assert best_period(replace(KUROSAWA, length=1.0, ends="free"), other, 9.61e6) == period
 
 
-@pytest.mark.parametrize(("solid", "cut", "pairs"), [("LiNbO3 (Kovacs)", "128YX", 8), ("PZT-8", "Z", 10)])
+@pytest.mark.parametrize(
+    ("solid", "cut", "pairs"),
+    [("LiNbO3 (Kovacs)", "128YX", 8), pytest.param("PZT-8", "Z", 10, marks=pytest.mark.slow)],
+)
 def test_no_other_frequency_radiates_more(solid, cut, pairs):
     """A scan a level finer at a fixed period, and the way back: the period of that frequency is a little shorter.
 

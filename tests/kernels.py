@@ -1,0 +1,29 @@
+"""Compile the contact's kernels ahead of the tests that need them: ``python -m tests.kernels PART``."""
+
+import sys
+
+from contact import blocked_thrust, burst, mean_motion
+from contact.solve.cycle_mean import cycle, cycle_room
+from contact.solve.equilibrium import balanced
+from contact.solve.riding import quadrature
+from tests.contact.motors import orbit, slider
+
+WAVE = orbit(5e-9)
+
+
+def compile_part(part: str) -> None:
+    """Call each kernel of a part once; ``events`` and ``averages`` take about as long as each other."""
+    once = {"duration": 2e-6, "after": 0.0, "samples": 2}
+    if part == "events":
+        burst(slider(law="hysteretic"), WAVE, tolerance=1e-3, method="exact", **once)
+        burst(slider(), WAVE, tolerance=1e-2, method="stepped", **once)
+        cycle(balanced(slider(), (WAVE,)).problem, 1.0, 0.1, quadrature(20), cycle_room(1))
+    else:
+        mean_motion(slider(), WAVE)
+        blocked_thrust(slider(), (WAVE,))
+        burst(slider(), WAVE, tolerance=1e-3, method="exact", **once)
+        burst(slider(), WAVE, tolerance=1e-2, method="averaged", **once)
+
+
+if __name__ == "__main__":
+    compile_part(sys.argv[1])
