@@ -113,10 +113,13 @@ def numbers(s: Slider, contacts: int) -> list[float]:
     ]  # fmt: skip
 
 
-def paths_of(orbits: tuple[Orbit, ...], factor: complex = 1.0) -> Paths:
-    """Return the paths in m of contacts of height 0, the orbits' amplitudes times a factor."""
-    u_z, u_x = np.array([(o.normal * factor, o.tangential * factor) for o in orbits], complex).T
-    return Paths(np.zeros(len(orbits)), u_z.real.copy(), -u_z.imag, u_x.real.copy(), -u_x.imag)
+def paths_of(orbits: tuple[Orbit, ...], heights: np.ndarray, factor: complex = 1.0) -> Paths:
+    """Return the paths of contacts of these heights, the orbits' amplitudes times a factor."""
+    u_z, u_x = (
+        np.array([o.normal * factor for o in orbits]),
+        np.array([o.tangential * factor for o in orbits]),
+    )
+    return Paths(heights, u_z.real.copy(), -u_z.imag, u_x.real.copy(), -u_x.imag)
 
 
 @formula
@@ -138,18 +141,14 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
     u = Re(amplitude exp(i (phase + start))).
     """
     own, reach = numbers(slider, len(orbits)), max(max(abs(o.normal), abs(o.tangential)) for o in orbits)
-    length = max(own[REST], reach, 1e-300)
-    paths = paths_of(orbits, np.exp(1j * start) / length)._replace(
-        height=slider.offsets(len(orbits)) / length
-    )
-    problem = in_units(own, length, orbits[0].omega, paths)
-    law = Law.RECIPROCAL if slider.reciprocal else Law.ELASTIC
-    problem = problem._replace(
-        stiffness=float(problem.stiffness), load=direction * problem.load,
-        law=Law.HYSTERETIC if slider.law == "hysteretic" else law, stick_band=slider.stick_band / problem.speed,
-        longest=2.0 * math.pi / 8.0 if reach > 0.0 else math.inf,
+    length, omega = max(own[REST], reach, 1e-300), orbits[0].omega
+    paths = paths_of(orbits, slider.offsets(len(orbits)) / length, np.exp(1j * start) / length)
+    problem, law = in_units(own, length, omega, paths), Law.RECIPROCAL if slider.reciprocal else Law.ELASTIC
+    return _with_longest(
+        problem, 2.0 * math.pi / 8.0 if reach > 0.0 else math.inf, stiffness=float(problem.stiffness),
+        load=direction * problem.load, law=Law.HYSTERETIC if slider.law == "hysteretic" else law,
+        stick_band=slider.stick_band / problem.speed,
     )  # fmt: skip
-    return _with_longest(problem)
 
 
 def largest_resonance(problem: Problem) -> float:
@@ -157,13 +156,13 @@ def largest_resonance(problem: Problem) -> float:
     return math.sqrt(problem.contacts * problem.stiffness * float(normal.slope(2.0, problem.shape)))
 
 
-def _with_longest(problem):
-    """Return the problem with the longest segment that contact and dampers allow: Picard gains nothing on a longer."""
+def _with_longest(problem, longest, **changed):
+    """Return the problem with the longest segment that wave, contact and dampers allow: Picard gains nothing on more."""
     damping = max(
         problem.normal_damping, problem.tangential_damping, problem.contact_damping * problem.stiffness
     )
-    longest = min(0.8 / (largest_resonance(problem) + 1e-150), 2.0 / (damping + 1e-300), problem.longest)
-    return problem._replace(longest=longest)
+    longest = min(0.8 / (largest_resonance(problem) + 1e-150), 2.0 / (damping + 1e-300), longest)
+    return problem._replace(longest=longest, **changed)
 
 
 def immobile(problem: Problem) -> Problem:
@@ -174,4 +173,4 @@ def immobile(problem: Problem) -> Problem:
 def without_wave(problem: Problem) -> Problem:
     """Return the same problem in the same units with the wave switched off."""
     paths = Paths(problem.paths.height, *np.zeros((4, problem.contacts)))
-    return _with_longest(problem._replace(longest=math.inf, paths=paths))
+    return _with_longest(problem, math.inf, paths=paths)
