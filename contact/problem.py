@@ -109,7 +109,7 @@ def numbers(s: Slider, contacts: int) -> list[float]:
     """Return what `in_units` takes of a slider, by the names of this module."""
     return [
         s.mass, s.normal_stiffness, s.limit_slope, s.preload, s.load, s.friction_coefficient, s.contact_damping,
-        s.normal_damping, s.tangential_damping, s.contact_shape, float(np.max(s.rest_approaches(contacts))),
+        s.normal_damping, s.tangential_damping, s.contact_shape, float(s.rest_approaches(contacts).max()),
     ]  # fmt: skip
 
 
@@ -157,7 +157,7 @@ def largest_resonance(problem: Problem) -> float:
 
 
 def _with_longest(problem, longest, **changed):
-    """Return the problem with the longest segment that wave, contact and dampers allow: Picard gains nothing on more."""
+    """Return the problem with the longest segment that wave, contact and dampers allow: Picard gains nothing beyond."""
     damping = max(
         problem.normal_damping, problem.tangential_damping, problem.contact_damping * problem.stiffness
     )
