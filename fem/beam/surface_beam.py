@@ -13,9 +13,10 @@ k_y (faces.py).
 
 On the axis y = 0, u_y vanishes by symmetry.
 
-Left out: how the charge varies along the fingers.  Near their ends this counts as some 0.07 periods more aperture at
-each, so that nothing nearer than a wavelength to the ends is resolved (evanescent modes that reach less far end there
-with the aperture).
+Left out: how the charge varies along the fingers.  Near their ends this counts as some 0.025 periods more aperture at
+each (0.07 where the charge is the section's), so that nothing nearer than a wavelength to the ends is resolved
+(evanescent modes that reach less far end there with the aperture).  A strongly coupled plate mode near its cut-off
+changes it all along short fingers (tests/fem/beam/test_volume.py).
 """
 
 from dataclasses import dataclass, field, replace

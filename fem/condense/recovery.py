@@ -33,7 +33,10 @@ class ColumnField:
     def _elements(self, sides: np.ndarray, first: int = 0):
         """Values of every element from the ``first`` up, in its own order of nodes and fields; places last."""
         section, column = self.column.section, self.column
-        values = np.concatenate([sides, column.faces_from @ sides])
+        numbers = column.faces[first:]
+        begin = int(numbers[numbers >= 0].min(initial=len(sides) + len(column.faces_from)))
+        below = np.zeros((begin - len(sides), sides.shape[-1]))
+        values = np.concatenate([sides, below, column.faces_from[begin - len(sides) :] @ sides])
         if column.electrode is not None:
             values[electrode_dofs(section, column.faces)] = sides[2 * section.size + column.electrode]
         for element in range(first, len(section.media)):

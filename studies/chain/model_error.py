@@ -19,6 +19,11 @@ from studies.record import Record
 from studies.scene import resolved
 
 FINGER_END = 0.0745  # periods that each end adds to the aperture: static, endless comb, no busbar
+# of it, what charges that are uniform along y have: fem.beam.own_aperture, 20 and 40 weakly coupled pairs, extrapolated
+UNIFORM_END = 0.049
+OWN_APERTURE = (
+    0.4  # wavelengths over the aperture, of the power that given charges lose: 0.3 for 3 pairs, 0.4 for 10
+)
 POINT_ADMITTANCE = 0.93  # of Re(v / F) 2 pi mu c_T / omega^2, all waves together, nu = 1/4
 ALUMINIUM, FILM = 2700.0, 100e-9  # kg/m3, m
 
@@ -125,13 +130,24 @@ def slit_ratio(aperture: float, wavelength: float, distance: float, lateral: flo
 
 
 def _finger_ends(record: Record) -> Iterator[NeglectedEffect]:
-    driven = record.scene.driven_transducer
+    """Yield what the charges leave out: how they vary along the fingers, and that these end where it is left out."""
+    driven, beam = record.scene.driven_transducer, record.surface_motion.beam
+    responds = beam is not None and record.scene.stator.ends == "absorbing"
+    responds = responds and fem.isotropic_about_normal(resolved.solid(record.scene.stator))
     yield NeglectedEffect(
         effect="charge at the finger ends",
         quantity="the aperture",
-        size=2 * FINGER_END * driven.period / driven.aperture,
+        size=2 * (FINGER_END - responds * UNIFORM_END) * driven.period / driven.aperture,
         source="static field of an endless comb that ends, without busbars",
     )
+    if beam is not None and not responds:
+        wavelength = record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
+        yield NeglectedEffect(
+            effect="a transducer's response to the finite aperture of its own charges",
+            quantity="its conductance",
+            size=-OWN_APERTURE * wavelength / driven.aperture,
+            source="surface wave that given charges send to all sides, in a solid isotropic about its normal",
+        )
 
 
 def _vacuum(record: Record) -> Iterator[NeglectedEffect]:

@@ -47,6 +47,8 @@ def test_aperture_and_side_faces_of_the_seed(motor):
     expected = abs(images / beam.motion(0.08)[2]) - 1
     assert found["side faces"] == pytest.approx(expected, rel=0.02)
     assert "finite aperture" not in found
+    left = found["charge at the finger ends"] / effect(motor, "charge at the finger ends")["size"]
+    assert left == pytest.approx(0.34, abs=0.01)  # uniform charges have the rest
 
 
 def test_aperture_beside_the_axis(motor):
