@@ -89,20 +89,10 @@ def changed(problem, load, paths):
     )  # fmt: skip
 
 
-# columns of a slider's numbers, SI units; the last is the largest approach at rest
-(
-    MASS,
-    STIFFNESS,
-    LIMIT_SLOPE,
-    PRELOAD,
-    LOAD,
-    FRICTION,
-    CHI,
-    NORMAL_DAMPING,
-    TANGENTIAL_DAMPING,
-    SHAPE,
-    REST,
-) = range(11)
+# columns of a slider's numbers, SI units: mass, K, c, preload, load, mu, chi, the viscous dampers, shape, and the
+# largest approach at rest
+OWN_MASS, OWN_STIFFNESS, OWN_SLOPE, OWN_PRELOAD, OWN_LOAD, OWN_FRICTION, OWN_CHI = range(7)
+OWN_NORMAL_DAMPING, OWN_TANGENTIAL_DAMPING, OWN_SHAPE, OWN_REST = range(7, 11)
 
 
 def numbers(s: Slider, contacts: int) -> list[float]:
@@ -125,12 +115,12 @@ def paths_of(orbits: tuple[Orbit, ...], heights: np.ndarray, factor: complex = 1
 @formula
 def in_units(slider, length, omega, paths):
     """Return the problem of the elastic law of a slider (`numbers`) on scaled paths, its longest segment left open."""
-    mass, shape = slider[MASS], int(slider[SHAPE])
+    mass, shape = slider[OWN_MASS], int(slider[OWN_SHAPE])
     unit = mass * omega**2 * length
     return Problem(
-        slider[STIFFNESS] * normal.load(length, shape) / unit, slider[CHI] * omega * length,
-        slider[NORMAL_DAMPING] / (mass * omega), slider[PRELOAD] / unit, slider[TANGENTIAL_DAMPING] / (mass * omega),
-        slider[LOAD] / unit, slider[FRICTION], slider[LIMIT_SLOPE], 0.0, np.inf, 0, shape, paths, length, omega,
+        slider[OWN_STIFFNESS] * normal.load(length, shape) / unit, slider[OWN_CHI] * omega * length,
+        slider[OWN_NORMAL_DAMPING] / (mass * omega), slider[OWN_PRELOAD] / unit,
+        slider[OWN_TANGENTIAL_DAMPING] / (mass * omega), slider[OWN_LOAD] / unit, slider[OWN_FRICTION], slider[OWN_SLOPE], 0.0, np.inf, 0, shape, paths, length, omega,
     )  # fmt: skip
 
 
@@ -141,7 +131,7 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
     u = Re(amplitude exp(i (phase + start))).
     """
     own, reach = numbers(slider, len(orbits)), max(max(abs(o.normal), abs(o.tangential)) for o in orbits)
-    length, omega = max(own[REST], reach, 1e-300), orbits[0].omega
+    length, omega = max(own[OWN_REST], reach, 1e-300), orbits[0].omega
     paths = paths_of(orbits, slider.offsets(len(orbits)) / length, np.exp(1j * start) / length)
     problem, law = in_units(own, length, omega, paths), Law.RECIPROCAL if slider.reciprocal else Law.ELASTIC
     return _with_longest(

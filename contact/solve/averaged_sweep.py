@@ -17,7 +17,7 @@ import numpy as np
 from contact.codes import Status, Steady
 from contact.jit.compiled import compiled, native
 from contact.kinematics import Paths, at_phase, normal_amplitude, of_run, tangential_amplitude
-from contact.problem import MASS, REST, changed, in_units
+from contact.problem import OWN_MASS, OWN_REST, changed, in_units
 from contact.solve import averaged
 from contact.solve.averaged import Work, balance_row, excess, room
 from contact.solve.riding import riding
@@ -95,7 +95,7 @@ def _states(given, out, todo, harmonics, first, stride, room):
         row[averaged.VELOCITY] *= speed
         row[averaged.FIRST_ORDER] *= speed
         row[averaged.HEIGHT] *= problem.length
-        row[THRUST] *= slider[MASS] * omega * speed
+        row[THRUST] *= slider[OWN_MASS] * omega * speed
     return 0
 
 
@@ -148,7 +148,7 @@ def _scaled(slider, heights, given, factor, omega, paths):
     reach = 0.0
     for i in range(paths.height.size):
         reach = max(reach, factor * tangential_amplitude(given, i), factor * normal_amplitude(given, i))
-    length = max(slider[REST], reach)
+    length = max(slider[OWN_REST], reach)
     for i in range(paths.height.size):
         paths.height[i] = heights[i] / length
         paths.normal_cos[i] = given.normal_cos[i] * factor / length
