@@ -120,7 +120,8 @@ def in_units(slider, length, omega, paths):
     return Problem(
         slider[OWN_STIFFNESS] * normal.load(length, shape) / unit, slider[OWN_CHI] * omega * length,
         slider[OWN_NORMAL_DAMPING] / (mass * omega), slider[OWN_PRELOAD] / unit,
-        slider[OWN_TANGENTIAL_DAMPING] / (mass * omega), slider[OWN_LOAD] / unit, slider[OWN_FRICTION], slider[OWN_SLOPE], 0.0, np.inf, 0, shape, paths, length, omega,
+        slider[OWN_TANGENTIAL_DAMPING] / (mass * omega), slider[OWN_LOAD] / unit,
+        slider[OWN_FRICTION], slider[OWN_SLOPE], 0.0, np.inf, 0, shape, paths, length, omega,
     )  # fmt: skip
 
 
