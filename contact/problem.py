@@ -15,7 +15,7 @@ import numpy as np
 
 from contact.codes import Law
 from contact.jit.compiled import compiled, formula
-from contact.kinematics import Paths, normal_amplitude, tangential_amplitude
+from contact.kinematics import Paths
 from contact.law import normal
 from contact.orbit import Orbit
 from contact.slider import Slider
@@ -89,58 +89,39 @@ def changed(problem, load, paths):
     )  # fmt: skip
 
 
-# columns of a slider's numbers, SI units; the last is the largest approach at rest
-(
-    MASS,
-    STIFFNESS,
-    LIMIT_SLOPE,
-    PRELOAD,
-    LOAD,
-    FRICTION,
-    CHI,
-    NORMAL_DAMPING,
-    TANGENTIAL_DAMPING,
-    SHAPE,
-    REST,
-) = range(11)
+# columns of a slider's numbers, SI units: mass, K, c, preload, load, mu, chi, the viscous dampers, shape, and the
+# largest approach at rest
+OWN_MASS, OWN_STIFFNESS, OWN_SLOPE, OWN_PRELOAD, OWN_LOAD, OWN_FRICTION, OWN_CHI = range(7)
+OWN_NORMAL_DAMPING, OWN_TANGENTIAL_DAMPING, OWN_SHAPE, OWN_REST = range(7, 11)
 
 
-def numbers(s: Slider, contacts: int) -> np.ndarray:
-    """Return what `dimensionless` takes of a slider, by the names of this module."""
-    return np.array([
+def numbers(s: Slider, contacts: int) -> list[float]:
+    """Return what `in_units` takes of a slider, by the names of this module."""
+    return [
         s.mass, s.normal_stiffness, s.limit_slope, s.preload, s.load, s.friction_coefficient, s.contact_damping,
-        s.normal_damping, s.tangential_damping, s.contact_shape, np.max(s.rest_approaches(contacts)),
-    ])  # fmt: skip
+        s.normal_damping, s.tangential_damping, s.contact_shape, float(s.rest_approaches(contacts).max()),
+    ]  # fmt: skip
 
 
-def paths_of(orbits: tuple[Orbit, ...], factor: complex = 1.0) -> Paths:
-    """Return the paths in m of contacts of height 0, the orbits' amplitudes times a factor."""
-    u_z, u_x = np.array([(o.normal * factor, o.tangential * factor) for o in orbits], complex).T
-    return Paths(np.zeros(len(orbits)), u_z.real.copy(), -u_z.imag, u_x.real.copy(), -u_x.imag)
+def paths_of(orbits: tuple[Orbit, ...], heights: np.ndarray, factor: complex = 1.0) -> Paths:
+    """Return the paths of contacts of these heights, the orbits' amplitudes times a factor."""
+    u_z, u_x = (
+        np.array([o.normal * factor for o in orbits]),
+        np.array([o.tangential * factor for o in orbits]),
+    )
+    return Paths(heights, u_z.real.copy(), -u_z.imag, u_x.real.copy(), -u_x.imag)
 
 
 @formula
-def dimensionless(slider, heights, given, factor, omega, paths):
-    """Return the problem of the elastic law of a slider (`numbers`) on paths in m times a factor.
-
-    Its own paths are filled; its longest segment is left open.
-    """
-    contacts, shape = paths.height.size, int(slider[SHAPE])
-    mass, reach = slider[MASS], 0.0
-    for i in range(contacts):
-        reach = max(reach, factor * tangential_amplitude(given, i), factor * normal_amplitude(given, i))
-    length = max(slider[REST], reach, 1e-300)
+def in_units(slider, length, omega, paths):
+    """Return the problem of the elastic law of a slider (`numbers`) on scaled paths, its longest segment left open."""
+    mass, shape = slider[OWN_MASS], int(slider[OWN_SHAPE])
     unit = mass * omega**2 * length
-    for i in range(contacts):
-        paths.height[i] = heights[i] / length
-        paths.normal_cos[i] = given.normal_cos[i] * factor / length
-        paths.normal_sin[i] = given.normal_sin[i] * factor / length
-        paths.tangential_cos[i] = given.tangential_cos[i] * factor / length
-        paths.tangential_sin[i] = given.tangential_sin[i] * factor / length
     return Problem(
-        slider[STIFFNESS] * normal.load(length, shape) / unit, slider[CHI] * omega * length,
-        slider[NORMAL_DAMPING] / (mass * omega), slider[PRELOAD] / unit, slider[TANGENTIAL_DAMPING] / (mass * omega),
-        slider[LOAD] / unit, slider[FRICTION], slider[LIMIT_SLOPE], 0.0, np.inf, 0, shape, paths, length, omega,
+        slider[OWN_STIFFNESS] * normal.load(length, shape) / unit, slider[OWN_CHI] * omega * length,
+        slider[OWN_NORMAL_DAMPING] / (mass * omega), slider[OWN_PRELOAD] / unit,
+        slider[OWN_TANGENTIAL_DAMPING] / (mass * omega), slider[OWN_LOAD] / unit,
+        slider[OWN_FRICTION], slider[OWN_SLOPE], 0.0, np.inf, 0, shape, paths, length, omega,
     )  # fmt: skip
 
 
@@ -150,18 +131,15 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
     `direction`: +1 or -1, that of the motion that the load opposes; `start`: angle of the wave at phase 0, rad:
     u = Re(amplitude exp(i (phase + start))).
     """
-    contacts, omega = len(orbits), orbits[0].omega
-    room, given, heights = Paths(*np.empty((5, contacts))), paths_of(orbits), slider.offsets(contacts)
-    problem = dimensionless(numbers(slider, contacts), heights, given, 1.0, omega, room)
-    problem = Problem(*(each.item() if isinstance(each, np.floating) else each for each in problem))
-    paths = paths_of(orbits, np.exp(1j * start) / problem.length)._replace(height=heights / problem.length)
-    moves = any(o.normal != 0 or o.tangential != 0 for o in orbits)
-    law = Law.RECIPROCAL if slider.reciprocal else Law.ELASTIC
-    problem = problem._replace(
-        paths=paths, load=direction * problem.load, law=Law.HYSTERETIC if slider.law == "hysteretic" else law,
-        stick_band=slider.stick_band / problem.speed, longest=2.0 * math.pi / 8.0 if moves else math.inf,
+    own, reach = numbers(slider, len(orbits)), max(max(abs(o.normal), abs(o.tangential)) for o in orbits)
+    length, omega = max(own[OWN_REST], reach, 1e-300), orbits[0].omega
+    paths = paths_of(orbits, slider.offsets(len(orbits)) / length, np.exp(1j * start) / length)
+    problem, law = in_units(own, length, omega, paths), Law.RECIPROCAL if slider.reciprocal else Law.ELASTIC
+    return _with_longest(
+        problem, 2.0 * math.pi / 8.0 if reach > 0.0 else math.inf, stiffness=float(problem.stiffness),
+        load=direction * problem.load, law=Law.HYSTERETIC if slider.law == "hysteretic" else law,
+        stick_band=slider.stick_band / problem.speed,
     )  # fmt: skip
-    return _with_longest(problem)
 
 
 def largest_resonance(problem: Problem) -> float:
@@ -169,13 +147,13 @@ def largest_resonance(problem: Problem) -> float:
     return math.sqrt(problem.contacts * problem.stiffness * float(normal.slope(2.0, problem.shape)))
 
 
-def _with_longest(problem):
-    """Return the problem with the longest segment that contact and dampers allow: Picard gains nothing on a longer."""
+def _with_longest(problem, longest, **changed):
+    """Return the problem with the longest segment that wave, contact and dampers allow: Picard gains nothing beyond."""
     damping = max(
         problem.normal_damping, problem.tangential_damping, problem.contact_damping * problem.stiffness
     )
-    longest = min(0.8 / (largest_resonance(problem) + 1e-150), 2.0 / (damping + 1e-300), problem.longest)
-    return problem._replace(longest=longest)
+    longest = min(0.8 / (largest_resonance(problem) + 1e-150), 2.0 / (damping + 1e-300), longest)
+    return problem._replace(longest=longest, **changed)
 
 
 def immobile(problem: Problem) -> Problem:
@@ -186,4 +164,4 @@ def immobile(problem: Problem) -> Problem:
 def without_wave(problem: Problem) -> Problem:
     """Return the same problem in the same units with the wave switched off."""
     paths = Paths(problem.paths.height, *np.zeros((4, problem.contacts)))
-    return _with_longest(problem._replace(longest=math.inf, paths=paths))
+    return _with_longest(problem, math.inf, paths=paths)

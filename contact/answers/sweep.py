@@ -154,7 +154,12 @@ def _rows(sliders, waves, which, factors, wave_errors, threads):
     parameters = np.array([numbers(slider, contacts) for slider in sliders])
     heights = np.array([slider.offsets(contacts) for slider in sliders])
     sides, driven = zip(*(towards_plus(orbits) for orbits in waves), strict=True)
-    paths = Paths(*(np.array(each) for each in zip(*map(paths_of, driven), strict=True)))
+    paths = Paths(
+        *(
+            np.array(each)
+            for each in zip(*(paths_of(orbits, np.zeros(contacts)) for orbits in driven), strict=True)
+        )
+    )
     omegas = np.array([orbits[0].omega for orbits in waves])
     resonances = np.array([slider.normal_resonance(contacts) for slider in sliders])
     ratios = resonances[which[:, 0]] * 2.0 * math.pi / omegas[which[:, 1]]

