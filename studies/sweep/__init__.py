@@ -28,6 +28,7 @@ from studies.sweep.store import FILE, Store
 from studies.sweep.workers import workers as chosen_workers
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
 __all__ = ["Sweep", "sweep"]
@@ -99,6 +100,16 @@ class Sweep:
         finally:
             if self.path is not None:
                 connection.close()
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the rows as a pandas table, in the order of their points.
+
+        Raises
+        ------
+        RunError
+            If pandas is not installed.
+        """
+        return needed("pandas", "to_dataframe").DataFrame(self.columns()).set_index("point")
 
     def to_xarray(self) -> "xr.Dataset":
         """Return the rows as an xarray Dataset, a dimension for each axis; what a row has not is NaN.
