@@ -220,7 +220,7 @@ def default_refusal(stator) -> str:
     reflects, turns = stator.ends != "absorbing", fem.isotropic_about_normal(stator.solid)
     if turns and not reflects:
         return ""
-    where, times = ("between reflecting ends", "2 to 4") if turns else ("in this cut", "2 to 3")
+    where, times = ("between reflecting ends", "2 to 4") if turns else ("in this cut", "1.4 to 2")
     return (
         f"stator.diffraction is absent, and {where} the beam takes {times} times as long as the section; true "
         "computes it"
