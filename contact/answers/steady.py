@@ -331,5 +331,7 @@ def _averaged(search, mean):
     held = mean.pop("held")
     regime = mean.pop("regime")
     note = "held by friction" if held else "cycle means"
-    answer = search.answer(note, search.balance.motion, sticks=held, **mean)
+    motion = search.balance.motion
+    motion.begun = motion.energy()  # the cycle repeats
+    answer = search.answer(note, motion, sticks=held, **mean)
     return answer | {"method": "averaged", "regime": regime}

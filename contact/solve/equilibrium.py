@@ -143,7 +143,6 @@ def traction(problem, height, speed, deformations):
         settled = turn > 1 or motion.memory is None
         if settled and np.max(np.abs(motion.state[3:] - before)) < 1e-13:
             break
-    motion.begun = motion.energy()  # the cycle repeats
     return motion.sums[TRACTION] / (2.0 * math.pi), motion
 
 
