@@ -65,7 +65,7 @@ def velocity_derivative(
         raise ConvergenceError(
             "not applicable", "the equilibrium is not regular: the slider is at its threshold"
         )
-    return -_slope(lambda s: excess(s, v), step) / by_velocity
+    return float(-_slope(lambda s: excess(s, v), step) / by_velocity)
 
 
 def _slope(function, step) -> float:

@@ -95,11 +95,12 @@ class Motion:
         work = event_driven.room(self.regime.size, self.grid.sigma.size, threading.get_ident())
         why = event_driven.travel(self.problem, self.grid, self.carried, work, task, self.memory)
         if why != Status.DONE:
-            # the hysteretic law knows no stick band
-            advice = (
-                "set stick_band > 0" if self.memory is None else "raise normal_damping or contact_damping"
-            )
-            raise ConvergenceError(*FAILURES[why].format(advice=advice).split(": ", 1))
+            raise self._failure(why)
+
+    def _failure(self, why: Status) -> ConvergenceError:
+        # the hysteretic law knows no stick band
+        advice = "set stick_band > 0" if self.memory is None else "raise normal_damping or contact_damping"
+        return ConvergenceError(*FAILURES[why].format(advice=advice).split(": ", 1))
 
     def events(self) -> dict:
         """Return the number of events by kind, whether they crowd, their smallest gap in s, and the work.

@@ -1,5 +1,7 @@
 """The hysteretic law: closed forms, a brute-force row of springs, passivity, and the motion that it gives."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -40,7 +42,8 @@ class Contact:
         return hysteretic.moment(self.memory, 0, self.regime, self.sign, z, self.x, C)[0]
 
     def energy(self):
-        return chain_energy(self.memory, 0, self.regime, self.sign, self.z, self.x, C)
+        unit = SimpleNamespace(limit_slope=C, friction=1.0, stiffness=1.0)
+        return chain_energy(unit, self.memory, 0, self.regime, self.sign, self.z, self.x)
 
 
 class Springs:
@@ -201,8 +204,7 @@ def test_contacts_apart_on_the_wave_move_as_rows_of_springs_do(contacts, gap):
 
 def test_endless_events_get_advice_that_the_law_accepts():
     for law, advice in (("elastic", "stick_band"), ("hysteretic", "normal_damping")):
-        with pytest.raises(ConvergenceError, match=advice):
-            motion_of(slider(law=law), 3e-9).fail(Status.TOO_MANY)
+        assert advice in str(motion_of(slider(law=law), 3e-9)._failure(Status.TOO_MANY))
 
 
 def test_the_reciprocal_force_adds_nothing_to_a_law_with_a_potential():
