@@ -2,13 +2,7 @@
 
 Parallel transducers that a section can hold one behind the other form a row.  In a solid isotropic about z every row is
 the section problem of the same stator in its own axes, s along its waves and t across; its beam is `SurfaceBeam` in
-those axes, and the beams add up.  Rows are coupled through their charges.  With the charges q per volt at port i of one
-row and at port j of another, each alone on the bare surface, reciprocity gives
-
-    Y_ij = -i omega int q_j phi_i dA = -i omega int dk_t / 2 pi  sum_p A_p (k_p / kappa_p) q_i^(k) q_j^(-k),
-
-phi_i the potential of the beam that port i sends, k = kappa_p n + k_t t with n any direction along which the two
-transducers are apart, q^ the transform of the charges over the plane and A_p the potential of mode p per line charge.
+those axes, and the beams add up.  Rows are coupled through their charges (mutual_admittance.py).
 
 Left out between rows: what the metal of one scatters of another's beam at given voltages (its fingers are then bare
 surface to that beam), and their electrostatic coupling.  Within a row reception.py has the former.
@@ -21,102 +15,22 @@ from functools import cached_property
 import numpy as np
 
 from fem.beam.charges import ElectrodeCharges, electrode_charges
-from fem.beam.lateral import evanescent, lateral_rule
-from fem.beam.line_source import KEPT, LOCAL, isotropic_about_normal, line_source
+from fem.beam.line_source import isotropic_about_normal
+from fem.beam.mutual_admittance import mutual_admittance
 from fem.beam.reception import with_apertures
+from fem.beam.rows import Row, driven_names, rows_of
 from fem.beam.surface_beam import BeamError, SurfaceBeam, aperture_beam
 from fem.circuit import Circuit, Drive, as_drive, solve_circuit
-from fem.geometry import Stator, Transducer, check_plan, separation, turn
+from fem.geometry import Stator, Transducer, check_plan, turn
 from fem.results.power_balance import PowerBalance, power_balance
 from fem.results.solution import Solution
 from fem.results.surface_wave import SurfaceWave, surface_wave
-from fem.waveguide.modes import GuidedModes
 
-PARALLEL = 1e-9  # rad
-LARGEST_DECAY = 300.0  # exponent between two middles beyond which a mode is left out of their coupling
 # Places in a row at an oblique angle, where each has an s of its own, beyond which a grid in s and t is interpolated by
 # splines of order 5: its lines per wavelength, which leave 2e-5 beside the fingers, and lines beyond the places
 FEW, PER_WAVELENGTH, MARGIN = 500, 8, 8
-ROOM = 4.0  # periods, more than the lines beyond the places take
 
 Solve = Callable[[Stator, tuple[Transducer, ...], Drive, tuple[float, ...]], SurfaceWave]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Row:
-    """Parallel transducers in the axes of their waves.
-
-    Attributes
-    ----------
-    angle : float
-        Of s from x, rad, above -pi/2 and up to pi/2.
-    stator : Stator
-        Along s.
-    transducers : tuple of Transducer
-        Their places are s and t; one turned by pi has its fingers in the reverse order.
-    middle : tuple of float
-        x and s of the stator's middle, m.
-    """
-
-    angle: float
-    stator: Stator
-    transducers: tuple[Transducer, ...]
-    middle: tuple[float, float]
-
-    def local(self, x, y) -> tuple[np.ndarray, np.ndarray]:
-        """Places s and t in m of places x and y."""
-        if self.angle == 0:
-            return np.asarray(x, dtype=float), np.asarray(y, dtype=float)
-        (xs, ys), (xt, yt) = turn(self.angle)
-        from_middle = np.asarray(x, dtype=float) - self.middle[0]
-        return self.middle[1] + from_middle * xs + y * ys, from_middle * xt + y * yt
-
-    @property
-    def along_an_axis(self) -> bool:
-        """Whether a grid of x and y is one of s and t."""
-        return bool(np.any(turn(self.angle)[0] == 0))
-
-
-def rows_of(
-    stator: Stator, width: float, transducers: tuple[Transducer, ...], drive: str | Drive
-) -> tuple[Row, ...]:
-    """Rows of a stator's transducers; the first is the driven one whose waves run nearest to x."""
-    rows: list[Row] = []
-    for each in transducers:
-        angle = each.angle - np.pi * np.ceil(each.angle / np.pi - 0.5 - PARALLEL)
-        if abs(angle) < PARALLEL:
-            angle = 0.0
-        reversed_order = np.cos(each.angle - angle) < 0
-        length = stator.length  # of a turned row: its diagonal and room for the lines of `_interpolated`
-        if angle:
-            length = float(np.hypot(length, width)) + ROOM * max(other.period for other in transducers)
-        row = Row(
-            angle=angle,
-            stator=replace(stator, length=length),
-            transducers=(),
-            middle=(stator.length / 2, length / 2),
-        )
-        s, t = row.local(each.center, each.center_y)
-        own = replace(
-            each,
-            center=float(s),
-            center_y=float(t),
-            angle=0.0,
-            pattern=each.signs[::-1] if reversed_order else each.pattern,
-        )
-        for number, other in enumerate(rows):
-            if abs(other.angle - angle) < PARALLEL and _clear(own, other.transducers):
-                rows[number] = replace(other, transducers=(*other.transducers, own))
-                break
-        else:
-            rows.append(replace(row, transducers=(own,)))
-    drive = as_drive(drive)
-    return tuple(sorted(rows, key=lambda row: (not _driven(row, drive), round(-np.cos(row.angle), 9))))
-
-
-def _clear(one: Transducer, others: tuple[Transducer, ...]) -> bool:
-    (left, right), spans = one.extent, [each.extent for each in others]
-    return all(right < start or stop < left for start, stop in spans)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -333,7 +247,7 @@ def crossed_beam(
     beams = []
     for row, wave, own in zip(rows, waves, fields, strict=True):
         mine = _part(circuit, own.names, row)
-        if not _driven(row, drive):
+        if not driven_names(row, drive):
             wave = surface_wave(
                 Solution(fields=wave.solution.fields, circuit=mine),
                 relative_error=wave.relative_error,
@@ -341,10 +255,6 @@ def crossed_beam(
             )
         beams.append(aperture_beam(wave, Solution(fields=own, circuit=mine)))
     return CrossedBeam(rows=rows, beams=tuple(beams), circuit=circuit, length=stator.length, width=width)
-
-
-def _driven(row: Row, drive: Drive) -> list[str]:
-    return [each.name for each in row.transducers if drive.sources.get(each.name)]
 
 
 def _own(drive: Drive, row: Row) -> Drive:
@@ -409,78 +319,3 @@ def _unit_charges(wave: SurfaceWave, fields) -> list[list[ElectrodeCharges]]:
         ]
         for volts in np.eye(ports)
     ]
-
-
-def mutual_admittance(
-    modes: GuidedModes,
-    plan: tuple[Transducer, Transducer],
-    origins: tuple[float, float],
-    angles: tuple[float, float],
-    charges: tuple[ElectrodeCharges, ElectrodeCharges],
-    *,
-    along: float | None = None,
-) -> complex:
-    """Short-circuit current at one transducer per volt at another, in S, from the charges of each alone.
-
-    Parameters
-    ----------
-    modes : GuidedModes
-        Of the bare section.
-    plan : tuple of Transducer
-        Both on the surface.
-    origins : tuple of float
-        Places of their middles on the lines of ``charges``, m.
-    angles : tuple of float
-        Of those lines, rad.
-    charges : tuple of ElectrodeCharges
-        Per volt.
-    along : float, optional
-        Direction in rad along which they are apart; by default that of the widest gap.
-
-    Returns
-    -------
-    complex
-        The same for both orders.
-    """
-    one, other = plan
-    gap, widest = separation(one, other)
-    forward, across = turn(widest if along is None else along)
-    between = np.array([other.center - one.center, other.center_y - one.center_y])
-    distance, offset = float(between @ forward), float(between @ across)
-    source = line_source(modes)
-    k = source.wavenumbers
-    wavelength = 2 * np.pi / float(np.mean(k[source.surface].real))
-    kept = -k.imag * max(wavelength / LOCAL, distance / LARGEST_DECAY, gap / -np.log(KEPT)) < 1
-    reach = abs(offset) + sum(
-        float(abs((each.corners - each.corners.mean(axis=0)) @ across).max()) for each in plan
-    )
-    rule = lateral_rule(
-        float(np.sqrt((k**2).real.max())),
-        reach,
-        evanescent(float(np.sqrt((k**2).real.max())), max(gap, wavelength)),
-    )
-    total = 0.0
-    for number in np.flatnonzero(kept):
-        backward = k[number].real < 0
-        contour = rule.conjugate if backward else rule
-        kappa = (-1 if backward else 1) * np.sqrt(k[number] ** 2 - contour.nodes**2)
-        kappa[kappa.imag > 0] *= -1
-        for side in (1, -1):
-            lateral = side * contour.nodes
-            vector = np.outer(forward, kappa) + np.outer(across, lateral)
-            sent = [
-                _transform(sign * (turn(angle) @ vector), each.aperture, origin, own)
-                for sign, angle, each, origin, own in zip(
-                    (1, -1), angles, plan, origins, charges, strict=True
-                )
-            ]
-            phase = np.exp(-1j * (kappa * distance + lateral * offset))
-            total += source.potential[number] * np.sum(
-                contour.weights / 2 * (k[number] / kappa) * sent[0] * sent[1] * phase
-            )
-    return complex(-2j * np.pi * modes.frequency * total)
-
-
-def _transform(vector: np.ndarray, aperture: float, origin: float, charges: ElectrodeCharges) -> np.ndarray:
-    """Charges over the plane at wave vectors (k_s, k_t), about their middle, in C per V."""
-    return charges.transform(vector[0], origin) * aperture * np.sinc(vector[1] * aperture / (2 * np.pi))

@@ -1,0 +1,95 @@
+"""Mutual admittance of two transducers on one surface by reciprocity of their charges.
+
+With the charges q per volt at port i of one and at port j of another, each alone on the bare surface, reciprocity gives
+
+    Y_ij = -i omega int q_j phi_i dA = -i omega int dk_t / 2 pi  sum_p A_p (k_p / kappa_p) q_i^(k) q_j^(-k),
+
+phi_i the potential of the beam that port i sends, k = kappa_p n + k_t t with n any direction along which the two
+transducers are apart, q^ the transform of the charges over the plane and A_p the potential of mode p per line charge.
+The solid is isotropic about z.
+"""
+
+import numpy as np
+
+from fem.beam.charges import ElectrodeCharges
+from fem.beam.lateral import evanescent, lateral_rule
+from fem.beam.line_source import KEPT, LOCAL, line_source
+from fem.geometry import Transducer, separation, turn
+from fem.waveguide.modes import GuidedModes
+
+LARGEST_DECAY = 300.0  # exponent between two middles beyond which a mode is left out of their coupling
+
+
+def mutual_admittance(
+    modes: GuidedModes,
+    plan: tuple[Transducer, Transducer],
+    origins: tuple[float, float],
+    angles: tuple[float, float],
+    charges: tuple[ElectrodeCharges, ElectrodeCharges],
+    *,
+    along: float | None = None,
+) -> complex:
+    """Short-circuit current at one transducer per volt at another, in S, from the charges of each alone.
+
+    Parameters
+    ----------
+    modes : GuidedModes
+        Of the bare section.
+    plan : tuple of Transducer
+        Both on the surface.
+    origins : tuple of float
+        Places of their middles on the lines of ``charges``, m.
+    angles : tuple of float
+        Of those lines, rad.
+    charges : tuple of ElectrodeCharges
+        Per volt.
+    along : float, optional
+        Direction in rad along which they are apart; by default that of the widest gap.
+
+    Returns
+    -------
+    complex
+        The same for both orders.
+    """
+    one, other = plan
+    gap, widest = separation(one, other)
+    forward, across = turn(widest if along is None else along)
+    between = np.array([other.center - one.center, other.center_y - one.center_y])
+    distance, offset = float(between @ forward), float(between @ across)
+    source = line_source(modes)
+    k = source.wavenumbers
+    wavelength = 2 * np.pi / float(np.mean(k[source.surface].real))
+    kept = -k.imag * max(wavelength / LOCAL, distance / LARGEST_DECAY, gap / -np.log(KEPT)) < 1
+    reach = abs(offset) + sum(
+        float(abs((each.corners - each.corners.mean(axis=0)) @ across).max()) for each in plan
+    )
+    rule = lateral_rule(
+        float(np.sqrt((k**2).real.max())),
+        reach,
+        evanescent(float(np.sqrt((k**2).real.max())), max(gap, wavelength)),
+    )
+    total = 0.0
+    for number in np.flatnonzero(kept):
+        backward = k[number].real < 0
+        contour = rule.conjugate if backward else rule
+        kappa = (-1 if backward else 1) * np.sqrt(k[number] ** 2 - contour.nodes**2)
+        kappa[kappa.imag > 0] *= -1
+        for side in (1, -1):
+            lateral = side * contour.nodes
+            vector = np.outer(forward, kappa) + np.outer(across, lateral)
+            sent = [
+                _transform(sign * (turn(angle) @ vector), each.aperture, origin, own)
+                for sign, angle, each, origin, own in zip(
+                    (1, -1), angles, plan, origins, charges, strict=True
+                )
+            ]
+            phase = np.exp(-1j * (kappa * distance + lateral * offset))
+            total += source.potential[number] * np.sum(
+                contour.weights / 2 * (k[number] / kappa) * sent[0] * sent[1] * phase
+            )
+    return complex(-2j * np.pi * modes.frequency * total)
+
+
+def _transform(vector: np.ndarray, aperture: float, origin: float, charges: ElectrodeCharges) -> np.ndarray:
+    """Charges over the plane at wave vectors (k_s, k_t), about their middle, in C per V."""
+    return charges.transform(vector[0], origin) * aperture * np.sinc(vector[1] * aperture / (2 * np.pi))
