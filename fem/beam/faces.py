@@ -113,19 +113,22 @@ class Faces:
 
     def returned(self, reach: float, sources: list, mirror_width: float | None) -> Returned:
         """Waves that come back, of sources (places and charges each) and for points up to a lateral reach in m."""
-        gap = min(min(x.min(), self.length - x.max()) for x, _ in sources)
         reach = 2.0 ** (np.ceil(2 * np.log2(reach)) / 2)  # so that few rules are needed
-        rule = lateral_rule(self.highest, reach, evanescent(self.highest, gap), mirror_width)
-        return self._at_nodes(rule, sources, gap)
+        rule = lateral_rule(self.highest, reach, evanescent(self.highest, self._gap(sources)), mirror_width)
+        return self._at_nodes(rule, sources)
 
     def plane(self, sources: list) -> Returned:
         """Waves that do not depend on y."""
-        gap = min(min(x.min(), self.length - x.max()) for x, _ in sources)
-        return self._at_nodes(LateralRule(nodes=np.zeros(1), weights=np.ones(1)), sources, gap)
+        return self._at_nodes(LateralRule(nodes=np.zeros(1), weights=np.ones(1)), sources)
 
-    def _at_nodes(self, rule: LateralRule, sources: list, gap: float) -> Returned:
-        key = (len(rule.nodes), complex(rule.nodes[-1]))
+    def _gap(self, sources: list) -> float:
+        """Distance between a face and the charge next to it, m."""
+        return min(min(x.min(), self.length - x.max()) for x, _ in sources)
+
+    def _at_nodes(self, rule: LateralRule, sources: list) -> Returned:
+        key = rule.nodes.tobytes(), *(each.tobytes() for source in sources for each in source)
         if key not in self._known:
+            gap = self._gap(sources)
             found = [self._at_node(lateral, sources, gap) for lateral in rule.nodes]
             along, motion = (np.stack(each, axis=-1) for each in zip(*found, strict=True))
             self._known[key] = Returned(rule, along, motion, SIGNS)

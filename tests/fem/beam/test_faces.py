@@ -76,6 +76,15 @@ def test_the_contour_gives_what_real_lateral_wavenumbers_give():
     assert abs(between.motion(x[:, 0], 2e-3)[1]).max() > 1e-2 * size
 
 
+def test_twice_the_charges_make_twice_the_field():
+    """Also after the field of others was asked for: what comes back belongs to the charges that sent it."""
+    beam = beam_between("free", cut("PZT-8", "Z", quality=15.0))
+    place = 0.8 * beam.wave.length, 1.5e-3
+    once = beam.motion(*place)
+    charges = tuple(replace(each, charge=2 * each.charge) for each in beam.charges)
+    np.testing.assert_allclose(replace(beam, charges=charges).motion(*place), 2 * once, rtol=1e-12)
+
+
 def test_no_shear_traction_at_a_free_face():
     """T_xy = c_66 (du_x/dy + du_y/dx), by differences along the surface."""
     beam, step = beam_between("free", cut("PZT-8", "Z", quality=60.0)), 2e-5
