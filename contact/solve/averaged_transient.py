@@ -18,6 +18,7 @@ from contact.solve.cycle_mean import NORMAL, STUCK, TANGENTIAL, cycle, respond
 from contact.solve.end_corrections import cubic
 from contact.solve.riding import Rule, mean_push, riding
 
+HEIGHT, CLIMB, SPEED = range(3)  # places in a state: (z_s, z_s', v), or (h, h', V) of the averaged motion
 _TABLE = np.array(
     [
         [0.0] * 6,
@@ -91,10 +92,10 @@ def bounce(problem, state, span, work):
     rule = span.rule
     stop, per_period, at, rows = span.stop, span.per_period, span.at, span.rows
     h_end = riding(problem, rule)
-    _, slope = mean_push(problem, max(h_end, state[0]), rule)
+    _, slope = mean_push(problem, max(h_end, state[HEIGHT]), rule)
     rate = np.sqrt(slope)
     dt = 2.0 * np.pi / rate / per_period
-    h, w, v = state[0], state[1], state[2]
+    h, w, v = state[HEIGHT], state[CLIMB], state[SPEED]
     phase, taken, gain, pull, largest, steps = 0.0, 0, 0.0, 0.0, 0.0, 0
     while phase < stop:
         d = min(dt, stop - phase)
@@ -133,7 +134,7 @@ def bounce(problem, state, span, work):
             if largest < span.tolerance:
                 break
             largest = 0.0
-    state[0], state[1], state[2] = h, w, v
+    state[HEIGHT], state[CLIMB], state[SPEED] = h, w, v
     return phase, taken, Status.DONE
 
 
@@ -150,7 +151,7 @@ def _rate(problem, h, v, rule, work, most):
 def accelerate(problem, state, phase, taken, span, work, k):
     """Follow the velocity with the bounce dead; return the reason for ending. `k`: (7,) room."""
     stop, at, rows, tolerance = span.stop, span.at, span.rows, 0.1 * span.tolerance
-    h, v, rule, means = state[0], state[2], span.rule, work.second
+    h, v, rule, means = state[HEIGHT], state[SPEED], span.rule, work.second
     most = 3 if span.corrected else 0
     if span.corrected:
         _rate(problem, h, v, rule, means, 8)
@@ -197,33 +198,37 @@ def accelerate(problem, state, phase, taken, span, work, k):
         v = y
         k[0] = k[6]
         d *= min(5.0, 0.9 * max(error, 1e-10) ** -0.2)
-    state[0], state[1], state[2] = h, 0.0, v
+    state[HEIGHT], state[CLIMB], state[SPEED] = h, 0.0, v
     return Status.DONE
 
 
 @native("t f1 t t f1")
 def _response(problem, state, span, work, k):
     """Fill the answer of `response`; return the reason for ending."""
-    rule, second, speed = span.rule, work.second, state[2]
+    rule, second, speed = span.rule, work.second, state[SPEED]
     rest(second.fast)
-    h, w, v = -state[0], -state[1], speed
+    h, w, v = -state[HEIGHT], -state[CLIMB], speed
     for _ in range(3):
         cycle(problem, h, v, rule, second)
         if second.counts[STUCK] > 0:
             return Status.STICKS
         respond(problem, second)
         height, climb, wiggle = ripple(second.fast)
-        h, w, v = height - state[0], climb - state[1], speed - wiggle
-    state[0], state[1], state[2] = h, w, v
+        h, w, v = height - state[HEIGHT], climb - state[CLIMB], speed - wiggle
+    state[HEIGHT], state[CLIMB], state[SPEED] = h, w, v
     phase, taken, why = bounce(problem, state, span, work)
     if why == Status.DONE and phase < span.stop:
         why = accelerate(problem, state, phase, taken, span, work, k)
     if not span.corrected:
         rest(second.fast)
-        cycle(problem, state[0], state[2], rule, second)
+        cycle(problem, state[HEIGHT], state[SPEED], rule, second)
         respond(problem, second)
     height, climb, wiggle = ripple(second.fast)
-    state[0], state[1], state[2] = height - state[0], climb - state[1], state[2] + wiggle
+    state[HEIGHT], state[CLIMB], state[SPEED] = (
+        height - state[HEIGHT],
+        climb - state[CLIMB],
+        state[SPEED] + wiggle,
+    )
     for m in range(span.at.size):
         span.rows[m, 0] += wiggle
     return why
