@@ -201,12 +201,7 @@ def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
             )
     placed = sorted(transducers, key=lambda transducer: transducer.center)
     for transducer in placed:
-        left, right = transducer.extent
-        if left <= 0 or right >= stator.length:
-            raise ValueError(
-                f"transducer {transducer.name!r} must lie on the stator, 0 to {stator.length:g} m, "
-                f"but its fingers reach from {left:g} to {right:g} m"
-            )
+        _check_along(transducer.name, *transducer.extent, stator.length)
     for first, second in pairwise(placed):
         if first.extent[1] >= second.extent[0]:
             raise ValueError(
@@ -226,11 +221,7 @@ def check_plan(stator: Stator, width: float, transducers: tuple[Transducer, ...]
     _check_names(transducers)
     for each in transducers:
         (left, low), (right, high) = each.corners.min(axis=0), each.corners.max(axis=0)
-        if left <= 0 or right >= stator.length:
-            raise ValueError(
-                f"transducer {each.name!r} must lie on the stator, 0 to {stator.length:g} m, but its fingers reach "
-                f"from x = {left:g} to {right:g} m"
-            )
+        _check_along(each.name, left, right, stator.length, axis="x = ")
         if max(-low, high) > width / 2 * (1 + 1e-12):
             raise ValueError(
                 f"transducer {each.name!r} must lie on the stator, y from -{width / 2:g} to {width / 2:g} m, but its "
@@ -239,6 +230,14 @@ def check_plan(stator: Stator, width: float, transducers: tuple[Transducer, ...]
     for one, other in combinations(transducers, 2):
         if separation(one, other)[0] <= 0:
             raise ValueError(f"transducers {one.name!r} and {other.name!r} must not overlap on the surface")
+
+
+def _check_along(name: str, left: float, right: float, length: float, axis: str = "") -> None:
+    if left <= 0 or right >= length:
+        raise ValueError(
+            f"transducer {name!r} must lie on the stator, 0 to {length:g} m, but its fingers reach "
+            f"from {axis}{left:g} to {right:g} m"
+        )
 
 
 def separation(one: Transducer, other: Transducer) -> tuple[float, float]:

@@ -62,15 +62,15 @@ class Finding:
     confirmed: bool  # whether it does
     remark: str = ""  # what to know about it
 
-    @classmethod
+    @staticmethod
     def judged(
-        cls, statement, quantity, found, *, low=-math.inf, high=math.inf, holds=True, expected="", remark=""
+        statement, quantity, found, *, low=-math.inf, high=math.inf, holds=True, expected="", remark=""
     ):
         """Return the finding that a number lies between two others, both excluded, and something else holds too."""
         bounds = f"below {high:g}" if low == -math.inf else f"above {low:g}"
         if math.isfinite(low) and math.isfinite(high):
             bounds = f"between {low:g} and {high:g}"
-        return cls(
+        return Finding(
             statement=statement, quantity=quantity, expected=expected or bounds, found=float(found),
             confirmed=bool(low < found < high and holds), remark=remark,
         )  # fmt: skip

@@ -63,11 +63,8 @@ def mutual_admittance(
     reach = abs(offset) + sum(
         float(abs((each.corners - each.corners.mean(axis=0)) @ across).max()) for each in plan
     )
-    rule = lateral_rule(
-        float(np.sqrt((k**2).real.max())),
-        reach,
-        evanescent(float(np.sqrt((k**2).real.max())), max(gap, wavelength)),
-    )
+    highest = float(np.sqrt((k**2).real.max()))
+    rule = lateral_rule(highest, reach, evanescent(highest, max(gap, wavelength)))
     total = 0.0
     for number in np.flatnonzero(kept):
         backward = k[number].real < 0

@@ -19,6 +19,8 @@ of the potential adds to the dipoles is, to the first order, that of a strip on 
     M = -(a^2 / 2) (d phi / d x) / [x d G(x; 0) / d x],    x << wavelength.
 """
 
+from functools import cache
+
 import numpy as np
 from scipy.special import hankel2, hankel2e
 
@@ -32,6 +34,8 @@ NODES = 12  # of Laguerre's rule along the path of steepest descent from y = W
 WIDEST, SLOW = 16.0, 4.0  # over the largest wavenumber: k_y of mirrors, and modes that reach them
 FAR, TERMS = 20.0, 7  # argument from which Hankel's series serves, and its terms
 DECAYED = 45.0  # exponent beyond which a Hankel function is nothing
+
+laguerre_rule = cache(np.polynomial.laguerre.laggauss)
 
 
 def mean_potential_change(
@@ -87,7 +91,7 @@ def mode_change(wavenumbers: np.ndarray, aperture: float, distances: np.ndarray)
     k = k[lasting]
     out[lasting] -= reach * hankel2(1, k * reach) / (k * width)
     # from y = W on along exp(-i k y) falling; r leaves no branch cut on the way
-    s, weights = np.polynomial.laguerre.laggauss(NODES)
+    s, weights = laguerre_rule(NODES)
     path = -1j * (reach / width)[:, None] * s / k[..., None]
     r = np.sqrt(x[:, None] ** 2 + (width + path) ** 2)
     z = k[..., None] * r

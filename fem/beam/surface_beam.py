@@ -174,7 +174,11 @@ class SurfaceBeam:
 
     @cached_property
     def _section_nodes(self) -> "_Nodes":
-        return _nodes_of(_charges_of(self.wave.solution))
+        return _nodes_of(self._section_charges)
+
+    @cached_property
+    def _section_charges(self) -> tuple[ElectrodeCharges, ...]:
+        return _charges_of(self.wave.solution)
 
     def _both_rules(self, x, y) -> tuple[np.ndarray, np.ndarray]:
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
@@ -284,7 +288,7 @@ class SurfaceBeam:
         nodes, source, ones = self._section_nodes, self.source, np.ones((len(self.apertures), 1))
         sent = sum(_sent(nodes, branch, places, ones) for branch in source.plane(self._resolved))[..., 0]
         if self.faces is not None:
-            plane = self.faces.plane(_sources(_charges_of(self.wave.solution)))
+            plane = self.faces.plane(_sources(self._section_charges))
             sent = sent + plane.spectra(places, self.wave.length, ones, self.faces.wanted)[..., 0]
         to_the_left = np.append(0.0, np.cumsum(nodes.charge))[np.searchsorted(nodes.x, places, side="right")]
         rest = self.wave.motion(places) - sent.T[[0, 2]]
