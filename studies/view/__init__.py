@@ -25,7 +25,7 @@ from studies.view.run_field import NO_STATOR, left_run, motion_again, run_field
 from studies.view.section import chosen_views, limits, near, views
 from studies.view.window import open_window
 
-__all__ = ["plotter", "view"]
+__all__ = ["view"]
 
 STILL_SIZE, MOVIE_SIZE, WINDOW_SIZE = (1600, 1100), (1000, 400), (1500, 900)
 FRAMES, RATE = 24, 16.0  # of a movie: one period of the wave
@@ -82,35 +82,6 @@ def view(
         writers["window"]()
     if record.scene.stator is None and not wanted.show:
         note(f"{NO_STATOR}; this is its contact")
-
-
-def plotter(
-    folder: str | Path,
-    *,
-    quantity: str = "u_z",
-    phase: float = 0.0,
-    span: str | tuple[float, float] | None = None,
-    size: tuple[int, int] = STILL_SIZE,
-):
-    """Return the pyvista Plotter of a run's field, off screen, for pyvista's own notebook backends and other uses.
-
-    Parameters
-    ----------
-    folder : str or Path
-        What ``sawmotor run`` left.
-    quantity : str
-    phase : float
-        rad.
-    span : str or tuple of float or None
-        As in `Wanted`.
-    size : tuple of int
-        Pixels.
-    """
-    found = run_field(folder, progress=lambda text: None)
-    stretch = chosen_views(found, limits(found, span) or near(found))[-1:]
-    return Picture(
-        found, stretch, quantity=quantity, phase=phase, factor=None, size=size, framed=False
-    ).plotter
 
 
 def _field_writers(folder, wanted: Wanted, show: str, progress, note) -> dict[str, Callable]:

@@ -7,6 +7,7 @@ There the field is extruded; beside it the solid is drawn bare, and the picture 
 and fills the width.  The displacement is enlarged so that it is seen; the picture says how much.  Lengths are in mm.
 """
 
+import textwrap
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -137,12 +138,13 @@ class Picture:
         for former in list(self.plotter.scalar_bars.keys()):
             self.plotter.remove_scalar_bar(former)
         width, height = self.size
+        title, _, unit = self.shade.label.partition(" (")
         low, high = (0.5 * height, 0.85 * height) if self.solid else (0.7 * height, 0.9 * height)
         if self.framed and not self.solid:
             _, low, _, high = max((frame.box for frame in self.frames), key=lambda box: box[3] - box[1])
         self.plotter.add_scalar_bar(
-            title=self.shade.label.replace(" (", "\n(") + "\n", mapper=self._mapper, vertical=True, n_labels=3,
-            fmt="%.3g", position_x=1 - 115 / width, width=80 / width, position_y=low / height,
+            title="\n".join([*textwrap.wrap(title, 12), f"({unit}\n"]), mapper=self._mapper, vertical=True, n_labels=3,
+            fmt="%.3g", position_x=1 - 112 / width, width=84 / width, position_y=low / height,
             height=(high - low) / height, title_font_size=LETTERS, label_font_size=LETTERS,
         )  # fmt: skip
         self.set_phase(self.phase)

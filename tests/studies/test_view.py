@@ -542,14 +542,6 @@ def test_a_notebook_shows_the_page(folder, monkeypatch):
     assert unescape(inner) == '<!DOCTYPE html><p>0.024 "m"'
 
 
-def test_a_plotter_for_pyvista_s_own_notebook_backends(computed):
-    plotter = view.plotter(computed, quantity="u_x", span="wavelength", size=(500, 300))
-    assert isinstance(plotter, pyvista.Plotter)
-    assert plotter.off_screen
-    assert np.asarray(plotter.screenshot(return_img=True)).std() > 5
-    plotter.close()
-
-
 def chromium_says(file, tmp_path):
     """What headless Chromium writes on the console of a page, without a network, and the page's last state."""
     flags = (
