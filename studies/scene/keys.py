@@ -1,8 +1,7 @@
 """The rule of any key of a scene, by its dotted path, and the unit of its numbers."""
 
 from studies.refusal import SceneError, nearest
-from studies.scene.block import Blocks, OneOf, Within, keys_of
-from studies.scene.rule import Count, Impedance, Listed, Place, Quantity
+from studies.scene.block import Blocks, Within, keys_of
 from studies.scene.scene import Scene
 
 
@@ -16,14 +15,15 @@ def rule_at(key: str):
         if name not in known:
             raise SceneError(here, f"is no key of a scene{nearest(name, known)}")
         rule = known[name].rule
-        if isinstance(rule, Blocks):
+        inner = next(
+            (part for part in getattr(rule, "rules", (rule,)) if isinstance(part, (Blocks, Within))), None
+        )
+        if isinstance(inner, Blocks) and (parts or inner is rule):
             if not parts or not parts[0].isdigit():
                 raise SceneError(here, f"is a list: say which one, as in {here}.0")
-            here, kinds = f"{here}.{parts.pop(0)}", (rule.kind,)
-        elif isinstance(rule, Within):
-            kinds = (rule.kind,)
-        elif isinstance(rule, OneOf) and parts:
-            kinds = rule.kinds
+            here, kinds = f"{here}.{parts.pop(0)}", (inner.kind,)
+        elif inner is not None and (parts or inner is rule):
+            kinds = inner.kinds
         elif parts:
             raise SceneError(key, f"is no key of a scene: {here} holds no keys")
         else:
@@ -35,11 +35,5 @@ def rule_at(key: str):
 
 
 def unit_of(rule) -> str | None:
-    """Return the SI unit of a rule's numbers, None where it takes words."""
-    if isinstance(rule, Listed):
-        return unit_of(rule.alone or rule.each)
-    if isinstance(rule, Quantity):
-        return rule.unit
-    if isinstance(rule, Place):
-        return rule.along.unit
-    return "ohm" if isinstance(rule, Impedance) else "" if isinstance(rule, Count) else None
+    """Return the SI unit of a rule's single number, None where it takes none."""
+    return rule.number and rule.number.unit

@@ -5,33 +5,24 @@
 
 import json
 
+from studies.scene import blocks, slider
 from studies.scene.block import Block, Blocks, Within, keys_of
-from studies.scene.blocks import (
-    Damping,
-    Drive,
-    IsotropicSolid,
-    PiezoelectricSolid,
-    Recovery,
-    Slider,
-    Stator,
-    Transducer,
-    Wave,
-)
 from studies.scene.file import SHIPPED, shipped_scenes
 from studies.scene.scene import Scene
 from studies.scene.schema import FILE_NAME, schema_text
 
 BLOCKS = {
     "The file": Scene,
-    "[stator]": Stator,
-    "[[transducer]]": Transducer,
-    "[drive]": Drive,
-    "[drive.recovery]": Recovery,
-    "[wave]": Wave,
-    "[slider]": Slider,
-    "[slider.damping]": Damping,
-    "[stator.material], a piezoelectric crystal or ceramic": PiezoelectricSolid,
-    "[stator.material], an isotropic solid": IsotropicSolid,
+    "[stator]": blocks.Stator,
+    "[[transducer]]": blocks.Transducer,
+    "[drive]": blocks.Drive,
+    "[[drive.match]]": blocks.Element,
+    "[drive.recovery]": blocks.Recovery,
+    "[wave]": slider.Wave,
+    "[slider]": slider.Slider,
+    "[slider.damping]": slider.Damping,
+    "[stator.material], a piezoelectric crystal or ceramic": blocks.PiezoelectricSolid,
+    "[stator.material], an isotropic solid": blocks.IsotropicSolid,
 }
 PAGE = SHIPPED / "README.md"
 MARK = "<!-- From here on: generated from the blocks and the catalogue by `python -m studies.scene.reference`. -->\n"
@@ -53,7 +44,7 @@ def _keys(kind: type[Block]) -> str:
     rows = [("key", "unit", "default", "allowed", "meaning")]
     for name, key in keys_of(kind).items():
         default = "required" if key.required else _written(key.rule, key.default)
-        rows.append((f"`{name}`", key.rule.unit_name or "-", default, _allowed(key.rule), key.meaning))
+        rows.append((f"`{name}`", key.rule.unit or "-", default, _allowed(key.rule), key.meaning))
     return _table(rows)
 
 

@@ -13,11 +13,12 @@ from functools import lru_cache
 from studies.refusal import SceneError, shown
 from studies.scene import Scene
 from studies.scene.block import keys_of
-from studies.scene.blocks import IsotropicSolid, PiezoelectricSolid, Slider, Stator, Transducer
+from studies.scene.blocks import Element, IsotropicSolid, PiezoelectricSolid, Stator, Transducer
 from studies.scene.endless import refuse_endless_burst
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import value_at
 from studies.scene.rule import Count
+from studies.scene.slider import Slider
 from studies.scene.uncertain import OPTIONS, Tolerance, half_width
 
 LEVELS = ("drive.voltage", "drive.power", "wave.normal_amplitude")
@@ -60,7 +61,7 @@ def tolerances(scene: Scene) -> tuple[Tolerance, ...]:
             found.append(Tolerance(key, 1.0, half_width(path, given, 1.0, "")))
             continue
         value = value_at(table, key)
-        if isinstance(rule, Count) or unit_of(rule) is None or not isinstance(value, (int, float)):
+        if isinstance(rule.number, Count) or unit_of(rule) is None or not isinstance(value, (int, float)):
             raise SceneError(path, f"must be the key of a number that this scene has, got {shown(value)}")
         size = half_width(path, given, value, unit_of(rule))
         for end in (value - size, value + size):
@@ -193,13 +194,13 @@ def drive(scene: Scene):
 
 def _ladder(match: str | tuple) -> tuple:
     """Return the ``fem.Element`` objects of a ladder as read."""
-    from fem import Element
+    import fem
 
     found = []
     for each in () if isinstance(match, str) else match:
-        name, value = each[0]
-        place, kind = name.split("_")
-        found.append(Element(place=place, kind=kind, value=value, quality=dict(each).get("Q", math.inf)))
+        place, kind = each.name.split("_")
+        value, quality = getattr(each, each.name), math.inf if each.Q is None else each.Q
+        found.append(fem.Element(place=place, kind=kind, value=value, quality=quality))
     return tuple(found)
 
 
@@ -272,7 +273,7 @@ def _with_circuit(scene: Scene) -> Scene:
         seen = fem.solve_circuit(*about, transducers(scene), given.transducer, scene.frequency).admittance
         with _refused("drive.match"):
             ladder = fem.best_match(complex(given.source_impedance), seen, scene.frequency)
-        elements = tuple(((f"{each.place}_{each.kind}", each.value),) for each in ladder) or "none"
+        elements = tuple(Element(**{f"{each.place}_{each.kind}": each.value}) for each in ladder) or "none"
         scene = replace(scene, drive=replace(scene.drive, match=elements))
     return scene
 
