@@ -270,8 +270,8 @@ class Drive(Block):
     burst: Length of the driven interval. Absent: the steady state only.
     source_impedance: Impedance between each source and its transducer.
     match: Network between each source and its transducer: the lossless L-section of least stored energy that
-        delivers all available power at drive.frequency (auto), or elements from the source on, Q their quality
-        there.
+        delivers all available power at drive.frequency (auto), or elements from the source on, such as
+        [{ series_L = "2.6 uH", Q = 80 }, { shunt_C = "1 nF" }].
     recovery: What becomes of the power that another transducer receives.
     """
 
