@@ -7,9 +7,9 @@ import json
 
 from studies.scene import blocks, slider
 from studies.scene.block import Block, Blocks, Within, keys_of
-from studies.scene.file import SHIPPED, shipped_scenes
+from studies.scene.file import SCHEMA, SHIPPED, shipped_scenes
 from studies.scene.scene import Scene
-from studies.scene.schema import FILE_NAME, schema_text
+from studies.scene.schema import schema_text
 
 BLOCKS = {
     "The file": Scene,
@@ -91,4 +91,4 @@ def _table(rows: list[tuple[str, ...]]) -> str:
 
 if __name__ == "__main__":
     PAGE.write_text(reference(), encoding="utf-8")
-    PAGE.with_name(FILE_NAME).write_text(schema_text(), encoding="utf-8")
+    PAGE.with_name(SCHEMA).write_text(schema_text(), encoding="utf-8")

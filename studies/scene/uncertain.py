@@ -6,10 +6,12 @@ several at once, they are independent.
 
 import re
 from dataclasses import dataclass
+from functools import reduce
 from typing import NamedTuple
 
 from studies.refusal import SceneError, shown
 from studies.scene.numbers import DIGITS, Quantity, units
+from studies.scene.override import replaced
 from studies.scene.quantity import NUMBER, si_value
 from studies.scene.rule import Count, Rule, choice
 
@@ -49,14 +51,7 @@ class Uncertain(Rule):
         return tuple(pairs)
 
     def written(self, value):
-        table = {}
-        for key, each in value:
-            *outer, last = key.split(".")
-            at = table
-            for name in outer:
-                at = at.setdefault(name, {})
-            at[last] = each
-        return table
+        return reduce(lambda table, pair: replaced(table, *pair), value, {})
 
     @property
     def expected(self):

@@ -16,10 +16,11 @@ from studies import Scene, SceneError
 from studies.__main__ import main
 from studies.scene import read_table, shipped_scenes
 from studies.scene.block import Block, Blocks, Within, keys_of
+from studies.scene.file import SCHEMA as FILE_NAME
 from studies.scene.quantity import POWERS, si_value
 from studies.scene.reference import BLOCKS
 from studies.scene.resolved import resolved
-from studies.scene.schema import FILE_NAME, schema, schema_text
+from studies.scene.schema import schema, schema_text
 
 SCHEMA = schema()
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
