@@ -30,7 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     measured = None if arguments.measured is None else read_measured(arguments.measured)
     if arguments.explain:
         planned = plan(scene, tolerance=wanted)
-        _show(arguments, planned.to_dict(), explanation(planned))
+        _show(arguments, planned, explanation(planned))
         return 0
     if arguments.plot:
         from studies.report.figures import pictures, refuse_without_toolkit, show

@@ -106,7 +106,7 @@ def present(found) -> list[str]:
 def shade(found, name: str) -> Shade:
     """Return how a quantity colours the field of a run; refuse an unknown name, or a field that this solid has not."""
     chosen = quantity(name)
-    field = found.whole(energies=chosen.turns == 2)
+    field = found.with_energies if chosen.turns == 2 else found.field
     mean, amplitude = chosen.parts(field)
     outside = ~found.near_transducer(field.x)
     if not np.any(amplitude):
