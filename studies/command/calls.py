@@ -151,7 +151,7 @@ def wave(arguments: argparse.Namespace) -> int:
     answer = half_space_wave(arguments.material, orientation=orientation, surface=arguments.surface)
     _show(arguments, answer, half_space_answer(answer))
     if arguments.plot is not None:
-        from studies.report.crystal import save_axes
+        from studies.report.free_surface import save_axes
 
         save_axes(answer, arguments.plot)
     return 0

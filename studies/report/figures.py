@@ -14,30 +14,10 @@ from studies.record import Record
 from studies.refusal import RunError
 
 __all__ = [
-    "AXES",
-    "COLOURS",
-    "PALETTE",
-    "arrow",
-    "as_uri",
-    "curve",
-    "data_uri",
-    "draw_run",
-    "errors",
-    "family",
-    "finished",
-    "legend_below",
-    "lines",
-    "logarithmic",
-    "new_figure",
-    "own",
-    "pictures",
-    "refuse_without_toolkit",
-    "saved",
-    "shaded",
-    "show",
-    "titled",
-    "velocity",
-]
+    "AXES", "COLOURS", "PALETTE", "arrow", "as_uri", "curve", "data_uri", "draw_run", "errors", "family",
+    "finished", "legend_below", "lines", "logarithmic", "new_figure", "own", "pictures",
+    "refuse_without_toolkit", "saved", "shaded", "show", "titled", "velocity",
+]  # fmt: skip
 
 # Okabe and Ito's palette: told apart by the colour-blind and in grey
 COLOURS = {

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem import rotation_matrix
-from studies.report.crystal import SEEN
+from studies.report.free_surface import SEEN
 from studies.view.run_field import RunField
 
 __all__ = ["AXIS_COLOUR", "BALL_COLOUR", "Electrode", "balls", "crystal_axes", "electrodes", "shown_fingers"]

@@ -27,25 +27,15 @@ from studies.report.figures import (
 )
 from studies.scene import resolved
 from studies.view import movie
-from studies.view.contact_pictures import strip
-from studies.view.contact_view import film_contact
+from studies.view.contact_view import film_contact, strip
 from studies.view.picture import Picture
 from studies.view.quantities import DIVERGING, palette
 from studies.view.section import chosen_views, views
 
 __all__ = [
-    "amplitude",
-    "anticlockwise",
-    "bars",
-    "depth_profile",
-    "depth_weights",
-    "draw_all",
-    "ledger_rows",
-    "orbits",
-    "power_along",
-    "power_rows",
-    "start_and_stop",
-]
+    "amplitude", "anticlockwise", "bars", "depth_profile", "depth_weights", "draw_all", "ledger_rows",
+    "orbits", "power_along", "power_rows", "start_and_stop",
+]  # fmt: skip
 
 NM, MM = 1e9, 1e3
 TURN = np.linspace(0.0, 2 * np.pi, 121)

@@ -16,17 +16,9 @@ from PIL import Image
 from studies.refusal import SceneError, nearest
 
 __all__ = [
-    "DIVERGING",
-    "QUANTITIES",
-    "SEQUENTIAL",
-    "Quantity",
-    "Shade",
-    "palette",
-    "present",
-    "quantity",
-    "shade",
+    "DIVERGING", "QUANTITIES", "SEQUENTIAL", "Quantity", "Shade", "palette", "present", "quantity", "shade",
     "shade_of",
-]
+]  # fmt: skip
 
 NM = 1e9
 MARK_COLOURS = ("#CC79A7", "#E69F00", "#009E73")  # of `description`; the others are black, grey and white
