@@ -28,6 +28,27 @@ class SliderAnswer:
     summary: dict  # threshold and release
     trajectories: tuple  # with a burst
 
+    def blocks(self, tolerance: float) -> dict:
+        """Return the record's blocks, the error that of the worst point."""
+        failed = [point for point in self.points if not point["status"].startswith(("ok", "above tolerance"))]
+        known = [
+            part for part, point in zip(self.parts, self.points, strict=True) if "relative_error" in point
+        ]
+        blocks = {"points": self.points, "summary": self.summary, "trajectories": self.trajectories}
+        if known:
+            stator, contact = max(known, key=sum)
+            error = stator + contact
+            blocks["error"] = {"relative": error, "parts": {"stator": stator, "contact": contact}}
+            if error > tolerance:
+                blocks["shortfall"] = (
+                    f"the velocity's error is {error:.1e} (stator {stator:.1e}, contact {contact:.1e}), "
+                    f"{tolerance:.1e} was asked for: see error.parts, or ask for less"
+                )
+        if failed:
+            what = f"{len(failed)} of {len(self.points)} points have no answer: {failed[0]['status']}"
+            blocks["shortfall"] = what
+        return blocks
+
 
 def slider_answer(
     scene: Scene,

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from studies.chain import bridge
-from studies.chain.driven_contact import DrivenContact, given_contact
+from studies.chain.driven_contact import DrivenContact
 from studies.chain.points import averaged
 from studies.chain.surface_motion import solved_motion
 from studies.inverse.data import Measurement
@@ -110,7 +110,7 @@ class Predictor:
         scene = resolved(Scene.from_table("", table))
         factor = numbers.get(AMPLITUDE_FACTOR, 1.0)
         if self.given_wave:
-            return given_contact(scene)
+            return DrivenContact.given(scene)
         keys = {key: value for key, value in numbers.items() if self.needs_stator(key)}
         name = json.dumps(keys, default=str, sort_keys=True)
         if name not in self._driven:
