@@ -11,8 +11,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import fem
-from studies.chain import bridge
 from studies.chain.blocks import amplitude_blocks, surface_columns, wave_block
+from studies.chain.bridge import DrivenContact, wave_along
 from studies.chain.electrical import electrical_block, with_available_power
 from studies.chain.left_out import left_out
 from studies.chain.model_error import model_error
@@ -98,8 +98,7 @@ def _run(scene: Scene, tolerance: float, progress: Callable[[str], None] | None)
 def _given(scene: Scene, tolerance: float, say) -> Record:
     """Return the record of a given wave: its orbit, then the contact."""
     begun = time.perf_counter()
-    orbits, amplitudes = bridge.given_orbits(scene.wave), (1.0, scene.wave.tangential_ratio)
-    answer = slider_answer(scene, orbits, amplitudes, stator_error=0.0, tolerance=tolerance, progress=say)
+    answer = slider_answer(DrivenContact.given(scene), tolerance=tolerance, progress=say)
     return Record(
         scene=scene,
         tolerance=tolerance,
@@ -187,17 +186,9 @@ def _with_contact(scene: Scene, motion: SurfaceMotion, solved: Callable, toleran
     def answered() -> SliderAnswer:
         nonlocal seconds
         started = time.perf_counter()
-        tangential, _, normal = map(float, abs(motion.at([slider.center])[:, 0]))
-        answer = slider_answer(
-            scene,
-            bridge.orbits_per_volt(motion, slider),
-            (normal, tangential),
-            stator_error=motion.relative_error(slider.places),
-            tolerance=tolerance,
-            progress=say,
-            ringing=ringing,
-            along=None if scene.burst is None else bridge.wave_along(motion, slider),
-        )
+        along = None if scene.burst is None else wave_along(motion, slider)
+        driven = DrivenContact.of_motion(scene, motion, ringing=ringing, along=along)
+        answer = slider_answer(driven, tolerance=tolerance, progress=say)
         seconds += time.perf_counter() - started
         return answer
 

@@ -9,6 +9,7 @@ as one.
 """
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import fem
 from studies.record import Record
@@ -104,42 +105,48 @@ def contact_slider(slider: Slider):
 
 @dataclass(frozen=True, kw_only=True)
 class DrivenContact:
-    """A slider and the surface motion that drives it."""
+    """A slider and the surface motion that drives it: what the contact's solvers are asked about."""
 
     scene: Scene  # as resolved
-    slider: object = field(repr=False)
     # Under the balls for a level of 1: 1 V of the source, or 1 m of given amplitude
     orbits: tuple = field(repr=False)
-    amplitude: float  # normal amplitude |u_z| under the slider's centre for a level of 1, m
-    stator_error: float  # relative error of the orbits; 0 for a given wave
-    record: Record | None = field(repr=False)  # of the run that solved the stator; None where none was needed
-
-    @classmethod
-    def of_run(cls, record: Record) -> "DrivenContact":
-        """Return the contact of a run that has a slider."""
-        scene = record.scene
-        if scene.wave is not None:
-            return cls.given(scene, record)
-        return cls(
-            scene=scene,
-            slider=contact_slider(scene.slider),
-            orbits=orbits_per_volt(record.surface_motion, scene.slider),
-            amplitude=abs(complex(record.wave["normal_m_per_V"])),
-            stator_error=float(record.wave["relative_error"]),
-            record=record,
-        )
+    amplitudes: tuple[float, float]  # |u_z| and |u_x| under the slider's centre for a level of 1, m
+    stator_error: float = 0.0  # of the orbits, relative
+    ringing: object = None  # how they grow during a burst, a `studies.chain.ring_up.RingUp`
+    along: object = None  # how they change with the slider's place, a `studies.chain.travel.WaveAlong`
+    record: Record | None = field(default=None, repr=False)  # of the run that solved the stator
 
     @classmethod
     def given(cls, scene: Scene, record: Record | None = None) -> "DrivenContact":
         """Return the contact of a resolved scene with a given wave."""
-        return cls(
-            scene=scene,
-            slider=contact_slider(scene.slider),
-            orbits=given_orbits(scene.wave),
-            amplitude=1.0,
-            stator_error=0.0,
-            record=record,
-        )
+        amplitudes = 1.0, scene.wave.tangential_ratio
+        return cls(scene=scene, orbits=given_orbits(scene.wave), amplitudes=amplitudes, record=record)
+
+    @classmethod
+    def of_motion(cls, scene: Scene, motion, **given) -> "DrivenContact":
+        """Return the contact on a `studies.chain.surface_motion.SurfaceMotion`; ``given``: more of the fields."""
+        tangential, _, normal = map(float, abs(motion.at([scene.slider.center])[:, 0]))
+        given.setdefault("stator_error", motion.relative_error(scene.slider.places))
+        orbits = orbits_per_volt(motion, scene.slider)
+        return cls(scene=scene, orbits=orbits, amplitudes=(normal, tangential), **given)
+
+    @classmethod
+    def of_run(cls, record: Record) -> "DrivenContact":
+        """Return the contact of a run that has a slider."""
+        if record.scene.wave is not None:
+            return cls.given(record.scene, record)
+        error = float(record.wave["relative_error"])
+        return cls.of_motion(record.scene, record.surface_motion, stator_error=error, record=record)
+
+    @cached_property
+    def slider(self):
+        """The `contact.Slider`."""
+        return contact_slider(self.scene.slider)
+
+    @property
+    def amplitude(self) -> float:
+        """Normal amplitude |u_z| under the slider's centre for a level of 1, m."""
+        return self.amplitudes[0]
 
     @property
     def levels(self) -> tuple[float, ...]:
