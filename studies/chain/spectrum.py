@@ -103,6 +103,12 @@ def port_admittances(scene: Scene, frequencies, tolerance: float, progress: Call
     )
 
 
+def driving_point(ports, transducers, drive):
+    """Return the admittance, S, that a drive or a transducer's name meets at each frequency of `port_admittances`."""
+    pairs = zip(ports.matrix, ports.frequency, strict=True)
+    return np.array([fem.solve_circuit(y, ports.names, transducers, drive, f).admittance for y, f in pairs])
+
+
 def _edges(lowest: float, highest: float) -> list[float]:
     """Return the ends of the bands that a range is cut into, Hz."""
     count = max(1, math.ceil(math.log(highest / lowest) / math.log(WIDEST)))

@@ -27,7 +27,6 @@ from studies.study import Finding, Panel, StudyRecord, of_record, study
 from studies.sweep import sweep
 from studies.sweep.axes import axis, level_key
 
-TAKES_SCENE = TAKES_AXES = True
 COUNTS = 28, 22  # of levels and of preloads, where no axes are given
 QUICK = {"counts": (4, 3)}
 SMALLEST = 100.0  # largest value of a map over the smallest that has a colour of its own

@@ -15,7 +15,6 @@ from studies.report.figures import curve, family, finished
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
-TAKES_SCENE = True
 QUICK = {"points": 3}
 LINES = 4
 

@@ -20,7 +20,6 @@ from studies.report.figures import AXES, curve, finished, logarithmic, own
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
-TAKES_SCENE = True
 QUICK = {"amplitudes": 8, "preloads": 5, "checked": 2}
 KINDS = ("stick", "slip", "intermittent", "hopping")
 

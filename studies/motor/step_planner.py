@@ -18,7 +18,6 @@ from studies.report.figures import curve, family, finished, logarithmic
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
-TAKES_SCENE = True
 QUICK = {"cycles": (64, 256), "wanted": (2e-8,), "lines": 1}
 CYCLES = tuple(2**k for k in range(3, 13))
 WANTED = (2e-9, 1e-8, 1e-7)  # m

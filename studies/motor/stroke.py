@@ -18,7 +18,6 @@ from studies.report.figures import AXES, COLOURS, curve, family, finished, lines
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
-TAKES_SCENE = True
 QUICK = {"count": 10, "duration": 2e-3}
 LINES, COUNT = 3, 240
 WITHIN = 4  # points of half a wavelength about each place

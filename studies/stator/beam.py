@@ -23,7 +23,6 @@ from studies.report.figures import curve, finished
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
-TAKES_SCENE = True
 QUICK = {"count": 25}
 COUNT = 400
 CLEAR = 0.6  # wavelengths from the fingers where the axis begins
