@@ -36,7 +36,7 @@ def run(
         Relative, of the surface motion.
     """
     chosen = passband.driven_scene(scene)
-    place, at = passband.place(chosen), passband.frequencies(chosen, count)
+    place, at = passband.place(chosen)[0], passband.frequencies(chosen, count)
     driven = chosen.driven_transducer
     prepared = response(chosen, at[0], at[-1], places=(place,), tolerance=tolerance, progress=progress)
     progress(f"stator: {count} frequencies")
