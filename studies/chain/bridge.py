@@ -11,23 +11,11 @@ as one.
 from dataclasses import dataclass, field
 from functools import cached_property
 
-import fem
+import numpy as np
+
 from studies.record import Record
-from studies.scene import Scene, resolved
+from studies.scene import Scene
 from studies.scene.blocks import Slider, Wave
-
-
-def driven_section(scene: Scene, *, tolerance: float, places=(), progress=None):
-    """Return the `fem.SurfaceWave` of a scene's driven section; `places` are x in m."""
-    return fem.driven_wave(
-        resolved.stator(scene.stator),
-        resolved.section_row(scene),
-        frequency=scene.frequency,
-        drive=resolved.drive(scene),
-        tolerance=tolerance,
-        places=tuple(places),
-        progress=progress,
-    )
 
 
 def orbits_per_volt(motion, slider: Slider) -> tuple:
@@ -35,31 +23,27 @@ def orbits_per_volt(motion, slider: Slider) -> tuple:
 
     ``motion``: a `studies.chain.surface_motion.SurfaceMotion`.
     """
+    return _orbits(motion.wave.frequency, motion.at(slider.places))
+
+
+def _orbits(frequency: float, motion) -> tuple:
+    """Return the orbits of u_x, u_y and u_z, shape (3, balls)."""
     from contact import Orbit
 
-    tangential, _, normal = motion.at(slider.places)
     return tuple(
-        Orbit(frequency=motion.wave.frequency, normal=complex(u_z), tangential=complex(u_x))
-        for u_x, u_z in zip(tangential, normal, strict=True)
+        Orbit(frequency=frequency, normal=complex(u_z), tangential=complex(u_x)) for u_x, _, u_z in motion.T
     )
 
 
 def wave_along(motion, slider: Slider):
     """Return the orbits under a slider that moves along x, a `studies.chain.travel.WaveAlong`, per volt."""
-    from contact import Orbit
     from studies.chain.travel import WaveAlong
 
     wave, places = motion.wave, slider.places
 
     def orbits(displacements):
-        balls = [motion.along(x + displacements, y) for x, y in places]
-        return [
-            tuple(
-                Orbit(frequency=wave.frequency, normal=complex(each[2, k]), tangential=complex(each[0, k]))
-                for each in balls
-            )
-            for k in range(len(displacements))
-        ]
+        balls = np.array([motion.along(x + displacements, y) for x, y in places])
+        return [_orbits(wave.frequency, at.T) for at in np.moveaxis(balls, 2, 0)]
 
     behind, ahead = min(x for x, _ in places), max(x for x, _ in places)
     return WaveAlong(

@@ -6,18 +6,20 @@ the stator's end, and across the beam at the slider.  Beside it, as lines: the s
 aperture on the surface wave's own slowness curve; Fresnel's integral with that curve's parabola, at the distance
 (1 + gamma) x and steered by the power-flow angle.  Both lines take the section's surface mode, attenuated but without
 the ripple of what comes back.  Expected: Fresnel's fringes, with the plate's ripple on them; a mean over the aperture
-of 0.8 to 1 of the section.  Absorbing ends.  Run time: about 10 s, in cuts that are not isotropic about z 30 s.
+of 0.8 to 1 of the section.  Absorbing ends.  Of turned transducers the row whose waves run nearest to x is looked at,
+in its own axes.  Run time: about 10 s, in cuts that are not isotropic about z 30 s.
 """
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 import fem
-from studies.chain import bridge, passband
+from studies.chain import passband
 from studies.chain.model_error import slit_ratio
+from studies.chain.surface_motion import solved_motion
 from studies.refusal import RunError
 from studies.report.figures import curve, finished
 from studies.scene import Scene, resolved
@@ -48,8 +50,9 @@ def run(
     chosen = passband.driven_scene(scene)
     chosen, place = resolved.first_row(chosen, passband.place(chosen))
     transducers, driven = resolved.transducers(chosen), resolved.driven(chosen)
+    section = replace(chosen, stator=replace(chosen.stator, diffraction=False))
     try:
-        wave = bridge.driven_section(chosen, tolerance=tolerance, places=(place,), progress=progress)
+        wave = solved_motion(section, [(place, 0.0)], tolerance=tolerance, progress=progress).wave
         beam = fem.surface_beam(wave, mirror_width=chosen.stator.mirror_width)
         x = _axis(chosen, transducers, driven, place, wave.phase_velocity / wave.frequency, count)
         y = np.linspace(-0.75, 0.75, count) * driven.aperture

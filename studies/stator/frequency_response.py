@@ -11,9 +11,9 @@ Run time: about 8 s.
 import numpy as np
 
 import fem
-from studies.chain import bridge, passband
+from studies.chain import passband
 from studies.chain.spectrum import response
-from studies.chain.surface_motion import surface_motion
+from studies.chain.surface_motion import solved_motion
 from studies.report.figures import curve, lines, shaded
 from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, judged, of_record, study
@@ -81,12 +81,12 @@ def _aperture(scene: Scene, place: float, tolerance: float, progress) -> tuple[d
         return {}, ()
     progress("stator: the beam at the drive's frequency")
     at = (place, 0.0) if scene.slider is None else scene.slider.center
-    section = bridge.driven_section(scene, tolerance=tolerance, places=(place,))
-    found = abs(surface_motion(section, scene.stator, [at]).at([at])[2, 0])
+    motion = solved_motion(scene, [at], tolerance=tolerance, slider=True)
+    found = abs(motion.at([at])[2, 0])
     finding = judged(
         "The finite aperture changes the amplitude at the slider.",
         f"|u_z| in three dimensions over that of the plane section at {scene.frequency / 1e6:.5g} MHz",
-        found / abs(section.motion(place)[1]), low=0.3, high=2,
+        found / abs(motion.wave.motion(place)[1]), low=0.3, high=2,
         remark="all curves are of the plane section, where the wave does not spread",
     )  # fmt: skip
     return {"drive_frequency_Hz": scene.frequency, "finite_aperture_m_per_V": found}, (finding,)
