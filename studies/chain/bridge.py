@@ -15,7 +15,7 @@ import numpy as np
 
 from studies.record import Record
 from studies.scene import Scene
-from studies.scene.blocks import Slider, Wave
+from studies.scene.slider import Slider, Wave
 
 
 def orbits_per_volt(motion, slider: Slider) -> tuple:
