@@ -12,8 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from studies.chain import bridge
-from studies.chain.driven_contact import DrivenContact, given_contact
+from studies.chain.driven_contact import DrivenContact
 from studies.chain.points import averaged
 from studies.chain.surface_motion import solved_motion
 from studies.inverse.data import Measurement
@@ -110,7 +109,7 @@ class Predictor:
         scene = resolved(Scene.from_table("", table))
         factor = numbers.get(AMPLITUDE_FACTOR, 1.0)
         if self.given_wave:
-            return given_contact(scene)
+            return DrivenContact.given(scene)
         keys = {key: value for key, value in numbers.items() if self.needs_stator(key)}
         name = json.dumps(keys, default=str, sort_keys=True)
         if name not in self._driven:
@@ -119,19 +118,14 @@ class Predictor:
         driven = self._driven[name]
         return replace(
             driven, scene=replace(scene, drive=replace(scene.drive, frequency=driven.scene.frequency)),
-            slider=bridge.contact_slider(scene.slider), orbits=bridge.scaled(driven.orbits, factor),
-            amplitude=driven.amplitude * factor,
+            orbits=driven.at(factor), amplitudes=tuple(each * factor for each in driven.amplitudes),
         )  # fmt: skip
 
     def _solved(self, scene: Scene) -> DrivenContact:
         """Solve the stator for the motion under the slider."""
         places = tuple(dict.fromkeys((scene.slider.center, *scene.slider.places)))
         motion = solved_motion(scene, places, tolerance=SHARE * self.tolerance)
-        return DrivenContact(
-            scene=scene, slider=None, orbits=bridge.orbits_per_volt(motion, scene.slider),
-            amplitude=float(abs(motion.at([scene.slider.center])[2, 0])), stator_error=motion.relative_error(places),
-            record=None,
-        )  # fmt: skip
+        return DrivenContact.of_motion(scene, motion, stator_error=motion.relative_error(places))
 
     def _factors(self, measurement: Measurement, numbers: dict, contact: DrivenContact) -> np.ndarray:
         """Return the factors on the contact's orbits at the levels of a measurement."""

@@ -18,9 +18,8 @@ from studies.chain.points import averaged, half_thrust
 from studies.inverse.prediction import Predictor
 from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord, of_record, study
+from studies.study import Finding, Panel, StudyRecord, judged, of_record, study
 
-TAKES_SCENE = True
 QUICK = {"outcomes": ("velocity", "threshold")}
 # accuracy of each answer: rounding and, where it is solved to a tolerance, that
 ACCURACY = {"velocity": 1e-11, "threshold": 1e-13, "release": 1e-13, "thrust": 1e-11, "efficiency": 1e-8,
@@ -199,7 +198,7 @@ def _without_effect(predictor: Predictor, outcome: str, rows: dict, level: float
     allowed = 1.5 * SILENT_STEP * NO_EFFECT * len(silent)
     change = abs(float(np.log(after / before)))
     return [
-        Finding.judged(f"Without effect on the {outcome}: {', '.join(silent)}.",
+        judged(f"Without effect on the {outcome}: {', '.join(silent)}.",
                        f"relative change if all of them grow by {100 * SILENT_STEP:g} %", change, high=allowed,
                        expected=f"below {allowed:.1g}")
     ]  # fmt: skip

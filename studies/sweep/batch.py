@@ -125,16 +125,15 @@ _contact_slider = lru_cache(10_000)(bridge.contact_slider)
 
 def _one(question, driven: Driven) -> dict:
     """Return the answer of a point solved by itself, as in a run."""
-    answer = slider_answer(
-        driven.scene,
-        driven.orbits,
-        driven.amplitudes,
+    contact = bridge.DrivenContact(
+        scene=driven.scene,
+        orbits=driven.orbits,
+        amplitudes=driven.amplitudes,
         stator_error=driven.error,
-        tolerance=question.tolerance,
-        progress=lambda text: None,
         ringing=_ringing(driven),
         along=_along(question, driven),
     )
+    answer = slider_answer(contact, tolerance=question.tolerance, progress=lambda text: None)
     point, (of_stator, of_contact) = dict(answer.points[0]), answer.parts[0]
     if "relative_error" not in point:
         return {"status": f"no answer: {point['status']}"}
