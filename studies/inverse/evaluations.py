@@ -8,12 +8,15 @@ import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from studies.inverse.parameters import Parameter
 from studies.refusal import RunError
 from studies.scene.override import replaced
 from studies.sweep.axes import level_key
-from studies.sweep.design import PLACE_KEYS, designed
+from studies.sweep.design import designed
 from studies.sweep.driver import Driver
+from studies.sweep.predictor import PLACE_KEYS
 from studies.sweep.store import Store
 from studies.sweep.workers import workers as chosen_workers
 
@@ -44,6 +47,10 @@ class _Asked:
         """Return the values of some points."""
         return [self.points[int(k)] for k in numbers]
 
+    def order(self):
+        """Return the numbers of all points."""
+        return np.arange(len(self))
+
 
 class Evaluations:
     """Answers of one scene at values of some keys; a context manager, which holds the store.
@@ -71,27 +78,23 @@ class Evaluations:
             table = replaced(table, level, max(levels) if isinstance(levels, (list, tuple)) else levels)
         ends = {each.key: [each.low, each.high] for each in parameters}
         plan = designed(table, ends, tolerance=options.tolerance, also=also)
-        question = plan.question
-        moved = tuple(key for key in PLACE_KEYS if key in keys)
-        if moved and question.kind == "driven":  # each point has its own places
-            own = (*question.source_keys, *(key for key in moved if key not in question.source_keys))
-            question = replace(question, source_keys=own, places=())
-        question = replace(question, coarse=coarse)
+        moved = any(key in PLACE_KEYS for key in keys)  # each point has its own places
+        self.question = replace(plan.question, coarse=coarse, places=() if moved else plan.question.places)
         self.fixed = tuple(
             column[0] for axis in plan.axes if axis.keys[0] not in keys for column in axis.columns
         )
-        self.question, self.progress, self.rows = question, progress, []
+        self.progress, self.rows = progress, []
         identity = plan.identity | {"search": json.dumps(search | {"coarse": coarse}, sort_keys=True)}
-        self.asked, self.known = _Asked(question, identity), {}
+        self.asked, self.known = _Asked(self.question, identity), {}
         folder = None if options.out is None else Path(options.out)
         self.store = Store(folder / "coarse" if coarse and folder else folder, self.asked)
-        self.staff = chosen_workers(options.workers)
+        self.workers = chosen_workers(options.workers)
 
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
-        self.staff.stop()
+        self.workers.stop()
         self.store.close()
 
     def __call__(self, values: list[tuple[float, ...]]) -> list[dict]:
@@ -102,7 +105,7 @@ class Evaluations:
                 self.known[own] = len(self.asked)
                 self.asked.points.append((*own, *self.fixed))
         if len(self.asked) > first:
-            Driver(self.asked, self.store, self.staff, self._tell).run()
+            Driver(self.asked, self.store, self.workers, self._tell).run()
             self._read(first)
         return [self.rows[self.known[own]] for own in values]
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from studies.chain.driven_contact import DrivenContact
 from studies.chain.points import averaged, half_thrust
-from studies.inverse.prediction import Predictor
+from studies.inverse.prediction import MeasurementPredictor
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord, of_record, study
@@ -51,7 +51,7 @@ def run(
     tolerance : float
         Of the velocity, for the stator.
     """
-    predictor = Predictor(scene, tolerance=tolerance, progress=progress)
+    predictor = MeasurementPredictor(scene, tolerance=tolerance, progress=progress)
     level = max(predictor.contact({}).scene.levels)
     found = {name: elasticities(predictor, name, level, progress) for name in outcomes}
     title, findings, panels = predictor.table.get("title", ""), [], []
@@ -69,7 +69,7 @@ def run(
     return panels, findings
 
 
-def numbers(predictor: Predictor) -> list[str]:
+def numbers(predictor: MeasurementPredictor) -> list[str]:
     """Return the keys of a scene's positive numbers that an answer may depend on."""
     found = []
 
@@ -92,7 +92,7 @@ def numbers(predictor: Predictor) -> list[str]:
 
 
 def elasticities(
-    predictor: Predictor, outcome: str, level: float, progress: Callable[[str], None] = print
+    predictor: MeasurementPredictor, outcome: str, level: float, progress: Callable[[str], None] = print
 ) -> dict[str, tuple[float, float]]:
     """Return {key: (d ln outcome / d ln number, its error)}, the level itself as "level".
 
@@ -188,7 +188,7 @@ def _start_up(contact: DrivenContact, level: float, duration: float) -> float:
     return float(times[0]) if times else float("nan")
 
 
-def _without_effect(predictor: Predictor, outcome: str, rows: dict, level: float) -> list[Finding]:
+def _without_effect(predictor: MeasurementPredictor, outcome: str, rows: dict, level: float) -> list[Finding]:
     """Return which numbers have no effect, and what happens if all of them are changed together."""
     silent = [key for key, (value, _) in rows.items() if abs(value) < NO_EFFECT and key != "level"]
     if not silent:
@@ -205,7 +205,7 @@ def _without_effect(predictor: Predictor, outcome: str, rows: dict, level: float
     ]  # fmt: skip
 
 
-def _checks(predictor: Predictor, rows: dict, level: float) -> list[Finding]:
+def _checks(predictor: MeasurementPredictor, rows: dict, level: float) -> list[Finding]:
     """Return what must hold: both ways agree, and the contact's scaling law."""
     import contact as library
 

@@ -5,8 +5,8 @@ before the commit returns), a reader may look on while the sweep runs, a row may
 numbers, and Python, R, Julia and every shell read it, such as ``pandas.read_sql("select * from points", connection)``.
 Only the driver writes; workers never see the file, so that it may lie on any local disk.
 
-Tables: ``points`` (a row each: values of the keys, outcomes), ``sources`` (the stator's answers as JSON), ``sweep``
-(what was asked, with which versions), ``batches`` (what the work cost).  A second driver is refused by a lock that the
+Tables: ``points`` (a row each: values of the keys, outcomes), ``sweep`` (what was asked, with which versions),
+``batches`` (what the work cost).  A second driver is refused by a lock that the
 operating system takes back when a process dies, however it dies.
 """
 
@@ -14,6 +14,7 @@ import json
 import os
 import socket
 import sqlite3
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -23,13 +24,11 @@ from studies.refusal import RunError, SceneError
 from studies.results import DirectoryInUseError, locked
 from studies.results.content import provenance
 from studies.sweep.design import Design
-from studies.sweep.source import Source
 
 FILE, LOCK = "points.sqlite", "driver.lock"
 LOST = "lost: "  # how the reason of a point begins that is tried again by the next driver
 TABLES = """
 create table if not exists sweep (name text primary key, value text not null);
-create table if not exists sources (name text, step integer, answer text not null, primary key (name, step));
 create table if not exists batches (finished text default current_timestamp, points integer, seconds real);
 """
 
@@ -53,6 +52,14 @@ class Store:
         marks = ", ".join("?" * (len(self._names) + 1))
         self._insert = f"insert or replace into points values ({marks})"
 
+    @contextmanager
+    def reading(self) -> Iterator[sqlite3.Connection]:
+        """Give a connection to the rows, also after `close`."""
+        connection = self.connection if self.folder is None else sqlite3.connect(self.folder / FILE)
+        yield connection
+        if self.folder is not None:
+            connection.close()
+
     def close(self) -> None:
         """Close the file and give the lock back."""
         self.connection.close()
@@ -69,23 +76,10 @@ class Store:
             found[np.array(some)[:, 0]] = True
         return found
 
-    def sources(self, names) -> dict[tuple[str, int], Source]:
-        """Return the stator's answers that are known of these names, by name and step."""
-        found = {}
-        for name in names:
-            for (text,) in self.connection.execute("select answer from sources where name = ?", (name,)):
-                source = Source.read(text)
-                found[name, source.step] = source
-        return found
-
-    def keep(self, rows: list[tuple], sources: list[Source], batches: list[tuple[int, float]]) -> None:
-        """Write rows (point, values, outcomes), answers of the stator, and what they cost; durable on return."""
+    def keep(self, rows: list[tuple], batches: list[tuple[int, float]]) -> None:
+        """Write rows (point, values, outcomes) and what they cost (points, seconds); durable on return."""
         with self._explained(), self.connection:
             self.connection.executemany(self._insert, ([_stored(each) for each in row] for row in rows))
-            self.connection.executemany(
-                "insert or replace into sources values (?, ?, ?)",
-                ((source.name, source.step, source.text()) for source in sources),
-            )
             self.connection.executemany("insert into batches (points, seconds) values (?, ?)", batches)
 
     def counts(self) -> dict[str, int]:

@@ -6,7 +6,7 @@ import pytest
 import contact
 from studies import Scene
 from studies import run as run_chain
-from studies.inverse.prediction import Predictor
+from studies.inverse.prediction import MeasurementPredictor
 from studies.inverse.sensitivity import _start_up, _without_effect, elasticities, numbers, run, tables
 
 
@@ -14,7 +14,7 @@ from studies.inverse.sensitivity import _start_up, _without_effect, elasticities
 def predictor():
     """The seed's slider with generic numbers, its preload the weight."""
     changed = {"mass": "0.13 g", "radius": "0.9 mm", "friction_coefficient": 0.11, "contacts": 2}
-    return Predictor(
+    return MeasurementPredictor(
         Scene.load("twente-contact").replace(slider=changed, wave={"normal_amplitude": "6.3 nm"})
     )
 
@@ -71,7 +71,7 @@ def test_numbers_of_a_stator(monkeypatch):
         transducer={"left": {"finger_pairs": 2, "center": "6 mm"}}, slider={"position": "20 mm"},
         drive={"voltage": "60 V"},
     )  # fmt: skip
-    found = elasticities(Predictor(short, tolerance=1e-3), "velocity", 60.0, lambda text: None)
+    found = elasticities(MeasurementPredictor(short, tolerance=1e-3), "velocity", 60.0, lambda text: None)
     assert abs(found["transducer.0.aperture"][0]) < 1e-9
     runs = [
         run_chain(short.replace(stator={"thickness": 1e-3 * (1 + s)}), tolerance=1e-4).velocity[0]
