@@ -8,13 +8,11 @@ import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
-
 from studies.inverse.parameters import Parameter
 from studies.refusal import RunError
 from studies.scene.override import replaced
-from studies.sweep.axes import level_key
-from studies.sweep.design import designed
+from studies.sweep.axes import Axis, level_key
+from studies.sweep.design import Design, designed
 from studies.sweep.driver import Driver
 from studies.sweep.predictor import PLACE_KEYS
 from studies.sweep.store import Store
@@ -30,26 +28,6 @@ class Options:
     tolerance: float = 3e-2  # of the velocity
     out: Path | None = None  # directory of the store; in memory without one
     workers: int = 1  # processes
-
-
-class _Asked:
-    """A design that grows: the points asked for so far, as the sweep's driver and store see it."""
-
-    axes = ()
-
-    def __init__(self, question, identity):
-        self.question, self.identity, self.points = question, identity, []
-
-    def __len__(self):
-        return len(self.points)
-
-    def values(self, numbers):
-        """Return the values of some points."""
-        return [self.points[int(k)] for k in numbers]
-
-    def order(self):
-        """Return the numbers of all points."""
-        return np.arange(len(self))
 
 
 class Evaluations:
@@ -85,9 +63,11 @@ class Evaluations:
         )
         self.progress, self.rows = progress, []
         identity = plan.identity | {"search": json.dumps(search | {"coarse": coarse}, sort_keys=True)}
-        self.asked, self.known = _Asked(self.question, identity), {}
+        # a design that grows: the points asked for so far, as the sweep's driver and store see it
+        columns = tuple([] for _ in self.question.keys)
+        self.asked, self.known = Design(question=self.question, axes=(Axis(self.question.keys, columns),)), {}
         folder = None if options.out is None else Path(options.out)
-        self.store = Store(folder / "coarse" if coarse and folder else folder, self.asked)
+        self.store = Store(folder / "coarse" if coarse and folder else folder, self.asked, identity)
         self.workers = chosen_workers(options.workers)
 
     def __enter__(self):
@@ -103,7 +83,8 @@ class Evaluations:
         for own in values:
             if own not in self.known:
                 self.known[own] = len(self.asked)
-                self.asked.points.append((*own, *self.fixed))
+                for column, value in zip(self.asked.axes[0].columns, (*own, *self.fixed), strict=True):
+                    column.append(value)
         if len(self.asked) > first:
             Driver(self.asked, self.store, self.workers, self._tell).run()
             self._read(first)
@@ -116,7 +97,7 @@ class Evaluations:
         names = [entry[0] for entry in cursor.description]
         for row in cursor.fetchmany(len(self.asked) - first):
             found = dict(zip(names, row, strict=True))
-            asked = self.asked.points[found["point"]]
+            (asked,) = self.asked.values([found["point"]])
             if tuple(found[key] for key in self.question.keys) != asked:
                 raise RunError(
                     f"point {found['point']} of the store is another one than this search asks for: name another --out"

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from studies.progress import Progress, duration
 from studies.refusal import SceneError
-from studies.report.answer import print_json
+from studies.report.answer import labelled, print_json
 from studies.report.answer import table as aligned
 from studies.scene import Scene
 from studies.scene.resolved import resolved
@@ -75,16 +75,19 @@ def summary(found: Sweep) -> dict:
 def sweep_answer(found: Sweep, whole: dict) -> str:
     """Return a sweep's answer as text."""
     kinds = ", ".join(f"{number} {kind}" for kind, number in found.counts.items())
-    lines = [f"points          {found.points}: {kinds}"]
-    rows = [[name, f"{low:.5g}", "to", f"{high:.5g}"] for name, (low, high) in whole["ranges"].items()]
-    lines += aligned(rows) if rows else []
+    ranges = [[name, f"{low:.5g}", "to", f"{high:.5g}"] for name, (low, high) in whole["ranges"].items()]
+    notes = [
+        ("not ok", f"{each['points']} (first: point {each['first_point']}): {each['status']}")
+        for each in whole["reasons"]
+    ]
     if whole["largest_relative_error"] is not None:
-        lines.append(f"relative error  {whole['largest_relative_error']:.1e} at most, where ok")
-    lines += [f"not ok          {each['points']} (first: point {each['first_point']}): {each['status']}"
-              for each in whole["reasons"]]  # fmt: skip
-    lines.append(f"seconds         {found.seconds:.2f}, {duration(found.cost)} of work")
-    lines.append(f"results         {found.path}")
-    return "\n".join(lines)
+        notes.insert(0, ("relative error", f"{whole['largest_relative_error']:.1e} at most, where ok"))
+    notes += [
+        ("seconds", f"{found.seconds:.2f}, {duration(found.cost)} of work"),
+        ("results", f"{found.path}"),
+    ]
+    points = labelled([("points", f"{found.points}: {kinds}")])
+    return "\n".join([*points, *(aligned(ranges) if ranges else []), *labelled(notes)])
 
 
 def _moving_periods(table: dict, over: dict) -> str:

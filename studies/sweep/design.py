@@ -7,6 +7,7 @@ list of them is the last axis.  A design is never spelled out: a million points 
 import hashlib
 import json
 import math
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
@@ -15,10 +16,9 @@ import numpy as np
 
 from studies.refusal import SceneError
 from studies.scene.keys import rule_at
-from studies.scene.rule import as_pair
 from studies.sweep.axes import Axis, axis, latin_axis, level_key, point_axis
 from studies.sweep.outcomes import ALSO, AMPLITUDES, ELECTRICAL, FREE
-from studies.sweep.predictor import PLACE_KEYS, of_stator
+from studies.sweep.predictor import PLACE_KEYS, Predictor, of_stator
 
 MAX_POINTS = 10_000_000
 PLACES = 4096  # of contacts up to which one answer of the stator serves all
@@ -184,22 +184,13 @@ def _places(table: dict, columns: dict) -> tuple[tuple[float, float], ...]:
     moved = {key: dict.fromkeys(columns[key]) for key in PLACE_KEYS if key in columns}
     if math.prod(map(len, moved.values())) > PLACES:
         return ()
-    found = {}
+    found, predictor = {}, Predictor(table, tolerance=1.0)
+    first = {key: column[0] for key, column in columns.items()}
     for row in product(*moved.values()):
-        changes = {key.split(".")[1]: value for key, value in zip(moved, row, strict=True)}
-        found |= dict.fromkeys(_contact_places(table.get("slider", {}) | changes))
+        with suppress(SceneError):  # said at its point
+            slider = predictor.scene(first | dict(zip(moved, row, strict=True))).slider
+            found |= dict.fromkeys(() if slider is None else (slider.center, *slider.places))
     return tuple(found)
-
-
-def _contact_places(slider: dict) -> tuple[tuple[float, float], ...]:
-    """Return the places (x, y) of a slider and its contacts from its table, m; none if it breaks a rule."""
-    try:
-        position = rule_at("slider.position").read("slider.position", slider.get("position"))
-        contacts = rule_at("slider.contacts").read("slider.contacts", slider.get("contacts", 1))
-    except SceneError:
-        return ()
-    (x, y), offsets = as_pair(position), contacts if isinstance(contacts, tuple) else ()
-    return tuple(dict.fromkeys((x + along, y + across) for along, across in map(as_pair, (0.0, *offsets))))
 
 
 def _digest(part) -> str:

@@ -36,7 +36,7 @@ create table if not exists batches (finished text default current_timestamp, poi
 class Store:
     """The points of one sweep, in a folder whose lock it holds, or in memory."""
 
-    def __init__(self, folder: Path | None, design: Design):
+    def __init__(self, folder: Path | None, design: Design, identity: dict[str, str] | None = None):
         self.folder, self._names = folder, (*design.question.keys, *design.question.outcomes)
         self._lock = None if folder is None else _lock(folder)
         with self._explained():
@@ -45,7 +45,7 @@ class Store:
             self.connection.execute("pragma synchronous = full")
             self.connection.executescript(TABLES)
         try:
-            self._begin(design)
+            self._begin(design, identity or design.identity)
         except (SceneError, RunError):
             self.close()
             raise
@@ -94,26 +94,24 @@ class Store:
         """Return the seconds that workers have spent, those of earlier drivers included."""
         return self.connection.execute("select coalesce(sum(seconds), 0.0) from batches").fetchone()[0]
 
-    def _begin(self, design: Design) -> None:
+    def _begin(self, design: Design, identity: dict[str, str]) -> None:
         """Compare the sweep with the one that the file holds, or write it down."""
-        versions = provenance()
-        asked = {"identity": design.identity, "versions": versions}
-        held = dict(self.connection.execute("select name, value from sweep"))
-        if held:
-            different = _differences(json.loads(held["identity"]), asked["identity"])
-            if different:
-                raise SceneError(
-                    "--out", f"{str(self.folder)!r} holds another sweep: {different}; name another directory"
-                )
-            former = json.loads(held["versions"])
-            different = ", ".join(f"{key} {former.get(key)} then, {versions[key]} now"
-                                  for key in versions if versions[key] != former.get(key))  # fmt: skip
-            if different:
-                raise SceneError(
-                    "--out",
-                    f"{str(self.folder)!r} was begun with other versions, whose points may differ in their last digits "
-                    f"({different}); name another directory",
-                )
+        asked = {"identity": identity, "versions": provenance()}
+        held = {name: json.loads(text) for name, text in self.connection.execute("select * from sweep")}
+        different = {name: _differences(held.get(name, each), each) for name, each in asked.items()}
+        if different["identity"]:
+            names = ", ".join(different["identity"])
+            verb = "differs" if len(different["identity"]) == 1 else "differ"
+            raise SceneError(
+                "--out",
+                f"{str(self.folder)!r} holds another sweep: its {names} {verb}; name another directory",
+            )
+        if different["versions"]:
+            raise SceneError(
+                "--out",
+                f"{str(self.folder)!r} was begun with other versions, whose points may differ in their last digits "
+                f"({', '.join(different['versions'].values())}); name another directory",
+            )
         question = design.question
         asked |= {"scene": question.table, "keys": question.keys, "tolerance": question.tolerance}
         asked |= {"points": len(design), "driver": f"process {os.getpid()} on {socket.gethostname()}"}
@@ -167,9 +165,9 @@ def _owner(folder: Path) -> str:
     return "" if found is None else f", {json.loads(found[0])},"
 
 
-def _differences(held: dict, asked: dict) -> str:
-    names = [name for name in held | asked if held.get(name) != asked.get(name)]
-    return ("its " + ", ".join(names) + (" differs" if len(names) == 1 else " differ")) if names else ""
+def _differences(held: dict, asked: dict) -> dict[str, str]:
+    names = (name for name in held | asked if held.get(name) != asked.get(name))
+    return {name: f"{name} {held.get(name)} then, {asked.get(name)} now" for name in names}
 
 
 def _stored(value):
