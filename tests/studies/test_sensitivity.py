@@ -7,7 +7,7 @@ import contact
 from studies import Scene
 from studies import run as run_chain
 from studies.inverse.prediction import MeasurementPredictor
-from studies.inverse.sensitivity import _start_up, _without_effect, elasticities, numbers, run, tables
+from studies.inverse.sensitivity import _answers, _without_effect, elasticities, numbers, run, tables
 
 
 @pytest.fixture(scope="module")
@@ -53,10 +53,8 @@ def test_velocity_against_richardson_extrapolation(predictor):
 
 def test_the_start_up_time_goes_as_the_mass(predictor):
     """At a given preload the averaged motion runs on the time scale of m v / (mu P)."""
-    times = [
-        _start_up(predictor.contact({"slider.mass": mass}), 6.3e-9, duration=1000.0 * mass)
-        for mass in (0.13e-3, 0.26e-3)
-    ]
+    asked = [(predictor.contact({"slider.mass": mass}), 6.3e-9) for mass in (0.13e-3, 0.26e-3)]
+    times = _answers("start-up time", asked)
     assert times[1] == pytest.approx(2.0 * times[0], rel=1e-3)
     assert 5e-3 < times[0] < 0.13
 
