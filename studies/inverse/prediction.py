@@ -10,7 +10,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from studies.chain import bridge
 from studies.chain.points import averaged
 from studies.inverse.data import Measurement
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
@@ -47,7 +46,8 @@ class MeasurementPredictor(Predictor):
     def contact(self, changes: dict, step: int = 0) -> Driven:
         """Return the contact with some keys changed; ``amplitude_factor`` among them multiplies its motion."""
         found, factor = super().contact(changes, step), changes.get(AMPLITUDE_FACTOR, 1.0)
-        return replace(found, orbits=bridge.scaled(found.orbits, factor), amplitude=found.amplitude * factor)
+        amplitudes = tuple(each * factor for each in found.amplitudes)
+        return replace(found, orbits=found.at(factor), amplitudes=amplitudes)
 
     def value(self, key: str) -> float | None:
         """Return the scene's own value of a key; None where it has none."""

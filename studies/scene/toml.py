@@ -1,6 +1,7 @@
 """Writing a table as a TOML document (reading is tomllib's)."""
 
 import json
+import re
 
 
 def document(table: dict, *, remarks: tuple[str, ...] = (), beside: dict[str, str] | None = None) -> str:
@@ -18,15 +19,19 @@ def _block(path: tuple[str, ...], table: dict, beside: dict[str, str], number: s
     for key, value in table.items():
         if not _is_block(value):
             remark = beside.get(f"{dotted}{key}")
-            lines.append(f"{key} = {_value(value)}{'' if remark is None else f'  # {remark}'}")
+            lines.append(f"{_key(key)} = {_value(value)}{'' if remark is None else f'  # {remark}'}")
     for key, value in table.items():
-        here = (*path, key)
+        here = (*path, _key(key))
         if isinstance(value, dict):
             lines += ["", f"[{'.'.join(here)}]", *_block(here, value, beside)]
         elif _is_block(value):
             for k, entry in enumerate(value):
                 lines += ["", f"[[{'.'.join(here)}]]", *_block(here, entry, beside, str(k))]
     return lines
+
+
+def _key(key: str) -> str:
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else json.dumps(key, ensure_ascii=False)
 
 
 def _is_block(value) -> bool:

@@ -8,6 +8,7 @@ whatever that does not know or reach - other laws, bursts, stiff contacts - is s
 import math
 import os
 import time
+from dataclasses import replace
 from functools import lru_cache
 
 from studies.chain import bridge
@@ -87,7 +88,7 @@ def _answers(question, predictor: Predictor, todo: dict[int, dict], step: int, t
                 ready[point] = driven
         except Exception as error:
             found[point] = {"status": reason(error)}
-    mapped = _mapped(question, {k: each for k, each in ready.items() if each.slider is not None}, threads)
+    mapped = _mapped(question, {k: each for k, each in ready.items() if each.scene.slider is not None}, threads)
     for point, driven in ready.items():
         try:
             answer = mapped.get(point) or _one(question, predictor, driven, step)
@@ -123,16 +124,8 @@ def _one(question, predictor: Predictor, driven: Driven, step: int) -> dict:
     if scene.burst is not None and driven.solved is not None and scene.slider.travel is not False:
         motion = predictor.motion(stator_alone(scene), tuple(driven.solved.at), step)
         along = bridge.wave_along(motion, scene.slider)
-    answer = slider_answer(
-        scene,
-        driven.orbits,
-        (driven.amplitude, driven.tangential_amplitude),
-        stator_error=error,
-        tolerance=question.tolerance,
-        progress=lambda text: None,
-        ringing=predictor.ring_up(driven),
-        along=along,
-    )
+    driven = replace(driven, ringing=predictor.ring_up(driven), along=along)
+    answer = slider_answer(driven, tolerance=question.tolerance, progress=lambda text: None)
     point, (of_stator, of_contact) = dict(answer.points[0]), answer.parts[0]
     if "relative_error" not in point:
         return {"status": f"no answer: {point['status']}"}

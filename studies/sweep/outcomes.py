@@ -20,8 +20,8 @@ ELECTRICAL = ("frequency_Hz", "conductance_S", "susceptance_S", "power_W")
 
 def amplitudes(driven: Driven) -> dict:
     """Return a point's amplitudes and, with a stator, what its driven transducer takes."""
-    sizes = driven.amplitude * driven.level, driven.tangential_amplitude * driven.level
-    found, solved = dict(zip(AMPLITUDES, sizes, strict=True)), driven.solved
+    sizes = zip(AMPLITUDES, driven.amplitudes, strict=True)
+    found, solved = {name: size * driven.level for name, size in sizes}, driven.solved
     if solved is None:
         return found
     conductance, voltage = solved.admittance.real, abs(solved.electrode_voltage * driven.level)

@@ -14,8 +14,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import fem
-from studies.chain import bridge
-from studies.chain.driven_contact import DrivenContact
+from studies.chain.bridge import DrivenContact
 from studies.chain.ring_up import RingUp, ring_up
 from studies.chain.spectrum import response
 from studies.chain.surface_motion import SurfaceMotion, solved_motion, surface_motion, wanted_diffraction
@@ -77,8 +76,7 @@ class SolvedStator:
 class Driven(DrivenContact):
     """The contact of a scene with changed values, or its surface motion where it has no slider."""
 
-    tangential_amplitude: float  # |u_x| at the slider's centre for a level of 1, m
-    solved: SolvedStator | None  # None with a given wave
+    solved: SolvedStator | None = None  # None with a given wave
 
     @property
     def level(self) -> float:
@@ -107,7 +105,6 @@ class Predictor:
         self.seconds = 0.0  # spent on stators
         self._rules, self._answers, self._latest, self._count = rules, {}, (None, None), 0
         self._block, self._slider = lru_cache(KEPT)(self._read), lru_cache(KEPT)(resolved.resolved_slider)
-        self._contact_slider = lru_cache(KEPT)(bridge.contact_slider)
         self._ring_up = lru_cache(64)(ring_up)
         self._stator, self._band = lru_cache(64)(_resolved_stator), lru_cache(4)(response)
 
@@ -135,13 +132,9 @@ class Predictor:
             If the stator misses its tolerance.
         """
         scene, stator = self._resolved(changes)
-        block = scene.slider
-        slider = None if block is None else self._contact_slider(block)
         if stator is None:
-            return Driven(
-                scene=scene, slider=slider, orbits=bridge.given_orbits(scene.wave), amplitude=1.0, stator_error=0.0,
-                tangential_amplitude=scene.wave.tangential_ratio, solved=None, record=None,
-            )  # fmt: skip
+            return Driven.given(scene)
+        block = scene.slider
         places, shared = self._places(scene)
         try:
             solved = self._answer(stator, shared, step, block is not None)
@@ -151,9 +144,8 @@ class Predictor:
             solved = self._answer(stator, places, step, block is not None)
         tangential, normal, _, _ = solved.at[places[0]]
         return Driven(
-            scene=scene, slider=slider, orbits=() if block is None else solved.orbits(block.places),
-            amplitude=abs(normal), tangential_amplitude=abs(tangential), record=None, solved=solved,
-            stator_error=max(solved.at[place][2] for place in places),
+            scene=scene, orbits=() if block is None else solved.orbits(block.places), solved=solved,
+            amplitudes=(abs(normal), abs(tangential)), stator_error=max(solved.at[place][2] for place in places),
         )  # fmt: skip
 
     def motion(self, stator: Scene, places, step: int = 0, slider: bool = True) -> SurfaceMotion:
