@@ -17,10 +17,9 @@ from studies.chain.points import averaged, half_thrust
 from studies.inverse.prediction import MeasurementPredictor
 from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord, of_record, study
+from studies.study import Finding, Panel, StudyRecord, judged, of_record, study
 from studies.sweep.predictor import Driven
 
-TAKES_SCENE = True
 QUICK = {"outcomes": ("velocity", "threshold")}
 # accuracy of each answer: rounding and, where it is solved to a tolerance, that
 ACCURACY = {"velocity": 1e-11, "threshold": 1e-13, "release": 1e-13, "thrust": 1e-11, "efficiency": 1e-8,
@@ -172,7 +171,7 @@ def _without_effect(predictor: MeasurementPredictor, outcome: str, rows: dict, l
     allowed = 1.5 * SILENT_STEP * NO_EFFECT * len(silent)
     change = abs(float(np.log(after / before)))
     return [
-        Finding.judged(f"Without effect on the {outcome}: {', '.join(silent)}.",
+        judged(f"Without effect on the {outcome}: {', '.join(silent)}.",
                        f"relative change if all of them grow by {100 * SILENT_STEP:g} %", change, high=allowed,
                        expected=f"below {allowed:.1g}")
     ]  # fmt: skip
@@ -195,7 +194,7 @@ def _checks(predictor: MeasurementPredictor, rows: dict, level: float) -> list[F
         worst = max(worst, abs(implicit - rows[key][0]))
     size = max(abs(value) for value, _ in rows.values())
     found = [
-        Finding.judged("The implicit function theorem in the averaged equilibrium and differences of the corrected "
+        judged("The implicit function theorem in the averaged equilibrium and differences of the corrected "
                        "velocity agree.", "largest difference over the largest elasticity", worst / size,
                        high=AGREEMENT),
     ]  # fmt: skip
@@ -203,9 +202,7 @@ def _checks(predictor: MeasurementPredictor, rows: dict, level: float) -> list[F
     if all(law) and predictor.contact({}).scene.slider.load == 0.0:
         total = law[0][0] + law[1][0] - law[2][0]
         sentence = "Preload and modulus up, friction coefficient down by one factor change nothing."
-        found.append(
-            Finding.judged(sentence, "sum of the elasticities", abs(total), high=1e-3, expected="0 to 1e-3")
-        )
+        found.append(judged(sentence, "sum of the elasticities", abs(total), high=1e-3, expected="0 to 1e-3"))
     return found
 
 

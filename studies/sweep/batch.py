@@ -88,7 +88,9 @@ def _answers(question, predictor: Predictor, todo: dict[int, dict], step: int, t
                 ready[point] = driven
         except Exception as error:
             found[point] = {"status": reason(error)}
-    mapped = _mapped(question, {k: each for k, each in ready.items() if each.scene.slider is not None}, threads)
+    mapped = _mapped(
+        question, {k: each for k, each in ready.items() if each.scene.slider is not None}, threads
+    )
     for point, driven in ready.items():
         try:
             answer = mapped.get(point) or _one(question, predictor, driven, step)
