@@ -19,25 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-@dataclass(frozen=True, kw_only=True)
-class Motion:
-    """Motion of the slider over a burst, as ``trajectory.csv`` keeps it.
-
-    Attributes
-    ----------
-    time : ndarray, shape (k,)
-        s from the start of the burst.
-    velocity : ndarray, shape (k,)
-        Of the slider, m/s.
-    position : ndarray, shape (k,)
-        Normal position of the slider, m.
-    """
-
-    time: "np.ndarray"
-    velocity: "np.ndarray"
-    position: "np.ndarray"
-
-
 # Of run.json, in their order, and attributes of a record
 BLOCKS = (
     "tolerance", "wave", "electrical", "points", "summary", "uncertainty", "measured", "error", "model_error",
