@@ -9,7 +9,7 @@ as one.
 """
 
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -63,6 +63,7 @@ def scaled(orbits: tuple, level: float) -> tuple:
     return tuple(orbit.scaled(level) for orbit in orbits)
 
 
+@lru_cache(10_000)  # of a sweep's points many have the same
 def contact_slider(slider: Slider):
     """Return the ``contact.Slider`` of a block whose preload and moduli are numbers."""
     import contact
