@@ -30,7 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     measured = None if arguments.measured is None else read_measured(arguments.measured)
     if arguments.explain:
         planned = plan(scene, tolerance=wanted)
-        _show(arguments, planned.to_dict(), explanation(planned))
+        _show(arguments, planned, explanation(planned))
         return 0
     if arguments.plot:
         from studies.report.figures import pictures, refuse_without_toolkit, show
@@ -151,7 +151,7 @@ def wave(arguments: argparse.Namespace) -> int:
     answer = half_space_wave(arguments.material, orientation=orientation, surface=arguments.surface)
     _show(arguments, answer, half_space_answer(answer))
     if arguments.plot is not None:
-        from studies.report.crystal import save_axes
+        from studies.report.free_surface import save_axes
 
         save_axes(answer, arguments.plot)
     return 0
