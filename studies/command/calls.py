@@ -326,7 +326,7 @@ def changed_file(arguments: argparse.Namespace) -> SceneFile:
         if not isinstance(file.table.get("drive"), dict):
             raise SceneError("--voltage", "needs a scene with a [drive]; this one has none")
         values = [toml_value(part.strip()) for part in arguments.voltage.split(",")]
-        file = file.replaced("drive", "voltage", values if len(values) > 1 else values[0])
+        file = file.replaced("drive.voltage", values if len(values) > 1 else values[0])
     if arguments.call in ("sweep", "fit", "design"):
         _without_bands(file.table)
     return file
