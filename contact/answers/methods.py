@@ -37,6 +37,8 @@ ORDER, COMPARED = 1.75, 24
 FLOOR = 0.01
 # nodes per segment, truncation of a segment, and the tolerance down to which each serves
 ORDERS = ((8, 1e-5, math.inf), (8, 1e-7, 1e-8), (12, 1e-9, 1e-10), (16, 1e-12, 0.0))
+# amplitude over the envelope's largest below which a surface that rings down stands still; least steps per cycle there
+SPENT, RINGING_STEPS = 1e-3, 80
 # change of the contact's own oscillation in a step, omega_n dt, above which fixed steps are refused
 MAX_STEP = 0.2
 # share of its velocity that the contact's damper may take in a step
@@ -66,6 +68,32 @@ def silence(motion):
     still.place(*motion.state[:3], motion.state[3:])
     still.begin()
     return still
+
+
+def shaped_steps(slider, problem, least: int) -> int:
+    """Return the fewest steps per cycle, a number of `STEPS` or the least, in which an envelope can be followed."""
+    for number in (least, *(number for number, _ in STEPS if number > least)):
+        reason = why_not_stepped(slider, problem, number)
+        if not reason:
+            return number
+    raise ConvergenceError("not applicable", f"an envelope needs fixed steps: {reason}")
+
+
+def ring_down(slider, motion, envelope, *, longest=math.inf, samples=0):
+    """Move the slider in fixed steps while the surface rings down.
+
+    Returns (times in s from the end of the burst, rows), about as many as `samples`, one per cycle for 0.
+    """
+    frequency = motion.problem.omega / (2.0 * math.pi)
+    number = shaped_steps(slider, motion.problem, RINGING_STEPS)
+    loud = np.flatnonzero(envelope.amplitude > SPENT * np.max(envelope.amplitude))
+    until = min(float(envelope.time[loud[-1]]) if loud.size else 0.0, longest)
+    cycles = max(0, math.ceil(until * frequency))
+    stride = max(1, cycles // samples) if samples else 1
+    cycles -= cycles % stride
+    shape = envelope.at(np.arange(cycles + 1) / frequency)
+    rows = steps(motion.problem, motion.state, cycles, number, stride=stride, envelope=shape)
+    return stride * np.arange(1, len(rows) + 1) / frequency, rows
 
 
 class Burst(NamedTuple):

@@ -1,17 +1,28 @@
 r"""Steps on demand: what a number of cycles moves the slider by, how many cycles a step takes, where it stops.
 
 A step is a burst from rest and what follows until the slider is held by its spring and rings about where it will stay.
+The wave may swell and fade as envelopes say: a step of N cycles of the drive takes in what the surface still does after
+the drive's end.
 The net displacement is the travel of the slider to where its tangential spring is relaxed: position plus the load's
 own deformation of the contact, so the ring does not blur it.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from contact import bounds
-from contact.answers.methods import EXACT_CYCLES, rest, rest_problem, silence, why_not_stepped
+from contact.answers.methods import (
+    EXACT_CYCLES,
+    rest,
+    rest_problem,
+    ring_down,
+    shaped_steps,
+    silence,
+    why_not_stepped,
+)
 from contact.codes import Regime
 from contact.convergence import ConvergenceError
 from contact.drive import towards_plus
@@ -20,6 +31,7 @@ from contact.law.normal import slope
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
 from contact.solve.energy import DISPLACEMENT
+from contact.solve.segment import ROW_MEAN_VELOCITY
 from contact.solve.time_stepping import steps
 
 MAX_CYCLES, STEPS_PER_CYCLE = 3_000_000, 96
@@ -32,15 +44,15 @@ class Step:
     Attributes
     ----------
     cycles : int
-        Of the wave.
+        Of the drive; 0 where none is needed.
     displacement : float
         Net, m, positive along +x: where the slider settles, the ring taken out.
     during, stopping : float
-        Travel during the burst and after it, m; they sum to `displacement`.
+        Travel during the burst and after it, the ring-down included, m; they sum to `displacement`.
     velocity : float
         At the end of the burst, m/s.
     stopping_time : float
-        s from the end of the burst to the last slip.
+        s from the end of the burst to the last slip; after a ring-down at least to its end.
     ring : float
         Amplitude of the ring that is left, m.
     """
@@ -55,7 +67,12 @@ class Step:
 
 
 def step(
-    slider: Slider, orbits: Orbit | tuple[Orbit, ...], *, cycles: int, envelope: Envelope | None = None
+    slider: Slider,
+    orbits: Orbit | tuple[Orbit, ...],
+    *,
+    cycles: int,
+    envelope: Envelope | None = None,
+    after: Envelope | None = None,
 ) -> Step:
     """Return the step that a burst of whole cycles makes from rest.
 
@@ -64,9 +81,11 @@ def step(
     slider, orbits
         As for `steady`; without friction the slider never stops.
     cycles : int
-        Of the wave, at least one.
+        Of the drive, at least one.
     envelope : Envelope, optional
-        Factor on the orbits over time.
+        Factor on the orbits during the burst; without one the wave is at full size from the first cycle.
+    after : Envelope, optional
+        Factor on the orbits while the surface rings down, time from the end of the burst; without one it stands still.
 
     Returns
     -------
@@ -82,10 +101,16 @@ def step(
     problem = rest_problem(slider, driven)
     motion, unit = rest(slider, driven, problem, nodes=12, truncation=1e-10), side * problem.length
     travelled = _drive(slider, motion, cycles, envelope)
+    velocity, rang, followed = float(motion.state[2]), 0.0, 0.0
+    if after is not None:
+        times, rows = ring_down(slider, motion, after)
+        rang = float(times[-1]) if times.size else 0.0
+        followed = _distance(rows)
     relaxed, last, ring = _stopped(slider, motion)
+    relaxed += followed
     return Step(
         cycles=cycles, displacement=unit * (travelled + relaxed), during=unit * travelled, stopping=unit * relaxed,
-        velocity=side * float(motion.state[2]) * problem.speed, stopping_time=last / problem.omega,
+        velocity=side * velocity * problem.speed, stopping_time=rang + last / problem.omega,
         ring=ring * problem.length,
     )  # fmt: skip
 
@@ -95,16 +120,20 @@ def cycles_for(
     orbits: Orbit | tuple[Orbit, ...],
     *,
     displacement: float,
-    envelope: Envelope | None = None,
+    envelopes: Callable[[int], tuple[Envelope, Envelope | None]] | None = None,
 ) -> tuple[Step, Step]:
     """Return the largest step that does not reach a displacement and the next, one cycle more, that does.
 
+    The first has no cycles where one cycle is enough.
+
     Parameters
     ----------
-    slider, orbits, envelope
+    slider, orbits
         As for `step`.
     displacement : float
         Size of the step, m, positive; the direction is the motor's.
+    envelopes : callable, optional
+        Number of cycles of the burst to its `envelope` and `after`, as for `step`.
 
     Raises
     ------
@@ -113,40 +142,51 @@ def cycles_for(
     """
     listed = as_orbits(orbits)
     wanted = bounds.positive("displacement", displacement, "m")
-    known: dict[int, Step] = {}
+    known = {0: Step(cycles=0, **dict.fromkeys(Step.__annotations__.keys() - {"cycles"}, 0.0))}
 
     def at(number):
         if number not in known:
-            known[number] = step(slider, listed, cycles=number, envelope=envelope)
+            envelope, after = (None, None) if envelopes is None else envelopes(number)
+            known[number] = step(slider, listed, cycles=number, envelope=envelope, after=after)
         return known[number]
 
-    # a few cycles leave the contacts strained, whichever way: the motor's direction shows after some more
-    way = math.copysign(1.0, at(256).displacement)
+    # a few cycles leave the contacts strained, whichever way, and a wave may take longer to arrive: the motor's
+    # direction shows after some more
+    far = 256
+    while abs(at(far).displacement) < wanted:
+        far *= 2
+        if far > MAX_CYCLES:
+            raise ConvergenceError(
+                "out of reach",
+                f"{far // 2} cycles move the slider by {at(far // 2).displacement:.3g} m; raise the amplitude or the "
+                "time",
+            )
+    way = math.copysign(1.0, at(far).displacement)
     low, high = 0, 8
     while way * at(high).displacement < wanted:
         low, high = high, 2 * high
-        if high > MAX_CYCLES:
-            raise ConvergenceError(
-                "out of reach",
-                f"{low} cycles move the slider by {at(low).displacement:.3g} m; raise the amplitude or the time",
-            )
     while high - low > 1:
         middle = (low + high) // 2
         low, high = (low, middle) if way * at(middle).displacement >= wanted else (middle, high)
-    return at(max(low, 1)), at(high)
+    return at(low), at(high)
 
 
 def _drive(slider, motion, cycles, envelope):
     """Move through the burst; return the distance travelled, scaled."""
-    problem, reason = motion.problem, why_not_stepped(slider, motion.problem, STEPS_PER_CYCLE)
-    if envelope is None and (reason or cycles <= EXACT_CYCLES):
-        motion.turn(cycles)
-        return float(motion.sums[DISPLACEMENT])
-    if reason:
-        raise ConvergenceError("not applicable", f"an envelope needs fixed steps: {reason}")
-    shape = None if envelope is None else envelope.at(np.arange(cycles + 1) * (2.0 * math.pi / problem.omega))
-    rows = steps(problem, motion.state, cycles, STEPS_PER_CYCLE, envelope=shape)
-    return float(2.0 * math.pi * np.sum(rows[:, 2]))
+    problem = motion.problem
+    if envelope is None:
+        if cycles <= EXACT_CYCLES or why_not_stepped(slider, problem, STEPS_PER_CYCLE):
+            motion.turn(cycles)
+            return float(motion.sums[DISPLACEMENT])
+        return _distance(steps(problem, motion.state, cycles, STEPS_PER_CYCLE))
+    number = shaped_steps(slider, problem, STEPS_PER_CYCLE)
+    shape = envelope.at(np.arange(cycles + 1) * (2.0 * math.pi / problem.omega))
+    return _distance(steps(problem, motion.state, cycles, number, envelope=shape))
+
+
+def _distance(rows) -> float:
+    """Return the distance travelled over cycles of which every one has a row, scaled."""
+    return float(2.0 * math.pi * np.sum(rows[:, ROW_MEAN_VELOCITY]))
 
 
 def _stopped(slider, motion):

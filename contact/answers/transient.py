@@ -11,7 +11,6 @@ With an envelope the wave swells and fades as it says; what is left of it at the
 fades as a ring-down says, followed in fixed steps.
 """
 
-import math
 import time as clock
 from dataclasses import dataclass
 
@@ -19,17 +18,12 @@ import numpy as np
 
 from contact import bounds
 from contact.answers.ledger import Ledger, ledger, together
-from contact.answers.methods import METHODS, STEPS, Burst, rest_problem, run, silence, why_not_stepped
-from contact.convergence import ConvergenceError
+from contact.answers.methods import METHODS, Burst, rest_problem, ring_down, run, silence
 from contact.drive import relative_to_reference, towards_plus
 from contact.envelope import Envelope
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
 from contact.solve.segment import POSITION, ROW_POSITION, ROW_VELOCITY, VELOCITY
-from contact.solve.time_stepping import steps
-
-# amplitude over the envelope's largest below which a surface that rings down stands still; least steps per cycle there
-SPENT, RINGING_STEPS = 1e-3, 64
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,7 +124,7 @@ def burst(
     """
     begun = clock.perf_counter()
     listed = as_orbits(orbits)
-    after, ring_down = after if isinstance(after, tuple) else (after, None)
+    after, fading = after if isinstance(after, tuple) else (after, None)
     bounds.positive("duration", duration, "s")
     bounds.non_negative("after", after, "s")
     bounds.positive("tolerance", tolerance, "")
@@ -156,7 +150,7 @@ def burst(
     if cycles % stride:
         parts.append((np.full(1, cycles / frequency), motion.state[[VELOCITY]], motion.state[[POSITION]]))
     books = [ledger(slider, motion)] if motion.begun is not None else []
-    slid, rang, still = _follow_on(slider, motion, frequency, after, ring_down, samples * (1.0 - share))
+    slid, rang, still = _follow_on(slider, motion, after, fading, samples * (1.0 - share))
     parts += [(cycles / frequency + part[0], *part[1:]) for part in slid]
     after_book = None
     if still is not None:
@@ -178,7 +172,7 @@ def burst(
     )  # fmt: skip
 
 
-def _follow_on(slider, motion, frequency, after, envelope, samples):
+def _follow_on(slider, motion, after, envelope, samples):
     """Follow the slider for some seconds after the burst, while the surface rings down and then on a surface at rest.
 
     Returns parts (times in s from the end of the burst, v, z_s), how long the surface rang, and the motion at the end,
@@ -186,7 +180,8 @@ def _follow_on(slider, motion, frequency, after, envelope, samples):
     """
     parts, rang, problem = [], 0.0, motion.problem
     if envelope is not None:
-        times, rows = _ring_down(slider, motion, frequency, after, envelope, max(2, round(samples / 2.0)))
+        count = max(2, round(samples / 2.0))
+        times, rows = ring_down(slider, motion, envelope, longest=after, samples=count)
         if times.size:
             rang = float(times[-1])
             parts.append((times, rows[:, ROW_VELOCITY], rows[:, ROW_POSITION]))
@@ -198,19 +193,3 @@ def _follow_on(slider, motion, frequency, after, envelope, samples):
     # the surface stands still at zero: the first contact's approach is its height less the slider's position
     parts.append((rang + at, velocity, problem.paths.height[0] - z))
     return parts, rang, still
-
-
-def _ring_down(slider, motion, frequency, longest, envelope, samples):
-    """Move the slider in fixed steps while the surface rings down; return (times in s, rows)."""
-    serving = [n for n, _ in STEPS if n >= RINGING_STEPS and not why_not_stepped(slider, motion.problem, n)]
-    if not serving:
-        reason = why_not_stepped(slider, motion.problem, STEPS[-1][0])
-        raise ConvergenceError("not applicable", f"a ring-down needs fixed steps: {reason}")
-    loud = np.flatnonzero(envelope.amplitude > SPENT * np.max(envelope.amplitude))
-    until = min(float(envelope.time[loud[-1]]) if loud.size else 0.0, longest)
-    cycles = max(0, math.ceil(until * frequency))
-    stride = max(1, cycles // samples)
-    cycles -= cycles % stride
-    shape = envelope.at(np.arange(cycles + 1) / frequency)
-    rows = steps(motion.problem, motion.state, cycles, serving[0], stride=stride, envelope=shape)
-    return stride * np.arange(1, len(rows) + 1) / frequency, rows

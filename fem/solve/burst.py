@@ -16,7 +16,10 @@ that the difference is the error), and by every second frequency and frequencies
 that has been found, transformed back, must give the response again.
 """
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -71,6 +74,9 @@ class BurstEnvelope:
         response between the steps); the response's own.
     frequencies : int
         Solved.
+    lasting : callable
+        Of a duration in s: the `BurstEnvelope` of a burst so long, of the same solution. With ``share`` below 1 of that
+        share of the band, which shows what the band's width does to an answer.
     """
 
     place: float
@@ -87,6 +93,7 @@ class BurstEnvelope:
     step_error: float
     response_error: float
     frequencies: int
+    lasting: Callable[..., "BurstEnvelope"] = field(repr=False)
 
     @property
     def relative_error(self) -> float:
@@ -109,21 +116,33 @@ class _Line:
         way = np.where(self.offsets < 0, self.offsets / self.reach[0], self.offsets / self.reach[1]) / share
         return np.cos(np.pi / 2 * np.clip((abs(way) - FLAT) / (1 - FLAT), 0.0, 1.0)) ** 2
 
-    def switched(self, time: np.ndarray, phase: float, share: float = 1.0) -> np.ndarray:
-        """S at some times, shape (2, times), with the band cut to a share of its reach either side."""
+    @property
+    def tick(self) -> float:
+        """Between the instants of an envelope, s."""
+        return 1 / (PER_BAND * (self.reach[0] + self.reach[1]))
+
+    def switched(self, first: float, count: int, phase: float, share: float = 1.0) -> np.ndarray:
+        """S at instants one tick apart from a first one, shape (2, count), with the band cut to a share either side."""
         lead = LEAD / self.step
         last = (1 - LEAD) / self.step
+        time = first + self.tick * np.arange(count)
         inside = (time >= -lead) & (time < last)
         x = 2 * np.pi * self.offsets
         weights = self.motion * self.taper(share) * self.step
         steady = self.motion[:, self.offsets == 0]
         safe = np.where(x == 0, 1.0, x)
-        waves = np.exp(1j * np.outer(x, time[inside]))
         out = np.where(time >= last, steady, 0.0 * steady)
         rotating = np.where(x == 0, 0.0, weights / (1j * safe))
         counter = weights * np.exp(-2j * phase) / (1j * (x + 4 * np.pi * self.frequency))
-        out[:, inside] = (rotating + counter) @ waves - (rotating @ np.exp(-1j * x * lead))[:, None]
-        out[:, inside] += steady * self.step * (time[inside] + lead)
+        # the waves exp(i x t) at offsets and instants that are both evenly spaced: a Fourier transform
+        period = round(1 / (self.step * self.tick))
+        lines = np.zeros((2, period), complex)
+        lines[:, np.round(self.offsets / self.step).astype(int) % period] = (rotating + counter) * np.exp(
+            1j * x * first
+        )
+        waves = period * np.fft.ifft(lines)[:, np.arange(count) % period]
+        found = waves - (rotating @ np.exp(-1j * x * lead))[:, None] + steady * self.step * (time + lead)
+        out[:, inside] = found[:, inside]
         return out
 
     def probes(self) -> np.ndarray:
@@ -179,8 +198,7 @@ def burst_response(
     low, high = band.limits
     if not low < frequency < high:
         raise ValueError(f"frequency must lie in the band, {low:g} to {high:g} Hz, got {frequency!r} Hz")
-    if not (np.isfinite(duration) and duration > 0):
-        raise ValueError(f"duration must be positive and finite, got {duration!r} s")
+    _refuse_endless(duration)
     known: dict[float, tuple[complex, complex, float]] = {}
 
     def motions(frequencies: np.ndarray) -> np.ndarray:
@@ -204,8 +222,8 @@ def burst_response(
     def folded(fine: tuple[_Line, float], coarse: tuple[_Line, float]) -> tuple[float]:
         """Part of the steady motion that is folded back in time, by twice the steps and between the steps."""
         line = fine[0]
-        time = np.arange(0.0, (1 - LEAD) / (2 * line.step), 1 / (PER_BAND * (high - low)))
-        change = abs(line.switched(time, phase) - coarse[0].switched(time, phase)).max()
+        count = math.ceil((1 - LEAD) / (2 * line.step * line.tick))
+        change = abs(line.switched(0.0, count, phase) - coarse[0].switched(0.0, count, phase)).max()
         exact = motions(frequency + line.probes())[:, :2].T
         steady = abs(line.motion[0, line.offsets == 0])[0]
         return (float(max(change, abs(line.between(line.probes()) - exact).max()) / steady),)
@@ -221,22 +239,37 @@ def burst_response(
             f"the surface still rings {1 / line.step:.1e} s after the switch, by {error:.1e} of its amplitude: "
             "give the solid a mechanical_quality, or ask for less"
         )
-    return _envelope(line, place, duration, phase, error, response, len(known))
+    return _envelope(duration, line, place, phase, (error, response, len(known)))
 
 
-def _envelope(line: _Line, place, duration, phase, folded, response, frequencies) -> BurstEnvelope:
-    tick = 1 / (PER_BAND * (line.reach[0] + line.reach[1]))
-    span = np.arange(0.0, 1 / line.step, tick)
-    time = np.append(span[span < duration], duration + span)
+def _refuse_endless(duration: float) -> None:
+    if not (np.isfinite(duration) and duration > 0):
+        raise ValueError(f"duration must be positive and finite, got {duration!r} s")
+
+
+def _envelope(
+    duration: float, line: _Line, place: float, phase: float, found: tuple, share: float = 1.0
+) -> BurstEnvelope:
+    """Return the envelopes of a burst; ``found``: error folded back in time, that of the response, frequencies."""
+    _refuse_endless(duration)
+    span = np.arange(0.0, 1 / line.step, line.tick)
+    during = np.count_nonzero(span < duration)
+    time = np.append(span[:during], duration + span)
     off = phase + 2 * np.pi * line.frequency * duration
 
     def burst(share: float) -> np.ndarray:
-        return line.switched(time, phase, share) - line.switched(time - duration, off, share)
+        def switched(first: float, count: int, at: float):
+            return line.switched(first, count, at, share)
 
-    whole, narrower = burst(1.0), burst(NARROWER)
+        rise = switched(0.0, during, phase) - switched(-duration, during, off)
+        fall = switched(duration, len(span), phase) - switched(0.0, len(span), off)
+        return np.concatenate((rise, fall), axis=1)
+
+    whole, narrower = burst(share), burst(NARROWER * share)
     steady = line.motion[:, line.offsets == 0][:, 0]
-    before = line.switched(np.arange(-LEAD / line.step, 0.0, tick), phase)[0]
-    start = line.switched(span, phase)[0]
+    lead = LEAD / line.step
+    before = line.switched(-lead, math.ceil(lead / line.tick), phase)[0]
+    start = line.switched(0.0, len(span), phase)[0]
     unsettled = np.flatnonzero(abs(start / steady[0] - 1) > 0.01)
     return BurstEnvelope(
         place=place,
@@ -250,7 +283,8 @@ def _envelope(line: _Line, place, duration, phase, folded, response, frequencies
         settling=float(span[unsettled[-1]] if len(unsettled) else 0.0),
         early=float(abs(before).max() / abs(steady[0])),
         band_error=float(abs(whole - narrower).max() / abs(steady[0])),
-        step_error=folded,
-        response_error=response,
-        frequencies=frequencies,
+        step_error=found[0],
+        response_error=found[1],
+        frequencies=found[2],
+        lasting=partial(_envelope, line=line, place=place, phase=phase, found=found),
     )

@@ -96,6 +96,7 @@ def _point(driven: DrivenContact, level: float, tolerance: float):
                 trajectory, moved = _along(driven, trajectory, level)
                 values |= moved
             values["velocity_at_burst_end_m_per_s"] = trajectory.velocity_at_burst_end
+            values["displacement_m"] = float(np.trapezoid(trajectory.velocity, trajectory.time))
             tally |= burst_tally(trajectory)
             from_stator += 0.0 if driven.ringing is None else driven.ringing.error
             if trajectory.relative_error > from_contact or status == "ok":

@@ -33,6 +33,24 @@ class RingUp:
     ring_down: object = field(default=None, repr=False)  # the same from the burst's end on, time from there
     found: object = field(default=None, repr=False)  # fem's answer
 
+    @classmethod
+    def of(cls, found) -> "RingUp":
+        """Return what a `fem.BurstEnvelope` says."""
+        factor, on = found.normal / found.steady_normal, found.time < found.duration
+
+        def shape(which, start):
+            part = factor[which]
+            return contact.Envelope(
+                time=found.time[which] - start, amplitude=abs(part), phase=np.unwrap(np.angle(part))
+            )
+
+        error = float(found.relative_error * min(1.0, found.settling / found.duration))
+        return cls(error=error, envelope=shape(on, 0.0), ring_down=shape(~on, found.duration), found=found)
+
+    def lasting(self, duration: float, share: float = 1.0) -> "RingUp":
+        """Return the ring-up of a burst of another duration, s, from a share of the band."""
+        return RingUp.of(self.found.lasting(duration, share=share))
+
     @property
     def sentence(self) -> str:
         """What it is, for a reader."""
@@ -67,15 +85,4 @@ def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str
         )
     except fem.ConvergenceError:
         return RingUp(error=min(1.0, MOST / (2 * half) / scene.burst))
-    factor, on = found.normal / found.steady_normal, found.time < scene.burst
-
-    def shape(which, start):
-        part = factor[which]
-        return contact.Envelope(
-            time=found.time[which] - start, amplitude=abs(part), phase=np.unwrap(np.angle(part))
-        )
-
-    envelope = shape(on, 0.0)
-    ring_down = shape(~on, scene.burst) if np.any(~on) else None
-    error = found.relative_error * min(1.0, found.settling / scene.burst)
-    return RingUp(envelope=envelope, ring_down=ring_down, found=found, error=float(error))
+    return RingUp.of(found)

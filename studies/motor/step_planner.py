@@ -1,12 +1,14 @@
 """How far a burst of N cycles moves the slider, how many cycles a step of 2 nm takes, where it stops and what it rings.
 
 Method: the slider of a scene (``twente-contact`` when none is named) from rest at up to four of its amplitudes or
-voltages above threshold: bursts of 8 to 4096 cycles, each followed until the slider has slipped for the last time and
-only rings in its spring; then the inverse, by bisection on whole cycles.  Expected: far from its steady speed the
-slider gains speed evenly, so that steps grow as N^2; the step found for a distance reaches it, and a cycle less does
-not; the travel is that of the velocity itself.  The wave of a stator is taken at full size from the first cycle on:
-how it builds up is not in the steps.  Growth and travel are judged of steps that are large against the ring which the
-burst leaves.  Run time: about 5 s, and the stator's.
+voltages above threshold: bursts of 8 to 4096 cycles of the drive, each followed until the slider has slipped for the
+last time and only rings in its spring; then the inverse, by bisection on whole cycles.  On a stator the wave arrives
+late, grows over the transducer's length and rings on after the drive, as in a run with ``drive.burst``: a burst shorter
+than that hardly moves the slider.  Where the growth cannot be found the findings say so, and the wave is at full size
+from the first cycle on, as a given [wave] is.  Expected: far from its steady speed the slider gains speed evenly, so
+that steps grow as N^2; the step found for a distance reaches it, and a cycle less does not; the travel is that of the
+velocity itself.  Growth and travel are judged of steps that are large against the ring which the burst leaves, growth
+of bursts that are long against the wave's.  Run time: about 5 s, and twice the stator's.
 """
 
 import math
@@ -15,8 +17,9 @@ from collections.abc import Iterator
 import numpy as np
 
 import contact
-from studies.chain.driven_contact import DrivenContact, driven_contact
-from studies.report.figures import curve, family, finished, logarithmic
+from studies.chain.driven_contact import driven_contact
+from studies.chain.steps import Steps
+from studies.report.figures import COLOURS, curve, family, finished, logarithmic
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord, judged, of_record, study
 
@@ -25,6 +28,10 @@ CYCLES = tuple(2**k for k in range(3, 13))
 WANTED = (2e-9, 1e-8, 1e-7)  # m
 FAR = 0.1  # of the steady speed: below it the slider is taken to gain speed evenly
 RING = 0.05  # of the step, from which on the ring hides it: 0.03 bends the exponent by 0.03, 0.13 by 0.12
+TRAVEL = 0.01  # of the step: the integral of a trajectory of 4000 samples
+SETTLINGS = 20.0  # of the wave, in a burst whose growth is judged: a delay of 1/20 bends the exponent by 0.1
+
+HOLLOW = {"markersize": 5.0, "markerfacecolor": "white"}
 
 
 @study
@@ -48,25 +55,27 @@ def run(
         How many of the scene's levels, at most.
     """
     driven = driven_contact(scene, progress=progress)
-    slider, picked = driven.slider, driven.spread(1.5, lines)
+    picked = driven.spread(1.5, lines)
+    bursts = Steps.of(driven, progress=progress)
     steps, planned = {}, {}
     for level in picked:
-        name, orbits = driven.named(level), driven.at(level)
+        name = driven.named(level)
         progress(f"step planner: {name}")
-        steps[name] = [contact.step(slider, orbits, cycles=number) for number in cycles]
-        planned[name] = [contact.cycles_for(slider, orbits, displacement=size) for size in wanted]
+        steps[name] = [bursts.step(level, number) for number in cycles]
+        planned[name] = [bursts.reaching(level, size) for size in wanted]
     pairs = [(size, *pair) for plans in planned.values() for size, pair in zip(wanted, plans, strict=True)]
     counts = {name: [enough.cycles for _, enough in plans] for name, plans in planned.items()}
-    slowest, orbits = steps[driven.named(picked[0])], driven.at(picked[0])
-    steady = contact.mean_motion(slider, orbits).velocity
+    slowest = picked[0]
+    steady = contact.mean_motion(driven.slider, driven.at(slowest)).velocity
+    said = [f"{name}: {', '.join(map(_plan, wanted, numbers))}" for name, numbers in counts.items()]
     findings = [
         judged("The cycles found for a step reach it, and a cycle less does not.", "smallest step that was planned, m",
                min(abs(enough.displacement) for _, _, enough in pairs),
                holds=all(abs(less.displacement) < size <= abs(enough.displacement) for size, less, enough in pairs),
                expected=f"{wanted[0]:g} m and up to a cycle's worth more",
-               remark="; ".join(f"{name}: {', '.join(f'{each} cycles' for each in plans)}"
-                                for name, plans in counts.items())),
-        *_growth([each for each in slowest if each.ring < RING * abs(each.displacement)], steady, driven, orbits),
+               remark="; ".join(said + [bursts.sentence] * bool(bursts.sentence))),
+        *_growth([each for each in steps[driven.named(slowest)] if each.ring < RING * abs(each.displacement)],
+                 steady, bursts, slowest),
     ]  # fmt: skip
 
     def table(value):
@@ -78,6 +87,8 @@ def run(
             "distance_m": {key: np.sign(steady) * values for key, values in table(value).items()},
             "velocity_m_per_s": table("velocity"), "ring_m": table("ring"), "stopping_time_s": table("stopping_time"),
             "planned_cycles": counts, "wanted_m": np.array(wanted), "axis": f"{title} (nm)",
+            "planned_distance_m": {key: np.sign(steady) * np.array([getattr(each, value) for _, each in plans])
+                                   for key, plans in planned.items()},
         })
         for file, title, value in (
             ("step_planner", "step", "displacement"), ("stopping", "slide after the burst", "stopping")
@@ -86,9 +97,14 @@ def run(
     return panels, findings
 
 
-def _growth(clear, steady: float, driven: DrivenContact, orbits: tuple) -> Iterator[Finding]:
+def _plan(size: float, number: int) -> str:
+    return f"{size * 1e9:g} nm in {number} cycle{'s' * (number != 1)}"
+
+
+def _growth(clear, steady: float, bursts: Steps, level: float) -> Iterator[Finding]:
     """Yield the findings on steps that stand clear of the ring: their growth, and the travel of the longest but one."""
-    far = [each for each in clear if abs(each.velocity) < FAR * abs(steady)][-2:]
+    least = SETTLINGS * bursts.settling * bursts.driven.scene.frequency
+    far = [each for each in clear if abs(each.velocity) < FAR * abs(steady) and each.cycles >= least][-2:]
     if len(far) == 2:
         short, long = far
         exponent = math.log(long.displacement / short.displacement) / math.log(long.cycles / short.cycles)
@@ -97,34 +113,44 @@ def _growth(clear, steady: float, driven: DrivenContact, orbits: tuple) -> Itera
                      low=1.9, high=2.1, expected="2")  # fmt: skip
     if clear:
         step = clear[-2:][0]
+        most = TRAVEL + step.ring / abs(step.displacement)
         yield judged("The step is the integral of the velocity.",
                      f"travel in {step.cycles} cycles and the slide after over the step",
-                     _travelled(driven.slider, orbits, driven.scene.frequency, step), low=0.98, high=1.02,
-                     expected="1, but for the ring about where the slider stays")  # fmt: skip
+                     _travelled(bursts, level, step), low=1.0 - most, high=1.0 + most,
+                     expected=f"1 within {most:.2g}, {TRAVEL:g} and the ring about where the slider stays")  # fmt: skip
 
 
-def _travelled(slider, orbits, frequency, step) -> float:
+def _travelled(bursts: Steps, level: float, step) -> float:
     """Return the integral of a trajectory's velocity over a step."""
+    (envelope, fading), after = bursts.shape(step.cycles), 10.0 * step.stopping_time
     found = contact.burst(
-        slider, orbits, duration=step.cycles / frequency, after=10.0 * step.stopping_time, tolerance=1e-6,
-        samples=4000, method="exact",
+        bursts.driven.slider, bursts.driven.at(level), duration=step.cycles / bursts.driven.scene.frequency,
+        after=after if fading is None else (after + float(fading.time[-1]), fading), tolerance=1e-6, samples=4000,
+        method="exact" if envelope is None else "stepped", envelope=envelope,
     )  # fmt: skip
     return float(np.trapezoid(found.velocity, found.time) / step.displacement)
 
 
 @of_record
 def figure(record: Panel, ax):
-    """Draw distance against cycles; what was planned as crosses."""
+    """Draw distance against cycles, what was planned as crosses; what goes against the motor's direction is hollow."""
     data, planned = record.data, record.name == "step_planner"
-    cycles, wanted = np.asarray(data["cycles"]), np.asarray(data["wanted_m"]) * 1e9
+    hollow = False
     for name, distance, colour in family(data["distance_m"]):
-        values = np.asarray(distance) * 1e9
-        curve(ax, cycles[values > 0.0], values[values > 0.0], ".-", colour, name)
+        reached = np.array([data["planned_cycles"][name], data["planned_distance_m"][name]])
+        known = np.hstack(([data["cycles"], distance], reached))
+        cycles, values = known[:, np.argsort(known[0])] * [[1.0], [1e9]]
+        curve(ax, cycles, abs(values), ".-", colour, name)
+        back = values < 0.0
+        ax.plot(cycles[back], -values[back], "o", color=COLOURS[colour], **HOLLOW)
+        hollow |= bool(np.any(back))
         if planned:
-            curve(ax, data["planned_cycles"][name], wanted, "x", colour, size=6.0)
+            curve(ax, reached[0], abs(reached[1]) * 1e9, "x", colour, size=6.0)
+    if hollow:
+        ax.plot([], [], "o", color=COLOURS["line"], label="against the motor's direction", **HOLLOW)
     if planned:
-        steps = ", ".join(f"{size:g}" for size in wanted)
+        steps = ", ".join(f"{size * 1e9:g}" for size in data["wanted_m"])
         curve(ax, [], [], "x", "line", f"planned for {steps} nm", size=6.0)
     logarithmic(ax.xaxis)
     logarithmic(ax.yaxis)
-    return finished(ax, "cycles of the wave", data["axis"], record.title, columns=5)
+    return finished(ax, "cycles of the drive", data["axis"], record.title, columns=3)

@@ -14,6 +14,7 @@ import numpy as np
 import contact
 from studies.chain import run
 from studies.chain.driven_contact import DrivenContact
+from studies.chain.steps import Steps
 from studies.record import Record
 from studies.refusal import RunError
 from studies.scene import Scene, resolved
@@ -113,9 +114,8 @@ def datasheet(
         say("start and stop")
         start_stop = _start_stop(driven, rated)
         say("steps")
-        steps = tuple(
-            contact.cycles_for(driven.slider, driven.at(rated), displacement=size)[1] for size in STEPS
-        )
+        bursts = Steps.of(driven, progress=say)
+        steps = tuple(bursts.reaching(rated, size)[1] for size in STEPS)
     except contact.ConvergenceError as error:
         raise RunError(f"the datasheet is incomplete: {' '.join(str(error).split())}") from None
     balls = record.scene.slider.preload / driven.slider.preload
@@ -123,7 +123,7 @@ def datasheet(
     rows = (
         *_speeds(record, driven, rated),
         *_forces(driven, rated, balls),
-        *_positioning(driven, rated, steps, start_stop),
+        *_positioning(bursts, rated, steps, start_stop),
         *_powers(record, driven, rated, line, balls),
         *_resonances(record, driven, say),
     )
@@ -173,23 +173,23 @@ def _forces(driven: DrivenContact, rated: float, balls: float):
     yield Row("force", "largest acceleration", friction / slider.mass, "m/s\u00b2", condition=condition)
 
 
-def _positioning(driven: DrivenContact, rated: float, steps, start_stop):
-    more = driven.at(rated * (1.0 + driven.stator_error))
+def _positioning(bursts: Steps, rated: float, steps, start_stop):
+    frequency = bursts.driven.scene.frequency
     for size, step in zip(STEPS, steps, strict=True):
-        error = None
-        if driven.stator_error:
-            again = contact.step(driven.slider, more, cycles=step.cycles)
-            error = abs(again.displacement / step.displacement - 1.0)
+        error = bursts.error(rated, step) or None
         name = f"{'smallest step' if size == STEPS[0] else 'step'} of {size * 1e9:g} nm or more"
         cycles = f"{step.cycles} cycle{'' if step.cycles == 1 else 's'}"
         condition = (
-            f"a burst of {cycles}, {step.cycles / driven.scene.frequency * 1e6:.4g} \u00b5s; rests after "
+            f"a burst of {cycles}, {step.cycles / frequency * 1e6:.4g} \u00b5s; rests after "
             f"{step.stopping_time * 1e6:.3g} \u00b5s, then rings by {step.ring * 1e9:.2g} nm"
         )
+        condition += f"; {bursts.sentence}" if bursts.sentence else ""
         yield Row("positioning", name, abs(step.displacement), "m", error, condition)
     time, speed, last = start_stop.time, abs(start_stop.velocity), abs(start_stop.velocity_at_burst_end)
     grid, reached = float(np.max(np.diff(time))), float(time[np.argmax(speed >= SETTLED * last)])
     condition = f"from rest to {SETTLED:.0%} of the speed, wave at full size from the first cycle"
+    if bursts.settling:
+        condition += f"; it takes {bursts.settling * 1e6:.3g} \u00b5s to settle"
     yield Row("positioning", "start time", reached, "s", grid / reached, condition)
     # the slider has stopped when its velocity is that of its ring in the contact's spring
     slow = (time >= start_stop.duration) & (speed < 1e-2 * last)

@@ -12,7 +12,8 @@ def flat(amplitude, phase):
 
 
 def run(o, **given):
-    return burst(slider(), o, duration=3e-4, after=0.0, tolerance=1e-4, samples=2, method="stepped", **given)
+    asked = {"duration": 3e-4, "after": 0.0, "tolerance": 1e-4, "samples": 2, "method": "stepped"}
+    return burst(slider(), o, **(asked | given))
 
 
 def test_a_flat_envelope_scales_the_wave():
@@ -89,6 +90,49 @@ def test_a_step_is_the_area_under_the_velocity():
     assert found.displacement == pytest.approx(found.during + found.stopping, rel=1e-14)
     assert found.velocity == pytest.approx(whole.velocity_at_burst_end, rel=1e-6)
     assert 0.0 < found.ring <= 1.0001 * slider().limit_slope * 2.0 * slider().rest_approach(1)
+
+
+def swelling(cycles):
+    """A wave that grows over 150 cycles after a delay of 60, and its end, which comes as late and takes as long."""
+    t = np.arange(0.0, cycles + 301.0) / 2.2e6
+    rise = np.clip((t * 2.2e6 - 60.0) / 150.0, 0.0, 1.0)
+    fall = np.clip((t * 2.2e6 - cycles - 60.0) / 150.0, 0.0, 1.0)
+    on = t * 2.2e6 < cycles + 0.5
+    whole = Envelope(time=t, amplitude=rise - fall, phase=np.zeros(len(t)))
+    after = Envelope(time=t[~on] - cycles / 2.2e6, amplitude=(rise - fall)[~on], phase=np.zeros(sum(~on)))
+    return whole, after
+
+
+@pytest.mark.parametrize("cycles", [100, 700])
+def test_a_step_takes_in_what_the_wave_does_after_the_drive(cycles):
+    """Oracle: the area under the velocity of a burst with the same envelopes; of 100 cycles most comes after them."""
+    envelope, after = swelling(cycles)
+    found = step(slider(), orbit(10e-9), cycles=cycles, envelope=envelope, after=after)
+    fading = (after.time[-1] + 10.0 * found.stopping_time, after)
+    whole = run(orbit(10e-9), envelope=envelope, duration=cycles / 2.2e6, after=fading, samples=20000)
+    area = float(np.trapezoid(whole.velocity, whole.time))
+    assert found.displacement == pytest.approx(area, rel=5e-3, abs=1.1 * found.ring)
+    assert found.displacement == pytest.approx(found.during + found.stopping, rel=1e-14)
+    assert found.velocity == pytest.approx(whole.velocity_at_burst_end, rel=1e-3)
+    assert found.stopping_time > 0.99 * min(cycles + 210, 300) / 2.2e6 - cycles / 2.2e6
+    cut = step(slider(), orbit(10e-9), cycles=cycles, envelope=envelope)
+    assert abs(found.displacement) > 1.3 * abs(cut.displacement)
+
+
+def test_cycles_for_a_step_know_how_the_wave_grows():
+    before, enough = cycles_for(slider(), orbit(10e-9), displacement=5e-9, envelopes=swelling)
+    assert before.displacement < 5e-9 <= enough.displacement
+    assert enough.cycles == before.cycles + 1
+    envelope, after = swelling(enough.cycles)
+    assert step(slider(), orbit(10e-9), cycles=enough.cycles, envelope=envelope, after=after) == enough
+
+
+def test_where_one_cycle_is_enough_none_falls_short():
+    before, enough = cycles_for(
+        slider(), orbit(10e-9), displacement=1e-10, envelopes=lambda _: (flat(1.0, 1.57), None)
+    )
+    assert (before.cycles, before.displacement, enough.cycles) == (0, 0.0, 1)
+    assert enough.displacement > 1e-10
 
 
 def test_stopping_distance_of_a_quiet_slider():

@@ -1,0 +1,100 @@
+"""Steps of a motor: how far bursts of whole cycles of the drive move its slider.
+
+On a stator the wave of a burst arrives late, grows over the transducers' length and rings on after the drive's end.
+The response to one switched drive gives all of it for bursts of any length and voltage: it is solved once.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cache
+
+import contact
+from studies.chain.bridge import DrivenContact
+from studies.chain.ring_up import RingUp, ring_up
+
+NARROWER = 0.5  # of the ring-up's band: the corners of the wave err as one over its width
+
+
+@dataclass(frozen=True, kw_only=True)
+class Steps:
+    """Bursts from rest of a driven contact, until the slider has stopped."""
+
+    driven: DrivenContact
+    # Of a number of cycles, and a share of the band; None for a wave at full size
+    ringing: Callable[..., RingUp] | None = field(default=None, repr=False)
+    reason: str = ""  # why a stator's wave is taken at full size from the first cycle; empty where it is not
+
+    @classmethod
+    def of(cls, driven: DrivenContact, *, progress: Callable[[str], None]) -> "Steps":
+        """Return the steps of a driven contact, the ring-up of a stator's wave found if it can be."""
+        scene, center = driven.scene, driven.scene.slider.center
+        if scene.wave is not None:
+            return cls(driven=driven)
+        if driven.record.surface_motion.covered(center):
+            return cls(driven=driven, reason="the slider stands over a transducer")
+        if scene.slider.method == "exact":
+            return cls(driven=driven, reason="slider.method is exact")
+        flat = contact.Envelope(time=[0.0], amplitude=[1.0], phase=[0.0])
+        try:
+            contact.step(driven.slider, driven.at(driven.levels[-1]), cycles=1, envelope=flat)
+        except contact.ConvergenceError as error:
+            if error.status != "not applicable":
+                raise
+            return cls(driven=driven, reason="the motion in the contact needs the events")
+        alone = driven.record.scene
+        drive = replace(alone.drive, burst=1.0 / scene.frequency)
+        found = ring_up(replace(alone, drive=drive), center, progress=progress)
+        if found.found is None:
+            return cls(driven=driven, reason=found.sentence)
+        shaped = cache(lambda cycles, share=1.0: found.lasting(cycles / scene.frequency, share))
+        return cls(driven=driven, ringing=shaped)
+
+    @property
+    def sentence(self) -> str:
+        """What a reader of a step must know of the wave; empty where its growth is in the step."""
+        if not self.reason:
+            return ""
+        return (
+            f"the wave is taken at full size from the first cycle, for {self.reason}: "
+            "a burst shorter than the wave's settling time moves less"
+        )
+
+    @property
+    def settling(self) -> float:
+        """From the burst's beginning until the wave stays within 1 % of its size, s; 0 where that is not known."""
+        return 0.0 if self.ringing is None else self.ringing(1).found.settling
+
+    def shape(self, cycles: int, share: float = 1.0) -> tuple:
+        """Return the `contact.Envelope` during a burst of some cycles and that after it; None for a sudden wave."""
+        if self.ringing is None:
+            return None, None
+        ringing = self.ringing(cycles, share)
+        return ringing.envelope, ringing.ring_down
+
+    def step(self, level: float, cycles: int, share: float = 1.0):
+        """Return the `contact.Step` of a burst of some cycles at a level in V, or m of given amplitude.
+
+        ``share``: of the band in which the ring-up was solved, 1 but for estimates of its error.
+        """
+        envelope, after = self.shape(cycles, share)
+        return contact.step(
+            self.driven.slider, self.driven.at(level), cycles=cycles, envelope=envelope, after=after
+        )
+
+    def error(self, level: float, step) -> float:
+        """Return the relative error that a `contact.Step` at a level has from the wave: its size, and its growth."""
+        amplitude, others = self.driven.stator_error, []
+        if self.ringing is not None:
+            found = self.ringing(step.cycles).found
+            amplitude += found.step_error + found.response_error
+            others.append(self.step(level, step.cycles, share=NARROWER))
+        if amplitude:
+            others.append(self.step(level * (1.0 + amplitude), step.cycles))
+        return sum(abs(each.displacement / step.displacement - 1.0) for each in others)
+
+    def reaching(self, level: float, displacement: float) -> tuple:
+        """Return the longest `contact.Step` short of a displacement in m, and the next, which reaches it."""
+        given = {} if self.ringing is None else {"envelopes": self.shape}
+        return contact.cycles_for(
+            self.driven.slider, self.driven.at(level), displacement=displacement, **given
+        )
