@@ -73,11 +73,8 @@ def fit(
     predictor = MeasurementPredictor(loaded, tolerance=tolerance, progress=say)
     _refuse(predictor, measurements, parameters)
     measurements, estimated = _weighted(measurements)
-    problem = Problem(
-        predictor=predictor, parameters=tuple(parameters), measurements=tuple(measurements),
-        signs=(1.0,) * len(measurements),
-    )  # fmt: skip
-    problem = replace(problem, signs=_signs(problem))
+    problem = Problem(predictor=predictor, parameters=tuple(parameters), measurements=tuple(measurements))
+    problem = replace(problem, measurements=_signed(problem))
     degrees = problem.points - len(parameters)
     if degrees < (1 if estimated else 0):
         raise SceneError(
@@ -202,15 +199,13 @@ def _weighted(measurements) -> tuple[list[Measurement], bool]:
     return [replace(each, deviations=(0.01 * size,) * len(each.values)) for each in measurements], True
 
 
-def _signs(problem: Problem) -> tuple[float, ...]:
-    """Return the sign of each measurement: speeds without a sign take the prediction's."""
-    starts = problem._starts()[:8]
-    predicted = problem.predictions(starts)
-    found = []
+def _signed(problem: Problem) -> tuple[Measurement, ...]:
+    """Return the measurements; speeds without a sign take the prediction's."""
+    predicted, found = problem.predictions(problem.starts()[:8]), []
     for k, each in enumerate(problem.measurements):
         total = np.nansum([values[k] for values in predicted])
         unsigned = each.quantity != "amplitude" and min(each.values) >= 0.0 and total < 0.0
-        found.append(-1.0 if unsigned else 1.0)
+        found.append(replace(each, values=tuple(-value for value in each.values)) if unsigned else each)
     return tuple(found)
 
 

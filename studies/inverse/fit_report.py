@@ -87,7 +87,7 @@ def draw_fit(fit: Fit, path: Path) -> None:
     first = 0
     for k, measurement in enumerate(problem.measurements):
         count = len(measurement.values)
-        _draw_curve(fit, measurement, problem.signs[k], axes[0, k])
+        _draw_curve(fit, measurement, axes[0, k])
         _draw_residuals(fit, measurement, residuals[first : first + count], axes[1, k])
         first += count
     figure.savefig(path, dpi=150)
@@ -102,7 +102,7 @@ def _places(measurement: Measurement) -> tuple[list[float], float, str]:
     return list(measurement.levels), 1e9, "normal amplitude (nm)"
 
 
-def _draw_curve(fit: Fit, measurement: Measurement, sign: float, ax) -> None:
+def _draw_curve(fit: Fit, measurement: Measurement, ax) -> None:
     at, scale, _ = _places(measurement)
     _, factor, unit = UNITS[measurement.quantity]
     where, best, low, high = fit.band(measurement)
@@ -111,7 +111,7 @@ def _draw_curve(fit: Fit, measurement: Measurement, sign: float, ax) -> None:
     ax.plot(where * scale, best * factor, color=COLOURS["slip"], linewidth=1.2, label="best fit")
     scatter = _deviations(fit, measurement)
     ax.errorbar(
-        np.array(at) * scale, np.array(measurement.values) * sign * factor, yerr=scatter * factor, fmt="o",
+        np.array(at) * scale, np.array(measurement.values) * factor, yerr=scatter * factor, fmt="o",
         color=COLOURS["line"], markersize=3.5, linewidth=0.8, capsize=2, label="measured, 1 standard deviation",
     )  # fmt: skip
     quantity = "normal amplitude" if measurement.quantity == "amplitude" else "slider velocity"
