@@ -10,6 +10,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 ROOT = Path(__file__).parents[1]
@@ -30,6 +32,29 @@ def pytest_configure(config):
     if whole and getattr(config.option, "numprocesses", None) and not hasattr(config, "workerinput"):
         for part in KERNEL_PARTS:
             COMPILERS.append(subprocess.Popen([sys.executable, "-m", "tests.kernels", part], cwd=ROOT))
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _small_pictures():
+    """Files of pictures are 40 dots to the inch and not laid out: a third of the time.
+
+    What a picture looks like is asked of its figure (`tests/studies/legible.py`), which is laid out.
+    """
+    from studies.report import figures
+
+    whole = figures.new_figure
+
+    def hasty(*given, **options):
+        from matplotlib.layout_engine import PlaceHolderLayoutEngine
+
+        figure, axes = whole(*given, **options)
+        figure.set_layout_engine(PlaceHolderLayoutEngine(adjust_compatible=True, colorbar_gridspec=False))
+        return figure, axes
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(figures, "new_figure", hasty)
+        patch.setattr(figures, "DPI", 40)
+        yield
 
 
 def pytest_unconfigure(config):

@@ -19,7 +19,7 @@ from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
 TAKES_SCENE = True
-QUICK = {"count": 13, "tolerance": 0.5}
+QUICK = {"count": 8, "tolerance": 0.5}
 COUNT = 61
 REACH = 2.0  # widths of the stop bands shown on either side
 

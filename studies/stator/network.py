@@ -24,7 +24,7 @@ from studies.study import Finding, Panel, StudyRecord, of_record, study
 
 TAKES_SCENE = True
 OPTIONS = ("band", "z0", "measured")
-QUICK = {"count": 11, "tolerance": 5e-2}
+QUICK = {"count": 11, "tolerance": 0.3}
 COUNT = 401
 BRANCHES = 5
 PASSIVE, RECIPROCAL = 1e-12, 1e-11

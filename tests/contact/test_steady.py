@@ -189,7 +189,7 @@ def mean_from_rest(cycles, per_cycle, A, **changed):
     return run(A, p, y, regime, s, cycles / p[8], 2 * cycles * per_cycle, per_cycle)[3]
 
 
-@pytest.mark.parametrize(("frequency", "period"), [(6e3, 1), (12e3, 2)])
+@pytest.mark.parametrize(("frequency", "period"), [pytest.param(6e3, 1, marks=pytest.mark.slow), (12e3, 2)])
 def test_a_slider_that_hops_near_its_resonance_is_followed_until_it_repeats(frequency, period):
     # Oracle: the same from rest in small steps. At 12 kHz the motion of one cycle is unstable
     found = steady(slider(), orbit(3e-9, frequency=frequency), tolerance=1e-8)
@@ -232,7 +232,7 @@ def test_a_motion_that_is_reached_from_rest_has_no_other():
     assert steady(s, orbit(10e-9), tolerance=1e-6).other_velocity is None
 
 
-@pytest.mark.parametrize("A", [5e-9, 10e-9])
+@pytest.mark.parametrize("A", [5e-9, pytest.param(10e-9, marks=pytest.mark.slow)])
 def test_a_bounce_that_nothing_damps_is_part_of_the_error(A):
     # Oracle: the slider from rest, event by event, at two speeds: where its mean velocity does not drift
     s = slider(normal_damping=0.0)
