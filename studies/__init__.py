@@ -22,16 +22,8 @@ if TYPE_CHECKING:
     from studies.record import Record
     from studies.refusal import RunError, SceneError
     from studies.scene import Scene, shipped_scenes
-    from studies.scene.blocks import (
-        Damping,
-        Drive,
-        IsotropicSolid,
-        PiezoelectricSolid,
-        Slider,
-        Stator,
-        Transducer,
-        Wave,
-    )
+    from studies.scene.blocks import Drive, IsotropicSolid, PiezoelectricSolid, Stator, Transducer
+    from studies.scene.slider import Damping, Slider, Wave
     from studies.sweep import Sweep, sweep
 
 __all__ = [
@@ -54,11 +46,14 @@ __all__ = [
 ]
 
 _HOME = {
+    "Damping": "scene.slider",
     "Record": "record",
     "RunError": "refusal",
     "Scene": "scene",
     "SceneError": "refusal",
+    "Slider": "scene.slider",
     "Sweep": "sweep",
+    "Wave": "scene.slider",
     "run": "chain",
     "shipped_scenes": "scene",
 }

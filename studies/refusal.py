@@ -111,10 +111,13 @@ def suggestion(word: str, known) -> str | None:
 def nearest(word: str, known) -> str:
     """Return ``; did you mean ...?`` when a known word resembles this one, else a list of those known."""
     known = [str(name) for name in known]
+    return resembling(word, known) or (f"; known: {', '.join(known)}" if known else "")
+
+
+def resembling(word: str, known) -> str:
+    """Return ``; did you mean ...?`` when a known word resembles this one, else nothing."""
     meant = suggestion(word, known)
-    if meant is not None:
-        return f"; did you mean {meant}?"
-    return f"; known: {', '.join(known)}" if known else ""
+    return "" if meant is None else f"; did you mean {meant}?"
 
 
 def needed(module: str, what: str):

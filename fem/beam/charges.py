@@ -70,7 +70,7 @@ def electrode_charges(solution: Solution, index: int) -> ElectrodeCharges:
     places, reactions, metal = [], [], []
     for recovery, starts, sides in column_fields(solution, index):
         column = recovery.column
-        reaction = recovery.surface_reactions(sides)
+        reaction = column.surface_reactions @ sides
         places.append(
             np.add.outer(gll_nodes(section.order) * column.width * section.length_unit, starts).ravel()
         )

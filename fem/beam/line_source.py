@@ -16,6 +16,7 @@ u_z and u_x at k_y = 0.
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -154,6 +155,7 @@ def isotropic_about_normal(solid: Solid) -> bool:
     return all(abs(after - before).max() <= SYMMETRY * abs(before).max() for after, before in pairs)
 
 
+@lru_cache(maxsize=2)
 def line_source(modes: GuidedModes) -> LineSource:
     """Response of the bare section to a line of charge.
 

@@ -46,6 +46,7 @@ UNLIKE = (
 RULE_GAIN = 1.5  # power of the coarse rule's error that bounds the fine one's; 1.8 measured, 2 in theory
 CHUNK = 2000  # points at a time whose distances to all fingers, or whose spectra, are tabulated
 FULL_GRID = 4  # points of the grid of all x and y per point asked for, up to which the whole grid is computed
+MAX_PHASE, TERMS = 3.0, 28  # across half a finger, and of the Taylor series then: rounding
 SAME_STEP = 1e-15  # m: steps from node to node that differ by less share their phases
 
 
@@ -326,11 +327,12 @@ class SurfaceBeam:
 
 
 class _Nodes(NamedTuple):
-    """Places and charges of all nodes from left to right, and the transducers that they belong to."""
+    """Places and charges of all nodes from left to right, and the transducers and fingers that they belong to."""
 
     x: np.ndarray
     charge: np.ndarray
     owner: np.ndarray
+    finger: np.ndarray
 
 
 def beam_refusal(stator: Stator) -> str:
@@ -351,19 +353,27 @@ def _sources(charges: tuple[ElectrodeCharges, ...]) -> list[tuple[np.ndarray, np
 
 
 def _nodes_of(charges: tuple[ElectrodeCharges, ...]) -> _Nodes:
+    owner = np.repeat(np.arange(len(charges)), [len(each.x) for each in charges])
+    number = np.concatenate([each.finger for each in charges])
+    another = (np.diff(number, prepend=number[0]) != 0) | (np.diff(owner, prepend=0) != 0)
     return _Nodes(
         x=np.concatenate([each.x for each in charges]),
         charge=np.concatenate([each.charge for each in charges]),
-        owner=np.repeat(np.arange(len(charges)), [len(each.x) for each in charges]),
+        owner=owner,
+        finger=np.cumsum(another),
     )
 
 
 def _sent(nodes: _Nodes, branch: Branch, places, spectra) -> np.ndarray:
     """Spectra of u at places from the charges that send a branch there, shape (places, 3, n)."""
-    side, along, count = branch.side, branch.along, len(nodes.x)
-    at = side * np.append(nodes.x, places)
-    is_place = np.arange(len(at)) >= count
+    side, along = branch.side, branch.along
     out = np.zeros((len(places), 3, len(spectra[0])), dtype=complex)
+    if not along.size:
+        return out
+    sources, owners, amplitudes = _sources_beside(nodes, places, side * along)
+    count = len(sources)
+    at = side * np.append(sources, places)
+    is_place = np.arange(len(at)) >= count
     arrived = np.zeros((len(along), len(spectra[0])), dtype=complex)
     steps: dict[int, np.ndarray] = {}
     before, sends = 0.0, False
@@ -375,11 +385,34 @@ def _sent(nodes: _Nodes, branch: Branch, places, spectra) -> np.ndarray:
             arrived *= steps[key]
         before = at[number]
         if not is_place[number]:
-            arrived += nodes.charge[number] * spectra[nodes.owner[number]]
+            arrived += amplitudes[number] * spectra[owners[number]]
             sends = True
         elif sends:
             out[number - count] = np.einsum("cmn,mn->cn", branch.motion, arrived)
     return out
+
+
+def _sources_beside(nodes: _Nodes, places, along) -> tuple[np.ndarray, np.ndarray, list]:
+    """Places of the charges, their transducers, and what each sends, a number or of the shape of ``along`` (signed).
+
+    A finger on which no place lies counts as one, by the exponentials' Taylor series about its middle.
+    """
+    starts = np.flatnonzero(np.diff(nodes.finger, prepend=-1))
+    first, last = nodes.x[starts], nodes.x[np.append(starts[1:], len(nodes.x)) - 1]
+    middles, half = (first + last) / 2, float((last - first).max()) / 2
+    ordered = np.sort(places)
+    whole = np.searchsorted(ordered, first) == np.searchsorted(ordered, last, side="right")
+    whole &= abs(along).max() * half < MAX_PHASE
+    single = ~whole[nodes.finger]
+    within = np.vander((nodes.x - middles[nodes.finger]) / half, TERMS, increasing=True)
+    moments = np.add.reduceat(nodes.charge[:, None] * within, starts)[whole]
+    growth = 1j * half * along / np.arange(1, TERMS)[:, None, None]
+    series = np.cumprod(np.concatenate([np.ones((1, *along.shape)), growth]), axis=0)
+    return (
+        np.append(middles[whole], nodes.x[single]),
+        np.append(nodes.owner[starts][whole], nodes.owner[single]),
+        [*np.tensordot(moments, series, axes=1), *nodes.charge[single]],
+    )
 
 
 def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> SurfaceBeam:

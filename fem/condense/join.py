@@ -61,19 +61,51 @@ def repeated(
         power = join(power, power)
 
 
-def with_ports(piece: Superelement, ports: np.ndarray, places: np.ndarray, count: int) -> Superelement:
-    """The same piece with ``count`` potentials, those of the numbers ``ports`` at ``places`` and the others idle."""
-    first = 2 * piece.size
-    here, there = (np.r_[0:first, first + np.asarray(each, dtype=int)] for each in (ports, places))
-    matrix = np.zeros((first + count,) * 2, dtype=piece.matrix.dtype)
-    matrix[np.ix_(there, there)] = piece.matrix[np.ix_(here, here)]
+def with_ports(piece: Superelement, ports: list[int]) -> Superelement:
+    """The same piece with some of its potentials, those of the numbers ``ports``, the others zero."""
+    kept = np.r_[0 : 2 * piece.size, 2 * piece.size + np.array(ports, dtype=int)]
 
     def expand(sides: np.ndarray) -> tuple[Superelement, np.ndarray]:
         own = np.zeros((len(piece.matrix), *sides.shape[1:]), dtype=sides.dtype)
-        own[here] = sides[there]
+        own[kept] = sides
         return piece, own
 
-    return Superelement(size=piece.size, matrix=matrix, width=piece.width, expand=expand)
+    return Superelement(
+        size=piece.size, matrix=piece.matrix[np.ix_(kept, kept)], width=piece.width, expand=expand
+    )
+
+
+def with_fingers(pair: Superelement, left: Superelement, right: Superelement) -> Superelement:
+    """A joined pair with its parts' own potentials, from left to right, in the place of their common ones.
+
+    ``left``, ``right``: the pair's parts with potentials of their own.
+    """
+    n, first, second = pair.size, left.matrix, right.matrix
+    count = len(first) - 2 * n
+    total = count + len(second) - 2 * n
+    loads = np.zeros((3, n, total), dtype=np.result_type(first, second))  # of the left, middle and right line
+    loads[:2, :, :count] = first[: 2 * n, 2 * n :].reshape(2, n, count)
+    loads[1:, :, count:] += second[: 2 * n, 2 * n :].reshape(2, n, total - count)
+    by_sides = pair.parts[2][:, : 2 * n]
+    by_ports = eliminated(first[n : 2 * n, n : 2 * n] + second[:n, :n], loads[1])
+    matrix = np.zeros((2 * n + total,) * 2, dtype=by_ports.dtype)
+    matrix[: 2 * n, : 2 * n] = pair.matrix[: 2 * n, : 2 * n]
+    matrix[: 2 * n, 2 * n :] = np.concatenate([loads[0], loads[2]]) + by_sides.T @ loads[1]
+    matrix[2 * n :, : 2 * n] = matrix[: 2 * n, 2 * n :].T
+    own = loads[1].T @ by_ports
+    own[:count, :count] += first[2 * n :, 2 * n :]
+    own[count:, count:] += second[2 * n :, 2 * n :]
+    matrix[2 * n :, 2 * n :] = 0.5 * (own + own.T)
+    parts = tuple(
+        replace(part, expand=lambda sides, part=part, some=some: (part, _some_ports(sides, n, some)))
+        for part, some in ((left, slice(0, count)), (right, slice(count, total)))
+    )
+    back = np.concatenate([by_sides, by_ports], axis=1)
+    return Superelement(size=n, matrix=matrix, width=pair.width, parts=(*parts, back))
+
+
+def _some_ports(sides: np.ndarray, n: int, some: slice) -> np.ndarray:
+    return np.concatenate([sides[: 2 * n], sides[2 * n :][some]])
 
 
 def exchanged(piece: Superelement) -> Superelement:
@@ -121,29 +153,69 @@ def open_circuited(piece: Superelement) -> Superelement:
 
 def lines(
     piece: Superelement, sides: np.ndarray, start: float = 0.0, *, finest: float = 0.0
-) -> Iterator[tuple[float, Superelement, np.ndarray]]:
-    """Walk the columns of a superelement from left to right: yields start, column, sides of each.
+) -> list[tuple[float, Superelement, np.ndarray]]:
+    """Columns of a superelement from left to right, each with left edge and sides: `alike_columns` in their order."""
+    found = [
+        (begin, column, own[..., place])
+        for column, starts, own in alike_columns(piece, sides, start, finest=finest)
+        for place, begin in enumerate(starts)
+    ]
+    return sorted(found, key=lambda each: each[0])
 
-    ``sides``: left line, right line and electrode potentials, shape (2 n + 2, ...); in those that are yielded the
+
+def alike_columns(
+    piece: Superelement, sides: np.ndarray, start: float = 0.0, *, finest: float = 0.0
+) -> list[tuple[Superelement, np.ndarray, np.ndarray]]:
+    """Columns of a superelement by kind: column, left edges (places,), sides (2 n + 2, ..., places).
+
+    ``sides``: left line, right line and electrode potentials, shape (2 n + 2, ...); in those that are returned the
     potentials are in the column's own order, a finger is always on electrode 0.  ``start``: where the left line lies,
     length units. Pieces of the width ``finest`` or less are not entered.
     """
+    level, found = _Places(), _Places()
+    level.add(piece, np.array([start]), sides[..., None])
+    while level.known:
+        above, level = level, _Places()
+        for each, starts, own in above.gathered():
+            part, own = _in_its_order(each, own)
+            if not part.parts or part.width <= finest:
+                found.add(part, starts, own)
+                continue
+            n = part.size
+            left, right, back = part.parts
+            middle = np.tensordot(back, own, axes=1)
+            level.add(left, starts, np.concatenate([own[:n], middle, own[2 * n :]]))
+            level.add(right, starts + left.width, np.concatenate([middle, own[n:]]))
+    return found.gathered()
+
+
+class _Places:
+    """Superelements with the places where they stand."""
+
+    def __init__(self):
+        self.known: dict[int, tuple[Superelement, list, list]] = {}
+
+    def add(self, piece: Superelement, starts: np.ndarray, sides: np.ndarray) -> None:
+        _, all_starts, all_sides = self.known.setdefault(id(piece), (piece, [], []))
+        all_starts.append(starts)
+        all_sides.append(sides)
+
+    def gathered(self) -> list[tuple[Superelement, np.ndarray, np.ndarray]]:
+        return [
+            (piece, np.concatenate(starts), np.concatenate(sides, axis=-1))
+            for piece, starts, sides in self.known.values()
+        ]
+
+
+def _in_its_order(piece: Superelement, sides: np.ndarray) -> tuple[Superelement, np.ndarray]:
+    """The piece on its own lines and with its own potentials."""
     first = 2 * piece.size
     if piece.exchanged:
         sides = np.concatenate([sides[:first], sides[first:][::-1]])
     if piece.floating is not None:
-        sides = np.concatenate([sides[:first], piece.floating[None] @ sides, sides[first + 1 :]])
-    if piece.expand is not None:
-        yield from lines(*piece.expand(sides), start, finest=finest)
-        return
-    if not piece.parts or piece.width <= finest:
-        yield start, piece, sides
-        return
-    n = piece.size
-    left, right, back = piece.parts
-    middle = back @ sides
-    yield from lines(left, np.concatenate([sides[:n], middle, sides[2 * n :]]), start, finest=finest)
-    yield from lines(right, np.concatenate([middle, sides[n:]]), start + left.width, finest=finest)
+        potential = np.tensordot(piece.floating[None], sides, axes=1)
+        sides = np.concatenate([sides[:first], potential, sides[first + 1 :]])
+    return (piece, sides) if piece.expand is None else _in_its_order(*piece.expand(sides))
 
 
 def widths(piece: Superelement) -> Iterator[float]:

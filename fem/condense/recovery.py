@@ -30,17 +30,13 @@ class ColumnField:
     def __init__(self, column: Column):
         self.column = column
 
-    def _elements(self, sides: np.ndarray, first: int = 0):
-        """Values of every element from the ``first`` up, in its own order of nodes and fields; places last."""
+    def _elements(self, sides: np.ndarray):
+        """Values of every element from the bottom up, in its own order of nodes and fields; places last."""
         section, column = self.column.section, self.column
-        numbers = column.faces[first:]
-        begin = int(numbers[numbers >= 0].min(initial=len(sides) + len(column.faces_from)))
-        below = np.zeros((begin - len(sides), sides.shape[-1]))
-        values = np.concatenate([sides, below, column.faces_from[begin - len(sides) :] @ sides])
+        values = np.concatenate([sides, column.faces_from @ sides])
         if column.electrode is not None:
             values[electrode_dofs(section, column.faces)] = sides[2 * section.size + column.electrode]
-        for element in range(first, len(section.media)):
-            height, medium = section.heights[element], section.media[element]
+        for element, (height, medium) in enumerate(zip(section.heights, section.media, strict=True)):
             dofs = element_dofs(section, element, column.faces)
             sets = ElementSets(section.order, len(medium.fields))
             rim = np.where((dofs >= 0)[:, None], values[dofs], 0.0)
@@ -73,24 +69,6 @@ class ColumnField:
             out[:, element * order : (element + 1) * order + 1, columns] = shaped
         return out
 
-    def surface_reactions(self, sides: np.ndarray) -> np.ndarray:
-        """Reactions of the potential at the surface's nodes, scaled (minus the charge), shape (order + 1, places)."""
-        column, section = self.column, self.column.section
-        order = section.order
-        below = section.surface // order - 1
-        angular = 2 * np.pi * column.frequency * section.length_unit
-        total = np.zeros((order + 1, sides.shape[-1]), dtype=complex)
-        for element, height, medium, values in self._elements(sides, first=below):
-            nodes = np.arange((order + 1) ** 2).reshape(order + 1, order + 1)[
-                :, order if element == below else 0
-            ]
-            rows = nodes * len(medium.fields) + medium.fields.index("phi")
-            whole = element_matrix(medium, column.width, height, order, angular)
-            total += whole[rows] @ values
-            if element > below:
-                break
-        return total
-
 
 def finger_dipole(cell: Superelement) -> np.ndarray:
     """First moment of the reactions on a cell's only finger about its middle, length units, (2 n + 1,).
@@ -121,8 +99,7 @@ def finger_moment(half: Superelement, side: int) -> np.ndarray:
 def _moment(piece: Superelement, start: float) -> np.ndarray:
     if not piece.parts:
         column = piece.column
-        reactions = ColumnField(column).surface_reactions(np.eye(len(piece.matrix)))
-        return (start + gll_nodes(column.section.order) * piece.width) @ reactions
+        return (start + gll_nodes(column.section.order) * piece.width) @ column.surface_reactions
     left, right, back = piece.parts
     return rows_of_parts(_moment(left, start), _moment(right, start + left.width), back)
 

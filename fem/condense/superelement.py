@@ -13,6 +13,7 @@ reflected.  A finger is equipotential: phi on its surface nodes, corners include
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -63,6 +64,21 @@ class Column:
     # shape (face unknowns, 2 n + 2): faces from sides and electrode potentials
     faces_from: np.ndarray = field(repr=False)
     inside_from: dict = field(repr=False)  # by kind of element (height, medium): inside from its rim
+    # shape (order + 1, 2 n + 2 + face unknowns): reactions of the potential at the surface's nodes, from left to right,
+    # by sides and faces before the electrode is tied; None without a potential
+    surface_rows: np.ndarray | None = field(repr=False)
+
+    @cached_property
+    def surface_reactions(self) -> np.ndarray:
+        """Scaled reactions of the potential at the surface's nodes by the sides, shape (order + 1, 2 n + 2)."""
+        first = 2 * self.section.size
+        sides = first + PORTS
+        out, rest = self.surface_rows[:, :sides].copy(), self.surface_rows[:, sides:]
+        if self.electrode is not None:  # the corners' potential is the electrode's
+            corners = electrode_dofs(self.section, self.faces)[:2]
+            out[:, first + self.electrode] += out[:, corners].sum(axis=1)
+            out[:, corners] = 0.0
+        return out + rest @ self.faces_from
 
 
 class ElementSets:
@@ -81,7 +97,10 @@ def condensed(section: Section, frequency: float, *, width: float, electrode: in
     skeleton, faces, inside_from = _skeleton(section, width, frequency)
     sides = 2 * section.size + PORTS
     drop = np.arange(sides, len(skeleton))
-    tied = np.empty(0, dtype=int)
+    tied, surface_rows = np.empty(0, dtype=int), None
+    if "phi" in section.surface_dofs:
+        left, right, *between = electrode_dofs(section, faces)
+        surface_rows = skeleton[[left, *between, right]]
     if electrode is not None:
         # The corners stay behind as empty rows of the sides: their line knows them as the electrode's.
         tied = electrode_dofs(section, faces)
@@ -100,6 +119,7 @@ def condensed(section: Section, frequency: float, *, width: float, electrode: in
         faces=faces,
         faces_from=faces_from,
         inside_from=inside_from,
+        surface_rows=surface_rows,
     )
     return Superelement(size=section.size, matrix=matrix, width=width, column=column)
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.condense.join import exchanged, joined, mirrored, open_circuited, repeated, with_ports
+from fem.condense.join import exchanged, joined, mirrored, open_circuited, repeated, with_fingers, with_ports
 from fem.condense.recovery import finger_dipole, rows_of_parts
 from fem.condense.superelement import Superelement, condensed
 from fem.discretize.grading import Resolution, edge_layers, graded
@@ -161,9 +161,7 @@ def finger_ports(row: Superelement, signs: str) -> tuple[Superelement, np.ndarra
         half = _left_half(len(own))
         (left, below), (right, above) = of(piece.parts[0], own[:half]), of(piece.parts[1], own[half:])
         first, count = len(below), len(below) + len(above)
-        left = with_ports(left, range(first), range(first), count)
-        right = with_ports(right, range(count - first), range(first, count), count)
-        whole = joined(left, right)
+        whole = with_fingers(piece, left, right)
         n = piece.size
         moments = np.zeros((2, count, 2 * n + count), dtype=complex)
         moments[0, :first, : 2 * n + first] = below
@@ -175,8 +173,8 @@ def finger_ports(row: Superelement, signs: str) -> tuple[Superelement, np.ndarra
 
 def _single(piece: Superelement, sign: str) -> tuple[Superelement, np.ndarray]:
     if sign not in "+-":
-        return with_ports(piece, [], [], 0), np.zeros((0, 2 * piece.size))
-    return with_ports(piece, ["+-".index(sign)], [0], 1), finger_dipole(piece)[None]
+        return with_ports(piece, []), np.zeros((0, 2 * piece.size))
+    return with_ports(piece, ["+-".index(sign)]), finger_dipole(piece)[None]
 
 
 def transducer_superelements(

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fem.condense.join import lines
+from fem.condense.join import alike_columns
 from fem.condense.recovery import ColumnField
 from fem.condense.superelement import Superelement
 from fem.results.solution import Solution
@@ -121,12 +121,12 @@ def column_fields(solution: Solution, index: int):
     unit = solution.fields.section.length_unit
     superelement, sides, begin = _superelement(solution, index)
     kinds: dict[tuple, tuple] = {}
-    for start, part, own in lines(superelement, sides, begin):
-        column, starts, found = kinds.setdefault((part.width, part.column.electrode), (part.column, [], []))
-        starts.append(start * unit)
+    for part, starts, own in alike_columns(superelement, sides, begin):
+        column, places, found = kinds.setdefault((part.width, part.column.electrode), (part.column, [], []))
+        places.append(starts * unit)
         found.append(own)
-    for column, starts, found in kinds.values():
-        yield ColumnField(column), np.array(starts), np.stack(found, axis=-1)
+    for column, places, found in kinds.values():
+        yield ColumnField(column), np.concatenate(places), np.concatenate(found, axis=-1)
 
 
 def columns_in_row(

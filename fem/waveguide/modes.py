@@ -34,7 +34,7 @@ NEARLY_REAL = 3e-3
 ONE_WAVE, TWIN_MODES = 1e-3, 3e-2
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class GuidedModes:
     """Modes of a uniform segment at one frequency, as many to the right as a line has unknowns."""
 

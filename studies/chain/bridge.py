@@ -10,7 +10,7 @@ as one.
 
 import fem
 from studies.scene import Scene, resolved
-from studies.scene.blocks import Slider, Wave
+from studies.scene.slider import Slider, Wave
 
 
 def driven_section(scene: Scene, *, tolerance: float, places=(), progress=None):

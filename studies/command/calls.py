@@ -1,8 +1,6 @@
 """What each call of the command does, given its parsed arguments; each returns the exit code."""
 
 import argparse
-import cmath
-import math
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -10,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from studies.refusal import RunError, SceneError, shown
-from studies.report.answer import print_json
+from studies.report.answer import labelled, print_json
 from studies.report.files import write_run
 from studies.results import Origin, ResultDirectory, result_directory
 from studies.results.content import write_json
@@ -166,8 +164,7 @@ def study(arguments: argparse.Namespace) -> int:
     from studies.study import STUDIES, contradiction, draw_study, module, question, run_study, study_answer
 
     if arguments.name is None:
-        width = max(map(len, STUDIES))
-        print("\n".join(f"{name:<{width}}  {question(name)}" for name in STUDIES))
+        print("\n".join(labelled([(name, question(name)) for name in STUDIES], 2 + max(map(len, STUDIES)))))
         return 0
     module(arguments.name)
     origin = Origin(kind="study", name=arguments.name)
@@ -226,27 +223,27 @@ def schema(arguments: argparse.Namespace) -> int:
 def scenes(arguments: argparse.Namespace) -> int:
     """Print the scenes that ship, a line each, or copy one of them."""
     if arguments.copy is not None:
-        from studies.scene.copy import copied
+        from studies.scene.file import copied
 
         name, file = arguments.copy
         print(f"{copied(name, Path(file))}: sawmotor check {file}, sawmotor run {file}")
         return 0
-    width = max(map(len, shipped_scenes()))
-    for name in shipped_scenes():
-        print(f"{name:<{width}}  {Scene.load(name).title}")
+    rows = [(name, Scene.load(name).title) for name in shipped_scenes()]
+    print("\n".join(labelled(rows, 2 + max(map(len, shipped_scenes())))))
     return 0
 
 
 def check(arguments: argparse.Namespace) -> int:
     """Check a scene without running it and print what a run would do."""
     from studies.chain.warnings import scene_warnings
+    from studies.report.contents import contents
     from studies.scene.resolved import resolved
 
     file = changed_file(arguments)
     with file.located():
         scene = resolved(Scene.from_file(file))
     print(f"{arguments.scene}: {scene.title or 'no title'}")
-    print("\n".join(f"  {line}" for line in _contents(scene)))
+    print("\n".join(f"  {line}" for line in labelled(contents(scene), 12)))
     _warn(scene_warnings(scene))
     return 0
 
@@ -347,47 +344,3 @@ def tolerance(text: str | None) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < 1:
         raise SceneError("--tolerance", f"must be a number above 0 and below 1, got {shown(text)}")
     return float(value)
-
-
-def _source(amplitude: complex) -> str:
-    """Return how a transducer is driven, in words."""
-    if amplitude == 1:
-        return "driven"
-    return f"driven by {abs(amplitude):g} at {math.degrees(cmath.phase(amplitude)):g} deg"
-
-
-def _contents(scene: Scene) -> list[str]:
-    from studies.scene.modulus import direction_dependence
-    from studies.scene.resolved import solid
-
-    lines = []
-    if scene.stator is not None:
-        block = scene.stator
-        material = block.material if isinstance(block.material, str) else block.material.name
-        thickness = block.thickness if isinstance(block.thickness, str) else f"{block.thickness * 1e3:g} mm"
-        lines.append(f"stator      {material}, {block.orientation}, {block.length * 1e3:g} mm x {thickness}")
-    for transducer in scene.transducer:
-        period = f"{transducer.period * 1e3:.6g} mm"
-        driven = (
-            _source(scene.drive.driven[transducer.name])
-            if transducer.name in scene.drive.driven
-            else f"not driven ({transducer.termination})"
-        )
-        kind = transducer.pattern or ("split fingers" if transducer.split else "plain")
-        pairs = f"{transducer.finger_pairs} pairs, {kind}, period {period}"
-        lines.append(f"transducer  {transducer.name}: {pairs}, {driven}")
-    frequency = scene.frequency
-    lines.append(f"frequency   {frequency if isinstance(frequency, str) else f'{frequency / 1e6:g} MHz'}")
-    if scene.levels:
-        factor, unit, what = (1e9, "nm", "amplitude ") if scene.wave is not None else (1, "V", "voltage   ")
-        low, high = (f"{level * factor:g}" for level in (min(scene.levels), max(scene.levels)))
-        several = f"{len(scene.levels)} values, {low} to {high}"
-        lines.append(f"{what}  {several if len(scene.levels) > 1 else high} {unit}")
-    if scene.slider is not None:
-        slider = scene.slider
-        moduli = f"E* {slider.effective_modulus / 1e9:.4g} GPa, G* {slider.tangential_modulus / 1e9:.4g} GPa"
-        weight = f"{slider.mass * 1e3:g} g, preload {slider.preload * 1e3:g} mN"
-        lines.append(f"slider      {weight}, contacts {len(slider.offsets)}, {moduli}")
-        if scene.stator is not None and (spread := direction_dependence(solid(scene.stator))):
-            lines.append(f"            E* and G* are means over the directions in the surface: {spread}")
-    return lines

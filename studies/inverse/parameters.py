@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 from studies.refusal import SceneError, nearest, shown
 from studies.scene.keys import rule_at
+from studies.scene.numbers import Quantity
 from studies.scene.override import parts_of, toml_value
-from studies.scene.rule import Count, Place, Quantity
+from studies.scene.rule import Count
 
 AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT, SYSTEMATIC = "amplitude_factor", "amplitude_per_volt", "systematic"
 OWN = {AMPLITUDE_FACTOR: Quantity(), AMPLITUDE_PER_VOLT: Quantity("m"), SYSTEMATIC: Quantity()}
@@ -107,10 +108,8 @@ def read_setting(text: str, option: str = "--data") -> tuple[str, object]:
 def _number(option: str, key: str, text: str) -> float:
     if "." not in key and key not in OWN:
         raise SceneError(f"{option} {key}", f"is no key of a scene{nearest(key, OWN)}")
-    rule = OWN.get(key) or rule_at(key)
-    rule = rule.along if isinstance(rule, Place) else rule
-    value = rule.read(key, toml_value(text)) if isinstance(rule, Quantity) or key in LEVELS else None
-    value = value[0] if isinstance(value, tuple) else value
+    rule = (OWN.get(key) or rule_at(key)).number
+    value = rule.read(key, toml_value(text)) if isinstance(rule, Quantity) else None
     if isinstance(value, bool) or not isinstance(value, float):
         raise SceneError(
             f"{option} {key}", f"must be a number of a scene, such as a length, got {shown(text)}"

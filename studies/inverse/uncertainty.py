@@ -14,7 +14,7 @@ from scipy.stats import norm, qmc, truncnorm
 from studies.inverse.data import Measurement
 from studies.inverse.prediction import Predictor
 from studies.record import Record
-from studies.scene.resolved import LEVELS, tolerances
+from studies.scene.keys import LEVELS, tolerances
 from studies.scene.uncertain import DEFAULTS
 
 LEVEL = 0.95

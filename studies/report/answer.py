@@ -6,7 +6,6 @@ import sys
 
 from studies.record import Record
 from studies.report.measured import comparison
-from studies.scene.match import ELEMENTS
 
 __all__ = ["answer", "labelled", "notebook_table", "points_table", "print_json", "table"]
 
@@ -137,7 +136,7 @@ def _wave(record: Record):
 def _source(electrical: dict, drive):
     """Yield the network's elements and where the available power goes, for a source with an impedance."""
     if drive.match != "none":
-        parts = [f"{name} {size:.4g} {ELEMENTS[name]}" for (name, size), *_ in drive.match]
+        parts = [str(each) for each in drive.match]
         yield "match", ", ".join(parts) + " (from the source to the transducer)"
     available = electrical.get("power_available_W_per_V2")
     if available is not None:

@@ -15,6 +15,7 @@ from studies.chain.ring_up import RingUp, ring_up_left_out
 from studies.chain.surface_motion import wanted_diffraction
 from studies.refusal import RunError
 from studies.report.answer import labelled, table
+from studies.report.contents import section
 from studies.scene import Scene, resolved
 
 __all__ = ["MEMORY_WITHIN", "TIME_WITHIN", "Plan", "explanation", "plan"]
@@ -213,8 +214,5 @@ def _operations(size) -> float:
 
 def _where(scene: Scene) -> str:
     block = scene.stator
-    thickness = block.thickness if isinstance(block.thickness, str) else f"{block.thickness * 1e3:g} mm"
-    name = block.material if isinstance(block.material, str) else block.material.name
     sides = f"bottom {block.bottom}, ends {block.ends}, above {block.above}"
-    at = f"at {scene.frequency / 1e6:g} MHz"
-    return f"{name}, {block.orientation}, {block.length * 1e3:g} mm x {thickness}, {sides}, {at}"
+    return f"{section(block)}, {sides}, at {scene.frequency / 1e6:g} MHz"

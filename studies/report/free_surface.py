@@ -6,7 +6,7 @@ from studies.refusal import RunError, SceneError
 from studies.report.answer import labelled, table
 from studies.report.crystal import crystal_tables, tables_text
 from studies.results.content import plain
-from studies.scene.blocks import Orientation
+from studies.scene.blocks import ORIENTATION
 
 __all__ = ["half_space_answer", "half_space_wave"]
 
@@ -32,7 +32,7 @@ def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") 
         ``depth_profile`` with displacements over u_z at the surface and the potential in V per m of it,
         ``material``, ``crystal`` with the rotated tensors and the cut's axes.
     """
-    orientation = Orientation().read("--orientation", orientation)
+    orientation = ORIENTATION.read("--orientation", orientation)
     try:
         solid = fem.rotated(fem.material(material), orientation)
         surface = surface_named(surface)

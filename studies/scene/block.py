@@ -1,18 +1,23 @@
 """A block of a scene: a frozen dataclass whose fields are the keys of a TOML table.
 
-A field is declared ``mass: Annotated[float, Quantity("kg"), "Mass of the whole slider."]``: its type once read, the
-rule that reads it, and its meaning in one sentence for the reference of all keys and the JSON Schema.
+A field is declared ``mass: Annotated[float, Quantity("kg")]``: its type once read, and the rule that reads it.  Its
+meaning is a line ``mass: Mass of the whole slider.`` in the docstring of the block, from where the reference of all
+keys and the JSON Schema take it.
 """
 
-from collections.abc import Iterator
+import re
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import MISSING, dataclass, fields
 from functools import cache
 from typing import ClassVar, Self
 
 from studies.refusal import Refusals, SceneError, nearest, shown, suggestion
-from studies.scene.rule import Rule
+from studies.scene.rule import Rule, read_each
 from studies.scene.synonyms import meant
 from studies.scene.uncertain import stated_schema
+
+MEANING = re.compile(r"^    (\w+): (.*(?:\n        .*)*)", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -29,16 +34,43 @@ class Key:
 @cache
 def keys_of(kind: "type[Block]") -> dict[str, Key]:
     """Return the keys of a block's class by name."""
+    meanings = {name: " ".join(text.split()) for name, text in MEANING.findall(kind.__doc__ or "")}
     return {
         entry.name: Key(
             name=entry.name,
             rule=entry.type.__metadata__[0],
-            meaning=entry.type.__metadata__[1],
+            meaning=meanings.get(entry.name, ""),
             required=entry.default is MISSING,
             default=None if entry.default is MISSING else entry.default,
         )
         for entry in fields(kind)
     }
+
+
+@cache
+def checks_of(kind: "type[Block]") -> list[Callable[["Block"], Iterator[tuple[str, str]]]]:
+    """Return the methods ``check_...``; each yields key and rule of what single keys allow but together contradict."""
+    return [method for name, method in vars(kind).items() if name.startswith("check_")]
+
+
+class UnreadError(Exception):
+    """A check asked for a key that was refused already."""
+
+
+class Unread:
+    """Stands for a value that was refused while the others are checked: it is given, and nothing else is known."""
+
+
+def _refuse(*_):
+    raise UnreadError
+
+
+OPERATIONS = (
+    "getattr bool eq ne lt gt le ge hash abs neg complex float iter len contains getitem format str repr "
+)
+OPERATIONS += "add radd sub rsub mul rmul truediv rtruediv pow rpow"
+for operation in OPERATIONS.split():
+    setattr(Unread, f"__{operation}__", _refuse)
 
 
 class Block:
@@ -47,34 +79,30 @@ class Block:
     block: ClassVar[str]
 
     def __post_init__(self):
-        problems, unread = [], ()
+        problems = []
         for name, key in keys_of(type(self)).items():
             value = getattr(self, name)
             if value is None and not key.required and key.default is None:
                 continue
             try:
-                object.__setattr__(self, name, key.rule.read(self._path(name), value))
+                value = key.rule.read(self._path(name), value)
             except SceneError as error:
                 problems += error.problems
-                unread += (name,)
-        problems += self.contradictions(frozenset(unread))
+                value = Unread()
+            object.__setattr__(self, name, value)
+        for check in checks_of(type(self)):
+            with suppress(UnreadError):
+                for path, rule in check(self):
+                    problems.append(SceneError(self._path(path), rule))
         if problems:
             raise SceneError.together(problems)
 
-    def contradictions(self, unread: frozenset[str]) -> Iterator[SceneError]:
-        """Yield what the single keys allow but together contradict; ``unread`` are the keys that were refused."""
-        return iter(())
-
-    def refusal(self, key: str, rule: str) -> SceneError:
-        """Return the refusal of one of this block's keys."""
-        return SceneError(self._path(key), rule)
-
     def refuse(self, key: str, rule: str) -> None:
         """Raise the refusal of one of this block's keys."""
-        raise self.refusal(key, rule)
+        raise SceneError(self._path(key), rule)
 
     def _path(self, key: str) -> str:
-        return f"{self.block}.{key}" if self.block else key
+        return ".".join(filter(None, (self.block, key)))
 
     @classmethod
     def from_table(cls, path: str, table) -> Self:
@@ -89,23 +117,22 @@ class Block:
             raise SceneError(path, f"must be a block of keys, got {shown(table)}")
         known, refusals, at = keys_of(cls), Refusals(), f"{path}." if path else ""
         misspelt = set()
-        for word in table:
-            if word not in known:
-                meant, hint = _meant(word, cls)
-                misspelt.add(meant)
-                refusals.problems.append(SceneError(f"{at}{word}", f"is no key of a scene{hint}"))
-        missing = [key for name, key in known.items() if key.required and name not in table]
-        for key in missing:
-            if key.name in misspelt:
-                continue  # said already, with the word that stands for it
-            rule = f"is required and missing: give {key.rule.expected}"
-            refusals.problems.append(SceneError(f"{at}{key.name}", rule))
-        given = {name: table[name] for name in known if name in table}
-        block = None
-        with refusals:
-            if missing:
-                _read_each(at, known, given)
-            else:
+        for word in (word for word in table if word not in known):
+            key, hint = _meant(word, cls)
+            misspelt.add(key)
+            refusals.problems.append(SceneError(f"{at}{word}", f"is no key of a scene{hint}"))
+        missing = [name for name, key in known.items() if key.required and name not in table]
+        for name in missing:
+            if name not in misspelt:  # else said already, with the word that stands for it
+                rule = f"is required and missing: give {known[name].rule.expected}"
+                refusals.problems.append(SceneError(f"{at}{name}", rule))
+        block, given = None, {name: table[name] for name in known if name in table}
+        if missing:
+            for name, value in given.items():
+                with refusals:
+                    known[name].rule.read(f"{at}{name}", value)
+        else:
+            with refusals:
                 block = cls._built(path, given)
         refusals.raise_all()
         return block
@@ -119,12 +146,10 @@ class Block:
 
     def to_table(self) -> dict:
         """Return the TOML table of this block, in SI units; what is absent stays absent."""
-        table = {}
-        for name, key in keys_of(type(self)).items():
-            value = getattr(self, name)
-            if value is not None and value != ():
-                table[name] = key.rule.written(value)
-        return table
+        values = ((name, key.rule, getattr(self, name)) for name, key in keys_of(type(self)).items())
+        return {
+            name: rule.written(value) for name, rule, value in values if value is not None and value != ()
+        }
 
 
 def block_schema(kind: type[Block]) -> dict:
@@ -143,15 +168,6 @@ def block_schema(kind: type[Block]) -> dict:
     return schema | ({"required": required} if required else {}) | {"additionalProperties": False}
 
 
-def _read_each(at: str, known: dict[str, Key], given: dict) -> None:
-    """Raise what is wrong with the keys of a block that cannot be built."""
-    refusals = Refusals()
-    for name, value in given.items():
-        with refusals:
-            known[name].rule.read(f"{at}{name}", value)
-    refusals.raise_all()
-
-
 def _meant(word: str, kind: type[Block]) -> tuple[str | None, str]:
     """Return the key of a block that was probably meant by an unknown one, and the hint to be given."""
     found = meant(word, keys_of(kind))
@@ -162,75 +178,51 @@ def _meant(word: str, kind: type[Block]) -> tuple[str | None, str]:
     return found, nearest(word, keys_of(kind)) if found is None else f"; did you mean {found}?"
 
 
-@dataclass(frozen=True)
 class Within(Rule):
-    """A block inside a block."""
+    """A block inside a block; of several kinds the one that has most of the table's keys."""
 
-    kind: type[Block]
+    def __init__(self, *kinds: type[Block]):
+        self.kinds = kinds
+
+    def takes(self, value):
+        return isinstance(value, (dict, *self.kinds))
 
     def read(self, path, value):
-        """Return the block."""
-        return value if isinstance(value, self.kind) else self.kind.from_table(path, value)
-
-    def written(self, value):
-        return value.to_table()
+        if isinstance(value, self.kinds):
+            return value
+        shared = [len(value.keys() & keys_of(kind).keys()) if self.takes(value) else 0 for kind in self.kinds]
+        return self.kinds[shared.index(max(shared))].from_table(path, value)
 
     @property
     def expected(self):
-        return f"the block [{self.kind.block}]"
+        if len(self.kinds) == 1:
+            return f"the block [{self.kinds[0].block}]"
+        required = ([name for name, key in keys_of(kind).items() if key.required] for kind in self.kinds)
+        return f"a table of {' or '.join(map(', '.join, required))}"
 
     def schema(self):
-        return block_schema(self.kind)
+        schemas = [block_schema(kind) for kind in self.kinds]
+        return schemas[0] if len(schemas) == 1 else {"anyOf": schemas}
 
 
-@dataclass(frozen=True)
 class Blocks(Rule):
-    """A list of blocks of one kind, perhaps empty."""
+    """A list of blocks of one kind, of at least some length."""
 
-    kind: type[Block]
+    def __init__(self, kind: type[Block], least: int = 0):
+        self.kind, self.least = kind, least
+
+    def takes(self, value):
+        return isinstance(value, (list, tuple)) and len(value) >= self.least
 
     def read(self, path, value):
-        """Return a tuple of blocks."""
-        if not isinstance(value, (list, tuple)):
+        if not self.takes(value):
             raise SceneError(path, f"must be a list of blocks, written [[{path}]], got {shown(value)}")
-        return self.read_each(Within(self.kind), path, value)
-
-    def written(self, value):
-        return [block.to_table() for block in value]
+        return read_each([Within(self.kind)] * len(value), path, value)
 
     @property
     def expected(self):
         return f"one or more blocks [[{self.kind.block}]]"
 
     def schema(self):
-        return {"type": "array", "items": block_schema(self.kind)}
-
-
-@dataclass(frozen=True)
-class OneOf(Rule):
-    """Text, or a table of the first kind that has one of the table's keys for its own."""
-
-    text: Rule
-    kinds: tuple[type[Block], ...]
-
-    def read(self, path, value):
-        """Return the text or the block."""
-        if isinstance(value, self.kinds):
-            return value
-        if not isinstance(value, dict):
-            return self.text.read(path, value)
-        matches = [len(value.keys() & set(keys_of(kind))) for kind in self.kinds]
-        return self.kinds[matches.index(max(matches))].from_table(path, value)
-
-    def written(self, value):
-        return value.to_table() if isinstance(value, Block) else value
-
-    @property
-    def expected(self):
-        tables = " or ".join(
-            ", ".join(name for name, key in keys_of(kind).items() if key.required) for kind in self.kinds
-        )
-        return f"{self.text.expected}, or a table of {tables}"
-
-    def schema(self):
-        return {"anyOf": [self.text.schema(), *map(block_schema, self.kinds)]}
+        sizes = {"minItems": self.least} if self.least else {}
+        return {"type": "array", "items": block_schema(self.kind), **sizes}

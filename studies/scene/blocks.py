@@ -1,4 +1,4 @@
-"""The blocks of a scene: stator, transducers, drive, given wave and slider, in the words of the scene file.
+"""The blocks of a scene: stator, transducers and drive, in the words of the scene file.
 
 Everything is in SI units once read.  Amplitudes and voltages are peak values, x runs along the surface from the
 stator's left end, z out of the surface.  The sentence beside each key is its entry in ``studies/scenes/README.md``.
@@ -7,226 +7,159 @@ stator's left end, z out of the surface.  The sentence beside each key is its en
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from studies.refusal import SceneError, nearest, shown
-from studies.scene.block import Block, OneOf, Within
-from studies.scene.match import Match
-from studies.scene.rule import (
-    Choice,
-    Count,
-    Flag,
-    Impedance,
-    Listed,
-    Matrix,
-    Place,
-    Quantity,
-    Rule,
-    Signs,
-    Text,
-    as_pair,
-)
-from studies.scene.sources import Sources
+from studies.refusal import shown
+from studies.scene.block import Block, Blocks, Within, keys_of
+from studies.scene.numbers import AMPLITUDE, NUMBER, Listed, Quantity, Row, as_pair, impedance, matrix, place
+from studies.scene.rule import FLAG, TEXT, Count, Named, choice, signs
 
 MIN_WIDTH = 1e-3  # of a finger or a gap, relative to the pitch; narrower ones take ever finer elements
-ORIENTATIONS = ("Z", "X", "YZ", "128YX", "ST-X")
+ORIENTATION = choice("Z", "X", "YZ", "128YX", "ST-X") | Row(
+    (NUMBER,) * 3, "three angles [phi, theta, psi] in degrees"
+)
+SUCH = ', such as "50 ohm"'
+SOURCES = Named('a table of transducers such as { left = 1, right = "0.5 at 90 deg" }', AMPLITUDE)
 
 
 @dataclass(frozen=True, kw_only=True)
 class PiezoelectricSolid(Block):
-    """A table of constants in the crystal frame; Voigt order 11 22 33 23 13 12, engineering shear strain."""
+    """A table of constants in the crystal frame; Voigt order 11 22 33 23 13 12, engineering shear strain.
+
+    name: Name shown on results.
+    stiffness: Stiffness at constant electric field c^E, in Pa.
+    coupling: Piezoelectric stress constants e, in C/m^2.
+    permittivity: Permittivity at constant strain eps^S, relative to that of vacuum.
+    density: Density.
+    mechanical_quality: Mechanical quality factor Q: c (1 + i/Q). Absent: no mechanical loss.
+    dielectric_loss: Loss tangent: eps (1 - i tan delta). Absent: no dielectric loss.
+    """
 
     block: ClassVar[str] = "stator.material"
-    name: Annotated[str, Text(), "Name shown on results."] = "user's table"
-    stiffness: Annotated[tuple, Matrix(6, 6), "Stiffness at constant electric field c^E, in Pa."]
-    coupling: Annotated[tuple, Matrix(3, 6), "Piezoelectric stress constants e, in C/m^2."]
-    permittivity: Annotated[
-        tuple, Matrix(3, 3), "Permittivity at constant strain eps^S, relative to that of vacuum."
-    ]
-    density: Annotated[float, Quantity("kg/m^3"), "Density."]
-    mechanical_quality: Annotated[
-        float | None, Quantity(), "Mechanical quality factor Q: c (1 + i/Q). Absent: no mechanical loss."
-    ] = None
-    dielectric_loss: Annotated[
-        float | None, Quantity(zero=True), "Loss tangent: eps (1 - i tan delta). Absent: no dielectric loss."
-    ] = None
+    name: Annotated[str, TEXT] = "user's table"
+    stiffness: Annotated[tuple, matrix(6, 6)]
+    coupling: Annotated[tuple, matrix(3, 6)]
+    permittivity: Annotated[tuple, matrix(3, 3)]
+    density: Annotated[float, Quantity("kg/m^3")]
+    mechanical_quality: Annotated[float | None, Quantity()] = None
+    dielectric_loss: Annotated[float | None, Quantity(zero=True)] = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class IsotropicSolid(Block):
-    """An isotropic solid; no electric field is solved for."""
+    """An isotropic solid; no electric field is solved for.
+
+    name: Name shown on results.
+    youngs_modulus: Young's modulus.
+    poisson_ratio: Poisson's ratio, above -1.
+    density: Density.
+    mechanical_quality: Mechanical quality factor Q: c (1 + i/Q). Absent: no loss.
+    """
 
     block: ClassVar[str] = "stator.material"
-    name: Annotated[str, Text(), "Name shown on results."] = "user's isotropic solid"
-    youngs_modulus: Annotated[float, Quantity("Pa"), "Young's modulus."]
-    poisson_ratio: Annotated[float, Quantity(negative=True, below=0.5), "Poisson's ratio, above -1."]
-    density: Annotated[float, Quantity("kg/m^3"), "Density."]
-    mechanical_quality: Annotated[
-        float | None, Quantity(), "Mechanical quality factor Q: c (1 + i/Q). Absent: no loss."
-    ] = None
+    name: Annotated[str, TEXT] = "user's isotropic solid"
+    youngs_modulus: Annotated[float, Quantity("Pa")]
+    poisson_ratio: Annotated[float, Quantity(negative=True, below=0.5)]
+    density: Annotated[float, Quantity("kg/m^3")]
+    mechanical_quality: Annotated[float | None, Quantity()] = None
 
-    def contradictions(self, unread):
-        """Keep the solid stable."""
-        if "poisson_ratio" not in unread and self.poisson_ratio <= -1:
-            yield self.refusal("poisson_ratio", f"must be above -1 and below 0.5, got {self.poisson_ratio!r}")
-
-
-@dataclass(frozen=True)
-class Orientation(Rule):
-    """A named cut, or three angles in degrees: z-x-z, passive."""
-
-    def read(self, path, value):
-        """Return the word or a tuple of three angles."""
-        if isinstance(value, (list, tuple)):
-            if len(value) != 3:
-                self._refuse(path, value)
-            return self.read_each(Quantity(negative=True), path, value)
-        if value not in ORIENTATIONS:
-            self._refuse(path, value)
-        return value
-
-    def written(self, value):
-        return list(value) if isinstance(value, tuple) else value
-
-    @property
-    def expected(self):
-        return f"{', '.join(ORIENTATIONS)} or three angles [phi, theta, psi] in degrees"
-
-    def schema(self):
-        angles = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
-        return {"anyOf": [{"enum": list(ORIENTATIONS)}, angles]}
-
-    def _refuse(self, path, value):
-        hint = nearest(value, ORIENTATIONS) if isinstance(value, str) else ""
-        raise SceneError(path, f"must be {self.expected}, got {shown(value)}{hint if 'mean' in hint else ''}")
+    def check_stable(self):
+        if self.poisson_ratio <= -1:
+            yield "poisson_ratio", f"must be above -1 and below 0.5, got {self.poisson_ratio!r}"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Stator(Block):
-    """The block of material that carries the wave; a vertical section of it is modelled."""
+    """The block of material that carries the wave; a vertical section of it is modelled.
+
+    material: A name of the catalogue below, or a table of constants.
+    orientation: Z: poled along the normal; X: poled along x; a crystal cut; or Euler angles in degrees (z-x-z,
+        passive).
+    length: Along x, the direction of propagation.
+    thickness: Along z; half-space: exactly absorbing below.
+    width: Along y. Drawn, compared with the apertures, and the distance of the side faces.
+    bottom: free: no traction, D_n = 0; grounded: no traction, phi = 0; clamped: u = 0, D_n = 0; or no reflection.
+    ends: absorbing: the section continues without end; free: no traction, D_n = 0; clamped: u = 0, D_n = 0.
+    above: none: D_n = 0 on the bare surface; vacuum: the field above is solved for.
+    diffraction: true: the finite aperture spreads the beam; false: plane section. Absent: true under a slider in
+        solids isotropic about z with absorbing ends.
+    sides: Side faces y = +-width/2 under diffraction. absorbing: none; mirror: they reflect everything.
+    mechanical_quality: Mechanical quality factor Q in place of the material's own.
+    dielectric_loss: Loss tangent in place of the material's own; 0: lossless.
+    """
 
     block: ClassVar[str] = "stator"
     material: Annotated[
-        str | PiezoelectricSolid | IsotropicSolid,
-        OneOf(Text(), (PiezoelectricSolid, IsotropicSolid)),
-        "A name of the catalogue below, or a table of constants.",
+        str | PiezoelectricSolid | IsotropicSolid, TEXT | Within(PiezoelectricSolid, IsotropicSolid)
     ]
-    orientation: Annotated[
-        str | tuple,
-        Orientation(),
-        "Z: poled along the normal; X: poled along x; a crystal cut; or Euler angles in degrees (z-x-z, passive).",
-    ] = "Z"
-    length: Annotated[float, Quantity("m"), "Along x, the direction of propagation."]
-    thickness: Annotated[
-        float | str, Quantity("m", words=("half-space",)), "Along z; half-space: exactly absorbing below."
-    ]
-    width: Annotated[
-        float,
-        Quantity("m"),
-        "Along y. Drawn, compared with the apertures, and the distance of the side faces.",
-    ]
-    bottom: Annotated[
-        str,
-        Choice(("free", "grounded", "clamped", "absorbing")),
-        "free: no traction, D_n = 0; grounded: no traction, phi = 0; clamped: u = 0, D_n = 0; or no reflection.",
-    ] = "free"
-    ends: Annotated[
-        str,
-        Choice(("absorbing", "free", "clamped")),
-        "absorbing: the section continues without end; free: no traction, D_n = 0; clamped: u = 0, D_n = 0.",
-    ]
-    above: Annotated[
-        str,
-        Choice(("none", "vacuum")),
-        "none: D_n = 0 on the bare surface; vacuum: the field above is solved for.",
-    ] = "none"
-    diffraction: Annotated[
-        bool | None,
-        Flag(),
-        "true: the finite aperture spreads the beam; false: plane section. "
-        "Absent: true under a slider in solids isotropic about z with absorbing ends.",
-    ] = None
-    sides: Annotated[
-        str,
-        Choice(("absorbing", "mirror")),
-        "Side faces y = +-width/2 under diffraction. absorbing: none; mirror: they reflect everything.",
-    ] = "absorbing"
-    mechanical_quality: Annotated[
-        float | None, Quantity(), "Mechanical quality factor Q in place of the material's own."
-    ] = None
-    dielectric_loss: Annotated[
-        float | None, Quantity(zero=True), "Loss tangent in place of the material's own; 0: lossless."
-    ] = None
+    orientation: Annotated[str | tuple, ORIENTATION] = "Z"
+    length: Annotated[float, Quantity("m")]
+    thickness: Annotated[float | str, Quantity("m") | choice("half-space")]
+    width: Annotated[float, Quantity("m")]
+    bottom: Annotated[str, choice("free", "grounded", "clamped", "absorbing")] = "free"
+    ends: Annotated[str, choice("absorbing", "free", "clamped")]
+    above: Annotated[str, choice("none", "vacuum")] = "none"
+    diffraction: Annotated[bool | None, FLAG] = None
+    sides: Annotated[str, choice("absorbing", "mirror")] = "absorbing"
+    mechanical_quality: Annotated[float | None, Quantity()] = None
+    dielectric_loss: Annotated[float | None, Quantity(zero=True)] = None
 
     @property
     def mirror_width(self) -> float | None:
         """Distance of the side faces in m where they reflect."""
         return self.width if self.sides == "mirror" else None
 
-    def contradictions(self, unread):
-        """Refuse a dielectric loss where there is no field, and side faces in a plane section."""
+    def check_sides(self):
         if self.sides == "mirror" and self.diffraction is False:
-            yield self.refusal("sides", "must be absorbing where stator.diffraction is false, got 'mirror'")
+            yield "sides", "must be absorbing where stator.diffraction is false, got 'mirror'"
+
+    def check_loss(self):
         if isinstance(self.material, IsotropicSolid) and self.dielectric_loss is not None:
-            rule = "must be absent with an isotropic solid: no electric field is solved for"
-            yield self.refusal("dielectric_loss", rule)
+            yield "dielectric_loss", "must be absent with an isotropic solid: no electric field is solved for"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Transducer(Block):
-    """Two interleaved combs of fingers on the surface; the block is given once for each transducer."""
+    """Two interleaved combs of fingers on the surface; the block is given once for each transducer.
+
+    name: Name by which the drive refers to it.
+    center: Middle of its fingers, from the stator's left end, or [x, y], y from the stator's middle line.
+    finger_pairs: Number of periods: 10 pairs are 20 fingers.
+    period: Length of two fingers and two gaps, one wavelength; auto: that of the strongest surface wave per volt
+        at drive.frequency, for these fingers alone; half-space: part metallised, without reflections.
+    metallisation: Width of a finger over the pitch (finger and gap), 0.001 to 0.999.
+    aperture: Overlap of the fingers along y, at most the stator's width; scales the admittance.
+    termination: When it is not the driven one. open: no net charge on either comb; short: both combs are one
+        conductor.
+    pattern: One sign per finger, from left to right: + and - the combs, 0 left out, o an open strip. Absent: + -
+        + - ...
+    split: true: four fingers per period, + + - -, instead of two.
+    angle: By which it is turned about the surface normal, from x towards y. Turned transducers, and those beside
+        the middle line, need a solid isotropic about z, absorbing ends and sides, and diffraction.
+    """
 
     block: ClassVar[str] = "transducer"
-    name: Annotated[str, Text(), "Name by which the drive refers to it."]
-    center: Annotated[
-        float | tuple[float, float],
-        Place(Quantity("m")),
-        "Middle of its fingers, from the stator's left end, or [x, y], y from the stator's middle line.",
-    ]
-    finger_pairs: Annotated[int, Count(100_000), "Number of periods: 10 pairs are 20 fingers."]
-    period: Annotated[
-        float | str,
-        Quantity("m", words=("auto", "half-space")),
-        "Length of two fingers and two gaps, one wavelength; auto: that of the strongest surface wave per volt "
-        "at drive.frequency, for these fingers alone; half-space: part metallised, without reflections.",
-    ] = "auto"
-    metallisation: Annotated[
-        float, Quantity(below=1.0), "Width of a finger over the pitch (finger and gap), 0.001 to 0.999."
-    ]
-    aperture: Annotated[
-        float,
-        Quantity("m"),
-        "Overlap of the fingers along y, at most the stator's width; scales the admittance.",
-    ]
-    termination: Annotated[
-        str | float | complex,
-        Impedance(("open", "short")),
-        "When it is not the driven one. open: no net charge on either comb; short: both combs are one conductor.",
-    ] = "open"
-    pattern: Annotated[
-        str | None,
-        Signs("+-0o"),
-        "One sign per finger, from left to right: + and - the combs, 0 left out, o an open strip. Absent: + - + - ...",
-    ] = None
-    split: Annotated[bool, Flag(), "true: four fingers per period, + + - -, instead of two."] = False
-    angle: Annotated[
-        float,
-        Quantity("deg", negative=True),
-        "By which it is turned about the surface normal, from x towards y. Turned transducers, and those beside the "
-        "middle line, need a solid isotropic about z, absorbing ends and sides, and diffraction.",
-    ] = 0.0
+    name: Annotated[str, TEXT]
+    center: Annotated[float | tuple[float, float], place()]
+    finger_pairs: Annotated[int, Count(100_000)]
+    period: Annotated[float | str, Quantity("m") | choice("auto", "half-space")] = "auto"
+    metallisation: Annotated[float, Quantity(below=1.0)]
+    aperture: Annotated[float, Quantity("m")]
+    termination: Annotated[str | float | complex, impedance("open", "short")] = "open"
+    pattern: Annotated[str | None, signs("+-0o")] = None
+    split: Annotated[bool, FLAG] = False
+    angle: Annotated[float, Quantity("deg", negative=True)] = 0.0
 
-    def contradictions(self, unread):
-        """Keep fingers and gaps of some width, one sign per finger, and at least one finger."""
-        if "metallisation" not in unread and not MIN_WIDTH <= self.metallisation <= 1 - MIN_WIDTH:
+    def check_width(self):
+        if not MIN_WIDTH <= self.metallisation <= 1 - MIN_WIDTH:
             rule = f"must be between {MIN_WIDTH:g} and {1 - MIN_WIDTH:g}, got {self.metallisation!r}"
-            yield self.refusal("metallisation", rule)
-        if self.pattern is None or unread & {"pattern", "finger_pairs", "split"}:
-            return
-        if len(self.pattern) != self.fingers:
+            yield "metallisation", rule
+
+    def check_pattern(self):
+        if self.pattern is not None and len(self.pattern) != self.fingers:
             each = "four" if self.split else "two"
             rule = f"must have {self.fingers} signs, {each} for each of the {self.finger_pairs} finger_pairs"
-            yield self.refusal("pattern", f"{rule}, got {len(self.pattern)}: {shown(self.pattern)}")
-        if set(self.pattern) == {"0"}:
-            yield self.refusal("pattern", f"must leave at least one finger, got {shown(self.pattern)}")
+            yield "pattern", f"{rule}, got {len(self.pattern)}: {shown(self.pattern)}"
+        if self.pattern is not None and set(self.pattern) == {"0"}:
+            yield "pattern", f"must leave at least one finger, got {shown(self.pattern)}"
 
     @property
     def place(self) -> tuple[float, float]:
@@ -250,43 +183,68 @@ class Transducer(Block):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Element(Block):
+    """One element of a ladder between the source and its transducer; the block is given once for each, in order.
+
+    series_L: Inductance in series.
+    series_C: Capacitance in series.
+    series_R: Resistance in series.
+    shunt_L: Inductance across the line.
+    shunt_C: Capacitance across the line.
+    shunt_R: Resistance across the line.
+    Q: Quality of an inductance or a capacitance at drive.frequency. Absent: lossless.
+    """
+
+    block: ClassVar[str] = "drive.match"
+    series_L: Annotated[float | None, Quantity("H")] = None
+    series_C: Annotated[float | None, Quantity("F")] = None
+    series_R: Annotated[float | None, Quantity("ohm")] = None
+    shunt_L: Annotated[float | None, Quantity("H")] = None
+    shunt_C: Annotated[float | None, Quantity("F")] = None
+    shunt_R: Annotated[float | None, Quantity("ohm")] = None
+    Q: Annotated[float | None, Quantity()] = None
+
+    def check_one(self):
+        given = [name for name in keys_of(Element) if name != "Q" and getattr(self, name) is not None]
+        if len(given) != 1:
+            yield "", f"must be a table of one element, got {', '.join(given) or 'none'}"
+        elif given[0].endswith("R") and self.Q is not None:
+            yield "Q", "must be absent with a resistance"
+
+    @property
+    def name(self) -> str:
+        """Its place and kind, such as series_L."""
+        return next(name for name in keys_of(Element) if getattr(self, name) is not None)
+
+    def __str__(self):
+        return f"{self.name} {getattr(self, self.name):.4g} {keys_of(Element)[self.name].rule.unit}"
+
+
+@dataclass(frozen=True, kw_only=True)
 class Recovery(Block):
-    """A receiving transducer whose load keeps the power, or feeds it back to the source in phase."""
+    """A receiving transducer whose load keeps the power, or feeds it back to the source in phase.
+
+    receiver: Name of the transducer that receives; the load is its termination.
+    load: Across its electrodes; matched: the conjugate of the impedance that they show, at drive.frequency.
+    rectifier: Instead of load: the resistance behind a full bridge with a capacitor, which is 8 / pi^2 of it.
+    efficiency: Power returned over power in the load, of rectifier and return path; above 1 with an amplifier in
+        it.
+    circulation: true: an ideal combiner adds the returned power to the source's, in phase; drive.voltage or power
+        is that of both together, so that the motion is the same and the source gives less.
+    """
 
     block: ClassVar[str] = "drive.recovery"
-    receiver: Annotated[str, Text(), "Name of the transducer that receives; the load is its termination."]
-    load: Annotated[
-        str | float | complex,
-        Impedance(("matched",)),
-        "Across its electrodes; matched: the conjugate of the impedance that they show, at drive.frequency.",
-    ] = "matched"
-    rectifier: Annotated[
-        float | None,
-        Quantity("ohm"),
-        "Instead of load: the resistance behind a full bridge with a capacitor, which is 8 / pi^2 of it.",
-    ] = None
-    efficiency: Annotated[
-        float,
-        Quantity(),
-        "Power returned over power in the load, of rectifier and return path; above 1 with an amplifier in it.",
-    ] = 1.0
-    circulation: Annotated[
-        bool,
-        Flag(),
-        "true: an ideal combiner adds the returned power to the source's, in phase; drive.voltage or power is that of "
-        "both together, so that the motion is the same and the source gives less.",
-    ] = False
+    receiver: Annotated[str, TEXT]
+    load: Annotated[str | float | complex, impedance("matched")] = "matched"
+    rectifier: Annotated[float | None, Quantity("ohm")] = None
+    efficiency: Annotated[float, Quantity()] = 1.0
+    circulation: Annotated[bool, FLAG] = False
 
-    def contradictions(self, unread):
-        """Ask for one load, with a resistance."""
-        if unread & {"load", "rectifier"}:
-            return
+    def check_load(self):
         if self.rectifier is not None and self.load not in ("matched", self.rectifier_load):
-            yield self.refusal("load", "must be absent with drive.recovery.rectifier: it is the load")
+            yield "load", "must be absent with drive.recovery.rectifier: it is the load"
         elif self.load != "matched" and not complex(self.load).real > 0:
-            yield self.refusal(
-                "load", f"must have a resistance, which takes the power, got {self.load!r} ohm"
-            )
+            yield "load", f"must have a resistance, which takes the power, got {self.load!r} ohm"
 
     @property
     def rectifier_load(self) -> float | None:
@@ -298,68 +256,57 @@ class Recovery(Block):
 
 @dataclass(frozen=True, kw_only=True)
 class Drive(Block):
-    """The source: its frequency and, with transducers, which one it drives at which peak voltages."""
+    """The source: its frequency and, with transducers, which one it drives at which peak voltages.
+
+    frequency: Frequency of the source; center: that of the strongest surface wave per volt, for the driven
+        fingers alone (needs a given period).
+    transducer: Name of the driven transducer; required when the scene has transducers, unless sources are given.
+    sources: Amplitude and phase of the source at each driven transducer, relative to the voltage; where given, it
+        counts instead of transducer.
+    voltage: Peak voltage of the source, one value or a list; it or power is required when the scene has
+        transducers.
+    power: Instead of voltage: what the sources can give to matched loads, V^2 / (8 R) each with source_impedance
+        R.
+    burst: Length of the driven interval. Absent: the steady state only.
+    source_impedance: Impedance between each source and its transducer.
+    match: Network between each source and its transducer: the lossless L-section of least stored energy that
+        delivers all available power at drive.frequency (auto), or elements from the source on, such as
+        [{ series_L = "2.6 uH", Q = 80 }, { shunt_C = "1 nF" }].
+    recovery: What becomes of the power that another transducer receives.
+    """
 
     block: ClassVar[str] = "drive"
-    frequency: Annotated[
-        float | str,
-        Quantity("Hz", words=("center",)),
-        "Frequency of the source; center: that of the strongest surface wave per volt, for the driven fingers alone "
-        "(needs a given period).",
-    ]
-    transducer: Annotated[
-        str | None,
-        Text(),
-        "Name of the driven transducer; required when the scene has transducers, unless sources are given.",
-    ] = None
-    sources: Annotated[
-        tuple[tuple[str, complex], ...] | None,
-        Sources(),
-        "Amplitude and phase of the source at each driven transducer, relative to the voltage; "
-        "where given, it counts instead of transducer.",
-    ] = None
-    voltage: Annotated[
-        tuple[float, ...] | None,
-        Listed(Quantity("V", zero=True), ranged=True),
-        "Peak voltage of the source, one value or a list; it or power is required when the scene has transducers.",
-    ] = None
-    power: Annotated[
-        tuple[float, ...] | None,
-        Listed(Quantity("W", zero=True), ranged=True),
-        "Instead of voltage: what the sources can give to matched loads, V^2 / (8 R) each with source_impedance R.",
-    ] = None
-    burst: Annotated[
-        float | None, Quantity("s"), "Length of the driven interval. Absent: the steady state only."
-    ] = None
-    source_impedance: Annotated[
-        float | complex, Impedance(), "Impedance between each source and its transducer."
-    ] = 0.0
-    match: Annotated[
-        str | tuple,
-        Match(),
-        "Network between each source and its transducer: the lossless L-section of least stored energy that delivers "
-        "all available power at drive.frequency (auto), or elements from the source on, Q their quality there.",
-    ] = "none"
-    recovery: Annotated[
-        Recovery | None, Within(Recovery), "What becomes of the power that another transducer receives."
-    ] = None
+    frequency: Annotated[float | str, Quantity("Hz") | choice("center")]
+    transducer: Annotated[str | None, TEXT] = None
+    sources: Annotated[tuple[tuple[str, complex], ...] | None, SOURCES] = None
+    voltage: Annotated[tuple[float, ...] | None, Listed(Quantity("V", zero=True), ranged=True)] = None
+    power: Annotated[tuple[float, ...] | None, Listed(Quantity("W", zero=True), ranged=True)] = None
+    burst: Annotated[float | None, Quantity("s")] = None
+    source_impedance: Annotated[float | complex, impedance()] = 0.0
+    match: Annotated[str | tuple, choice("none", "auto") | Blocks(Element, least=1)] = "none"
+    recovery: Annotated[Recovery | None, Within(Recovery)] = None
 
-    def contradictions(self, unread):
-        """Ask for the level once; a power and a match need a source with a resistance."""
-        resistance = 0.0 if "source_impedance" in unread else complex(self.source_impedance).real
-        if "power" not in unread and self.power is not None:
-            if "voltage" not in unread and self.voltage is not None:
-                yield self.refusal("voltage", "must be absent with drive.power: it follows from the power")
-            if resistance == 0 and "source_impedance" not in unread:
-                rule = 'needs a drive.source_impedance with a resistance, such as "50 ohm", which limits the power'
-                yield self.refusal("power", rule)
-        if self.match == "auto" and "match" not in unread and "source_impedance" not in unread:
-            if resistance == 0:
-                rule = 'needs a drive.source_impedance with a resistance for "auto", such as "50 ohm"'
-                yield self.refusal("match", rule)
-            if "sources" not in unread and len(self.sources or ()) > 1:
-                rule = 'must be "none" or a ladder with several sources: what each should see depends on the others'
-                yield self.refusal("match", rule)
+    def check_power(self):
+        if self.power is None:
+            return
+        if self.voltage is not None:
+            yield "voltage", "must be absent with drive.power: it follows from the power"
+        if complex(self.source_impedance).real == 0:
+            yield "power", f"needs a drive.source_impedance with a resistance{SUCH}, which limits the power"
+
+    def check_match(self):
+        if self.match == "auto" and complex(self.source_impedance).real == 0:
+            yield "match", f'needs a drive.source_impedance with a resistance for "auto"{SUCH}'
+        if self.match == "auto" and len(self.sources or ()) > 1:
+            rule = (
+                'must be "none" or a ladder with several sources: what each should see depends on the others'
+            )
+            yield "match", rule
+
+    def check_sources(self):
+        if self.sources is not None and not any(amplitude for _, amplitude in self.sources):
+            given = shown(dict(self.sources))
+            yield "sources", f"must have at least one amplitude that is not 0, got {given}"
 
     def __post_init__(self):
         super().__post_init__()
@@ -382,166 +329,3 @@ class Drive(Block):
         squares = sum(abs(amplitude) ** 2 for amplitude in self.driven.values())
         per_watt = 8 * complex(self.source_impedance).real / squares
         return tuple((per_watt * power) ** 0.5 for power in self.power)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Wave(Block):
-    """A given surface motion: u_z and, a quarter period from it, u_x, which at the crest moves towards +x."""
-
-    block: ClassVar[str] = "wave"
-    frequency: Annotated[float, Quantity("Hz"), "Frequency of the motion."]
-    normal_amplitude: Annotated[
-        tuple[float, ...], Listed(Quantity("m", zero=True), ranged=True), "Peak of u_z, one value or a list."
-    ]
-    tangential_ratio: Annotated[float, Quantity(), "|u_x| / |u_z|."]
-    burst: Annotated[
-        float | None, Quantity("s"), "Length of the driven interval. Absent: the steady state only."
-    ] = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class Damping(Block):
-    """Losses of the slider's motion; the viscous ones are totals of the slider."""
-
-    block: ClassVar[str] = "slider.damping"
-    contact: Annotated[
-        float,
-        Quantity("s/m", zero=True),
-        "Hunt-Crossley coefficient chi: a force chi P dz/dt while in contact (R_n1 of Feenstra and Breedveld).",
-    ] = 0.0
-    normal: Annotated[
-        float, Quantity("N s/m", zero=True), "Viscous, on the slider's normal velocity (R_n2 of the same)."
-    ] = 0.0
-    tangential: Annotated[
-        float, Quantity("N s/m", zero=True), "Viscous, on the slider's velocity along x (R_t of the same)."
-    ] = 0.0
-
-
-UNDAMPED = Damping()
-
-
-@dataclass(frozen=True, kw_only=True)
-class Slider(Block):
-    """A rigid slider on balls or flat punches; mass, forces and viscous dampers are totals."""
-
-    block: ClassVar[str] = "slider"
-    position: Annotated[
-        float | tuple[float, float] | None,
-        Place(Quantity("m")),
-        "Of its centre, from the stator's left end, or [x, y], y from the middle of the apertures; "
-        "required with a stator, absent with a given wave.",
-    ] = None
-    shape: Annotated[
-        str,
-        Choice(("sphere", "punch")),
-        "Of each contact. punch: a rigid flat cylindrical projection, P = 2 a E* z, which slips as a whole.",
-    ] = "sphere"
-    radius: Annotated[float, Quantity("m"), "Radius of each ball or punch."]
-    mass: Annotated[float, Quantity("kg"), "Mass of the whole slider."]
-    contacts: Annotated[
-        int | tuple[float | tuple[float, float], ...],
-        Listed(Place(Quantity("m", negative=True)), alone=Count(10_000), distinct=True),
-        "Places of the balls from the slider's centre, as a list of x or [x, y]; "
-        "or a number of balls that all stand at its centre.",
-    ]
-    heights: Annotated[
-        tuple[float, ...] | None,
-        Listed(Quantity("m", negative=True)),
-        "How much further each contact stands out towards the stator, one per place in contacts; absent: all alike.",
-    ] = None
-    preload: Annotated[
-        float | str, Quantity("N", zero=True, words=("weight",)), "Total normal force, the weight included."
-    ]
-    gravity: Annotated[float, Quantity("m/s^2", zero=True), 'Used by preload = "weight".'] = 9.81
-    load: Annotated[
-        float,
-        Quantity("N", zero=True),
-        "Constant force against the direction in which the unloaded slider moves.",
-    ] = 0.0
-    friction_coefficient: Annotated[
-        float, Quantity(zero=True), "Coulomb's coefficient mu of ball and stator."
-    ]
-    effective_modulus: Annotated[
-        float | None,
-        Quantity("Pa"),
-        "E* of the pair, 1/E* = sum of (1 - nu^2)/E; required unless ball is given.",
-    ] = None
-    tangential_modulus: Annotated[
-        float | None,
-        Quantity("Pa"),
-        "G* of the pair, 1/G* = sum of (2 - nu)/G; required unless ball is given.",
-    ] = None
-    ball: Annotated[
-        str | None,
-        Text(),
-        'Instead of both moduli: the material of the balls, such as "steel"; not with a given wave.',
-    ] = None
-    law: Annotated[
-        str,
-        Choice(("elastic", "hysteretic")),
-        "Tangential law. elastic: eq. 2 of Feenstra and Breedveld; hysteretic: Mindlin-Deresiewicz, with memory.",
-    ] = "elastic"
-    reciprocal: Annotated[
-        bool,
-        Flag(),
-        "true: the tangential spring acts back on the normal motion, which closes the energy balance.",
-    ] = False
-    stick_band: Annotated[
-        float,
-        Quantity("m/s", zero=True),
-        "Slip slower than this counts as sticking (DV of Feenstra and Breedveld).",
-    ] = 0.0
-    method: Annotated[
-        str, Choice(("auto", "exact", "stepped", "averaged")), "How the slider's motion is integrated."
-    ] = "auto"
-    travel: Annotated[
-        bool | None,
-        Flag(),
-        "Whether the orbits change with the slider's place during a burst. "
-        "Absent: true where it travels more than a tenth of a wavelength.",
-    ] = None
-    damping: Annotated[Damping, Within(Damping), "Losses of the slider's motion."] = UNDAMPED
-
-    def contradictions(self, unread):
-        """Ask for the moduli once, by value or by the ball's material; refuse what no contact can be."""
-        if not {"shape", "law"} & unread and self.shape == "punch" and self.law == "hysteretic":
-            yield self.refusal("law", 'must be "elastic" with shape = "punch", which slips as a whole')
-        if self.heights is not None and not {"heights", "contacts"} & unread:
-            number = 0 if isinstance(self.contacts, int) else len(self.contacts)
-            if number == 0:
-                yield self.refusal("heights", "needs slider.contacts as a list of places, one per height")
-            elif number != len(self.heights):
-                rule = f"must hold one height for each of the {number} contacts, got {len(self.heights)}"
-                yield self.refusal("heights", rule)
-        for key in sorted({"effective_modulus", "tangential_modulus"} - unread):
-            if self.ball is not None and getattr(self, key) is not None:
-                yield self.refusal(
-                    "ball", f"must not be given together with slider.{key}: they follow from the ball"
-                )
-            if self.ball is None and getattr(self, key) is None:
-                yield self.refusal(
-                    key, 'is required and missing: give both moduli in Pa, or ball = "steel" instead'
-                )
-
-    @property
-    def preload_force(self) -> float:
-        """Total normal force in N, the weight included."""
-        return self.mass * self.gravity if self.preload == "weight" else self.preload
-
-    @property
-    def offsets(self) -> tuple[tuple[float, float], ...]:
-        """Places (x, y) of the contacts from the slider's centre in m; a mere number of them sits at the centre."""
-        if isinstance(self.contacts, int):
-            return ((0.0, 0.0),) * self.contacts
-        return tuple(map(as_pair, self.contacts))
-
-    @property
-    def center(self) -> tuple[float, float]:
-        """Place (x, y) of the slider's centre on the stator, m."""
-        return as_pair(self.position)
-
-    @property
-    def places(self) -> tuple[tuple[float, float], ...]:
-        """Different places (x, y) of the contacts on the stator, m."""
-        x, y = self.center
-        return tuple((x + along, y + across) for along, across in dict.fromkeys(self.offsets))

@@ -7,12 +7,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Self
 
-from studies.refusal import SceneError, nearest, shown
+from studies.refusal import RunError, SceneError, nearest, shown
 from studies.scene.lines import key_lines, line_of
 from studies.scene.override import assigned
 from studies.scene.syntax import explained
 
 SHIPPED = Path(__file__).parents[1] / "scenes"
+SCHEMA = "schema.json"  # beside the shipped scenes, which name it in their first line
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,6 +92,26 @@ def scene_path(source: str | Path) -> Path:
         "",
         f"no scene file or shipped scene is named {shown(str(source))}{nearest(source, [*here, *shipped])}",
     )
+
+
+def copied(name: str, file: Path) -> Path:
+    """Write a scene that ships into a new file, with the comment that tells an editor where its JSON Schema is."""
+    shipped = shipped_scenes()
+    if name not in shipped:
+        raise SceneError("--copy", f"no shipped scene is named {shown(name)}{nearest(name, shipped)}")
+    text = shipped[name].read_text(encoding="utf-8")
+    uri = (SHIPPED / SCHEMA).resolve().as_uri()
+    text = text.replace(f"#:schema {SCHEMA}\n", f"#:schema {uri}\n", 1)
+    try:
+        with file.open("x", encoding="utf-8") as target:
+            target.write(text)
+    except FileExistsError:
+        raise SceneError(
+            "--copy", f"does not overwrite {str(file)!r}, which exists: name another file"
+        ) from None
+    except OSError as error:
+        raise RunError(f"{str(file)!r} cannot be written: {error.strerror}") from None
+    return file
 
 
 def read_table(source: str | Path) -> dict:

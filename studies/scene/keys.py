@@ -1,9 +1,13 @@
-"""The rule of any key of a scene, by its dotted path, and the unit of its numbers."""
+"""The rule of any key of a scene, by its dotted path, the unit of its numbers, and those that are uncertain."""
 
-from studies.refusal import SceneError, nearest
-from studies.scene.block import Blocks, OneOf, Within, keys_of
-from studies.scene.rule import Count, Impedance, Listed, Place, Quantity
+from studies.refusal import SceneError, nearest, shown
+from studies.scene.block import Blocks, Within, keys_of
+from studies.scene.override import value_at
+from studies.scene.rule import Count
 from studies.scene.scene import Scene
+from studies.scene.uncertain import OPTIONS, Tolerance, half_width
+
+LEVELS = ("drive.voltage", "drive.power", "wave.normal_amplitude")
 
 
 def rule_at(key: str):
@@ -16,14 +20,15 @@ def rule_at(key: str):
         if name not in known:
             raise SceneError(here, f"is no key of a scene{nearest(name, known)}")
         rule = known[name].rule
-        if isinstance(rule, Blocks):
+        inner = next(
+            (part for part in getattr(rule, "rules", (rule,)) if isinstance(part, (Blocks, Within))), None
+        )
+        if isinstance(inner, Blocks) and (parts or inner is rule):
             if not parts or not parts[0].isdigit():
                 raise SceneError(here, f"is a list: say which one, as in {here}.0")
-            here, kinds = f"{here}.{parts.pop(0)}", (rule.kind,)
-        elif isinstance(rule, Within):
-            kinds = (rule.kind,)
-        elif isinstance(rule, OneOf) and parts:
-            kinds = rule.kinds
+            here, kinds = f"{here}.{parts.pop(0)}", (inner.kind,)
+        elif inner is not None and (parts or inner is rule):
+            kinds = inner.kinds
         elif parts:
             raise SceneError(key, f"is no key of a scene: {here} holds no keys")
         else:
@@ -35,11 +40,31 @@ def rule_at(key: str):
 
 
 def unit_of(rule) -> str | None:
-    """Return the SI unit of a rule's numbers, None where it takes words."""
-    if isinstance(rule, Listed):
-        return unit_of(rule.alone or rule.each)
-    if isinstance(rule, Quantity):
-        return rule.unit
-    if isinstance(rule, Place):
-        return rule.along.unit
-    return "ohm" if isinstance(rule, Impedance) else "" if isinstance(rule, Count) else None
+    """Return the SI unit of a rule's single number, None where it takes none."""
+    return rule.number and rule.number.unit
+
+
+def tolerances(scene: Scene) -> tuple[Tolerance, ...]:
+    """Return the numbers of a resolved scene that are uncertain; refuse what is none, and ends that break a rule."""
+    found, table = [], scene.to_table()
+    for key, given in scene.uncertain or ():
+        path = f"uncertain.{key}"
+        if key in OPTIONS:
+            continue
+        try:
+            rule = rule_at(key)
+        except SceneError as error:
+            raise error.moved("", "uncertain.") from None
+        if key in LEVELS:
+            if not isinstance(given, str) or not given.rstrip().endswith("%"):
+                raise SceneError(path, f"must be a percentage, common to all levels, got {shown(given)}")
+            found.append(Tolerance(key, 1.0, half_width(path, given, 1.0, "")))
+            continue
+        value = value_at(table, key)
+        if isinstance(rule.number, Count) or unit_of(rule) is None or not isinstance(value, (int, float)):
+            raise SceneError(path, f"must be the key of a number that this scene has, got {shown(value)}")
+        size = half_width(path, given, value, unit_of(rule))
+        for end in (value - size, value + size):
+            rule.read(f"{path}, an end of whose interval, {end:g},", end)
+        found.append(Tolerance(key, float(value), size))
+    return tuple(found)

@@ -1,21 +1,23 @@
-"""Line numbers of the keys of a TOML document (tomllib keeps none).
+"""Line numbers of the keys of a TOML document (tomllib keeps none): each statement is read alone, line by line."""
 
-The document must be valid TOML: it is read after ``tomllib`` has read it.
-"""
-
-import re
+import tomllib
 from collections import Counter
 from collections.abc import Iterator
 
-TOKEN = re.compile(
-    r'''"""(?:\\.|[^\\])*?"{3,5}|\'{3}.*?\'{3,5}|"(?:\\.|[^"\\])*"|'[^']*'|\#[^\n]*|\n|[\[\]{},=]|[^\s"'\#\[\]{},=]+''',
-    re.DOTALL,
-)
-Token = tuple[str, int]  # with its line
+CLOSINGS = (
+    "",
+    "]",
+    "]]",
+    "]]]",
+    '"""',
+    '"""]',
+    "'''",
+    "''']",
+)  # of what a statement of several lines leaves open
 
 
 def key_lines(text: str) -> dict[str, int]:
-    r"""Return the line (from 1) of every key, block and list entry by its dotted path.
+    r"""Return the line (from 1) of every key, block and list entry of a valid document by its dotted path.
 
     Examples
     --------
@@ -24,82 +26,49 @@ def key_lines(text: str) -> dict[str, int]:
     """
     lines: dict[str, int] = {}
     entries: Counter[str] = Counter()  # of every list of blocks, so far
-    block = ""
-
-    def resolved(path: str, keys: list[str]) -> str:
-        """Return the path of keys inside a block, with the latest entry of every list of blocks on the way."""
-        for key in keys:
-            path = f"{path}.{key}" if path else key
-            path += f".{entries[path] - 1}" if path in entries else ""
-        return path
-
-    for statement in _statements(text):
-        words, line = [word for word, _ in statement], statement[0][1]
-        if words[0] == "[":
-            many = words[1] == "["
-            *outer, last = _dotted(words[2:-2] if many else words[1:-1])
-            path = ".".join(filter(None, (resolved("", outer), last)))
-            if many:
-                entries[path] += 1
-                lines.setdefault(path, line)
-            block = resolved("", [*outer, last])
-            lines.setdefault(block, line)
-        else:
-            equals = words.index("=")
-            path = resolved(block, _dotted(words[:equals]))
-            lines.setdefault(path, line)
-            _entries(path, statement[equals + 1 :], lines)
+    block = statement = ""
+    for number, line in enumerate(text.split("\n"), 1):
+        statement += f"{line}\n"
+        for closing in CLOSINGS:
+            try:
+                found = tomllib.loads(statement + closing)
+            except tomllib.TOMLDecodeError:
+                continue
+            if line.lstrip().startswith("[") and statement == f"{line}\n":
+                block = ""
+                for key, counted in _header(found):
+                    block += f".{key}" if block else key
+                    lines.setdefault(block, number)
+                    entries[block] += counted
+                    block += f".{entries[block] - 1}" if entries[block] else ""
+                lines.setdefault(block, number)
+            else:
+                for path in _paths(block, found):
+                    lines.setdefault(path, number)
+            statement = statement if closing else ""
+            break
     return lines
 
 
 def line_of(path: str, lines: dict[str, int]) -> int | None:
     """Return the line of a path, or of the nearest block around it that the document has."""
-    while path:
-        if path in lines:
-            return lines[path]
+    while path and path not in lines:
         path = path.rpartition(".")[0]
-    return None
+    return lines.get(path)
 
 
-def _statements(text: str) -> Iterator[list[Token]]:
-    """Yield the tokens of each header and of each key with its value."""
-    line, depth, statement = 1, 0, []
-    for match in TOKEN.finditer(f"{text}\n"):
-        word = match[0]
-        if word == "\n" and depth == 0 and statement:
-            yield statement
-            statement = []
-        elif word != "\n" and word[0] != "#":
-            statement.append((word, line))
-            depth += (word in ("[", "{")) - (word in ("]", "}"))
-        line += word.count("\n")
+def _header(table: dict) -> Iterator[tuple[str, bool]]:
+    """Yield the keys of a header, and whether each begins an entry of a list of blocks."""
+    while table:
+        ((key, inner),) = table.items()
+        yield key, isinstance(inner, list)
+        table = inner[0] if isinstance(inner, list) else inner
 
 
-def _dotted(words: list[str]) -> list[str]:
-    """Return the keys of a dotted key."""
-    keys = [""]
-    for word in words:
-        if word[0] in "\"'":
-            keys[-1] += word[1:-1]
-        else:
-            first, *others = word.split(".")
-            keys[-1] += first
-            keys += others
-    return keys
-
-
-def _entries(path: str, value: list[Token], lines: dict[str, int]) -> None:
-    """Note the line of each entry of a list, and of the lists in it."""
-    counters: list[int | None] = []  # one per open bracket; None for an inline table
-    expected = False
-    for word, line in value:
-        if expected and word != "]" and None not in counters:
-            lines[".".join([path, *map(str, counters)])] = line
-        expected = word == "["
-        if word in ("[", "{"):
-            counters.append(0 if word == "[" else None)
-        elif word in ("]", "}"):
-            counters.pop()
-        elif word == "," and counters and counters[-1] is not None:
-            counters[-1] += 1
-            expected = True
+def _paths(path: str, value) -> Iterator[str]:
+    """Yield the dotted paths of all keys and list entries inside a value."""
+    pairs = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, inner in pairs:
+        here = f"{path}.{key}" if path else str(key)
+        yield here
+        yield from _paths(here, inner)

@@ -10,7 +10,7 @@ import re
 from decimal import Decimal, InvalidOperation
 from functools import cache
 
-from studies.refusal import SceneError, nearest, shown
+from studies.refusal import SceneError, resembling, shown
 
 DIMENSIONS = {
     "m": ("a length", "5 mm"),
@@ -53,17 +53,18 @@ POWERS: dict[str, dict[str, int]] = {
     "deg": {"deg": 0},
 }
 
-CONFUSED = {  # prefixes that differ by their case alone, 10^9 apart: no motor has the left one
-    "Hz": {"mHz": ("millihertz", "MHz")},
-    "Pa": {"mPa": ("millipascal", "MPa")},
-    "N": {"MN": ("meganewton", "mN")},
-    "m": {"Mm": ("megametre", "mm")},
-    "kg": {"Mg": ("a tonne", "mg")},
-    "s": {"Ms": ("megasecond", "ms")},
-    "V": {"MV": ("megavolt", "mV")},
-    "W": {"MW": ("megawatt", "mW")},
-    "N s/m": {"MN s/m": ("meganewton", "mN s/m")},
+# prefixes that differ by their case alone, 10^9 apart: no motor has the left one
+CONFUSED = {
+    "mHz": "MHz",
+    "mPa": "MPa",
+    "MN": "mN",
+    "Mm": "mm",
+    "Mg": "mg",
+    "Ms": "ms",
+    "MV": "mV",
+    "MW": "mW",
 }
+CONFUSED["MN s/m"] = "mN s/m"
 NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(\S.*?)?\s*", re.ASCII)
 _POWER = r"[A-Za-zΩµμ_]{1,30}(?:(?:\^|\*\*)-?\d)?"  # one digit: pint would compute 9^9^9^9
 UNIT = re.compile(rf"{_POWER}(?:[ */·]{_POWER}){{0,5}}")
@@ -114,9 +115,9 @@ def _from_text(path: str, text: str, unit: str) -> float:
         raise SceneError(path, f"{wanted}: the string {shown(text)} has no unit")
     if name in POWERS[unit]:
         return float(Decimal(number).scaleb(POWERS[unit][name]))
-    if name in CONFUSED.get(unit, {}):
-        meaning, meant = CONFUSED[unit][name]
-        hint = f"{name} is {meaning}; did you mean {number} {meant}?"
+    if CONFUSED.get(name) in POWERS[unit]:
+        size = f"{name} is {'1e-3' if name[0] == 'm' else '1e6'} {name[1:]}"
+        hint = f"{size}; did you mean {number} {CONFUSED[name]}?"
         raise SceneError(path, f"{wanted}, got {shown(text)}: {hint}")
     for other, names in POWERS.items():
         if name in names:
@@ -146,8 +147,7 @@ def _factor(name: str, unit: str) -> float:
     except LookupError:
         raise
     except Exception:  # pint's parser lets tokenizer, type and arithmetic errors through
-        hint = nearest(name, POWERS[unit])
-        raise LookupError(f"{shown(name)} is no known unit{hint if 'mean' in hint else ''}") from None
+        raise LookupError(f"{shown(name)} is no known unit{resembling(name, POWERS[unit])}") from None
 
 
 @cache

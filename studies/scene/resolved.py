@@ -10,17 +10,14 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache
 
-from studies.refusal import SceneError, shown
+from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.block import keys_of
-from studies.scene.blocks import IsotropicSolid, PiezoelectricSolid, Slider, Stator, Transducer
+from studies.scene.blocks import Element, IsotropicSolid, PiezoelectricSolid, Stator, Transducer
 from studies.scene.endless import refuse_endless_burst
-from studies.scene.keys import rule_at, unit_of
-from studies.scene.override import value_at
-from studies.scene.rule import Count
-from studies.scene.uncertain import OPTIONS, Tolerance, half_width
+from studies.scene.keys import tolerances
+from studies.scene.slider import Slider
 
-LEVELS = ("drive.voltage", "drive.power", "wave.normal_amplitude")
 MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 of the power
 
 
@@ -41,32 +38,6 @@ def resolved(scene: Scene) -> Scene:
     scene = replace(scene, slider=resolved_slider(scene.slider, scene.stator))
     tolerances(scene)
     return scene
-
-
-def tolerances(scene: Scene) -> tuple[Tolerance, ...]:
-    """Return the numbers of a resolved scene that are uncertain; refuse what is none, and ends that break a rule."""
-    found, table = [], scene.to_table()
-    for key, given in scene.uncertain or ():
-        path = f"uncertain.{key}"
-        if key in OPTIONS:
-            continue
-        try:
-            rule = rule_at(key)
-        except SceneError as error:
-            raise error.moved("", "uncertain.") from None
-        if key in LEVELS:
-            if not isinstance(given, str) or not given.rstrip().endswith("%"):
-                raise SceneError(path, f"must be a percentage, common to all levels, got {shown(given)}")
-            found.append(Tolerance(key, 1.0, half_width(path, given, 1.0, "")))
-            continue
-        value = value_at(table, key)
-        if isinstance(rule, Count) or unit_of(rule) is None or not isinstance(value, (int, float)):
-            raise SceneError(path, f"must be the key of a number that this scene has, got {shown(value)}")
-        size = half_width(path, given, value, unit_of(rule))
-        for end in (value - size, value + size):
-            rule.read(f"{path}, an end of whose interval, {end:g},", end)
-        found.append(Tolerance(key, float(value), size))
-    return tuple(found)
 
 
 def resolved_slider(slider: Slider, stator: Stator | None) -> Slider:
@@ -100,16 +71,10 @@ def stator(block: Stator):
     """Return the ``fem.Stator`` of a stator block."""
     import fem
 
-    rotated = solid(block)
+    rotated, own = solid(block), _given(block, "length", "bottom", "ends", "above")
+    thickness = math.inf if block.thickness == "half-space" else block.thickness
     with _refused("stator"):
-        return fem.Stator(
-            solid=rotated,
-            length=block.length,
-            thickness=float("inf") if block.thickness == "half-space" else block.thickness,
-            bottom=block.bottom,
-            ends=block.ends,
-            above=block.above,
-        )
+        return fem.Stator(solid=rotated, thickness=thickness, **own)
 
 
 def transducers(scene: Scene) -> tuple:
@@ -162,19 +127,9 @@ def driven(scene: Scene):
 def _transducer(block: Transducer, period: float):
     import fem
 
-    return fem.Transducer(
-        name=block.name,
-        center=block.place[0],
-        center_y=block.place[1],
-        angle=math.radians(block.angle % 360),
-        finger_pairs=block.finger_pairs,
-        period=period,
-        metallisation=block.metallisation,
-        aperture=block.aperture,
-        termination=block.termination,
-        pattern=block.pattern,
-        split=block.split,
-    )
+    (x, y), alike = block.place, "name finger_pairs metallisation aperture termination pattern split".split()
+    own = {name: getattr(block, name) for name in alike}
+    return fem.Transducer(center=x, center_y=y, angle=math.radians(block.angle % 360), period=period, **own)
 
 
 def _alone(block: Transducer, period: float):
@@ -193,13 +148,13 @@ def drive(scene: Scene):
 
 def _ladder(match: str | tuple) -> tuple:
     """Return the ``fem.Element`` objects of a ladder as read."""
-    from fem import Element
+    import fem
 
     found = []
     for each in () if isinstance(match, str) else match:
-        name, value = each[0]
-        place, kind = name.split("_")
-        found.append(Element(place=place, kind=kind, value=value, quality=dict(each).get("Q", math.inf)))
+        place, kind = each.name.split("_")
+        value, quality = getattr(each, each.name), math.inf if each.Q is None else each.Q
+        found.append(fem.Element(place=place, kind=kind, value=value, quality=quality))
     return tuple(found)
 
 
@@ -272,7 +227,7 @@ def _with_circuit(scene: Scene) -> Scene:
         seen = fem.solve_circuit(*about, transducers(scene), given.transducer, scene.frequency).admittance
         with _refused("drive.match"):
             ladder = fem.best_match(complex(given.source_impedance), seen, scene.frequency)
-        elements = tuple(((f"{each.place}_{each.kind}", each.value),) for each in ladder) or "none"
+        elements = tuple(Element(**{f"{each.place}_{each.kind}": each.value}) for each in ladder) or "none"
         scene = replace(scene, drive=replace(scene.drive, match=elements))
     return scene
 

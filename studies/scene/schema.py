@@ -9,8 +9,6 @@ import json
 from studies.scene.block import block_schema
 from studies.scene.scene import Scene
 
-FILE_NAME = "schema.json"  # beside the shipped scenes, which name it in their first line
-
 
 def schema() -> dict:
     """Return the JSON Schema of a scene."""

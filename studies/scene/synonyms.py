@@ -1,44 +1,19 @@
-"""Words that people write for a key of a scene, and the key that they mean."""
+"""Words that people write for a key of a scene, and the keys that they may mean."""
 
+TABLE = """
+amplitude: normal_amplitude voltage; angle cut poling: orientation; balls: contacts ball;
+damper: damping; duty metal metalli: metallisation; e: effective_modulus youngs_modulus;
+electrode idt: transducer; f: frequency; fingers finger pairs: finger_pairs; force: preload load;
+friction mu mue: friction_coefficient; g: gravity tangential_modulus; height: thickness;
+hertz: effective_modulus; impedance: source_impedance termination; nu poisson: poisson_ratio;
+overlap: aperture; pitch wavelength: period; q quality: mechanical_quality; rho: density; rotor: slider;
+substrate: stator material; tan_delta: dielectric_loss; tangential_amplitude: tangential_ratio;
+weight: mass preload; youngs: youngs_modulus
+"""
 SYNONYMS = {
-    "amplitude": ("normal_amplitude", "voltage"),
-    "angle": ("orientation",),
-    "balls": ("contacts", "ball"),
-    "cut": ("orientation",),
-    "damper": ("damping",),
-    "duty": ("metallisation",),
-    "e": ("effective_modulus", "youngs_modulus"),
-    "electrode": ("transducer",),
-    "f": ("frequency",),
-    "fingers": ("finger_pairs",),
-    "finger": ("finger_pairs",),
-    "force": ("preload", "load"),
-    "friction": ("friction_coefficient",),
-    "g": ("gravity", "tangential_modulus"),
-    "height": ("thickness",),
-    "hertz": ("effective_modulus",),
-    "idt": ("transducer",),
-    "impedance": ("source_impedance", "termination"),
-    "metal": ("metallisation",),
-    "metalli": ("metallisation",),
-    "mu": ("friction_coefficient",),
-    "mue": ("friction_coefficient",),
-    "nu": ("poisson_ratio",),
-    "overlap": ("aperture",),
-    "pairs": ("finger_pairs",),
-    "pitch": ("period",),
-    "poisson": ("poisson_ratio",),
-    "poling": ("orientation",),
-    "q": ("mechanical_quality",),
-    "quality": ("mechanical_quality",),
-    "rho": ("density",),
-    "rotor": ("slider",),
-    "substrate": ("stator", "material"),
-    "tan_delta": ("dielectric_loss",),
-    "tangential_amplitude": ("tangential_ratio",),
-    "wavelength": ("period",),
-    "weight": ("mass", "preload"),
-    "youngs": ("youngs_modulus",),
+    word: keys.split()
+    for words, keys in (each.split(":") for each in TABLE.split(";"))
+    for word in words.split()
 }
 
 

@@ -1,6 +1,7 @@
 """Writing a table as a TOML document (reading is tomllib's)."""
 
 import json
+import re
 
 
 def document(table: dict, *, remarks: tuple[str, ...] = ()) -> str:
@@ -13,15 +14,19 @@ def document(table: dict, *, remarks: tuple[str, ...] = ()) -> str:
 
 
 def _block(path: tuple[str, ...], table: dict) -> list[str]:
-    lines = [f"{key} = {_value(value)}" for key, value in table.items() if not _is_block(value)]
+    lines = [f"{_key(key)} = {_value(value)}" for key, value in table.items() if not _is_block(value)]
     for key, value in table.items():
-        here = (*path, key)
+        here = (*path, _key(key))
         if isinstance(value, dict):
             lines += ["", f"[{'.'.join(here)}]", *_block(here, value)]
         elif _is_block(value):
             for entry in value:
                 lines += ["", f"[[{'.'.join(here)}]]", *_block(here, entry)]
     return lines
+
+
+def _key(key: str) -> str:
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else json.dumps(key, ensure_ascii=False)
 
 
 def _is_block(value) -> bool:

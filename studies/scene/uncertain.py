@@ -6,14 +6,16 @@ several at once, they are independent.
 
 import re
 from dataclasses import dataclass
+from functools import reduce
 from typing import NamedTuple
 
 from studies.refusal import SceneError, shown
+from studies.scene.numbers import DIGITS, Quantity, units
+from studies.scene.override import replaced
 from studies.scene.quantity import NUMBER, si_value
-from studies.scene.rule import Choice, Count, Impedance, Place, Quantity, Rule
-from studies.scene.rule.numbers import DIGITS, units
+from studies.scene.rule import Count, Rule, choice
 
-OPTIONS = {"method": Choice(("linear", "sampled")), "samples": Count(100_000)}
+OPTIONS = {"method": choice("linear", "sampled"), "samples": Count(100_000)}
 DEFAULTS = {"method": "linear", "samples": 500}
 SIGN = r"(?:\+-|\+/-|±)"
 # with blanks about the sign: "0+-0" is a pattern of fingers
@@ -49,14 +51,7 @@ class Uncertain(Rule):
         return tuple(pairs)
 
     def written(self, value):
-        table = {}
-        for key, each in value:
-            *outer, last = key.split(".")
-            at = table
-            for name in outer:
-                at = at.setdefault(name, {})
-            at[last] = each
-        return table
+        return reduce(lambda table, pair: replaced(table, *pair), value, {})
 
     @property
     def expected(self):
@@ -87,12 +82,12 @@ def half_width(path: str, given: float | str, value: float, unit: str) -> float:
 
 def stated_schema(rule: Rule) -> list[dict]:
     """Return the JSON Schema of ``"VALUE +- TOLERANCE"`` at a key, in a list; empty where it takes no number."""
-    if not isinstance(rule, (Quantity, Place, Impedance)):
+    if rule.each or not isinstance(rule.number, Quantity):
         return []
     sign, value = rf"(\s+\+/?-\s+|\s*±\s*){DIGITS}", rf"^\s*[+-]?{DIGITS}"
-    if not rule.unit_name:
+    if not rule.unit:
         return [{"type": "string", "pattern": rf"{value}{sign}\s*%?\s*$"}]
-    name = units(rule.unit_name)
+    name = units(rule.unit)
     return [
         {"type": "string", "pattern": rf"{value}(\s*({name}){sign}(\s*({name}|%))?|{sign}\s*({name}|%))\s*$"}
     ]

@@ -19,7 +19,7 @@ from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import toml_value
 from studies.scene.quantity import si_value
 from studies.scene.ranges import MAX_COUNT, Range, read_range
-from studies.scene.rule import Count, Listed
+from studies.scene.rule import Count
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ def _ranged(key, rule, text):
     if found.count is None:
         return found
     steps = found.values
-    if isinstance(rule, Count) or isinstance(getattr(rule, "alone", None), Count):
+    if isinstance(rule.number, Count):
         if any(abs(step - round(step)) > 1e-9 for step in steps):
             raise SceneError(f"--over {key}", f"must fall on whole numbers, got {shown(text)}")
         steps = [round(step) for step in steps]
@@ -117,11 +117,8 @@ def _listed(key, rule, values):
 def _entry(rule, value):
     """Return a value in SI units where it has one; what has none is left for its point to refuse."""
     if isinstance(value, (list, tuple)):
-        inner = rule.each if isinstance(rule, Listed) else rule
-        return tuple(_entry(inner, each) for each in value)
-    if isinstance(rule, Listed):
-        rule = rule.alone or rule.each
-    unit = unit_of(rule)
+        return tuple(_entry(rule.each or rule, each) for each in value)
+    unit, rule = unit_of(rule), rule.number
     if isinstance(rule, Count) and isinstance(value, float) and value.is_integer():
         return int(value)
     if unit is None or isinstance(rule, Count):

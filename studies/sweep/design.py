@@ -14,7 +14,7 @@ import numpy as np
 
 from studies.refusal import SceneError
 from studies.scene.keys import rule_at
-from studies.scene.rule import as_pair
+from studies.scene.numbers import as_pair
 from studies.sweep.axes import Axis, axis, latin_axis, level_key, point_axis
 
 ALSO = ("limits", "thrust", "efficiency", "pressure", "step")

@@ -12,18 +12,10 @@ from hypothesis import strategies as st
 from studies import SceneError, shipped_scenes
 from studies.scene import Scene, blocks, read_table
 from studies.scene.block import keys_of
-from studies.scene.blocks import (
-    Damping,
-    Drive,
-    IsotropicSolid,
-    PiezoelectricSolid,
-    Slider,
-    Stator,
-    Transducer,
-    Wave,
-)
+from studies.scene.blocks import Drive, IsotropicSolid, PiezoelectricSolid, Stator, Transducer
+from studies.scene.numbers import Quantity
 from studies.scene.quantity import POWERS, si_value
-from studies.scene.rule import Quantity
+from studies.scene.slider import Damping, Slider, Wave
 
 BLOCKS = (Scene, Stator, PiezoelectricSolid, IsotropicSolid, Transducer, Drive, Wave, Slider, Damping)
 KEYS = sorted({name for block in BLOCKS for name in keys_of(block)})
@@ -295,7 +287,7 @@ def mutants(draw) -> Mutant:
 
 
 CHOICES = {
-    "orientation": [*blocks.ORIENTATIONS, [10, 20, 30], [0, 0, 0], [0, 90, 0]],
+    "orientation": [*blocks.ORIENTATION.words, [10, 20, 30], [0, 0, 0], [0, 90, 0]],
     "material": ["PZT-8", "PIC181", "LiNbO3 (Warner)", "quartz (Bechmann)", "steel", ISOTROPIC],
     "bottom": ["free", "grounded", "clamped", "absorbing"],
     "ends": ["absorbing", "free", "clamped"],
@@ -335,10 +327,10 @@ def extreme_tables(draw, start: list[dict], most: int = 4) -> dict:
         rule, value = KNOWN[key], holder[key]
         if key in CHOICES and draw(st.booleans()):
             holder[key] = draw(st.sampled_from(CHOICES[key]))
-        elif isinstance(rule, Quantity) and not (isinstance(value, str) and value in rule.words):
+        elif isinstance(rule.number, Quantity) and not rule.each and value not in list(rule.words):
             kind, size = draw(SIZES)
             try:
-                holder[key] = size if kind == "is" else si_value(key, value, rule.unit) * size
+                holder[key] = size if kind == "is" else si_value(key, value, rule.number.unit) * size
             except SceneError:
                 holder[key] = size
     return table

@@ -9,6 +9,7 @@ from studies import Scene, run
 from studies.refusal import SceneError
 from studies.report.answer import answer
 from studies.scene import read_table
+from studies.scene.blocks import Element
 from studies.scene.resolved import resolved
 from studies.scene.toml import document
 from studies.sweep import sweep
@@ -43,9 +44,9 @@ def test_a_power_is_that_of_the_conjugate_matched_load():
 def test_a_ladder_is_read_and_written():
     scene = motor(voltage="10 V", match=LADDER)
     assert scene.drive.match == (
-        (("series_L", 2.6e-6), ("Q", 80.0)),
-        (("shunt_C", 1e-9),),
-        (("series_R", 3.0),),
+        Element(series_L=2.6e-6, Q=80.0),
+        Element(shunt_C=1e-9),
+        Element(series_R=3.0),
     )
     assert Scene.from_table("", tomllib.loads(document(scene.to_table()))) == scene
 
@@ -57,9 +58,12 @@ def test_a_ladder_is_read_and_written():
         ({"power": "1 W", "source_impedance": 0}, r"drive\.power needs a drive\.source_impedance"),
         ({"power": "1 V"}, r"drive\.power.*a power"),
         ({}, r"drive\.voltage is required"),
-        ({"voltage": 1, "match": "best"}, r"drive\.match must be \"none\", \"auto\" or a ladder"),
+        ({"voltage": 1, "match": "best"}, r"drive\.match must be \"none\" or \"auto\" or one or more blocks"),
         ({"voltage": 1, "match": "auto", "source_impedance": [0, 9]}, r"drive\.match needs .* for \"auto\""),
-        ({"voltage": 1, "match": [{"series_M": 1}]}, r"drive\.match\.0\.series_M is no element.*series_L"),
+        (
+            {"voltage": 1, "match": [{"series_M": 1}]},
+            r"drive\.match\.0\.series_M is no key of a scene; did you mean",
+        ),
         ({"voltage": 1, "match": [{"series_L": "1 nF"}]}, r"drive\.match\.0\.series_L.*an inductance"),
         ({"voltage": 1, "match": [{"series_L": 1, "shunt_C": 1}]}, r"drive\.match\.0 must be a table of one"),
         ({"voltage": 1, "match": [{"shunt_R": 1, "Q": 3}]}, r"drive\.match\.0\.Q must be absent"),
@@ -97,7 +101,7 @@ def test_the_power_of_the_source_adds_up(match):
     assert (each["power_network"] > 0) == (match == LADDER)
     if match == "auto":
         assert delivered >= 0.9999 * available
-        assert [len(element) for element in record.scene.drive.match] == [1, 1]
+        assert [element.Q for element in record.scene.drive.match] == [None, None]
     assert record.points[0]["available_power_W"] == pytest.approx(1.0, rel=1e-14)
     assert record.points[0]["voltage_V"] == pytest.approx(20.0, rel=1e-14)
 
@@ -141,7 +145,7 @@ def test_the_answer_and_the_picture_show_the_power():
     record = run(motor(power=["1 W", "4 W"], match="auto"), tolerance=1e-2)
     text = answer(record)
     assert "available (W)" in text
-    (first, _), *_ = record.scene.drive.match[0]
+    first = record.scene.drive.match[0].name
     assert f"match           {first} " in text
     assert "delivered 100 %" in text
     ax = Figure().add_subplot()

@@ -28,7 +28,7 @@ CASES = [
     (
         "twente",
         "stator.orientation=Q",
-        ["stator.orientation", "Z, X, YZ, 128YX, ST-X or three angles", "'Q'"],
+        ["stator.orientation", '"Z" or "X" or "YZ" or "128YX" or "ST-X" or three angles', "'Q'"],
     ),
     ("twente", "slider.preload=-1 mN", ["slider.preload", "zero or positive", "-0.001 N"]),
     ("twente", "slider.preload=wait", ["slider.preload", '"weight"', "'wait'"]),

@@ -71,6 +71,12 @@ def test_a_title_of_any_characters_survives_being_written(title):
     assert Scene.from_table("", tomllib.loads(document(scene.to_table()))) == scene
 
 
+@pytest.mark.parametrize("name", ["left one", "a.b", 'in "quotes"', "µ"])
+def test_a_transducer_of_any_name_survives_being_written(name):
+    scene = Scene.load("twente").replace(transducer={"left": {"name": name}}, drive={"sources": {name: 1}})
+    assert Scene.from_table("", tomllib.loads(document(scene.to_table()))) == scene
+
+
 positive = st.floats(1e-9, 1e9)
 SLIDERS = st.builds(
     Slider,

@@ -44,10 +44,10 @@ def test_an_amplitude_is_a_number_a_phasor_or_a_pair(value, amplitude):
 @pytest.mark.parametrize(
     ("sources", "words"),
     [
-        ({"left": "fast"}, r"drive\.sources\.left must be a number, \"amplitude at phase deg\""),
-        ({"left": "1 at ten deg"}, r"drive\.sources\.left must be a number"),
-        ({"left": "-1 at 10 deg"}, r"drive\.sources\.left must be a number"),
-        ({"left": True}, r"drive\.sources\.left must be a number"),
+        ({"left": "fast"}, r"drive\.sources\.left must be a plain number or \"amplitude at phase deg\""),
+        ({"left": "1 at ten deg"}, r"drive\.sources\.left must be a plain number"),
+        ({"left": "-1 at 10 deg"}, r"drive\.sources\.left must be a plain number"),
+        ({"left": True}, r"drive\.sources\.left must be a plain number"),
         ({"left": 1, "middle": 1}, r"drive\.sources must name one of the transducers, got 'middle'"),
         ({"left": 0, "right": 0}, r"drive\.sources must have at least one amplitude that is not 0"),
         ({}, r"drive\.sources must be a table of transducers"),

@@ -1,0 +1,48 @@
+"""What a scene contains, in a few lines: what ``sawmotor check`` prints."""
+
+import cmath
+import math
+from collections.abc import Iterator
+
+from studies.scene import Scene
+from studies.scene.blocks import Stator
+from studies.scene.modulus import direction_dependence
+from studies.scene.resolved import solid
+
+__all__ = ["contents", "section"]
+
+
+def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
+    """Yield the rows, name and lines, of a resolved scene."""
+    if scene.stator is not None:
+        yield "stator", [section(scene.stator)]
+    for each in scene.transducer:
+        amplitude = scene.drive.driven.get(each.name)
+        driven = f"not driven ({each.termination})" if amplitude is None else "driven"
+        if amplitude not in (None, 1):
+            driven += f" by {abs(amplitude):g} at {math.degrees(cmath.phase(amplitude)):g} deg"
+        kind = each.pattern or ("split fingers" if each.split else "plain")
+        pairs = f"{each.finger_pairs} pairs, {kind}, period {each.period * 1e3:.6g} mm"
+        yield "transducer", [f"{each.name}: {pairs}, {driven}"]
+    frequency = scene.frequency
+    yield "frequency", [frequency if isinstance(frequency, str) else f"{frequency / 1e6:g} MHz"]
+    if scene.levels:
+        name, factor, unit = ("voltage", 1, "V") if scene.wave is None else ("amplitude", 1e9, "nm")
+        low, high = (f"{level * factor:g}" for level in (min(scene.levels), max(scene.levels)))
+        several = f"{len(scene.levels)} values, {low} to {high}"
+        yield name, [f"{several if len(scene.levels) > 1 else high} {unit}"]
+    if scene.slider is not None:
+        slider = scene.slider
+        moduli = f"E* {slider.effective_modulus / 1e9:.4g} GPa, G* {slider.tangential_modulus / 1e9:.4g} GPa"
+        weight = f"{slider.mass * 1e3:g} g, preload {slider.preload * 1e3:g} mN"
+        lines = [f"{weight}, contacts {len(slider.offsets)}, {moduli}"]
+        if scene.stator is not None and (spread := direction_dependence(solid(scene.stator))):
+            lines.append(f"E* and G* are means over the directions in the surface: {spread}")
+        yield "slider", lines
+
+
+def section(block: Stator) -> str:
+    """Return material, cut, length and thickness of a stator."""
+    thickness = block.thickness if isinstance(block.thickness, str) else f"{block.thickness * 1e3:g} mm"
+    name = block.material if isinstance(block.material, str) else block.material.name
+    return f"{name}, {block.orientation}, {block.length * 1e3:g} mm x {thickness}"

@@ -1,0 +1,178 @@
+"""What the blocks of a scene must not say together: each check yields key and rule of what it refuses."""
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+
+from studies.refusal import nearest, shown
+
+ALONG = 0.7  # cosine of the angle from x up to which a driven transducer may stand alone
+NOT_DRIVEN = "must be absent without a [[transducer]]: nothing is driven"
+Refused = Iterator[tuple[str, str]]
+
+
+def check_uncertain(scene) -> Refused:
+    """Refuse tolerances without a velocity."""
+    if scene.uncertain is not None and scene.slider is None:
+        yield "uncertain", "needs a [slider]: its bands are those of the velocity"
+
+
+def check_given_wave(scene) -> Refused:
+    """Ask for a stator or a given wave; with a wave, refuse what needs a stator."""
+    if scene.wave is None:
+        if scene.stator is None:
+            rule = "is missing: a scene needs a [stator] with a [drive], or a [wave] with a [slider]"
+            yield "stator", rule
+        return
+    computed = [
+        f"[{key}]" for key in ("stator", "transducer", "drive") if getattr(scene, key) not in (None, ())
+    ]
+    if computed:
+        yield "wave", f"must not stand beside {', '.join(computed)}: the surface motion is given or computed"
+    slider = scene.slider
+    if slider is None:
+        yield "slider", "is missing: a given [wave] without a slider leaves nothing to compute"
+        return
+    if slider.position is not None:
+        yield "slider.position", "must be absent with [wave]: the motion is given where the slider is"
+    if slider.ball is not None:
+        yield "slider.ball", "must not be given with [wave]: there is no stator; give both moduli in Pa"
+    if not isinstance(slider.contacts, int):
+        yield "slider.contacts", "must be a number with [wave]: offsets need a wavelength, of a [stator]"
+
+
+def check_drive(scene) -> Refused:
+    """Ask for what drives the transducers, and for nothing more."""
+    drive, names = scene.drive, [each.name for each in scene.transducer]
+    if scene.wave is not None or scene.stator is None:
+        return
+    if drive is None:
+        yield "drive", "is missing: a [stator] needs the [drive] block with its frequency"
+        return
+    level = "voltage" if drive.power is None else "power"
+    source = "transducer" if drive.sources is None else "sources"
+    if not names:
+        given = (
+            ("match", drive.match != "none"),
+            (source, drive.driven),
+            (level, getattr(drive, level) is not None),
+        )
+        for key, stands in given:
+            if stands:
+                yield f"drive.{key}", NOT_DRIVEN
+        if drive.frequency == "center":
+            yield "drive.frequency", 'must be a number in Hz without a transducer, got "center"'
+        return
+    for key, wanted in ((source, f"one of {', '.join(map(shown, names))}"), (level, "peak values in V")):
+        if getattr(drive, key) is None:
+            yield f"drive.{key}", f"is required and missing: the scene has transducers; give {wanted}"
+    for name in drive.driven:
+        if name not in names:
+            rule = f"must name one of the transducers, got {shown(name)}"
+            yield f"drive.{source}", rule + nearest(name, names)
+    for index, each in enumerate(scene.transducer):
+        if each.name in drive.driven and not each.has_two_combs:
+            rule = f"must have + and - fingers on the driven transducer, got {shown(each.pattern)}"
+            yield f"transducer.{index}.pattern", rule
+        if drive.frequency == "center" and isinstance(each.period, str):
+            rule = f'must be a length in m where drive.frequency is "center", got {shown(each.period)}'
+            yield f"transducer.{index}.period", rule
+
+
+def check_recovery(scene) -> Refused:
+    """Ask for a receiver that is not driven and has no load of its own."""
+    if scene.drive is None or scene.drive.recovery is None or scene.stator is None:
+        return
+    recovery, names = scene.drive.recovery, [each.name for each in scene.transducer]
+    others = [name for name in names if name not in scene.drive.driven]
+    if recovery.receiver not in others:
+        rule = f"must name a transducer that is not driven, got {shown(recovery.receiver)}"
+        yield "drive.recovery.receiver", rule + nearest(recovery.receiver, others)
+        return
+    index = names.index(recovery.receiver)
+    receiver = scene.transducer[index]
+    if not receiver.has_two_combs:
+        rule = f"must have + and - fingers on the receiving transducer, got {shown(receiver.pattern)}"
+        yield f"transducer.{index}.pattern", rule
+    if receiver.termination not in ("open", recovery.load):
+        rule = "must be absent on the receiving transducer: drive.recovery has its load"
+        yield f"transducer.{index}.termination", rule
+
+
+def check_transducers(scene) -> Refused:
+    """Keep the fingers on the stator, apart and of different names."""
+    if scene.wave is not None or scene.stator is None:
+        return
+    names, placed, stator = [each.name for each in scene.transducer], [], scene.stator
+    for index, each in enumerate(scene.transducer):
+        at = f"transducer.{index}"
+        if each.name in names[:index]:
+            yield f"{at}.name", f"must differ from the others, got {shown(each.name)} twice"
+        if each.aperture > stator.width:
+            rule = f"must be at most stator.width, {stator.width:g} m, got {each.aperture:g} m"
+            yield f"{at}.aperture", rule
+        if each.turned:
+            continue  # seen from above: studies/scene/resolved.py
+        known = 0.0 if isinstance(each.period, str) else each.period
+        gap = (1 - each.metallisation) * each.finger_pairs / each.fingers
+        half, center = known * (each.finger_pairs - gap) / 2, each.place[0]
+        left, right = center - half, center + half
+        if left <= 0 or right >= stator.length:
+            rule = f"must keep the fingers on the stator, 0 to {stator.length:g} m, got {center:g} m"
+            yield f"{at}.center", f"{rule} with fingers from {left:g} to {right:g} m"
+        placed.append((left, right, each.name))
+    for (_, end, first), (start, _, second) in pairwise(sorted(placed)):
+        if end >= start:
+            rule = f"must not overlap: {first!r} ends at {end:g} m, {second!r} begins at {start:g} m"
+            yield "transducer", rule
+
+
+def check_turned(scene) -> Refused:
+    """Refuse turned transducers where their waves do not spread."""
+    if scene.stator is None or not scene.crossed:
+        return
+    what, stator = "where a transducer is turned or stands beside the middle line", scene.stator
+    for key in ("ends", "sides"):
+        if getattr(stator, key) != "absorbing":
+            yield f"stator.{key}", f"must be absorbing {what}, got {shown(getattr(stator, key))}"
+    if stator.diffraction is False:
+        yield "stator.diffraction", f"must be true or absent {what}: a plane section has no y"
+    for index, each in enumerate(scene.transducer):
+        if not each.has_two_combs:
+            rule = f"must have + and - fingers {what}, got {shown(each.pattern)}"
+            yield f"transducer.{index}.pattern", rule
+
+
+def check_direction(scene) -> Refused:
+    """Refuse sources that would move the slider across."""
+    if scene.slider is None or scene.drive is None or not scene.crossed:
+        return
+    driven = [each for each in scene.transducer if scene.drive.driven.get(each.name)]
+    if driven and all(abs(math.cos(math.radians(each.angle))) < ALONG for each in driven):
+        names = ", ".join(f"{each.name!r} at {each.angle:g} deg" for each in driven)
+        rule = (
+            "must drive a transducer within 45 deg of x: the contact is one-dimensional, and the slider would"
+        )
+        key = "transducer" if scene.drive.sources is None else "sources"
+        yield f"drive.{key}", f"{rule} be moved across by {names}"
+
+
+def check_slider(scene) -> Refused:
+    """Keep the contacts on a stator that is driven."""
+    slider, stator = scene.slider, scene.stator
+    if scene.wave is not None or slider is None or stator is None:
+        return
+    if scene.transducer == ():
+        yield "slider", "must be absent without a [[transducer]] or a [wave]: nothing drives it"
+    if slider.position is None:
+        yield "slider.position", "is required and missing: where on the [stator] the slider stands, in m"
+        return
+    places = [x for x, _ in slider.places]
+    for place in sorted({min(places), max(places)}):
+        if not 0 <= place <= stator.length:
+            rule = f"must keep the contacts on the stator, 0 to {stator.length:g} m"
+            yield "slider.position", f"{rule}, got {slider.center[0]:g} m, a contact at {place:g} m"
+    beside, half = max((y for _, y in slider.places), key=abs), stator.width / 2
+    if abs(beside) > half:
+        rule = f"must keep the contacts on the stator, y from -{half:g} to {half:g} m"
+        yield "slider.position", f"{rule}, got a contact at y = {beside:g} m"

@@ -1,0 +1,217 @@
+"""The rules of numbers: quantities with their unit, tables, places, impedances, phasors and lists of levels."""
+
+import cmath
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from studies.refusal import SceneError, shown
+from studies.scene.quantity import DIMENSIONS, POWERS, si_value
+from studies.scene.ranges import read_range
+from studies.scene.rule import Rule, choice, entries_of, read_each
+
+# In SI units: beyond it, and below its inverse, no motor has a quantity; products of a few stay finite.
+MAX_SIZE = 1e30
+DIGITS = r"(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?"
+PHASED = re.compile(rf"\s*({DIGITS})\s+at\s+([+-]?{DIGITS})\s*(deg|rad)\s*")
+QUARTERS = {0.0: 1.0, 90.0: 1j, 180.0: -1.0, 270.0: -1j}  # exact, where cos 90 deg is 6e-17
+
+
+@dataclass(frozen=True)
+class Quantity(Rule):
+    """A number with a unit."""
+
+    unit: str = ""
+    zero: bool = False
+    negative: bool = False
+    below: float | None = None
+
+    number = property(lambda self: self)
+
+    def takes(self, value):
+        if isinstance(value, str):
+            return bool(self.unit) and any(character.isdigit() for character in value)
+        return hasattr(value, "__float__") and not getattr(value, "ndim", 0)
+
+    def read(self, path, value):
+        number = si_value(path, value, self.unit)
+        low = -math.inf if self.negative else 0.0
+        if not (low < number or (number == low and self.zero)) or (
+            self.below is not None and number >= self.below
+        ):
+            raise SceneError(path, f"must be {self._allowed}, got {number!r} {self.unit}".rstrip())
+        smallest = 0.0 if self.zero or self.negative else 1 / MAX_SIZE
+        if not smallest <= abs(number) <= MAX_SIZE:
+            size = f"must have a size between {smallest:g} and {MAX_SIZE:g}"
+            raise SceneError(path, f"{size}, got {number!r} {self.unit}".rstrip())
+        return number + 0.0  # no negative zero
+
+    @property
+    def expected(self):
+        noun, example = DIMENSIONS[self.unit]
+        any_sign = self.negative and self.below is None
+        sign = "" if any_sign else f", {self._allowed.removesuffix(' and finite')}"
+        if not self.unit:
+            return f"{noun}{sign}"
+        return f'{noun} in {self.unit}{sign} (a number, or a string such as "{example}")'
+
+    @property
+    def range(self):
+        sign = "" if self.negative else ">= 0" if self.zero else "> 0"
+        below = "" if self.below is None else f"< {self.below:g}"
+        return ", ".join(filter(None, (sign, below))) or "any"
+
+    def schema(self):
+        number = {"type": "number", "maximum": MAX_SIZE}
+        number["exclusiveMinimum" if not (self.negative or self.zero) else "minimum"] = (
+            -MAX_SIZE if self.negative else 0
+        )
+        if self.below is not None:
+            number["exclusiveMaximum"] = self.below
+        if not self.unit:
+            return number
+        sign = "[+-]?" if self.negative else r"\+?"
+        text = {"type": "string", "pattern": rf"^\s*{sign}{DIGITS}\s*({units(self.unit)})\s*$"}
+        return {"anyOf": [number, text]}
+
+    @property
+    def _allowed(self) -> str:
+        sign = "finite" if self.negative else "zero or positive" if self.zero else "positive and finite"
+        return sign if self.below is None else f"{sign} and below {self.below:g}"
+
+
+NUMBER = Quantity(negative=True)
+
+
+def units(unit: str) -> str:
+    """Return the alternatives of a pattern that matches the usual units of an SI unit's dimension."""
+    return "|".join(sorted(map(re.escape, POWERS[unit])))
+
+
+@dataclass(frozen=True)
+class Row(Rule):
+    """A list of a fixed length, each entry with a rule of its own."""
+
+    rules_of: tuple[Rule, ...]
+    expected: str
+    into: Callable = lambda *entries: entries
+
+    def takes(self, value):
+        entries = entries_of(value)
+        return entries is not None and len(entries) == len(self.rules_of)
+
+    def read(self, path, value):
+        if not self.takes(value):
+            raise self.refusal(path, value)
+        return self.into(*read_each(self.rules_of, path, entries_of(value)))
+
+    def schema(self):
+        size = {"minItems": len(self.rules_of), "maxItems": len(self.rules_of)}
+        if len(set(self.rules_of)) == 1:
+            return {"type": "array", "items": self.rules_of[0].schema(), **size}
+        return {"type": "array", "prefixItems": [rule.schema() for rule in self.rules_of], **size}
+
+
+def matrix(rows: int, columns: int) -> Rule:
+    """Return the rule of a table of numbers of a given shape."""
+    row = Row((NUMBER,) * columns, f"a row of {columns} numbers")
+    return Row((row,) * rows, f"a {rows}x{columns} table of numbers")
+
+
+def place(*, negative: bool = False) -> Rule:
+    """Return the rule of a place on the surface: x, or [x, y]; [x, 0] is x."""
+    along, across = Quantity("m", negative=negative), Quantity("m", negative=True)
+    return along | Row((along, across), "[x, y]", lambda x, y: (x, y) if y else x)
+
+
+def as_pair(place: float | tuple[float, float]) -> tuple[float, float]:
+    """Return (x, y) of what `place` reads."""
+    return place if isinstance(place, tuple) else (place, 0.0)
+
+
+def impedance(*words: str) -> Rule:
+    """Return the rule of a passive impedance: a resistance, [resistance, reactance], or one of the words."""
+    parts = (Quantity("ohm", zero=True), Quantity("ohm", negative=True))
+    pair = Row(parts, "[resistance, reactance] in ohm", _complex)
+    return parts[0] | choice(*words) | pair if words else parts[0] | pair
+
+
+def _complex(real: float, imaginary: float) -> float | complex:
+    return complex(real, imaginary) if imaginary else real
+
+
+class Phased(Rule):
+    """An amplitude with a phase, as text."""
+
+    expected = '"amplitude at phase deg" such as "0.5 at 90 deg"'
+
+    def takes(self, value):
+        return isinstance(value, str) and PHASED.fullmatch(value) is not None
+
+    def read(self, path, value):
+        size, _, _, phase, _, _, unit = PHASED.fullmatch(value).groups()
+        size, degrees = float(size), float(phase) if unit == "deg" else math.degrees(float(phase))
+        exact = QUARTERS.get(degrees % 360.0)
+        amplitude = size * exact if exact is not None else cmath.rect(size, math.radians(degrees))
+        return AMPLITUDE.read(path, [amplitude.real, amplitude.imag])
+
+    def schema(self):
+        return {"type": "string", "pattern": f"^{PHASED.pattern}$"}
+
+
+AMPLITUDE = NUMBER | Phased() | Row((NUMBER, NUMBER), "[real, imaginary part]", _complex)
+
+
+@dataclass(frozen=True)
+class Listed(Rule):
+    """One value or a list that is not empty; ``ranged`` allows ``"START:STOP:N"``, ``distinct`` only a list."""
+
+    each: Rule
+    distinct: bool = False
+    ranged: bool = False
+
+    number = property(lambda self: self.each.number)
+    unit = property(lambda self: self.each.unit)
+
+    def takes(self, value):
+        return entries_of(value) is not None
+
+    def read(self, path, value):
+        if self.ranged and isinstance(value, str) and ":" in value:
+            value = read_range(path, value, self.unit).values
+        entries = entries_of(value)
+        if entries is None:
+            return (self._alone(path, value),)
+        if not entries:
+            raise SceneError(path, "must name at least one value, got an empty list")
+        values = read_each([self.each] * len(entries), path, entries)
+        if self.distinct and len(set(values)) < len(values):
+            raise SceneError(path, f"must differ from each other, got {shown(list(values))}")
+        return values
+
+    def _alone(self, path, value):
+        try:
+            return self.each.read(path, value)
+        except SceneError:
+            if isinstance(value, str) and re.fullmatch(r"\s*[\d.]+\s*(\w+\s*)?(-|\.\.|to)\s*[\d.]+.*", value):
+                raise SceneError(path, f"must be START:STOP:N or a list, got {shown(value)}") from None
+            raise
+
+    expected = property(lambda self: self._several(self.each.expected))
+    range = property(lambda self: self._several(self.each.range))
+
+    def _several(self, each):
+        if self.distinct:
+            return f"a list, all different, each {each}"
+        return f'{each}; one, a list, or "START:STOP:N" (:log)' if self.ranged else f"{each}; one or a list"
+
+    def schema(self):
+        several = {"type": "array", "items": self.each.schema(), "minItems": 1}
+        if self.distinct:
+            return several | {"uniqueItems": True}
+        either = [self.each.schema(), several]
+        if self.ranged:
+            end = rf"\s*{DIGITS}\s*({units(self.unit)})?\s*"
+            either.append({"type": "string", "pattern": rf"^{end}:{end}:\s*\d+\s*(:\s*log\s*)?$"})
+        return {"anyOf": either}

@@ -1,0 +1,176 @@
+"""The rules that a key of a scene obeys: how its value is read, what is allowed, how it is written back.
+
+A rule's ``read(path, value)`` returns the value in SI units, immutable, or raises SceneError; it accepts what
+a TOML file holds and what it returned before.  ``written(value)`` is the inverse, in terms of a TOML document.
+``expected`` says in words what is allowed, ``range`` in fewer, ``schema()`` as JSON Schema (draft 2020-12).
+``Quantity("N") | choice("weight")`` takes what either takes; the rules of numbers are in ``numbers``.
+"""
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from studies.refusal import Refusals, SceneError, resembling, shown
+
+
+class Rule:
+    """What a value may be."""
+
+    expected: str  # as a noun: ``a length in m, positive (a number, or a string such as "5 mm")``
+    words: tuple[str, ...] = ()  # the texts that it takes, if they are few
+    unit = ""  # the SI unit of its numbers
+    number: "Rule | None" = None  # of a single number: a Quantity or a Count; None where it takes none
+    each: "Rule | None" = None  # of the entries of a list
+
+    def read(self, path, value):
+        raise NotImplementedError
+
+    def takes(self, value) -> bool:
+        """Return whether this rule, of several, reads a value or says what is wrong with it."""
+        raise NotImplementedError
+
+    def written(self, value):
+        """Return what a TOML document holds for a value that was read."""
+        if hasattr(value, "to_table"):
+            return value.to_table()
+        if isinstance(value, complex):
+            return [value.real, value.imag]
+        return [self.written(each) for each in value] if isinstance(value, tuple) else value
+
+    @property
+    def range(self) -> str:
+        return self.expected
+
+    def schema(self) -> dict:
+        raise NotImplementedError
+
+    def refusal(self, path, value) -> SceneError:
+        hint = resembling(value, self.words) if isinstance(value, str) and len(self.words) > 1 else ""
+        return SceneError(path, f"must be {self.expected}, got {shown(value)}{hint}")
+
+    def __or__(self, other):
+        return Either((*getattr(self, "rules", (self,)), *getattr(other, "rules", (other,))))
+
+
+@dataclass(frozen=True)
+class Either(Rule):
+    """What one of several rules takes."""
+
+    rules: tuple[Rule, ...]
+
+    def read(self, path, value):
+        for rule in self.rules:
+            if rule.takes(value):
+                return rule.read(path, value)
+        raise self.refusal(path, value)
+
+    def takes(self, value):
+        return any(rule.takes(value) for rule in self.rules)
+
+    expected = property(lambda self: " or ".join(rule.expected for rule in self.rules))
+    range = property(lambda self: ", or ".join(rule.range for rule in self.rules))
+    words = property(lambda self: tuple(word for rule in self.rules for word in rule.words))
+    unit = property(lambda self: next((rule.unit for rule in self.rules if rule.unit), ""))
+    number = property(lambda self: next((rule.number for rule in self.rules if rule.number), None))
+    each = property(lambda self: next((rule.each for rule in self.rules if rule.each), None))
+
+    def schema(self):
+        parts = [rule.schema() for rule in self.rules]
+        return {"anyOf": [each for part in parts for each in part.get("anyOf", [part])]}
+
+
+@dataclass(frozen=True)
+class Plain(Rule):
+    """A value that a test takes as it is."""
+
+    expected: str
+    holds: Callable
+    json: dict
+    words: tuple[str, ...] = ()
+
+    def takes(self, value):
+        return self.holds(value)
+
+    def read(self, path, value):
+        if not self.holds(value):
+            raise self.refusal(path, value)
+        return value
+
+    def schema(self):
+        return dict(self.json)
+
+
+class Count(Plain):
+    """An integer of at least 1."""
+
+    number = property(lambda self: self)
+
+    def __init__(self, most: int):
+        super().__init__(
+            expected=f"an integer from 1 to {most}",
+            holds=lambda value: type(value) is int and 1 <= value <= most,
+            json={"type": "integer", "minimum": 1, "maximum": most},
+        )
+
+
+def choice(*words: str) -> Rule:
+    """Return the rule of one of a few words."""
+    allowed = " or ".join(f'"{word}"' for word in words)
+    return Plain(
+        allowed, lambda value: isinstance(value, str) and value in words, {"enum": list(words)}, words
+    )
+
+
+def signs(allowed: str) -> Rule:
+    """Return the rule of a row of signs, at least one."""
+    return Plain(
+        f"a text of the signs {' '.join(allowed)}",
+        lambda value: isinstance(value, str) and value != "" and not set(value) - set(allowed),
+        {"type": "string", "pattern": f"^[{re.escape(allowed)}]+$"},
+    )
+
+
+TEXT = Plain(
+    "text on one line", lambda value: isinstance(value, str) and value.isprintable(), {"type": "string"}
+)
+FLAG = Plain("true or false", lambda value: isinstance(value, bool), {"type": "boolean"})
+
+
+@dataclass(frozen=True)
+class Named(Rule):
+    """A table of values by name, at least one; read as pairs in the order given."""
+
+    expected: str
+    value: Rule
+
+    def read(self, path, value):
+        value = dict(value) if isinstance(value, tuple) else value
+        if not isinstance(value, dict) or not value:
+            raise self.refusal(path, value)
+        return tuple(
+            zip(value, read_each([self.value] * len(value), path, value.values(), value), strict=True)
+        )
+
+    def written(self, value):
+        return {name: super(Named, self).written(each) for name, each in value}
+
+    def schema(self):
+        return {"type": "object", "minProperties": 1, "additionalProperties": self.value.schema()}
+
+
+def entries_of(value) -> list | None:
+    """Return the entries of a list, an array, a range or a complex number; None of anything else."""
+    if isinstance(value, complex):
+        return [value.real, value.imag]
+    value = value.tolist() if hasattr(value, "tolist") else value
+    return list(value) if isinstance(value, (list, tuple, range)) else None
+
+
+def read_each(rules, path: str, values, names=None) -> tuple:
+    """Return the entries of a list, or of a table with names, as rules read them; every fault is said."""
+    refusals, entries = Refusals(), []
+    for name, rule, value in zip(names or range(len(rules)), rules, values, strict=True):
+        with refusals:
+            entries.append(rule.read(f"{path}.{name}", value))
+    refusals.raise_all()
+    return tuple(entries)

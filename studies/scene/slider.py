@@ -1,0 +1,140 @@
+"""The blocks of a scene that a contact needs: the slider with its damping, and a given surface motion."""
+
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+from studies.scene.block import Block, Within
+from studies.scene.numbers import Listed, Quantity, as_pair, place
+from studies.scene.rule import FLAG, TEXT, Count, choice
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wave(Block):
+    """A given surface motion: u_z and, a quarter period from it, u_x, which at the crest moves towards +x.
+
+    frequency: Frequency of the motion.
+    normal_amplitude: Peak of u_z, one value or a list.
+    tangential_ratio: |u_x| / |u_z|.
+    burst: Length of the driven interval. Absent: the steady state only.
+    """
+
+    block: ClassVar[str] = "wave"
+    frequency: Annotated[float, Quantity("Hz")]
+    normal_amplitude: Annotated[tuple[float, ...], Listed(Quantity("m", zero=True), ranged=True)]
+    tangential_ratio: Annotated[float, Quantity()]
+    burst: Annotated[float | None, Quantity("s")] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Damping(Block):
+    """Losses of the slider's motion; the viscous ones are totals of the slider.
+
+    contact: Hunt-Crossley coefficient chi: a force chi P dz/dt while in contact (R_n1 of Feenstra and Breedveld).
+    normal: Viscous, on the slider's normal velocity (R_n2 of the same).
+    tangential: Viscous, on the slider's velocity along x (R_t of the same).
+    """
+
+    block: ClassVar[str] = "slider.damping"
+    contact: Annotated[float, Quantity("s/m", zero=True)] = 0.0
+    normal: Annotated[float, Quantity("N s/m", zero=True)] = 0.0
+    tangential: Annotated[float, Quantity("N s/m", zero=True)] = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Slider(Block):
+    """A rigid slider on balls or flat punches; mass, forces and viscous dampers are totals.
+
+    position: Of its centre, from the stator's left end, or [x, y], y from the middle of the apertures; required
+        with a stator, absent with a given wave.
+    shape: Of each contact. punch: a rigid flat cylindrical projection, P = 2 a E* z, which slips as a whole.
+    radius: Radius of each ball or punch.
+    mass: Mass of the whole slider.
+    contacts: Places of the balls from the slider's centre, as a list of x or [x, y]; or a number of balls that
+        all stand at its centre.
+    heights: How much further each contact stands out towards the stator, one per place in contacts; absent: all
+        alike.
+    preload: Total normal force, the weight included.
+    gravity: Used by preload = "weight".
+    load: Constant force against the direction in which the unloaded slider moves.
+    friction_coefficient: Coulomb's coefficient mu of ball and stator.
+    effective_modulus: E* of the pair, 1/E* = sum of (1 - nu^2)/E; required unless ball is given.
+    tangential_modulus: G* of the pair, 1/G* = sum of (2 - nu)/G; required unless ball is given.
+    ball: Instead of both moduli: the material of the balls, such as "steel"; not with a given wave.
+    law: Tangential law. elastic: eq. 2 of Feenstra and Breedveld; hysteretic: Mindlin-Deresiewicz, with memory.
+    reciprocal: true: the tangential spring acts back on the normal motion, which closes the energy balance.
+    stick_band: Slip slower than this counts as sticking (DV of Feenstra and Breedveld).
+    method: How the slider's motion is integrated.
+    travel: Whether the orbits change with the slider's place during a burst. Absent: true where it travels more
+        than a tenth of a wavelength.
+    damping: Losses of the slider's motion.
+    """
+
+    block: ClassVar[str] = "slider"
+    position: Annotated[float | tuple[float, float] | None, place()] = None
+    shape: Annotated[str, choice("sphere", "punch")] = "sphere"
+    radius: Annotated[float, Quantity("m")]
+    mass: Annotated[float, Quantity("kg")]
+    contacts: Annotated[
+        int | tuple[float | tuple[float, float], ...],
+        Count(10_000) | Listed(place(negative=True), distinct=True),
+    ]
+    heights: Annotated[tuple[float, ...] | None, Listed(Quantity("m", negative=True))] = None
+    preload: Annotated[float | str, Quantity("N", zero=True) | choice("weight")]
+    gravity: Annotated[float, Quantity("m/s^2", zero=True)] = 9.81
+    load: Annotated[float, Quantity("N", zero=True)] = 0.0
+    friction_coefficient: Annotated[float, Quantity(zero=True)]
+    effective_modulus: Annotated[float | None, Quantity("Pa")] = None
+    tangential_modulus: Annotated[float | None, Quantity("Pa")] = None
+    ball: Annotated[str | None, TEXT] = None
+    law: Annotated[str, choice("elastic", "hysteretic")] = "elastic"
+    reciprocal: Annotated[bool, FLAG] = False
+    stick_band: Annotated[float, Quantity("m/s", zero=True)] = 0.0
+    method: Annotated[str, choice("auto", "exact", "stepped", "averaged")] = "auto"
+    travel: Annotated[bool | None, FLAG] = None
+    damping: Annotated[Damping, Within(Damping)] = Damping()
+
+    def check_punch(self):
+        if self.shape == "punch" and self.law == "hysteretic":
+            yield "law", 'must be "elastic" with shape = "punch", which slips as a whole'
+
+    def check_heights(self):
+        if self.heights is None:
+            return
+        number = 0 if isinstance(self.contacts, int) else len(self.contacts)
+        if number == 0:
+            yield "heights", "needs slider.contacts as a list of places, one per height"
+        elif number != len(self.heights):
+            yield (
+                "heights",
+                f"must hold one height for each of the {number} contacts, got {len(self.heights)}",
+            )
+
+    def check_moduli(self):
+        for key in ("effective_modulus", "tangential_modulus"):
+            if self.ball is not None and getattr(self, key) is not None:
+                yield "ball", f"must not be given together with slider.{key}: they follow from the ball"
+            if self.ball is None and getattr(self, key) is None:
+                yield key, 'is required and missing: give both moduli in Pa, or ball = "steel" instead'
+
+    @property
+    def preload_force(self) -> float:
+        """Total normal force in N, the weight included."""
+        return self.mass * self.gravity if self.preload == "weight" else self.preload
+
+    @property
+    def offsets(self) -> tuple[tuple[float, float], ...]:
+        """Places (x, y) of the contacts from the slider's centre in m; a mere number of them sits at the centre."""
+        if isinstance(self.contacts, int):
+            return ((0.0, 0.0),) * self.contacts
+        return tuple(map(as_pair, self.contacts))
+
+    @property
+    def center(self) -> tuple[float, float]:
+        """Place (x, y) of the slider's centre on the stator, m."""
+        return as_pair(self.position)
+
+    @property
+    def places(self) -> tuple[tuple[float, float], ...]:
+        """Different places (x, y) of the contacts on the stator, m."""
+        x, y = self.center
+        return tuple((x + along, y + across) for along, across in dict.fromkeys(self.offsets))
