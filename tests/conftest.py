@@ -5,6 +5,7 @@ kernels of the contact take about a minute of two processors.  Two processes of 
 are busy with the tests of the field, which need none.
 """
 
+import gc
 import os
 import subprocess
 import sys
@@ -23,6 +24,7 @@ ORDER = (
     "",
 )  # folders, the documentation's examples of the product last
 COMPILERS: list[subprocess.Popen] = []
+gc.disable()  # while the tests are collected: what is made then stays
 
 
 def pytest_configure(config):
@@ -62,6 +64,12 @@ def pytest_unconfigure(config):
     for each in COMPILERS:
         each.kill()
         each.wait()
+
+
+def pytest_collection_finish():
+    """Collect garbage again, but not among the modules and tests that have come together."""
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_collection_modifyitems(items):

@@ -19,7 +19,7 @@ from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord, of_record, study
 
 TAKES_SCENE = True
-QUICK = {"cycles": (256, 512, 1024), "wanted": (2e-8,), "lines": 1}
+QUICK = {"cycles": (1024, 2048), "wanted": (2e-8,), "lines": 1}
 CYCLES = tuple(2**k for k in range(3, 13))
 WANTED = (2e-9, 1e-8, 1e-7)  # m
 FAR = 0.1  # of the steady speed: below it the slider is taken to gain speed evenly
