@@ -5,52 +5,35 @@ velocity positive along +x, SI units. The model is that of Feenstra and Breedvel
 Motor*, with stick and slip as a stop operator. The compiled parts are loaded when first used.
 """
 
-from contact.answers.derivatives import velocity_derivative
-from contact.answers.load_line import LoadLine, blocked_thrust, load_line, mean_traction
-from contact.answers.steady import SteadyState, steady
-from contact.answers.steps import Step, cycles_for, step
-from contact.answers.sweep import MeanMotion, mean_motion, steady_sweep
-from contact.answers.thresholds import (
-    release_amplitude,
-    release_factor,
-    threshold_amplitude,
-    threshold_factor,
-)
-from contact.answers.transient import Trajectory, burst
-from contact.answers.waveforms import History, contact_history
-from contact.convergence import ConvergenceError
-from contact.envelope import Envelope
-from contact.jit import kernels
-from contact.orbit import Orbit
-from contact.slider import Slider
-from contact.solve.riding import riding_height
+from importlib import import_module
 
-__all__ = [
-    "ConvergenceError",
-    "Envelope",
-    "History",
-    "LoadLine",
-    "MeanMotion",
-    "Orbit",
-    "Slider",
-    "SteadyState",
-    "Step",
-    "Trajectory",
-    "blocked_thrust",
-    "burst",
-    "contact_history",
-    "cycles_for",
-    "kernels",
-    "load_line",
-    "mean_motion",
-    "mean_traction",
-    "release_amplitude",
-    "release_factor",
-    "riding_height",
-    "steady",
-    "steady_sweep",
-    "step",
-    "threshold_amplitude",
-    "threshold_factor",
-    "velocity_derivative",
-]
+# Public names by the module that defines them.
+_PUBLIC = {
+    "answers.derivatives": "velocity_derivative",
+    "answers.load_line": "blocked_thrust load_line LoadLine mean_traction",
+    "answers.steady": "steady SteadyState",
+    "answers.steps": "cycles_for Step step",
+    "answers.sweep": "mean_motion MeanMotion steady_sweep",
+    "answers.thresholds": "release_amplitude release_factor threshold_amplitude threshold_factor",
+    "answers.transient": "burst Trajectory",
+    "answers.waveforms": "contact_history History",
+    "convergence": "ConvergenceError",
+    "envelope": "Envelope",
+    "jit": "kernels",
+    "orbit": "Orbit",
+    "slider": "Slider",
+    "solve.riding": "riding_height",
+}
+_HOME = {name: module for module, names in _PUBLIC.items() for name in names.split()}
+__all__ = sorted(_HOME)
+
+
+def __getattr__(name: str):
+    """Import a public name from its module when it is first asked for: importing the package stays cheap."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'contact' has no attribute {name!r}")
+    return getattr(import_module(f"contact.{_HOME[name]}"), name)
+
+
+def __dir__():
+    return __all__

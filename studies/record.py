@@ -19,23 +19,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
-@dataclass(frozen=True, kw_only=True)
-class Motion:
-    """Motion of the slider over a burst, as ``trajectory.csv`` keeps it.
-
-    Attributes
-    ----------
-    time : ndarray, shape (k,)
-        s from the start of the burst.
-    velocity : ndarray, shape (k,)
-        Of the slider, m/s.
-    position : ndarray, shape (k,)
-        Normal position of the slider, m.
-    """
-
-    time: "np.ndarray"
-    velocity: "np.ndarray"
-    position: "np.ndarray"
+# Of run.json, in their order, and attributes of a record
+BLOCKS = (
+    "tolerance", "wave", "electrical", "points", "summary", "uncertainty", "measured", "error", "model_error",
+    "warnings", "seconds", "left_out", "shortfall",
+)  # fmt: skip
+USUAL = ("voltage_V", "normal_amplitude_m", "tangential_amplitude_m", "velocity_m_per_s", "relative_error")
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -130,24 +119,8 @@ class Record:
         RunError
             Naming the first value that is not finite.
         """
-        whole = {
-            "title": self.scene.title,
-            "scene": self.scene.to_table(),
-            "tolerance": self.tolerance,
-            "wave": self.wave,
-            "electrical": self.electrical,
-            "points": self.points,
-            "summary": self.summary,
-            "uncertainty": self.uncertainty,
-            "measured": self.measured,
-            "error": self.error,
-            "model_error": self.model_error,
-            "warnings": self.warnings,
-            "seconds": self.seconds,
-            "left_out": self.left_out,
-            "shortfall": self.shortfall,
-            "provenance": self.versions or provenance(),
-        }
+        whole = {"title": self.scene.title, "scene": self.scene.to_table()}
+        whole |= {key: getattr(self, key) for key in BLOCKS} | {"provenance": self.versions or provenance()}
         return {key: plain(key, value) for key, value in whole.items() if key == "title" or value}
 
     @property
@@ -200,16 +173,10 @@ class Record:
         """
         import numpy as np
 
-        usual = (
-            "voltage_V",
-            "normal_amplitude_m",
-            "tangential_amplitude_m",
-            "velocity_m_per_s",
-            "relative_error",
-        )
         known = {name for point in self.points for name, value in point.items() if not isinstance(value, str)}
-        if key not in known and key not in usual:
-            raise SceneError(key, f"is no number of the points{nearest(key, sorted(known | set(usual)))}")
+        known |= {*USUAL}
+        if key not in known:
+            raise SceneError(key, f"is no number of the points{nearest(key, sorted(known))}")
         return np.array([point.get(key, math.nan) for point in self.points], dtype=float)
 
     def _texts(self, key: str) -> "np.ndarray":

@@ -21,34 +21,15 @@ from studies.scene import Scene
 COMMON_ARGUMENTS = """\
 ``scene`` is a path, a shipped name or a `Scene` that has what the study asks about; ``progress`` is a callable that is
 told what is being done."""
-# name of a study: the package that holds it
-STUDIES = {
-    "voltage_to_velocity": "motor",
-    "rayleigh": "evidence",
-    "seed_figures": "papers",
-    "admittance": "stator",
-    "beam": "stator",
-    "frequency_response": "stator",
-    "dispersion": "stator",
-    "regime_map": "motor",
-    "load_line": "motor",
-    "stroke": "motor",
-    "step_planner": "motor",
-    "design_map": "motor",
-    "sensitivity": "inverse",
-    "contact_error_vs_time": "evidence",
-    "cell_parameters": "stator",
-    "p_matrix": "stator",
-    "network": "stator",
-    "fem_error_vs_time": "evidence",
-    "gallery": "motor",
-    "published_motors": "papers",
-    "published_stators": "papers",
-    "error_vs_time": "evidence",
-    "calibration": "evidence",
-    "stability": "evidence",
-    "left_out": "evidence",
-}
+# every study, in the order of the list that a user sees, after the package that holds it
+_HOMES = """
+    motor.voltage_to_velocity evidence.rayleigh papers.seed_figures stator.admittance stator.beam
+    stator.frequency_response stator.dispersion motor.regime_map motor.load_line motor.stroke motor.step_planner
+    motor.design_map inverse.sensitivity evidence.contact_error_vs_time stator.cell_parameters stator.p_matrix
+    stator.network evidence.fem_error_vs_time motor.gallery papers.published_motors papers.published_stators
+    evidence.error_vs_time evidence.calibration evidence.stability evidence.left_out
+"""
+STUDIES = {name: package for package, name in (each.split(".") for each in _HOMES.split())}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,24 +43,24 @@ class Finding:
     confirmed: bool  # whether it does
     remark: str = ""  # what to know about it
 
-    @staticmethod
-    def judged(
-        statement, quantity, found, *, low=-math.inf, high=math.inf, holds=True, expected="", remark=""
-    ):
-        """Return the finding that a number lies between two others, both excluded, and something else holds too."""
-        bounds = f"below {high:g}" if low == -math.inf else f"above {low:g}"
-        if math.isfinite(low) and math.isfinite(high):
-            bounds = f"between {low:g} and {high:g}"
-        return Finding(
-            statement=statement, quantity=quantity, expected=expected or bounds, found=float(found),
-            confirmed=bool(low < found < high and holds), remark=remark,
-        )  # fmt: skip
-
     def __str__(self):
         verdict = "confirmed" if self.confirmed else "contradicted"
         remark = f"\n    {self.remark}" if self.remark else ""
         numbers = f"{self.quantity}: {self.found:.6g}, expected {self.expected}: {verdict}"
         return f"{self.statement}\n    {numbers}{remark}"
+
+
+def judged(
+    statement, quantity, found, *, low=-math.inf, high=math.inf, holds=True, expected="", remark=""
+) -> Finding:
+    """Return the finding that a number lies between two others, both excluded, and something else holds too."""
+    bounds = f"below {high:g}" if low == -math.inf else f"above {low:g}"
+    if math.isfinite(low) and math.isfinite(high):
+        bounds = f"between {low:g} and {high:g}"
+    return Finding(
+        statement=statement, quantity=quantity, expected=expected or bounds, found=float(found),
+        confirmed=bool(low < found < high and holds), remark=remark,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,16 +92,12 @@ class StudyRecord:
 
     def to_dict(self) -> dict:
         """Return what study.json holds."""
-        findings = [vars(finding) for finding in self.findings]
-        panels = {panel.name: {"title": panel.title, **panel.data} for panel in self.panels}
         whole = {
-            "name": self.name,
-            "question": question(self.name),
-            "findings": findings,
-            "panels": panels,
-            "seconds": self.seconds,
-            "provenance": provenance(),
-        }
+            "name": self.name, "question": question(self.name),
+            "findings": [vars(finding) for finding in self.findings],
+            "panels": {panel.name: {"title": panel.title, **panel.data} for panel in self.panels},
+            "seconds": self.seconds, "provenance": provenance(),
+        }  # fmt: skip
         return {key: plain(key, value) for key, value in whole.items()}
 
     def __str__(self):
@@ -213,18 +190,17 @@ def run_study(
     small version, with the arguments in the module's ``QUICK``.
     """
     chosen = module(name)
-    if over and not getattr(chosen, "TAKES_AXES", False):
+    taken = signature(chosen.run).parameters
+    if over and "over" not in taken:
         raise SceneError("--over", f"is not taken by the study {name}")
     for option in options or {}:
         if option not in getattr(chosen, "OPTIONS", ()):
             raise SceneError(f"--{option}", f"is not taken by the study {name}")
-    options = (
-        ({"over": over} if over else {}) | (getattr(chosen, "QUICK", {}) if quick else {}) | (options or {})
-    )
-    if scene is not None and not getattr(chosen, "TAKES_SCENE", False):
+    if scene is not None and "scene" not in taken:
         raise SceneError("study", f"{name} has its own scenes and takes none")
-    scenes = () if scene is None else (scene,)
-    record = chosen.run(*scenes, progress=progress, **options)
+    given = ({} if scene is None else {"scene": scene}) | ({"over": over} if over else {})
+    given |= (getattr(chosen, "QUICK", {}) if quick else {}) | (options or {})
+    record = chosen.run(progress=progress, **given)
     if isinstance(record, Record):
         from studies.report.files import write_run
 

@@ -60,6 +60,10 @@ class CrossedBeam:
         """Of the first row's section."""
         return self.beams[0].wave
 
+    def in_section(self, x: float, y: float) -> float:
+        """Where a place in m lies on the line of the section `wave`, m."""
+        return float(self.rows[0].local(x, y)[0])
+
     @property
     def surface_mode(self) -> "CrossedBeam":
         """The part of the field that the surface wave alone carries."""

@@ -145,6 +145,15 @@ class SurfaceBeam:
         return fine, rule + (np.maximum(size, section) * self.wave.relative_error + left_out) / size
 
     @property
+    def length(self) -> float:
+        """Of the surface, m."""
+        return self.wave.length
+
+    def in_section(self, x: float, y: float) -> float:
+        """Where a place in m lies on the line of the section `wave`, m."""
+        return x
+
+    @property
     def circuit(self) -> Circuit:
         """Voltages and currents that belong to the motion."""
         return self.solution.circuit

@@ -69,6 +69,14 @@ class ColumnField:
             out[:, element * order : (element + 1) * order + 1, columns] = shaped
         return out
 
+    def surface_motion(self, sides: np.ndarray) -> np.ndarray:
+        """u_x and u_z at the surface's nodes, shape (order + 1, 2, places)."""
+        section, fields = self.column.section, [FIELD_COLUMN["ux"], FIELD_COLUMN["uz"]]
+        corner = section.dofs[section.surface, fields]
+        between = self.column.faces[section.surface // section.order][:, fields] - len(sides)
+        inside = self.column.faces_from[between] @ sides
+        return np.concatenate([sides[None, corner], inside, sides[None, corner + section.size]])
+
 
 def finger_dipole(cell: Superelement) -> np.ndarray:
     """First moment of the reactions on a cell's only finger about its middle, length units, (2 n + 1,).

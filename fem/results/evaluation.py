@@ -130,22 +130,22 @@ def column_fields(solution: Solution, index: int):
 
 
 def columns_in_row(
-    solution: Solution, index: int, nodes: int | slice
+    solution: Solution, index: int, of: Callable[[ColumnField, np.ndarray], np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Columns of a transducer or an end from left to right: left edges and widths (m), fields at their nodes.
+    """Columns of a transducer or an end from left to right: left edges and widths (m), fields (columns, ...).
 
-    ``nodes`` of the section; fields of shape (columns, order + 1 along x, nodes, 4), without the third axis for one.
+    ``of``: recovery and sides of some columns -> their fields, shape (..., columns).
     """
     starts, widths, values = [], [], []
     for recovery, left, sides in column_fields(solution, index):
         starts.append(left)
         widths.append(np.full(len(left), recovery.column.width * solution.fields.section.length_unit))
-        values.append(np.moveaxis(recovery.values(sides)[:, nodes], -1, 0))
+        values.append(np.moveaxis(of(recovery, sides), -1, 0))
     in_row = np.argsort(np.concatenate(starts))
     return tuple(np.concatenate(each)[in_row] for each in (starts, widths, values))
 
 
 def _surface_columns(solution: Solution, index: int) -> tuple[np.ndarray, np.ndarray]:
     """Edges of the columns of a transducer or an end (m), and u_x and u_z at their surface nodes, left to right."""
-    start, width, values = columns_in_row(solution, index, solution.fields.section.full.surface)
-    return np.append(start, start[-1] + width[-1]), values[..., [0, 2]]
+    start, width, motion = columns_in_row(solution, index, ColumnField.surface_motion)
+    return np.append(start, start[-1] + width[-1]), motion

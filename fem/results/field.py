@@ -236,7 +236,9 @@ def _in_columns(solution: Solution, index: int, *, slopes: bool):
     """Lines of a transducer's or an end's columns in m, fields there (lines, nodes, 4), and x derivatives per m."""
     section = solution.fields.section.full
     order = section.order
-    start, width, values = columns_in_row(solution, index, section.body)
+    start, width, values = columns_in_row(
+        solution, index, lambda column, sides: column.values(sides)[:, section.body]
+    )
     nodes = gll_nodes(order)
     x = np.append((start[:, None] + width[:, None] * nodes[:-1]).ravel(), start[-1] + width[-1])
     along = None

@@ -8,22 +8,14 @@ dampers (the Hunt-Crossley coefficient, per contact already, stays): a mere numb
 as one.
 """
 
-import fem
-from studies.scene import Scene, resolved
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from studies.record import Record
+from studies.scene import Scene
 from studies.scene.slider import Slider, Wave
-
-
-def driven_section(scene: Scene, *, tolerance: float, places=(), progress=None):
-    """Return the `fem.SurfaceWave` of a scene's driven section; `places` are x in m."""
-    return fem.driven_wave(
-        resolved.stator(scene.stator),
-        resolved.section_row(scene),
-        frequency=scene.frequency,
-        drive=resolved.drive(scene),
-        tolerance=tolerance,
-        places=tuple(places),
-        progress=progress,
-    )
 
 
 def orbits_per_volt(motion, slider: Slider) -> tuple:
@@ -31,31 +23,27 @@ def orbits_per_volt(motion, slider: Slider) -> tuple:
 
     ``motion``: a `studies.chain.surface_motion.SurfaceMotion`.
     """
+    return _orbits(motion.wave.frequency, motion.at(slider.places))
+
+
+def _orbits(frequency: float, motion) -> tuple:
+    """Return the orbits of u_x, u_y and u_z, shape (3, balls)."""
     from contact import Orbit
 
-    tangential, _, normal = motion.at(slider.places)
     return tuple(
-        Orbit(frequency=motion.wave.frequency, normal=complex(u_z), tangential=complex(u_x))
-        for u_x, u_z in zip(tangential, normal, strict=True)
+        Orbit(frequency=frequency, normal=complex(u_z), tangential=complex(u_x)) for u_x, _, u_z in motion.T
     )
 
 
 def wave_along(motion, slider: Slider):
     """Return the orbits under a slider that moves along x, a `studies.chain.travel.WaveAlong`, per volt."""
-    from contact import Orbit
     from studies.chain.travel import WaveAlong
 
     wave, places = motion.wave, slider.places
 
     def orbits(displacements):
-        balls = [motion.along(x + displacements, y) for x, y in places]
-        return [
-            tuple(
-                Orbit(frequency=wave.frequency, normal=complex(each[2, k]), tangential=complex(each[0, k]))
-                for each in balls
-            )
-            for k in range(len(displacements))
-        ]
+        balls = np.array([motion.along(x + displacements, y) for x, y in places])
+        return [_orbits(wave.frequency, at.T) for at in np.moveaxis(balls, 2, 0)]
 
     behind, ahead = min(x for x, _ in places), max(x for x, _ in places)
     return WaveAlong(
@@ -75,6 +63,7 @@ def scaled(orbits: tuple, level: float) -> tuple:
     return tuple(orbit.scaled(level) for orbit in orbits)
 
 
+@lru_cache(10_000)  # of a sweep's points many have the same
 def contact_slider(slider: Slider):
     """Return the ``contact.Slider`` of a block whose preload and moduli are numbers."""
     import contact
@@ -97,3 +86,92 @@ def contact_slider(slider: Slider):
         shape=slider.shape,
         heights=slider.heights or (),
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrivenContact:
+    """A slider and the surface motion that drives it: what the contact's solvers are asked about."""
+
+    scene: Scene  # as resolved
+    # Under the balls for a level of 1: 1 V of the source, or 1 m of given amplitude
+    orbits: tuple = field(repr=False)
+    amplitudes: tuple[float, float]  # |u_z| and |u_x| under the slider's centre for a level of 1, m
+    stator_error: float = 0.0  # of the orbits, relative
+    ringing: object = None  # how they grow during a burst, a `studies.chain.ring_up.RingUp`
+    along: object = None  # how they change with the slider's place, a `studies.chain.travel.WaveAlong`
+    record: Record | None = field(default=None, repr=False)  # of the run that solved the stator
+
+    @classmethod
+    def given(cls, scene: Scene, record: Record | None = None) -> "DrivenContact":
+        """Return the contact of a resolved scene with a given wave."""
+        amplitudes = 1.0, scene.wave.tangential_ratio
+        return cls(scene=scene, orbits=given_orbits(scene.wave), amplitudes=amplitudes, record=record)
+
+    @classmethod
+    def of_motion(cls, scene: Scene, motion, **given) -> "DrivenContact":
+        """Return the contact on a `studies.chain.surface_motion.SurfaceMotion`; ``given``: more of the fields."""
+        tangential, _, normal = map(float, abs(motion.at([scene.slider.center])[:, 0]))
+        given.setdefault("stator_error", motion.relative_error(scene.slider.places))
+        orbits = orbits_per_volt(motion, scene.slider)
+        return cls(scene=scene, orbits=orbits, amplitudes=(normal, tangential), **given)
+
+    @classmethod
+    def of_run(cls, record: Record) -> "DrivenContact":
+        """Return the contact of a run that has a slider."""
+        if record.scene.wave is not None:
+            return cls.given(record.scene, record)
+        error = float(record.wave["relative_error"])
+        return cls.of_motion(record.scene, record.surface_motion, stator_error=error, record=record)
+
+    @cached_property
+    def slider(self):
+        """The `contact.Slider`."""
+        return contact_slider(self.scene.slider)
+
+    @property
+    def amplitude(self) -> float:
+        """Normal amplitude |u_z| under the slider's centre for a level of 1, m."""
+        return self.amplitudes[0]
+
+    @property
+    def levels(self) -> tuple[float, ...]:
+        """The scene's voltages in V or given amplitudes in m, above 0 and rising."""
+        return tuple(sorted({level for level in self.scene.levels if level > 0.0}))
+
+    @property
+    def level_key(self) -> str:
+        """Key of the levels in a scene."""
+        return "wave.normal_amplitude" if self.scene.wave is not None else "drive.voltage"
+
+    def at(self, level: float) -> tuple:
+        """Return the orbits at a voltage in V or a given amplitude in m."""
+        return scaled(self.orbits, level)
+
+    def named(self, level: float) -> str:
+        """Return a level with its unit."""
+        return f"{level * 1e9:.4g} nm" if self.scene.wave is not None else f"{level:.4g} V"
+
+    def above(self, factor: float) -> tuple[float, ...]:
+        """Return the levels above a multiple of the threshold, at which the slider starts to move.
+
+        Raises
+        ------
+        SceneError
+            If there is none.
+        """
+        import contact
+
+        threshold = factor * contact.threshold_factor(self.slider, self.orbits)
+        moving = tuple(level for level in self.levels if level > threshold)
+        if not moving:
+            what = "the threshold" if factor == 1.0 else f"{factor:g} times the threshold"
+            self.scene.refuse(
+                self.level_key,
+                f"must hold a value above {what}, {self.named(threshold)}: nothing moves below",
+            )
+        return moving
+
+    def spread(self, factor: float, count: int) -> list[float]:
+        """Return at most a count of the levels above a multiple of the threshold, evenly chosen, the last included."""
+        moving = self.above(factor)
+        return sorted({moving[round(k * (len(moving) - 1) / count)] for k in range(1, count + 1)})

@@ -1,6 +1,7 @@
 """How large the effects are that the model leaves out, for one run: closed forms, apart from the numerical error.
 
-Each function takes the record of a run and yields effects; none where the effect does not arise or is not neglected.
+Each function takes the record of a run and yields effect, quantity, size and source; nothing where the effect does
+not arise or is not neglected.
 A size is a share of the quantity named with it, unless that has a unit.  Estimates hold to a factor of about 2.
 
 Sources: side faces: `fem.surface_beam`; finite aperture: Fresnel's integral of a slit (Goodman, Introduction to Fourier
@@ -11,7 +12,7 @@ Radiation of a contact: load on a half-space (Miller and Pursey, Proc. R. Soc. A
 
 import math
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import replace
 
 import fem
 from studies.chain import bridge
@@ -28,83 +29,63 @@ POINT_ADMITTANCE = 0.93  # of Re(v / F) 2 pi mu c_T / omega^2, all waves togethe
 ALUMINIUM, FILM = 2700.0, 100e-9  # kg/m3, m
 
 
-@dataclass(frozen=True, kw_only=True)
-class NeglectedEffect:
-    """An effect that the model leaves out."""
-
-    effect: str
-    quantity: str  # what it changes
-    size: float  # estimated change, a share of the quantity, or in the quantity's unit
-    source: str  # where the estimate comes from
+Rows = Iterator[tuple[str, str, float, str]]
+# What an effect changes, by which share (or in the quantity's unit), and where the estimate comes from
+KEYS = ("effect", "quantity", "size", "source")
 
 
 def model_error(record: Record) -> tuple[dict, ...]:
     """Return the neglected effects of a run with a driven stator, as in run.json."""
     if record.surface_wave is None:
         return ()
-    found: list[NeglectedEffect] = []
+    rows: list[tuple] = []
     for each in (_aperture, _finger_ends, _vacuum, _electrode_mass, _contact, _travel, _power):
-        found += each(record)
-    return tuple(asdict(each) for each in found if math.isfinite(each.size))
+        rows += each(record)
+    return tuple(dict(zip(KEYS, row, strict=True)) for row in rows if math.isfinite(row[2]))
 
 
-def _places(record: Record) -> list[tuple[float, float]]:
-    slider, length = record.scene.slider, record.scene.stator.length
-    return [(length / 2, 0.0)] if slider is None else list(slider.places)
+def _wavelength(record: Record) -> float:
+    """Return the wavelength of the surface wave, m."""
+    return record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
 
 
-def _aperture(record: Record) -> Iterator[NeglectedEffect]:
+def _aperture(record: Record) -> Rows:
     """Yield what the finite aperture or, where it counts, the side faces do to u_z: the worst over the contacts."""
-    motion, places = record.surface_motion, _places(record)
+    motion, slider, block = record.surface_motion, record.scene.slider, record.scene.stator
+    places = [(block.length / 2, 0.0)] if slider is None else list(slider.places)
     if any(motion.covered(place) for place in places):
         return
     if motion.beam is None:
-        yield NeglectedEffect(
-            effect="finite aperture",
-            quantity="u_z",
-            size=max((fresnel_ratio(record, *place) - 1 for place in places), key=abs),
-            source="Fresnel's integral of the driven aperture",
-        )
+        worst = max((fresnel_ratio(record, *place) - 1 for place in places), key=abs)
+        yield "finite aperture", "u_z", worst, "Fresnel's integral of the driven aperture"
         return
     if record.scene.crossed:
         yield from _crossed(record, places)
         return
-    block = record.scene.stator
     other = replace(motion.beam, mirror_width=None if block.mirror_width else block.width)
     ratios = abs(other.motion(*zip(*places, strict=True))[2] / motion.at(places)[2])
-    yield NeglectedEffect(
-        effect="side faces",
-        quantity="u_z",
-        size=max((float(each) - 1 for each in ratios), key=abs),
-        source="the beam between side faces that reflect it as mirrors against none, or the other way round",
-    )
+    worst = max((float(each) - 1 for each in ratios), key=abs)
+    how = "the beam between side faces that reflect it as mirrors against none, or the other way round"
+    yield "side faces", "u_z", worst, how
 
 
-def _crossed(record: Record, places) -> Iterator[NeglectedEffect]:
+def _crossed(record: Record, places) -> Rows:
     """Yield what is left out where beams cross: images in the side faces, and metal in one another's way."""
     beam, (x, y) = record.surface_motion.beam, zip(*places, strict=True)
-    here = abs(beam.motion(x, y)[2])
-    yield NeglectedEffect(
-        effect="side faces",
-        quantity="u_z",
-        size=float((beam.first_images(x, y) / here).max()),
-        source="first images of the beams in both side faces, as if these reflected everything and in phase",
-    )
-    solid = resolved.solid(record.scene.stator)
+    here, solid = abs(beam.motion(x, y)[2]), resolved.solid(record.scene.stator)
+    images = float((beam.first_images(x, y) / here).max())
+    how = "first images of the beams in both side faces, as if these reflected everything and in phase"
+    yield "side faces", "u_z", images, how
     bare, metal = (fem.rayleigh(solid, surface).velocity for surface in ("open", "metallised"))
-    yield NeglectedEffect(
-        effect="metal of the transducers in the way of crossing beams",
-        quantity="u_z",
-        size=float(beam.shadowed(1 - metal / bare) / here.min()),
-        source="phase that a beam gains along the fingers it crosses, by the velocities with and without metal",
-    )
+    turned = float(beam.shadowed(1 - metal / bare) / here.min())
+    how = "phase that a beam gains along the fingers it crosses, by the velocities with and without metal"
+    yield "metal of the transducers in the way of crossing beams", "u_z", turned, how
 
 
 def fresnel_ratio(record: Record, x: float, y: float = 0.0) -> float:
     """Return `slit_ratio` of the driven transducer at a place: m from the stator's left end, and from its axis."""
     driven = record.scene.driven_transducer
-    wavelength = record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
-    return slit_ratio(driven.aperture, wavelength, abs(x - driven.place[0]), y)
+    return slit_ratio(driven.aperture, _wavelength(record), abs(x - driven.place[0]), y)
 
 
 def slit_ratio(aperture: float, wavelength: float, distance: float, lateral: float = 0.0) -> float:
@@ -129,40 +110,28 @@ def slit_ratio(aperture: float, wavelength: float, distance: float, lateral: flo
     return math.hypot(above_sine - below_sine, above_cosine - below_cosine) / math.sqrt(2)
 
 
-def _finger_ends(record: Record) -> Iterator[NeglectedEffect]:
+def _finger_ends(record: Record) -> Rows:
     """Yield what the charges leave out: how they vary along the fingers, and that these end where it is left out."""
     driven, beam = record.scene.driven_transducer, record.surface_motion.beam
     responds = beam is not None and record.scene.stator.ends == "absorbing"
     responds = responds and fem.isotropic_about_normal(resolved.solid(record.scene.stator))
-    yield NeglectedEffect(
-        effect="charge at the finger ends",
-        quantity="the aperture",
-        size=2 * (FINGER_END - responds * UNIFORM_END) * driven.period / driven.aperture,
-        source="static field of an endless comb that ends, without busbars",
-    )
+    longer = 2 * (FINGER_END - responds * UNIFORM_END) * driven.period / driven.aperture
+    how = "static field of an endless comb that ends, without busbars"
+    yield "charge at the finger ends", "the aperture", longer, how
     if beam is not None and not responds:
-        wavelength = record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
-        yield NeglectedEffect(
-            effect="a transducer's response to the finite aperture of its own charges",
-            quantity="its conductance",
-            size=-OWN_APERTURE * wavelength / driven.aperture,
-            source="surface wave that given charges send to all sides, in a solid isotropic about its normal",
-        )
+        effect = "a transducer's response to the finite aperture of its own charges"
+        lost = -OWN_APERTURE * _wavelength(record) / driven.aperture
+        how = "surface wave that given charges send to all sides, in a solid isotropic about its normal"
+        yield effect, "its conductance", lost, how
 
 
-def _vacuum(record: Record) -> Iterator[NeglectedEffect]:
-    if record.scene.stator.above != "none":
-        return
-    from fem import VACUUM_PERMITTIVITY
-
-    permittivity = resolved.solid(record.scene.stator).permittivity
-    within = permittivity[0, 0] * permittivity[2, 2] - permittivity[0, 2] ** 2
-    yield NeglectedEffect(
-        effect="vacuum above the surface",
-        quantity="the capacitance",
-        size=VACUUM_PERMITTIVITY / math.sqrt(within),
-        source="strips on a half-space: capacitance in proportion to eps_0 + eps_p",
-    )
+def _vacuum(record: Record) -> Rows:
+    if record.scene.stator.above == "none":
+        permittivity = resolved.solid(record.scene.stator).permittivity
+        within = permittivity[0, 0] * permittivity[2, 2] - permittivity[0, 2] ** 2
+        how = "strips on a half-space: capacitance in proportion to eps_0 + eps_p"
+        share = fem.VACUUM_PERMITTIVITY / math.sqrt(within)
+        yield "vacuum above the surface", "the capacitance", share, how
 
 
 def _amplitude_per_power(record: Record) -> float | None:
@@ -170,20 +139,13 @@ def _amplitude_per_power(record: Record) -> float | None:
 
     P is half of the power taken in, u_z the surface mode's half a wavelength beside the driven fingers.
     """
-    scene = record.scene
+    scene, wave, power = record.scene, record.surface_wave, record.electrical["power_W_per_V2"]
     driven = resolved.driven(scene)
     if scene.crossed:  # in the section's own axes
-        driven = next(
-            each
-            for each in record.surface_motion.beam.rows[0].transducers
-            if scene.drive.driven.get(each.name)
-        )
-    wavelength = record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
-    left, right = driven.extent
-    beside = (
-        right + wavelength / 2 if driven.center < record.surface_wave.length / 2 else left - wavelength / 2
-    )
-    wave, power = record.surface_wave, record.electrical["power_W_per_V2"]
+        row = record.surface_motion.beam.rows[0].transducers
+        driven = next(each for each in row if scene.drive.driven.get(each.name))
+    (left, right), apart = driven.extent, _wavelength(record) / 2
+    beside = right + apart if driven.center < wave.length / 2 else left - apart
     within = 0 <= beside <= wave.length and not wave.covered(beside)
     several = "sources" in record.electrical
     if several or scene.stator.ends != "absorbing" or not within or not power > 0:
@@ -192,76 +154,50 @@ def _amplitude_per_power(record: Record) -> float | None:
     return float(abs(wave.rayleigh_motion(beside)[1])) / math.sqrt(per_width / record.wave["frequency_Hz"])
 
 
-def _electrode_mass(record: Record) -> Iterator[NeglectedEffect]:
-    constant = _amplitude_per_power(record)
+def _electrode_mass(record: Record) -> Rows:
+    constant, wave = _amplitude_per_power(record), record.wave
     if constant is None:
         return
-    wave = record.wave
     omega = 2 * math.pi * wave["frequency_Hz"]
-    motion = (
-        constant**2 / wave["frequency_Hz"] * (1 + wave["surface_ratio"] ** 2)
-    )  # |u|^2 per power and width
-    yield NeglectedEffect(
-        effect="mass of 100 nm aluminium on the fingers",
-        quantity="the velocity under them",
-        size=-wave["phase_velocity_m_per_s"] / 4 * ALUMINIUM * FILM * omega**2 * motion,
-        source="first-order perturbation",
-    )
+    # |u|^2 per power and width
+    motion = constant**2 / wave["frequency_Hz"] * (1 + wave["surface_ratio"] ** 2)
+    slower = -wave["phase_velocity_m_per_s"] / 4 * ALUMINIUM * FILM * omega**2 * motion
+    effect = "mass of 100 nm aluminium on the fingers"
+    yield effect, "the velocity under them", slower, "first-order perturbation"
 
 
-def _contact(record: Record) -> Iterator[NeglectedEffect]:
+def _contact(record: Record) -> Rows:
     slider = record.scene.slider
     if slider is None or not slider.preload > 0:
         return
-    solid = resolved.solid(record.scene.stator)
-    count = len(slider.offsets)
+    solid, count = resolved.solid(record.scene.stator), len(slider.offsets)
     share, omega = slider.preload / count, 2 * math.pi * record.wave["frequency_Hz"]
     body, places = bridge.contact_slider(slider), 1 if isinstance(slider.contacts, int) else count
     stiffness = (2 * math.pi * body.normal_resonance(places)) ** 2 * body.mass / places
     shear = float(solid.stiffness[4, 4])
-    yield NeglectedEffect(
-        effect="radiation of a contact into the stator",
-        quantity="the contact's elastic force",
-        size=stiffness * POINT_ADMITTANCE * omega / (2 * math.pi * shear * math.sqrt(shear / solid.density)),
-        source="point load on an isotropic half-space, nu = 1/4",
-    )
+    sent = stiffness * POINT_ADMITTANCE * omega / (2 * math.pi * shear * math.sqrt(shear / solid.density))
+    effect, how = "radiation of a contact into the stator", "point load on an isotropic half-space, nu = 1/4"
+    yield effect, "the contact's elastic force", sent, how
     constant = _amplitude_per_power(record)
-    if constant is None:
-        return
-    sizes = []
-    for point in record.points:
-        if point["normal_amplitude_m"] > 0:
-            force = min(stiffness * point["normal_amplitude_m"], 2 * share)
-            sizes.append(count * force / point["normal_amplitude_m"])
-    if sizes:
-        yield NeglectedEffect(
-            effect="load of the slider on the wave",
-            quantity="u_z",
-            size=math.pi / 2 * max(sizes) * constant**2 / record.scene.driven_transducer.aperture,
-            source="reciprocity with the surface wave; first harmonic of the force at most twice the preload",
-        )
+    moved = [size for point in record.points if (size := point["normal_amplitude_m"]) > 0]
+    if constant is not None and moved:
+        most = max(count * min(stiffness * size, 2 * share) / size for size in moved)
+        load = math.pi / 2 * most * constant**2 / record.scene.driven_transducer.aperture
+        how = "reciprocity with the surface wave; first harmonic of the force at most twice the preload"
+        yield "load of the slider on the wave", "u_z", load, how
 
 
-def _travel(record: Record) -> Iterator[NeglectedEffect]:
-    scene = record.scene
+def _travel(record: Record) -> Rows:
+    scene, ratio = record.scene, record.wave["standing_wave_ratio"]
     if scene.slider is None or scene.burst is None or any("travel_m" in point for point in record.points):
         return
     fastest = max((abs(point.get("velocity_m_per_s", 0.0)) for point in record.points), default=0.0)
-    wavelength = record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"]
-    ratio = record.wave["standing_wave_ratio"]
-    if fastest * scene.burst > wavelength / 4:
-        yield NeglectedEffect(
-            effect="travel of the slider along the rippled field",
-            quantity="u_z",
-            size=(ratio - 1) / (ratio + 1),
-            source="standing-wave ratio, over a travel of more than a quarter of a wavelength",
-        )
+    if fastest * scene.burst > _wavelength(record) / 4:
+        how = "standing-wave ratio, over a travel of more than a quarter of a wavelength"
+        effect = "travel of the slider along the rippled field"
+        yield effect, "u_z", (ratio - 1) / (ratio + 1), how
 
 
-def _power(record: Record) -> Iterator[NeglectedEffect]:
-    yield NeglectedEffect(
-        effect="heating of the stator",
-        quantity="power taken in at the highest voltage, in W",
-        size=record.electrical["power_W_per_V2"] * max(record.scene.levels, default=0.0) ** 2,
-        source="admittance",
-    )
+def _power(record: Record) -> Rows:
+    power = record.electrical["power_W_per_V2"] * max(record.scene.levels, default=0.0) ** 2
+    yield "heating of the stator", "power taken in at the highest voltage, in W", power, "admittance"

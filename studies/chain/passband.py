@@ -23,9 +23,9 @@ def driven_scene(scene: str | Scene) -> Scene:
     return resolved.resolved(loaded)
 
 
-def place(scene: Scene) -> float:
-    """Return where the motion is wanted, m: under the slider, or mid-stator."""
-    return scene.stator.length / 2 if scene.slider is None else scene.slider.center[0]
+def place(scene: Scene) -> tuple[float, float]:
+    """Return where the motion is wanted, x and y in m: under the slider, or mid-stator."""
+    return (scene.stator.length / 2, 0.0) if scene.slider is None else scene.slider.center
 
 
 def frequencies(scene: Scene, count: int):

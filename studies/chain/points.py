@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from studies.chain import bridge
+from studies.chain.bridge import DrivenContact
 from studies.chain.propagation import velocity_error
 from studies.chain.tally import burst_tally, steady_tally
 from studies.refusal import SceneError
@@ -28,41 +28,47 @@ class SliderAnswer:
     summary: dict  # threshold and release
     trajectories: tuple  # with a burst
 
+    def blocks(self, tolerance: float) -> dict:
+        """Return the record's blocks, the error that of the worst point."""
+        failed = [point for point in self.points if not point["status"].startswith(("ok", "above tolerance"))]
+        known = [
+            part for part, point in zip(self.parts, self.points, strict=True) if "relative_error" in point
+        ]
+        blocks = {"points": self.points, "summary": self.summary, "trajectories": self.trajectories}
+        if known:
+            stator, contact = max(known, key=sum)
+            error = stator + contact
+            blocks["error"] = {"relative": error, "parts": {"stator": stator, "contact": contact}}
+            if error > tolerance:
+                blocks["shortfall"] = (
+                    f"the velocity's error is {error:.1e} (stator {stator:.1e}, contact {contact:.1e}), "
+                    f"{tolerance:.1e} was asked for: see error.parts, or ask for less"
+                )
+        if failed:
+            what = f"{len(failed)} of {len(self.points)} points have no answer: {failed[0]['status']}"
+            blocks["shortfall"] = what
+        return blocks
+
 
 def slider_answer(
-    scene: Scene,
-    orbits: tuple,
-    amplitudes: tuple[float, float],
-    *,
-    stator_error: float,
-    tolerance: float,
-    progress: Callable[[str], None],
-    ringing=None,
-    along=None,
+    driven: DrivenContact, *, tolerance: float, progress: Callable[[str], None]
 ) -> SliderAnswer:
-    """Solve the contact at every level of a resolved scene, its solvers asked for a quarter of the tolerance.
-
-    ``orbits`` (`contact.Orbit`) and ``amplitudes``, |u_z| and |u_x| at the slider's centre, are those of 1 V, or of 1 m
-    of given amplitude; ``stator_error`` is the orbits', relative.  ``ringing`` (`chain.ring_up.RingUp`) says how they
-    grow during a burst, ``along`` (`chain.travel.WaveAlong`) how they change along the field; without it the slider
-    stays at its place.
-    """
+    """Solve the contact at every level of its scene; its solvers are asked for a quarter of the tolerance."""
     from contact import kernels
 
-    slider = _refusing(lambda: bridge.contact_slider(scene.slider))
+    scene = driven.scene
+    slider = _refusing(lambda: driven.slider)
     points, parts, trajectories = [], [], []
-    summary, threshold = _summary(scene, slider, orbits, amplitudes[0])
+    summary, threshold = _summary(driven)
     waiting = "" if kernels.ready() else f", compiling {kernels.how_often()}"
     for number, level in enumerate(scene.levels, start=1):
         progress(f"contact: point {number} of {len(scene.levels)}{waiting if number == 1 else ''}")
+        here = driven.at(level)
         point = {} if scene.wave is not None else {"voltage_V": level}
-        for side, amplitude in zip(("normal", "tangential"), amplitudes, strict=True):
+        for side, amplitude in zip(("normal", "tangential"), driven.amplitudes, strict=True):
             point[f"{side}_amplitude_m"] = amplitude * level
-        here = bridge.scaled(orbits, level)
-        travelling = None if along is None or scene.slider.travel is False else (along, level)
-        found, part, trajectory = _point(scene, slider, here, stator_error, tolerance, ringing, travelling)
-        found |= contact_load(slider, here, threshold / level if level > 0.0 else math.inf)
-        points.append(point | found)
+        found, part, trajectory = _point(driven, level, tolerance)
+        points.append(point | found | contact_load(slider, here, threshold / level if level else math.inf))
         parts.append(part)
         trajectories += [] if trajectory is None else [(level, trajectory)]
     return SliderAnswer(
@@ -70,30 +76,31 @@ def slider_answer(
     )
 
 
-def _point(scene: Scene, slider, orbits: tuple, stator_error: float, tolerance: float, ringing, travelling):
+def _point(driven: DrivenContact, level: float, tolerance: float):
     """Return the point's values, the parts of its error and its trajectory; a failure is its status."""
     import contact
 
-    steady_method = _method(scene, "the steady state", STEADY_METHODS)
-    asked = tolerance * CONTACT_SHARE
+    orbits, asked = driven.at(level), CONTACT_SHARE * tolerance
+    method = _method(driven.scene, "the steady state", STEADY_METHODS)
 
-    def steady(some):
-        return contact.steady(slider, some, tolerance=asked, method=steady_method)
+    def steady(some: tuple):
+        return contact.steady(driven.slider, some, tolerance=asked, method=method)
 
     try:
         state = _refusing(lambda: steady(orbits))
-        from_stator = velocity_error(state.velocity, orbits, stator_error, _nearby(slider, state, steady))
-        values = {"velocity_m_per_s": state.velocity, "regime": state.regime}
+        nearby = _nearby(driven.slider, state, steady)
+        from_stator = velocity_error(state.velocity, orbits, driven.stator_error, nearby)
+        from_contact, status, message = state.relative_error, state.status, state.message
+        values, trajectory = {"velocity_m_per_s": state.velocity, "regime": state.regime}, None
         tally = steady_tally(state)
-        from_contact, status, message, trajectory = state.relative_error, state.status, state.message, None
-        if scene.burst is not None:
-            trajectory = _burst(scene, slider, orbits, state.velocity, asked, ringing)
-            if travelling is not None:
-                trajectory, moved = _along(scene, slider, trajectory, *travelling)
+        if driven.scene.burst is not None:
+            trajectory = _burst(driven, orbits, state.velocity, asked)
+            if driven.along is not None and driven.scene.slider.travel is not False:
+                trajectory, moved = _along(driven, trajectory, level)
                 values |= moved
             values["velocity_at_burst_end_m_per_s"] = trajectory.velocity_at_burst_end
             tally |= burst_tally(trajectory)
-            from_stator += 0.0 if ringing is None else ringing.error
+            from_stator += 0.0 if driven.ringing is None else driven.ringing.error
             if trajectory.relative_error > from_contact or status == "ok":
                 from_contact = max(from_contact, trajectory.relative_error)
                 status, message = trajectory.status, trajectory.message
@@ -112,58 +119,49 @@ def _nearby(slider, state, steady):
     """Return what gives the velocity near a state: cycle means, shifted to it, or where they fail the state's way."""
     import contact
 
-    def mean(orbits):
-        return contact.mean_motion(slider, orbits).velocity
-
     try:
-        shift = state.velocity - mean(state.orbits)
+        shift = state.velocity - contact.mean_motion(slider, state.orbits).velocity
     except contact.ConvergenceError:
-        return lambda some: steady(some).velocity
+        return lambda orbits: steady(orbits).velocity
 
-    def velocity(some):
+    def velocity(orbits):
         try:
-            return mean(some) + shift
+            return contact.mean_motion(slider, orbits).velocity + shift
         except contact.ConvergenceError:
-            return steady(some).velocity
+            return steady(orbits).velocity
 
     return velocity
 
 
-def _burst(scene: Scene, slider, orbits: tuple, velocity: float, tolerance: float, ringing):
+def _burst(driven: DrivenContact, orbits: tuple, velocity: float, tolerance: float):
     """Follow the burst, and the slider until it has stopped and rung for some periods."""
     import contact
 
+    slider, duration, ringing = driven.slider, driven.scene.burst, driven.ringing
     friction = slider.friction_coefficient * slider.preload
     stopping = abs(velocity) * slider.mass / friction if friction > 0 else 0.0
     after_ring = 20 / slider.tangential_resonance(len(orbits)) if slider.preload > 0 else 0.0
-    method = _method(scene, "a burst", BURST_METHODS)
+    after = min(1.2 * stopping + after_ring, 10 * duration)
+    method = _method(driven.scene, "a burst", BURST_METHODS)
 
-    rings = 0.0 if ringing is None or ringing.ring_down is None else float(ringing.ring_down.time[-1])
-
-    def followed(shape, fading=None):
-        after = min(1.2 * stopping + after_ring, 10 * scene.burst)
-        return contact.burst(
-            slider,
-            orbits,
-            duration=scene.burst,
-            after=after if fading is None else (after + rings, fading),
-            tolerance=tolerance,
-            samples=SAMPLES,
-            method=method,
-            envelope=shape,
-        )
+    def followed(envelope=None, after=after):
+        given = {"tolerance": tolerance, "samples": SAMPLES, "method": method, "envelope": envelope}
+        return contact.burst(slider, orbits, duration=duration, after=after, **given)
 
     if ringing is None or ringing.envelope is None or method not in SHAPED_METHODS:
-        return followed(None)
+        return followed()
+    fading = ringing.ring_down
     try:
-        return followed(ringing.envelope, ringing.ring_down)
+        if fading is None:
+            return followed(ringing.envelope)
+        return followed(ringing.envelope, (after + float(fading.time[-1]), fading))
     except contact.ConvergenceError:
         if method != "auto":
             raise
-        return followed(None)  # this motion needs the events, and they take no envelope
+        return followed()  # this motion needs the events, and they take no envelope
 
 
-def _along(scene: Scene, slider, trajectory, along, level: float):
+def _along(driven: DrivenContact, trajectory, level: float):
     """Return the trajectory along the field, and what the point says of it; unchanged where the slider hardly moves."""
     import contact
     from studies.chain.propagation import reference_speed
@@ -171,9 +169,9 @@ def _along(scene: Scene, slider, trajectory, along, level: float):
 
     on = trajectory.time <= trajectory.duration * (1 + 1e-12)
     expected = float(np.trapezoid(trajectory.velocity[on], trajectory.time[on]))
-    if scene.slider.travel is None and abs(expected) <= LEAST_TRAVEL * along.wavelength:
+    if driven.scene.slider.travel is None and abs(expected) <= LEAST_TRAVEL * driven.along.wavelength:
         return trajectory, {}
-    found = travelled(slider, along, level, trajectory.duration, expected)
+    found = travelled(driven.slider, driven.along, level, trajectory.duration, expected)
     if found.ended:
         raise contact.ConvergenceError(
             "not applicable",
@@ -210,24 +208,17 @@ def averaged(asked: list[tuple], threads: int | None = None) -> list[tuple]:
     """
     import contact
 
-    groups, answers = {}, [()] * len(asked)
-    for at, (_, orbits, _, _) in enumerate(asked):
-        groups.setdefault(len(orbits), []).append(at)
-    for members in groups.values():
-        some, sliders, waves = [asked[at] for at in members], {}, {}
-        which = [
-            (sliders.setdefault(slider, len(sliders)), waves.setdefault((orbits, error), len(waves)))
-            for slider, orbits, error, _ in some
-        ]
+    answers: list[tuple] = [()] * len(asked)
+    for count in {len(orbits) for _, orbits, _, _ in asked}:
+        members = [at for at, each in enumerate(asked) if len(each[1]) == count]
+        sliders, waves, which, factors = {}, {}, [], []
+        for slider, orbits, error, factor in (asked[at] for at in members):
+            first = sliders.setdefault(slider, len(sliders))
+            which.append((first, waves.setdefault((orbits, error), len(waves))))
+            factors.append(factor)
         orbits, errors = zip(*waves, strict=True)
-        found = contact.steady_sweep(
-            list(sliders),
-            orbits,
-            which=which,
-            factors=[each[-1] for each in some],
-            wave_errors=errors,
-            threads=threads,
-        )
+        given = {"which": which, "factors": factors, "wave_errors": errors, "threads": threads}
+        found = contact.steady_sweep(list(sliders), orbits, **given)
         names = ("velocity", "regime", "relative_error", "error_from_wave", "blocked_thrust")
         rows = zip(*(getattr(found, name).tolist() for name in names), strict=True)
         for at, row in zip(members, rows, strict=True):
@@ -246,17 +237,20 @@ def half_thrust(slider, orbits: tuple, thrust: float, tolerance: float) -> tuple
     return out, out / put_in if put_in > 0.0 else 0.0
 
 
-def _summary(scene: Scene, slider, orbits: tuple, amplitude: float) -> tuple[dict, float]:
+def _summary(driven: DrivenContact) -> tuple[dict, float]:
     """Return threshold and release, what never comes absent; and the factor on the orbits at the threshold."""
     import contact
 
-    found, factors = {}, (contact.threshold_factor(slider, orbits), contact.release_factor(slider, orbits))
-    for name, factor in zip(("threshold", "release"), factors, strict=True):
+    threshold, release = (
+        each(driven.slider, driven.orbits) for each in (contact.threshold_factor, contact.release_factor)
+    )
+    found = {}
+    for name, factor in (("threshold", threshold), ("release", release)):
         if math.isfinite(factor):
-            found[f"{name}_amplitude_m"] = factor * amplitude
-            if scene.wave is None:
+            found[f"{name}_amplitude_m"] = factor * driven.amplitude
+            if driven.scene.wave is None:
                 found[f"{name}_voltage_V"] = factor
-    return found, factors[0]
+    return found, threshold
 
 
 def _method(scene: Scene, what: str, available: tuple[str, ...]) -> str:

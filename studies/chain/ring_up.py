@@ -24,13 +24,13 @@ MOST = 1024  # frequencies: half a minute; what rings longer is left out and cou
 class RingUp:
     """What a burst does under the slider."""
 
-    # Factor on the steady orbits; None where the stator rings for too long to be followed
-    envelope: object = field(repr=False)
-    ring_down: object = field(repr=False)  # the same from the end of the burst on, time from there
-    found: object = field(repr=False)
     # Of a velocity at the burst's end: the envelope's error for as long as it rings up, over the burst's
     # length; without an envelope, how long it certainly rings over the burst's length
     error: float
+    # Factor on the steady orbits; None where the stator rings for too long to be followed
+    envelope: object = field(default=None, repr=False)
+    ring_down: object = field(default=None, repr=False)  # the same from the burst's end on, time from there
+    found: object = field(default=None, repr=False)  # fem's answer
 
     @property
     def sentence(self) -> str:
@@ -67,9 +67,7 @@ def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str
             max_frequencies=MOST,
         )
     except fem.ConvergenceError:
-        return RingUp(
-            envelope=None, ring_down=None, found=None, error=min(1.0, MOST / (2 * half) / scene.burst)
-        )
+        return RingUp(error=min(1.0, MOST / (2 * half) / scene.burst))
     factor, on = found.normal / found.steady_normal, found.time < scene.burst
 
     def shape(which, start):
@@ -80,21 +78,3 @@ def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str
     ring_down = shape(~on, scene.burst) if np.any(~on) else None
     error = found.relative_error * min(1.0, found.settling / scene.burst)
     return RingUp(envelope=envelope, ring_down=ring_down, found=found, error=float(error))
-
-
-def ring_up_left_out(scene: Scene, ringing: RingUp | None, trajectories) -> tuple[str, ...]:
-    """Return what the slider's motion in a burst does without."""
-    if scene.slider is None or scene.burst is None:
-        return ()
-    if ringing is None:
-        return ("the burst's ring-up: the slider stands over a transducer",)
-    reasons = []
-    silent = sum(motion.rang == 0.0 for _, motion in trajectories)
-    if silent:
-        which = f"in {silent} of {len(trajectories)} bursts the surface stands still once the drive ends"
-        reasons.append(f"the burst's ring-down: {which}")
-    plain = sum(motion.method != "stepped" for _, motion in trajectories)
-    if plain:
-        which = f"{plain} of {len(trajectories)} bursts, whose motion takes a steady wave"
-        reasons.append(f"the burst's ring-up ({ringing.sentence}) in {which}")
-    return tuple(reasons)

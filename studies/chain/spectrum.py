@@ -32,27 +32,18 @@ class Response:
 
     def wave(self, frequency: float, drive):
         """Return the fem.SurfaceWave at a frequency in Hz."""
-        from fem import ConvergenceError
-
         for band in self.bands:
             if band.limits[0] <= frequency <= band.limits[1]:
                 try:
                     return band.wave(frequency, drive)
-                except ConvergenceError:
+                except fem.ConvergenceError:
                     break
         return self.alone(frequency)
 
     def waves(self, frequencies, drive) -> list:
         """Return the fem.SurfaceWave at many frequencies in Hz, in their order; those of bands side by side."""
-
-        def wave(frequency: float):
-            return self.wave(float(frequency), drive)
-
-        if not self.bands:
-            return [wave(frequency) for frequency in frequencies]
-        from fem import side_by_side
-
-        return side_by_side(wave, frequencies)
+        each = fem.side_by_side if self.bands else map
+        return list(each(lambda frequency: self.wave(float(frequency), drive), frequencies))
 
 
 def response(
@@ -79,10 +70,8 @@ def response(
             raise RunError(f"at {frequency / 1e6:.6g} MHz {error}") from None
 
     bands = []
-    if takes_bands(block, transducers, places):
-        count = max(1, math.ceil(math.log(highest / lowest) / math.log(WIDEST)))
-        edges = [lowest * (highest / lowest) ** (k / count) for k in range(count)] + [highest]
-        for low, high in pairwise(edges):
+    if _takes_bands(block, transducers, places):
+        for low, high in pairwise(_edges(lowest, highest)):
             progress(f"stator: band {low / 1e6:.4g} to {high / 1e6:.4g} MHz")
             try:
                 bands.append(fem.frequency_band(block, transducers, lowest=low, highest=high, **common))
@@ -95,12 +84,10 @@ def response(
 def port_admittances(scene: Scene, frequencies, tolerance: float, progress: Callable[[str], None]):
     """Return the ``fem.PortAdmittance`` of a resolved scene over rising frequencies in Hz, as a run has it at one."""
     block, row = resolved.stator(scene.stator), resolved.section_row(scene)
-    span = frequencies[-1] / frequencies[0]
-    count = max(1, math.ceil(math.log(span) / math.log(WIDEST)))
-    edges = np.searchsorted(frequencies, frequencies[0] * span ** (np.arange(1, count) / count))
-    groups = [frequencies[low:high] for low, high in pairwise([0, *edges, len(frequencies)])]
-    if len(frequencies) <= FEW * count or not takes_bands(block, row, ()):
-        groups = [np.array([f]) for f in frequencies]
+    edges = _edges(frequencies[0], frequencies[-1])[1:-1]
+    groups = np.split(frequencies, np.searchsorted(frequencies, edges))
+    if len(frequencies) <= FEW * len(groups) or not _takes_bands(block, row, ()):
+        groups = np.split(frequencies, len(frequencies))
     parts = []
     for group in groups:
         progress(f"stator: {len(group)} frequencies from {group[0] / 1e6:.5g} MHz")
@@ -116,15 +103,24 @@ def port_admittances(scene: Scene, frequencies, tolerance: float, progress: Call
     )
 
 
-def takes_bands(block, transducers, places) -> bool:
-    """Return whether bands serve: whole gaps everywhere, no finger left out, no place under a transducer."""
-    from fem import outer_gaps
+def driving_point(ports, transducers, drive):
+    """Return the admittance, S, that a drive or a transducer's name meets at each frequency of `port_admittances`."""
+    pairs = zip(ports.matrix, ports.frequency, strict=True)
+    return np.array([fem.solve_circuit(y, ports.names, transducers, drive, f).admittance for y, f in pairs])
 
+
+def _edges(lowest: float, highest: float) -> list[float]:
+    """Return the ends of the bands that a range is cut into, Hz."""
+    count = max(1, math.ceil(math.log(highest / lowest) / math.log(WIDEST)))
+    return [lowest * (highest / lowest) ** (k / count) for k in range(count)] + [highest]
+
+
+def _takes_bands(block, transducers, places) -> bool:
+    """Return whether bands serve: whole gaps everywhere, no finger left out, no place under a transducer."""
     row = tuple(sorted(transducers, key=lambda each: each.center))
-    for each, gaps in zip(row, outer_gaps(block, row), strict=True):
+    for each, gaps in zip(row, fem.outer_gaps(block, row), strict=True):
         left, right = each.extent[0] - gaps[0], each.extent[1] + gaps[1]
-        if "0" in each.signs or any(gap < each.half_gap * (1 - 1e-9) for gap in gaps):
-            return False
-        if any(left <= place <= right for place in places):
+        narrow = any(gap < each.half_gap * (1 - 1e-9) for gap in gaps)
+        if "0" in each.signs or narrow or any(left <= place <= right for place in places):
             return False
     return True

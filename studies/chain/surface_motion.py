@@ -64,8 +64,7 @@ class SurfaceMotion:
 
     def in_section(self, place: tuple[float, float]) -> float:
         """Return where a place (x, y) lies on the line of the section, m."""
-        rows = getattr(self.beam, "rows", ())
-        return float(rows[0].local(*place)[0]) if rows else place[0]
+        return place[0] if self.beam is None else self.beam.in_section(*place)
 
     def covered(self, place: tuple[float, float]) -> bool:
         """Whether a place lies under a transducer of the section."""
@@ -99,8 +98,7 @@ class SurfaceMotion:
         if self.beam is None:
             return self.wave.standing_wave_ratio(x)
         reach = self.wave.phase_velocity / self.wave.frequency * np.linspace(-1, 1, 2 * PER_WAVELENGTH + 1)
-        length = getattr(self.beam, "length", self.wave.length)
-        along = x + reach[(x + reach >= 0) & (x + reach <= length)]
+        along = x + reach[(x + reach >= 0) & (x + reach <= self.beam.length)]
         size = abs(self.beam.motion(along, y)[2])
         return float(size.max() / size.min())
 
@@ -108,56 +106,33 @@ class SurfaceMotion:
 def solved_motion(
     scene: Scene, places, *, tolerance: float, progress=None, slider: bool | None = None, missed: bool = False
 ) -> SurfaceMotion:
-    """Return `driven_motion`, or raise RunError; what the beam refuses is the scene's ``stator.diffraction``.
-
-    ``missed``: whether a motion that misses the tolerance is returned, with its error.
-    """
-    try:
-        return driven_motion(scene, places, tolerance=tolerance, progress=progress, slider=slider)
-    except fem.ConvergenceError as error:
-        if error.reached is None or not missed:
-            raise RunError(str(error)) from None
-        return error.reached
-    except fem.BeamError as error:
-        scene.refuse("stator.diffraction", f"must be false or absent: {error}")
-
-
-def driven_motion(
-    scene, places, *, tolerance: float, progress=None, slider: bool | None = None
-) -> SurfaceMotion:
     """Return the motion of a driven scene, its section solved to a tolerance at places (x, y) in m.
 
-    ``slider``: whether one is to be driven, where the scene does not say.  Raises fem.BeamError, and
-    fem.ConvergenceError if a section misses its tolerance; its ``reached`` is the motion with the error that it has.
+    ``slider``: whether one is to be driven, where the scene does not say.  ``missed``: whether a motion that misses the
+    tolerance is returned, with its error.  Raises RunError; what the beam refuses is the scene's
+    ``stator.diffraction``.
     """
-    short, slider = [], scene.slider is not None if slider is None else slider
+    slider = scene.slider is not None if slider is None else slider
 
     def solve(stator, row, drive, at):
+        given = {"frequency": scene.frequency, "tolerance": tolerance, "progress": progress}
         try:
-            return fem.driven_wave(
-                stator,
-                row,
-                frequency=scene.frequency,
-                drive=drive,
-                tolerance=tolerance,
-                places=at,
-                progress=progress,
-            )
+            return fem.driven_wave(stator, row, drive=drive, places=at, **given)
         except fem.ConvergenceError as error:
-            if error.reached is None:
+            if error.reached is None or not missed:
                 raise
-            short.append(error)
             return error.reached
 
-    if scene.crossed:
-        found = crossed_motion(scene, places, solve)
-    else:
+    try:
+        if scene.crossed:
+            return crossed_motion(scene, places, solve)
         whole = resolved.stator(scene.stator), resolved.transducers(scene), resolved.drive(scene)
         wave = solve(*whole, tuple(dict.fromkeys(x for x, _ in places)))
-        found = surface_motion(wave, scene.stator, places, slider=slider)
-    if short:
-        raise fem.ConvergenceError(str(short[0]), reached=found)
-    return found
+        return surface_motion(wave, scene.stator, places, slider=slider)
+    except fem.ConvergenceError as error:
+        raise RunError(str(error)) from None
+    except fem.BeamError as error:
+        scene.refuse("stator.diffraction", f"must be false or absent: {error}")
 
 
 def crossed_motion(scene, places, solve) -> SurfaceMotion:

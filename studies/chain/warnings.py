@@ -1,19 +1,24 @@
 """What a physicist would remark about a run that gave an answer: each with its number and what to do about it.
 
 Every function takes the record of a run and yields sentences, none where nothing is wrong. They take 0.05 s:
-closed forms of what the run has computed already. Those about the stator are in ``stator_warnings``.
+closed forms of what the run has computed already.
 """
 
 import math
 from collections.abc import Iterator
 from itertools import pairwise
 
-from studies.chain import bridge
-from studies.chain.points import contact_load
-from studies.chain.stator_warnings import OF_THE_STATOR, catalogue_strength
-from studies.record import Record
-from studies.scene import Scene
+import numpy as np
 
+import fem
+from studies.chain.bridge import DrivenContact
+from studies.chain.points import contact_load
+from studies.record import Record
+from studies.scene import Scene, resolved
+
+OFF_RESONANCE = 1.15  # largest over present amplitude from which it is said; the ripple of a plate makes 1.1
+PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # 1/(Pa m), V/(Pa m), -: air
+AIR = 101325.0  # Pa
 SIDEWAYS = 0.1  # |u_y| over |u_x| from which it is said
 CREEP = 0.01  # of the surface's own speed along x
 MAX_USUAL_LENGTH = 1.0  # m of a stator: a longer one is probably a mistaken unit
@@ -21,14 +26,13 @@ MAX_USUAL_LENGTH = 1.0  # m of a stator: a longer one is probably a mistaken uni
 
 def warnings_of(record: Record) -> tuple[str, ...]:
     """Return every warning about a run, in the order of the chain."""
-    scene = record.scene
-    found = list(scene_warnings(scene))
-    if scene.transducer:
-        for each in OF_THE_STATOR:
-            found += each(record)
-    if scene.slider is not None:
-        for each in (_sideways, _pressure, _reversal, _other_motion, _all_stick):
-            found += each(record)
+    found, stator, contact = list(scene_warnings(record.scene)), (), ()
+    if record.scene.transducer:
+        stator = (_between_fingers, _stress, _off_resonance, _lossless, _thin_plate)
+    if record.scene.slider is not None:
+        contact = (_sideways, _pressure, _reversal, _other_motion, _all_stick)
+    for each in (*stator, *contact):
+        found += each(record)
     return tuple(found)
 
 
@@ -52,12 +56,123 @@ def scene_warnings(scene: Scene) -> Iterator[str]:
         )
 
 
+def _strength(scene: Scene):
+    """Return the ``fem.Strength`` of the stator's material; None without a stator or without known limits."""
+    known = scene.stator is not None and isinstance(scene.stator.material, str)
+    return fem.strength(scene.stator.material) if known else None
+
+
+def _between_fingers(record: Record) -> Iterator[str]:
+    """Yield warnings where the field in the gaps passes what the stator bears, or the air above them breaks down."""
+    scene, driven, electrical = record.scene, record.scene.driven_transducer, record.electrical
+    gap = (1 - driven.metallisation) * driven.period * driven.finger_pairs / driven.fingers
+    voltages = [each["voltage_per_volt"] for each in electrical.get("sources", {}).values()]
+    volts = max(scene.levels) * max(map(abs, [electrical["comb_voltage_per_volt"], *voltages]))
+    limits, breakdown = _strength(scene), breakdown_voltage(gap)
+    if limits is not None and limits.field is not None and volts > limits.field * gap:
+        yield (
+            f"the field between the fingers, {volts:.3g} V over {gap * 1e6:.3g} um, is {volts / gap / 1e6:.3g} MV/m; "
+            f"{limits.field / 1e6:g} MV/m is the limit ({limits.field_source}): "
+            f"keep the voltage below {limits.field * gap:.3g} V, or widen the gaps"
+        )
+    if volts > breakdown:
+        yield (
+            f"{volts:.3g} V between fingers {gap * 1e6:.3g} um apart exceed the breakdown voltage of air there, "
+            f"{breakdown:.3g} V (Paschen's law): keep below it, widen the gaps or cover the fingers"
+        )
+
+
+def breakdown_voltage(gap: float) -> float:
+    """Return the breakdown voltage in V of air at 1 atm over a gap in m; its minimum below the gap of the minimum.
+
+    Paschen's law, M. A. Lieberman and A. J. Lichtenberg, Principles of Plasma Discharges, 2nd ed. 2005, eq. 14.3.5.
+    """
+    least = math.e * math.log(1 + 1 / PASCHEN_GAMMA) / PASCHEN_A
+    product = max(AIR * gap, least)
+    return PASCHEN_B * product / math.log(PASCHEN_A * product / math.log(1 + 1 / PASCHEN_GAMMA))
+
+
+def _stress(record: Record) -> Iterator[str]:
+    """Yield a warning where the wave's stress along x passes what a ceramic bears."""
+    limits = _strength(record.scene)
+    if limits is None or limits.tensile_stress is None:
+        return
+    c = resolved.solid(record.scene.stator).stiffness
+    stiffness = c[0, 0] - c[0, 2] ** 2 / c[2, 2]  # plane strain, no traction on the surface
+    wavenumber = 2 * math.pi * record.wave["frequency_Hz"] / record.wave["phase_velocity_m_per_s"]
+    motion = max(record.scene.levels) * float(abs(record.surface["u_x_m_per_V"]).max())
+    stress = stiffness * wavenumber * motion
+    if stress > limits.tensile_stress:
+        highest = max(record.scene.levels) * limits.tensile_stress / stress
+        yield (
+            f"the wave's stress at the surface reaches {stress / 1e6:.3g} MPa (u_x = {motion * 1e9:.3g} nm); "
+            f"{limits.tensile_stress / 1e6:g} MPa is the rated dynamic tensile strength (Morgan TP-226): "
+            f"keep the voltage below {highest:.3g} V"
+        )
+
+
+def _off_resonance(record: Record) -> Iterator[str]:
+    """Yield a warning where another frequency would give a larger wave, by coupled modes of the driven transducer."""
+    scene, driven, drive = record.scene, record.scene.driven_transducer, record.scene.drive
+    if driven.pattern is not None or driven.split or drive.source_impedance or drive.match != "none":
+        return
+    solid, present = resolved.solid(scene.stator), scene.frequency
+    surface = "open" if scene.stator.above == "none" else "vacuum"
+    reach = 2 / max(driven.finger_pairs, 4)
+    frequencies = np.append(np.linspace(1 - reach, 1 + reach, 801) * present, present)
+    try:
+        sizes = fem.relative_amplitude(solid, resolved.driven(scene), frequencies, surface=surface)
+    except fem.ConvergenceError:
+        return  # a cut whose half-space has no such wave: there is no estimate
+    best = int(np.argmax(sizes))
+    gain = float(sizes[best] / max(sizes[-1], sizes[best] * 1e-3))
+    if gain > OFF_RESONANCE:
+        better = frequencies[best] / 1e6
+        more = f"about {100 * (gain - 1):.0f} % larger" if gain < 10 else "ten times as large or more"
+        yield (
+            f"the drive is off the transducer's resonance: u_z would be {more} at {better:.4g} MHz "
+            f'(estimate by coupled modes): set drive.frequency = "center" with '
+            f'period = "{driven.period * 1e3:.6g} mm", or period = "auto"'
+        )
+
+
+def _lossless(record: Record) -> Iterator[str]:
+    """Yield a warning where nothing but the transducers takes power out of a wave that the ends send back."""
+    scene = record.scene
+    if scene.stator.ends == "absorbing" or math.isfinite(resolved.solid(scene.stator).mechanical_quality):
+        return
+    yield (
+        "the stator is lossless and its ends reflect, so that the amplitude depends on fractions of a wavelength "
+        f"(standing-wave ratio {record.wave['standing_wave_ratio']:.3g}): give stator.mechanical_quality, "
+        'or ends = "absorbing"'
+    )
+
+
+def _thin_plate(record: Record) -> Iterator[str]:
+    """Yield a warning where the surface wave passes to the other face, or the plate is too thin for one."""
+    stator, wave = record.scene.stator, record.surface_wave
+    if isinstance(stator.thickness, str) or stator.bottom == "absorbing":
+        return
+    thickness = stator.thickness * record.scene.frequency / wave.phase_velocity
+    if wave.transfer_length < stator.length:
+        yield (
+            f"the plate is thin, {thickness:.2g} wavelengths: the wave passes to its other face and back, fully after "
+            f"{wave.transfer_length * 1e3:.3g} mm of the stator's {stator.length * 1e3:.3g} mm; "
+            'take a thicker plate, or bottom = "absorbing" if it is glued to a lossy base'
+        )
+    elif thickness < 1:
+        yield (
+            f"the plate is {thickness:.2g} wavelengths thick: what runs in it is a plate wave that moves both faces, "
+            "no surface wave; take a thicker plate or a higher frequency"
+        )
+
+
 def _sideways(record: Record) -> Iterator[str]:
     """Yield a warning where the surface moves a ball sideways, which the contact leaves out."""
     ratio = record.wave.get("largest_lateral_ratio", 0.0)
     if ratio > SIDEWAYS:
-        crossed = record.scene.crossed
-        remedy = "drive less across" if crossed else "keep the balls nearer to the middle of the beam"
+        nearer = "keep the balls nearer to the middle of the beam"
+        remedy = "drive less across" if record.scene.crossed else nearer
         yield (
             f"the surface moves sideways under a ball, |u_y/u_x| = {ratio:.2g}, but the contact follows it along "
             f"x alone: {remedy}"
@@ -66,22 +181,15 @@ def _sideways(record: Record) -> Iterator[str]:
 
 def _pressure(record: Record) -> Iterator[str]:
     """Yield warnings where the Hertz pressure passes what ball or stator bear, at rest or on the highest crest."""
-    from fem import strength
-
-    scene = record.scene
-    slider = bridge.contact_slider(scene.slider)
+    driven = DrivenContact.of_run(record)
+    slider, orbits = driven.slider, driven.at(max(record.scene.levels))
     if slider.preload == 0:
         return
-    level = max(scene.levels)
-    if record.surface_wave is not None:
-        orbits = bridge.scaled(bridge.orbits_per_volt(record.surface_motion, scene.slider), level)
-    else:
-        orbits = bridge.scaled(bridge.given_orbits(scene.wave), level)
     highest = contact_load(slider, orbits, math.inf)["contact_pressure_Pa"]
     at_rest = slider.pressure(max(slider.rest_approaches(len(orbits))))
     kind = "Mean pressure under a punch," if slider.shape == "punch" else "Hertz pressure"
     what = "punches" if slider.shape == "punch" else "balls"
-    known = ((f"the {what} bear", strength("steel")), ("the stator bears", catalogue_strength(scene)))
+    known = ((f"the {what} bear", fem.strength("steel")), ("the stator bears", _strength(record.scene)))
     for part, limits in known:
         if limits is None or highest <= limits.contact_pressure:
             continue
@@ -96,18 +204,23 @@ def _pressure(record: Record) -> Iterator[str]:
 
 def _reversal(record: Record) -> Iterator[str]:
     """Yield a warning where the slider runs one way at one point and the other way at the next."""
-    omega = 2 * math.pi * record.wave["frequency_Hz"]
-    moving = [point for point in record.points if _moves(point, omega)]
-    for one, other in pairwise(moving):
-        if one["velocity_m_per_s"] * other["velocity_m_per_s"] < 0:
-            low, high = (f"{point[record.level]:.3g}" for point in (one, other))
-            unit = "m" if record.scene.wave is not None else "V"
-            key = "wave.normal_amplitude" if record.scene.wave is not None else "drive.voltage"
+    key, omega = DrivenContact.of_run(record).level_key, 2 * math.pi * record.wave["frequency_Hz"]
+    moving = [
+        (point[record.level], velocity)
+        for point in record.points
+        if abs(velocity := point.get("velocity_m_per_s", 0.0))
+        > CREEP * omega * point["tangential_amplitude_m"]
+    ]
+    for (low, before), (high, after) in pairwise(moving):
+        if before * after < 0:
             yield (
-                f"the slider reverses its direction between {low} and {high} {unit} "
-                f"({one['velocity_m_per_s'] * 1e3:.3g} and {other['velocity_m_per_s'] * 1e3:.3g} mm/s): "
-                f"give {key} more values between them"
+                f"the slider reverses its direction between {low:.3g} and {high:.3g} {_unit(record)} "
+                f"({before * 1e3:.3g} and {after * 1e3:.3g} mm/s): give {key} more values between them"
             )
+
+
+def _unit(record: Record) -> str:
+    return "m" if record.scene.wave is not None else "V"
 
 
 def _other_motion(record: Record) -> Iterator[str]:
@@ -116,10 +229,10 @@ def _other_motion(record: Record) -> Iterator[str]:
     if not several:
         return
     point, damping = several[-1], record.scene.slider.damping
-    level = f"{point[record.level]:.3g} {'m' if record.scene.wave is not None else 'V'}"
     here, other = (f"{point[key] * 1e3:.4g}" for key in ("velocity_m_per_s", "other_velocity_m_per_s"))
+    level = f"{point[record.level]:.3g} {_unit(record)}"
     where = f"at {len(several)} of {len(record.points)} points (at {level}: {here} and {other} mm/s)"
-    if damping is None or damping.normal == damping.contact == 0:
+    if damping.normal == damping.contact == 0:
         yield (
             f"nothing damps the slider's bounce, so that after a start from rest it goes on for ever and changes the "
             f"mean velocity {where}: give slider.damping.normal or slider.damping.contact"
@@ -131,24 +244,12 @@ def _other_motion(record: Record) -> Iterator[str]:
         )
 
 
-def _moves(point: dict, omega: float) -> bool:
-    """Return whether the slider runs faster than the creep next to the threshold."""
-    return abs(point.get("velocity_m_per_s", 0.0)) > CREEP * omega * point["tangential_amplitude_m"]
-
-
 def _all_stick(record: Record) -> Iterator[str]:
     """Yield a warning where no point moves: the answer is the threshold, and the wave's own error counts."""
     if not record.at_rest:
         return
-    key, unit, factor = (
-        ("threshold_amplitude_m", "nm", 1e9)
-        if record.scene.wave is not None
-        else ("threshold_voltage_V", "V", 1)
-    )
-    threshold = record.summary.get(key)
-    known = record.wave.get("relative_error")
+    given, known = record.scene.wave is not None, record.wave.get("relative_error")
+    threshold = record.summary.get("threshold_amplitude_m" if given else "threshold_voltage_V")
+    starts = "" if threshold is None else f"; it starts at {DrivenContact.of_run(record).named(threshold)}"
     accuracy = "" if known is None else f", the wave under the slider being known to {known:.1e}"
-    yield (
-        "the slider sticks at every point: no velocity, and no error of it"
-        + (f"; it starts at {threshold * factor:.4g} {unit}{accuracy}" if threshold is not None else accuracy)
-    )
+    yield f"the slider sticks at every point: no velocity, and no error of it{starts}{accuracy}"

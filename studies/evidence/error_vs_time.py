@@ -26,7 +26,6 @@ MESHES = (2, 4)  # quadratic elements per wavelength
 SOLVERS = (("DOP853", 1e-6), ("LSODA", 1e-6), ("DOP853", 1e-9), ("LSODA", 1e-9))
 CYCLES, HELD, PATIENCE = 2200, 0.2, 60.0  # of a peer: cycles from rest, largest step (rad), s
 PEER_VOLTAGE = 30.0
-TAKES_SCENE = True
 PER_DECADE, PROMISED = 1.5, 2.0
 QUICK = {"tolerances": (3e-1, 1e-1), "meshes": (), "solvers": (), "apart": False}
 STYLES = {

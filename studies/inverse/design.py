@@ -102,7 +102,7 @@ def design(
     with ExitStack() as stack:
         ask = stack.enter_context(Evaluations(table, tuple(variables), **given))
         coarse = None
-        if ask.question.source_keys:  # of the stator, or the slider's place
+        if ask.question.stator_keys:  # of the stator, or the slider's place
             coarse = stack.enter_context(Evaluations(table, tuple(variables), coarse=True, **given))
         searcher = Search(ask, coarse, tuple(variables), tuple(constraints), tuple(goals), options.seed)
         scale = [

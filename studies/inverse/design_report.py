@@ -4,8 +4,8 @@ from pathlib import Path
 
 from studies.inverse.design import GOALS, Design
 from studies.inverse.parameters import Parameter
-from studies.report.answer import table
-from studies.report.figures import COLOURS, saved
+from studies.report.answer import labelled, table
+from studies.report.figures import COLOURS, finished, saved
 from studies.results.content import write_json
 from studies.scene.toml import document
 
@@ -36,10 +36,7 @@ def draw_design(found: Design, path: Path) -> None:
             values = [[abs(row[column]) for row in some] for column in columns]
             at = [[rows.index(row) for row in some], *values] if single else values
             ax.plot(*at, marks, color=COLOURS[colour], markersize=4, label=name)
-        ax.set_xlabel("evaluation" if single else columns[0])
-        ax.set_ylabel(columns[-1])
-        ax.grid(alpha=0.3)
-        ax.legend(frameon=False, fontsize="small")
+        finished(ax, "evaluation" if single else columns[0], columns[-1], "")
 
     saved(path, drawn)
 
@@ -53,14 +50,12 @@ def design_answer(found: Design, variables: list[Parameter]) -> str:
         rows.append(
             [each.key, f"{found.optimum[each.key]:.5g}", f"{100 * robust['least_share_of_goal']:.4g} %", kept]
         )
-    outcomes = [
+    notes = [("at the best", [
         f"{name} {value:.5g}" for name, value in found.optimum.items()
         if isinstance(value, float) and "." not in name and name != "relative_error"
-    ]  # fmt: skip
-    lines = [*table(rows), "", "at the best     " + "\n                ".join(outcomes)]
+    ])]  # fmt: skip
     if len(found.front) > 1:
-        lines.append(
-            f"front           {len(found.front)} motors that none beats in {' and '.join(found.goals)}"
-        )
-    lines.append(f"evaluations     {found.evaluations}")
-    return "\n".join(lines)
+        goals = " and ".join(found.goals)
+        notes.append(("front", f"{len(found.front)} motors that none beats in {goals}"))
+    notes.append(("evaluations", f"{found.evaluations}"))
+    return "\n".join([*table(rows), "", *labelled(notes)])

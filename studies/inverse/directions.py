@@ -8,6 +8,7 @@ space is given by a basis with few components (reduced echelon form), so that ea
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import qr
 from scipy.stats import chi2
 
 from studies.inverse.parameters import Parameter
@@ -87,17 +88,13 @@ def direction(row: np.ndarray, parameters: tuple[Parameter, ...], *, exact: bool
 
 
 def _sparse(rows: np.ndarray) -> list[np.ndarray]:
-    """Return the reduced echelon form of some rows, pivots the largest left."""
-    rows, done = np.array(rows, float), []
-    for _ in range(len(rows)):
-        left = [k for k in range(len(rows)) if k not in done]
-        k, j = max(((k, j) for k in left for j in range(rows.shape[1])), key=lambda at: abs(rows[at]))
-        rows[k] /= rows[k, j]
-        for other in range(len(rows)):
-            if other != k:
-                rows[other] -= rows[other, j] * rows[k]
-        done.append(k)
-    return list(rows)
+    """Return the reduced echelon form of some rows, with the columns that QR chooses as pivots."""
+    if not len(rows):
+        return []
+    _, triangle, order = qr(rows, pivoting=True)
+    reduced = np.empty_like(triangle)
+    reduced[:, order] = np.linalg.solve(triangle[:, : len(rows)], triangle)
+    return list(reduced)
 
 
 def _powered(key: str, size: float) -> str:

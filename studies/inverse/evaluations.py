@@ -11,9 +11,10 @@ from pathlib import Path
 from studies.inverse.parameters import Parameter
 from studies.refusal import RunError
 from studies.scene.override import replaced
-from studies.sweep.axes import level_key
-from studies.sweep.design import PLACE_KEYS, designed
+from studies.sweep.axes import Axis, level_key
+from studies.sweep.design import Design, designed
 from studies.sweep.driver import Driver
+from studies.sweep.predictor import PLACE_KEYS
 from studies.sweep.store import Store
 from studies.sweep.workers import workers as chosen_workers
 
@@ -27,22 +28,6 @@ class Options:
     tolerance: float = 3e-2  # of the velocity
     out: Path | None = None  # directory of the store; in memory without one
     workers: int = 1  # processes
-
-
-class _Asked:
-    """A design that grows: the points asked for so far, as the sweep's driver and store see it."""
-
-    axes = ()
-
-    def __init__(self, question, identity):
-        self.question, self.identity, self.points = question, identity, []
-
-    def __len__(self):
-        return len(self.points)
-
-    def values(self, numbers):
-        """Return the values of some points."""
-        return [self.points[int(k)] for k in numbers]
 
 
 class Evaluations:
@@ -71,27 +56,25 @@ class Evaluations:
             table = replaced(table, level, max(levels) if isinstance(levels, (list, tuple)) else levels)
         ends = {each.key: [each.low, each.high] for each in parameters}
         plan = designed(table, ends, tolerance=options.tolerance, also=also)
-        question = plan.question
-        moved = tuple(key for key in PLACE_KEYS if key in keys)
-        if moved and question.kind == "driven":  # each point has its own places
-            own = (*question.source_keys, *(key for key in moved if key not in question.source_keys))
-            question = replace(question, source_keys=own, places=())
-        question = replace(question, coarse=coarse)
+        moved = any(key in PLACE_KEYS for key in keys)  # each point has its own places
+        self.question = replace(plan.question, coarse=coarse, places=() if moved else plan.question.places)
         self.fixed = tuple(
             column[0] for axis in plan.axes if axis.keys[0] not in keys for column in axis.columns
         )
-        self.question, self.progress, self.rows = question, progress, []
+        self.progress, self.rows = progress, []
         identity = plan.identity | {"search": json.dumps(search | {"coarse": coarse}, sort_keys=True)}
-        self.asked, self.known = _Asked(question, identity), {}
+        # a design that grows: the points asked for so far, as the sweep's driver and store see it
+        columns = tuple([] for _ in self.question.keys)
+        self.asked, self.known = Design(question=self.question, axes=(Axis(self.question.keys, columns),)), {}
         folder = None if options.out is None else Path(options.out)
-        self.store = Store(folder / "coarse" if coarse and folder else folder, self.asked)
-        self.staff = chosen_workers(options.workers)
+        self.store = Store(folder / "coarse" if coarse and folder else folder, self.asked, identity)
+        self.workers = chosen_workers(options.workers)
 
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
-        self.staff.stop()
+        self.workers.stop()
         self.store.close()
 
     def __call__(self, values: list[tuple[float, ...]]) -> list[dict]:
@@ -100,9 +83,10 @@ class Evaluations:
         for own in values:
             if own not in self.known:
                 self.known[own] = len(self.asked)
-                self.asked.points.append((*own, *self.fixed))
+                for column, value in zip(self.asked.axes[0].columns, (*own, *self.fixed), strict=True):
+                    column.append(value)
         if len(self.asked) > first:
-            Driver(self.asked, self.store, self.staff, self._tell).run()
+            Driver(self.asked, self.store, self.workers, self._tell).run()
             self._read(first)
         return [self.rows[self.known[own]] for own in values]
 
@@ -113,7 +97,7 @@ class Evaluations:
         names = [entry[0] for entry in cursor.description]
         for row in cursor.fetchmany(len(self.asked) - first):
             found = dict(zip(names, row, strict=True))
-            asked = self.asked.points[found["point"]]
+            (asked,) = self.asked.values([found["point"]])
             if tuple(found[key] for key in self.question.keys) != asked:
                 raise RunError(
                     f"point {found['point']} of the store is another one than this search asks for: name another --out"

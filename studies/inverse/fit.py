@@ -18,7 +18,7 @@ from studies.inverse.directions import Direction, direction, undetermined
 from studies.inverse.least_squares import CLEARLY, Problem
 from studies.inverse.next_measurement import ranked
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT, Parameter
-from studies.inverse.prediction import Predictor
+from studies.inverse.prediction import MeasurementPredictor
 from studies.inverse.profile import BetterMinimumError, End, allowed_excess, profile
 from studies.inverse.result import Fit
 from studies.refusal import RunError, SceneError
@@ -70,7 +70,7 @@ def fit(
     """
     say = progress or (lambda text: None)
     loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
-    predictor = Predictor(loaded, tolerance=tolerance, progress=say)
+    predictor = MeasurementPredictor(loaded, tolerance=tolerance, progress=say)
     _refuse(predictor, measurements, parameters)
     measurements, estimated = _weighted(measurements)
     problem = Problem(
@@ -168,7 +168,7 @@ def _open_directions(problem, best, ends, lost) -> list[Direction]:
     return found
 
 
-def _refuse(predictor: Predictor, measurements, parameters) -> None:
+def _refuse(predictor: MeasurementPredictor, measurements, parameters) -> None:
     if not measurements:
         raise SceneError("--data", "is required: a CSV file of measured points")
     if not parameters:
@@ -184,8 +184,7 @@ def _refuse(predictor: Predictor, measurements, parameters) -> None:
         if "." in key:  # an end of the range that the scene refuses is refused by name
             parameter = parameters[keys.index(key)]
             for end in (parameter.low, parameter.high):
-                if not predictor.needs_stator(key):
-                    predictor.contact({key: end})
+                predictor.scene({key: end})
 
 
 def _weighted(measurements) -> tuple[list[Measurement], bool]:

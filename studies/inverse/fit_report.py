@@ -1,13 +1,14 @@
 """What a fit leaves: its answer as text, fit.json, the fitted scene with its intervals, and a picture."""
 
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 
 from studies.inverse.data import UNITS, Measurement
 from studies.inverse.result import Fit
-from studies.report.answer import table
-from studies.report.figures import COLOURS
+from studies.report.answer import labelled, table
+from studies.report.figures import COLOURS, new_figure
 from studies.results.content import write_json
 from studies.scene.toml import document
 
@@ -19,31 +20,24 @@ def fit_answer(fit: Fit) -> str:
     """Return what a fit prints."""
     rows = [["parameter", "value", "95 % from", "to"]]
     for key, value in fit.values.items():
-        low, high = fit.intervals[key]
-        rows.append([key, f"{value:.5g}", *("open" if end is None else f"{end:.4g}" for end in (low, high))])
-    lines = [fit.problem.predictor.table.get("title", "") or "no title", "", *table(rows), ""]
-    lines += [_labelled("goodness of fit", _goodness(fit))]
-    lines += [_labelled("undetermined", each.sentence) for each in fit.directions]
+        ends = ("open" if end is None else f"{end:.4g}" for end in fit.intervals[key])
+        rows.append([key, f"{value:.5g}", *ends])
+    notes = [("goodness of fit", _goodness(fit))]
+    notes += [("undetermined", each.sentence) for each in fit.directions]
     for rival in fit.rivals:
         at = ", ".join(f"{key} = {value:.4g}" for key, value in rival.items())
-        lines.append(_labelled("also possible", f"{at}: another minimum that these data do not rule out"))
+        notes.append(("also possible", f"{at}: another minimum that these data do not rule out"))
     for key, ends in fit.ends.items():
-        for way, end in zip(("below", "above"), ends, strict=True):
-            if end is not None and not end.closed:
-                lines.append(_labelled("open", f"{key} {way}: {end.because}"))
-    keys = list(fit.values)
-    for i in range(len(keys)):
-        for j in range(i):
-            if abs(fit.correlation[i, j]) > 0.5:
-                lines.append(_labelled("correlation", f"{keys[j]}, {keys[i]}: {fit.correlation[i, j]:+.3f}"))
+        notes += [("open", f"{key} {way}: {end.because}") for way, end in zip(("below", "above"), ends, strict=True)
+                  if end is not None and not end.closed]  # fmt: skip
+    for (i, one), (j, other) in combinations(enumerate(fit.values), 2):
+        if abs(fit.correlation[i, j]) > 0.5:
+            notes.append(("correlation", f"{one}, {other}: {fit.correlation[i, j]:+.3f}"))
     for each in fit.candidates[:SHOWN_CANDIDATES]:
         gain = f"{each.key} from {100 * each.before:.3g} % to {100 * each.after:.3g} %"
-        lines.append(_labelled("measure next", f"{each.name}: {gain}"))
-    return "\n".join(lines)
-
-
-def _labelled(label: str, text: str) -> str:
-    return f"{label:<16}{text}"
+        notes.append(("measure next", f"{each.name}: {gain}"))
+    title = fit.problem.predictor.table.get("title", "") or "no title"
+    return "\n".join([title, "", *table(rows), "", *labelled(notes)])
 
 
 def _goodness(fit: Fit) -> str:
@@ -80,29 +74,14 @@ def fitted_scene(fit: Fit) -> str:
         else:
             remarks.append(f"{key} = {fit.values[key]:.6g}, {text}; it is no key of a scene")
     remarks += [each.sentence for each in fit.directions]
-    lines, path, counts = [], "", {}
-    for line in document(fit.scene().to_table(), remarks=tuple(remarks)).splitlines():
-        if line.startswith("[["):
-            name = line.strip("[]")
-            counts[name] = counts.get(name, -1) + 1
-            path = f"{name}.{counts[name]}"
-        elif line.startswith("["):
-            path = line.strip("[]")
-        key = f"{path}.{line.partition(' = ')[0]}"
-        lines.append(f"{line}  # {beside[key]}" if key in beside else line)
-    return "\n".join(lines) + "\n"
+    return document(fit.scene().to_table(), remarks=tuple(remarks), beside=beside)
 
 
 def draw_fit(fit: Fit, path: Path) -> None:
     """Draw each measurement with the fitted curve, its band and its residuals into a PNG file."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    problem = fit.problem
-    figure = Figure(figsize=(6.4 * len(problem.measurements), 6.0), layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = figure.subplots(
-        2, len(problem.measurements), squeeze=False, height_ratios=(2.5, 1.0), sharex="col"
+    problem, count = fit.problem, len(fit.problem.measurements)
+    figure, axes = new_figure(
+        6.4 * count, 6.0, rows=2, columns=count, squeeze=False, height_ratios=(2.5, 1.0), sharex="col"
     )
     residuals = problem.residuals([fit.best])[0]
     first = 0

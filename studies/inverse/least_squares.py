@@ -13,7 +13,7 @@ from scipy.stats import qmc
 
 from studies.inverse.data import Measurement
 from studies.inverse.parameters import Parameter
-from studies.inverse.prediction import Predictor
+from studies.inverse.prediction import MeasurementPredictor
 from studies.refusal import RunError
 
 STEP = 1e-4  # of the logarithm, or of the range: differences err by its square, predictions by 1e-9
@@ -28,7 +28,7 @@ CLEARLY = 1e-3  # lower, relative: what is no other minimum but the same one alo
 class Problem:
     """What is to be minimised: a function of x, the inner values of the parameters, then one b per systematic error."""
 
-    predictor: Predictor = field(repr=False)
+    predictor: MeasurementPredictor = field(repr=False)
     parameters: tuple[Parameter, ...]
     measurements: tuple[Measurement, ...]  # with deviations
     signs: tuple[float, ...]  # -1 for a measurement of speeds without a sign of a motor that runs towards -x

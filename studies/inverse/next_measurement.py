@@ -25,51 +25,42 @@ class Candidate:
     name: str  # what to measure
     key: str  # the number that it narrows most
     before: float  # standard deviation of that number, relative (of a number that may be zero: in its unit)
-    after: float  # standard deviation of that number, relative (of a number that may be zero: in its unit)
-
-    @property
-    def narrowing(self) -> float:
-        """Factor on the standard deviation."""
-        return self.after / self.before
+    after: float  # likewise, with the measurement
 
 
 def candidates(problem: Problem) -> list[Measurement]:
     """Return measurements to think of; empty deviations are to be those of the data."""
-    curve = next((each for each in problem.measurements if each.quantity == "velocity"), None)
-    burst = next((each for each in problem.measurements if each.quantity == "burst"), None)
-    base = curve or problem.measurements[0]
-    levels = base.levels or (max(problem.predictor.contact(base.settings).scene.levels),)
+    predictor, own = problem.predictor, {each.quantity: each for each in reversed(problem.measurements)}
+    base = own.get("velocity", problem.measurements[0])
+    levels = base.levels or (max(predictor.contact(base.settings).scene.levels),)
     top, found = max(levels), []
-    preload = float(base.settings.get("slider.preload", problem.predictor.value("slider.preload")))
-    spread = tuple(np.linspace(min(levels), top, 12)) if len(levels) > 1 else (top,)
-    plain = replace(base, quantity="velocity", time=(), values=(), deviations=None)
+
+    def think(name, quantity="velocity", at=(top,), settings=base.settings, **given):
+        plain = Measurement(name="", quantity=quantity, level_key=base.level_key, systematic=base.systematic)
+        found.append(replace(plain, name=name, levels=at, settings=settings, **given))
+
     if base.quantity != "amplitude":
-        for factor in (0.5, 2.0):
-            settings = base.settings | {"slider.preload": factor * preload}
-            name = f"velocity at a preload of {factor * preload * 1e3:.3g} mN"
-            found.append(replace(plain, name=name, levels=spread, settings=settings))
-        found.append(
-            replace(plain, name="velocity up to twice the level", levels=tuple(np.linspace(top, 2 * top, 6)))
-        )
-        if burst is None:
-            contact = problem.predictor.contact(problem.numbers(_middle(problem)) | base.settings)
-            rise = contact.slider.mass / (contact.slider.friction_coefficient * contact.slider.preload)
-            length = 3.0 * float(np.max(np.abs(_values(problem, curve)))) * rise
-            key = "wave.burst" if problem.predictor.given_wave else "drive.burst"
-            found.append(
-                replace(plain, name=f"v(t) of a burst of {length:.2g} s", quantity="burst", levels=(top,),
-                        time=tuple(np.linspace(0.02, 1.0, INSTANTS) * length), settings=base.settings | {key: length})
-            )  # fmt: skip
-    found.append(
-        Measurement(name="frequency of the tangential ring-down", quantity="ring-down frequency",
-                    deviations=(FREQUENCY_ERROR,), settings=base.settings)
-    )  # fmt: skip
-    if any(p.key in (AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT) or problem.predictor.needs_stator(p.key)
-           for p in problem.parameters):  # fmt: skip
-        amplitude = Measurement(name="surface amplitude under the slider (vibrometer)", quantity="amplitude",
-                                level_key="voltage_V", levels=(top,), deviations=(AMPLITUDE_ERROR,),
-                                settings=base.settings)  # fmt: skip
-        found.append(amplitude)
+        preload = float(base.settings.get("slider.preload", predictor.value("slider.preload")))
+        spread = tuple(np.linspace(min(levels), top, 12)) if len(levels) > 1 else (top,)
+        for size in (0.5 * preload, 2.0 * preload):
+            settings = base.settings | {"slider.preload": size}
+            think(f"velocity at a preload of {size * 1e3:.3g} mN", at=spread, settings=settings)
+        think("velocity up to twice the level", at=tuple(np.linspace(top, 2 * top, 6)))
+        if "burst" not in own:
+            start = [p.start(predictor.value(p.key)) for p in problem.parameters]
+            slider = predictor.contact(problem.numbers(start) | base.settings).slider
+            rise = slider.mass / (slider.friction_coefficient * slider.preload)
+            length = 3.0 * float(np.max(np.abs(base.values))) * rise
+            settings = base.settings | {"wave.burst" if predictor.given_wave else "drive.burst": length}
+            time = tuple(np.linspace(0.02, 1.0, INSTANTS) * length)
+            think(f"v(t) of a burst of {length:.2g} s", "burst", settings=settings, time=time)
+    think(
+        "frequency of the tangential ring-down", "ring-down frequency", at=(), deviations=(FREQUENCY_ERROR,)
+    )
+    sizes = (AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT)
+    if any(p.key in sizes or predictor.needs_stator(p.key) for p in problem.parameters):
+        think("surface amplitude under the slider (vibrometer)", "amplitude", deviations=(AMPLITUDE_ERROR,),
+              level_key="voltage_V")  # fmt: skip
     return found
 
 
@@ -79,8 +70,7 @@ def ranked(problem: Problem, best: np.ndarray, information: np.ndarray, spread: 
     ``information``: Fisher information of the data and the ranges, over x; ``spread``: relative standard deviation of
     a velocity in the data.
     """
-    before = np.sqrt(np.diag(np.linalg.inv(information)))
-    count, found = len(problem.parameters), []
+    before, found = np.sqrt(np.diag(np.linalg.inv(information))), []
     for each in candidates(problem):
         slopes = _slopes(problem, best, each, spread)
         if slopes is not None:
@@ -91,7 +81,7 @@ def ranked(problem: Problem, best: np.ndarray, information: np.ndarray, spread: 
             row[0, k] = 1.0 / WEIGHED / (1.0 if parameter.logarithmic else parameter.outer(best[k]) or 1.0)
             name = f"{parameter.key} itself, to {100 * WEIGHED:g} %"
             found.append(_gain(problem, name, information, row, before))
-    return sorted((each for each in found if count), key=lambda each: each.narrowing)
+    return sorted(found, key=lambda each: each.after / each.before)
 
 
 def _gain(problem, name, information, slopes, before) -> Candidate:
@@ -107,19 +97,10 @@ def _slopes(problem: Problem, best, imagined: Measurement, spread: float):
     deviation = relative * np.maximum(np.abs(centre), 0.1 * np.max(np.abs(centre)))
     if not np.all(np.isfinite(centre)) or np.max(deviation) == 0.0:
         return None
-    count = len(problem.parameters)
-    slopes = np.zeros((len(centre), len(best)))
 
     def predicted(xs):
         return [found[0] / deviation for found in problem.predictions(xs, (imagined,))]
 
-    slopes[:, :count] = problem.slopes(predicted, best, range(count))
+    own = problem.slopes(predicted, best, range(len(problem.parameters)))
+    slopes = np.pad(own, ((0, 0), (0, len(best) - own.shape[1])))  # systematic errors are of the data alone
     return slopes if np.all(np.isfinite(slopes)) else None
-
-
-def _middle(problem: Problem):
-    return [p.start(problem.predictor.value(p.key)) for p in problem.parameters]
-
-
-def _values(problem: Problem, curve):
-    return curve.values if curve is not None else problem.measurements[0].values

@@ -1,37 +1,31 @@
 """What a motor would show in a measurement, for many sets of its numbers at once.
 
-A set of numbers makes one slider and one surface motion per unit of drive; stators are solved once for each set of the
-keys that they depend on.  The steady states of all sets and levels go into one sweep (`contact.steady_sweep`); a point
-that averaging does not know is solved by itself (`contact.steady`).
+The steady states of all sets and levels go into one sweep (`contact.steady_sweep`); a point that averaging does not
+know is solved by itself (`contact.steady`).
 """
 
-import json
 import math
 from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
-from studies.chain import bridge
-from studies.chain.driven_contact import DrivenContact, given_contact
 from studies.chain.points import averaged
-from studies.chain.surface_motion import solved_motion
 from studies.inverse.data import Measurement
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
-from studies.scene.override import replaced, value_at
+from studies.scene.override import value_at
 from studies.scene.resolved import resolved
+from studies.sweep.predictor import PLACE_KEYS, Driven, Predictor, of_stator
 
-SHARE = 0.25  # of the tolerance, for the stator
 TRUSTED = 1e-2  # error of an averaged steady state up to which it is taken
 ALONE = 1e-5  # tolerance of the others
 BURST_TOLERANCE, SAMPLES = 1e-3, 400
-PLACES = ("slider.position", "slider.contacts")
 
 
-class Predictor:
-    """Predictions of one scene with changed numbers.
+class MeasurementPredictor(Predictor):
+    """Predictions of measurements of one scene with changed numbers.
 
     Words such as "weight" and "auto" become numbers before anything is changed; ``tolerance`` is that of the velocity,
     for the stator.
@@ -42,42 +36,27 @@ class Predictor:
             scene.refuse("slider", "is missing: without a slider there is no velocity")
         if scene.wave is None and not scene.transducer:
             scene.refuse("transducer", "is missing: nothing drives the slider")
-        self.table = resolved(scene).to_table()
-        self.tolerance, self.progress = tolerance, progress or (lambda text: None)
-        self._driven, self._ring_ups, self._kept = {}, {}, {}
+        super().__init__(resolved(scene).to_table(), tolerance=tolerance, progress=progress)
 
     @property
     def given_wave(self) -> bool:
         """Whether the surface motion is given."""
         return "wave" in self.table
 
-    def solved(self, record) -> None:
-        """Take the stator's answer from a run of the scene."""
-        if not self.given_wave:
-            self._driven["{}"] = DrivenContact.of_run(record)
-
-    def contact(self, numbers: dict) -> DrivenContact:
-        """Return slider and surface motion with some keys of the scene changed."""
-        known = tuple(sorted((key, str(value)) for key, value in numbers.items()))
-        if known not in self._kept:
-            if len(self._kept) > 4096:
-                self._kept.clear()
-            self._kept[known] = self._contact(numbers)
-        return self._kept[known]
+    def contact(self, changes: dict, step: int = 0) -> Driven:
+        """Return the contact with some keys changed; ``amplitude_factor`` among them multiplies its motion."""
+        found, factor = super().contact(changes, step), changes.get(AMPLITUDE_FACTOR, 1.0)
+        amplitudes = tuple(each * factor for each in found.amplitudes)
+        return replace(found, orbits=found.at(factor), amplitudes=amplitudes)
 
     def value(self, key: str) -> float | None:
         """Return the scene's own value of a key; None where it has none."""
-        if key == AMPLITUDE_FACTOR:
-            return 1.0
-        at = value_at(self.table, key)
+        at = 1.0 if key == AMPLITUDE_FACTOR else value_at(self.table, key)
         return at if isinstance(at, (int, float)) and not isinstance(at, bool) else None
 
     def needs_stator(self, key: str) -> bool:
         """Whether a change of the key asks for a new solution of the stator."""
-        return not self.given_wave and (
-            key in PLACES
-            or (key.startswith(("stator.", "transducer.", "drive.")) and not key.endswith(".burst"))
-        )
+        return not self.given_wave and (key in PLACE_KEYS or of_stator(key))
 
     def predict(self, asked: list[tuple[Measurement, dict]]) -> list[np.ndarray]:
         """Return the values of measurements, each with its own numbers; NaN where there is no answer."""
@@ -102,38 +81,7 @@ class Predictor:
             answers[k] = np.array([_steady(contact, float(f), *next(rows)) for f in factors])
         return answers
 
-    def _contact(self, numbers: dict) -> DrivenContact:
-        table = self.table
-        for key, value in numbers.items():
-            if "." in key:
-                table = replaced(table, key, list(value) if isinstance(value, tuple) else value)
-        scene = resolved(Scene.from_table("", table))
-        factor = numbers.get(AMPLITUDE_FACTOR, 1.0)
-        if self.given_wave:
-            return given_contact(scene)
-        keys = {key: value for key, value in numbers.items() if self.needs_stator(key)}
-        name = json.dumps(keys, default=str, sort_keys=True)
-        if name not in self._driven:
-            self.progress(f"stator {len(self._driven) + 1}")
-            self._driven[name] = self._solved(scene)
-        driven = self._driven[name]
-        return replace(
-            driven, scene=replace(scene, drive=replace(scene.drive, frequency=driven.scene.frequency)),
-            slider=bridge.contact_slider(scene.slider), orbits=bridge.scaled(driven.orbits, factor),
-            amplitude=driven.amplitude * factor,
-        )  # fmt: skip
-
-    def _solved(self, scene: Scene) -> DrivenContact:
-        """Solve the stator for the motion under the slider."""
-        places = tuple(dict.fromkeys((scene.slider.center, *scene.slider.places)))
-        motion = solved_motion(scene, places, tolerance=SHARE * self.tolerance)
-        return DrivenContact(
-            scene=scene, slider=None, orbits=bridge.orbits_per_volt(motion, scene.slider),
-            amplitude=float(abs(motion.at([scene.slider.center])[2, 0])), stator_error=motion.relative_error(places),
-            record=None,
-        )  # fmt: skip
-
-    def _factors(self, measurement: Measurement, numbers: dict, contact: DrivenContact) -> np.ndarray:
+    def _factors(self, measurement: Measurement, numbers: dict, contact: Driven) -> np.ndarray:
         """Return the factors on the contact's orbits at the levels of a measurement."""
         if not measurement.levels:
             return np.array([max(contact.scene.levels)])
@@ -149,7 +97,7 @@ class Predictor:
             )
         return levels * numbers[AMPLITUDE_PER_VOLT]
 
-    def _burst(self, measurement: Measurement, contact: DrivenContact, level: float) -> np.ndarray:
+    def _burst(self, measurement: Measurement, contact: Driven, level: float) -> np.ndarray:
         """Return v at the instants of a burst."""
         import contact as library
 
@@ -157,7 +105,9 @@ class Predictor:
         if duration is None:
             key = "wave.burst" if self.given_wave else "drive.burst"
             raise SceneError(f"--data {measurement.name}", f'holds a burst: give {key}="0.1 s" with the file')
-        envelope, fading = self._envelopes(contact.scene, duration)
+        ringing, envelope, fading = self.ring_up(contact), None, None
+        if ringing is not None and ringing.found is not None and ringing.found.settling >= 1e-2 * duration:
+            envelope, fading = ringing.envelope, ringing.ring_down
         after = max(0.0, 1.01 * measurement.time[-1] - duration)
         try:
             found = library.burst(
@@ -168,23 +118,8 @@ class Predictor:
             return np.full(len(measurement.time), math.nan)
         return np.interp(measurement.time, found.time, found.velocity)
 
-    def _envelopes(self, scene: Scene, duration: float) -> tuple:
-        """Return how the surface's motion grows and fades, where that takes a share of the burst that matters."""
-        if self.given_wave:
-            return None, None
-        from studies.chain.ring_up import ring_up
 
-        plain = replace(scene, slider=None, drive=replace(scene.drive, voltage=(1.0,)))
-        name = (plain, scene.slider.center)
-        if name not in self._ring_ups:
-            self._ring_ups[name] = ring_up(plain, scene.slider.center, progress=self.progress)
-        found = self._ring_ups[name]
-        if found.found is None or found.found.settling < 1e-2 * duration:
-            return None, None
-        return found.envelope, found.ring_down
-
-
-def _steady(contact: DrivenContact, factor: float, velocity: float, regime: str, error: float, *_) -> float:
+def _steady(contact: Driven, factor: float, velocity: float, regime: str, error: float, *_) -> float:
     """Return an averaged velocity that is good enough, or that of the motion itself."""
     import contact as library
 

@@ -10,12 +10,13 @@ data.
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import brentq
 from scipy.stats import chi2, f
 
 from studies.inverse.directions import LEVEL
 from studies.inverse.least_squares import Problem
 
-AGREES = 1e-2  # of the square root of the excess, relative: of the interval's half width
+AGREES = 3e-3  # of the interval's half width
 MAX_REFITS = 24
 AT_END = 1e-4  # of the range: nearer to an end than this is at it
 BETTER = 1e-3  # a sum of squares lower by more than this is a better minimum
@@ -26,7 +27,6 @@ class End:
     """One end of an interval."""
 
     x: np.ndarray  # all inner values there
-    excess: float  # of the sum of squares
     closed: bool  # whether the data make this end
     because: str = ""  # why it is open
 
@@ -54,42 +54,36 @@ def profile(
     ``minimum``: where the profile begins, and the sum of squares there; ``least``: that from which the excess counts;
     ``step``: expected distance of the end; ``allowed``: excess there.  Raises BetterMinimumError.
     """
-    best, begun = minimum
+    (best, begun), target = minimum, np.sqrt(allowed)
     wall = problem.high[j] if sign > 0 else problem.low[j]
-    room, target = abs(wall - best[j]), np.sqrt(allowed)
-    first = np.sqrt(max(begun - least, 0.0)) - target
-    inner, inner_x, outer = (0.0, first), best, None  # (distance, sqrt(excess) - target)
-    distance = min(max(step, 1e-6 * room), room)
-    here = best
-    for _ in range(MAX_REFITS):
-        start = _between(inner_x, best, j, best[j] + sign * distance)
-        here, squares = problem.minimum(start, fixed=j)
+    room, at = abs(wall - best[j]), {0.0: (best, begun)}  # refits by their distance
+
+    def gap(distance):
+        """Return by how much the square root of the excess is beyond its end."""
+        if distance not in at:
+            nearest = max((each for each in at if each < distance), default=0.0)
+            at[distance] = problem.minimum(
+                _between(at[nearest][0], best, j, best[j] + sign * distance), fixed=j
+            )
+        here, squares = at[distance]
         if squares < least - BETTER * max(1.0, least):
             raise BetterMinimumError(here)
-        excess = max(squares - least, 0.0)
-        gap = np.sqrt(excess) - target
-        if abs(gap) < AGREES * target:
-            break
-        if gap < 0.0:
-            if distance >= room:
-                return End(here, excess, False, f"its range ends at {_shown(problem, j, wall)}")
-            inner, inner_x = (distance, gap), here
-        else:
-            outer = (distance, gap)
-        if outer is None:
-            slope = (gap - first) / distance
-            further = -first / slope / distance if slope > 0 else 3.0
-            distance = min(distance * float(np.clip(further, 1.2, 3.0)), room)
-        else:
-            span = outer[0] - inner[0]
-            share = float(np.clip(-inner[1] / (outer[1] - inner[1]), 0.1, 0.9))
-            if span < 1e-9 * room:
-                break
-            distance = inner[0] + share * span
-    stopped = _at_an_end(problem, here, j)
-    if stopped is not None:
-        return End(here, excess, False, f"{problem.parameters[stopped].key} is at the end of its range")
-    return End(here, excess, True)
+        return np.sqrt(max(squares - least, 0.0)) - target
+
+    inner, outer = 0.0, min(max(step, 1e-6 * room), room)
+    while (beyond := gap(outer)) < 0.0:
+        if outer >= room:
+            ending = problem.parameters[j].outer(wall)
+            return End(at[outer][0], False, f"its range ends at {ending:.4g}")
+        slope = (beyond - gap(0.0)) / outer
+        further = -gap(0.0) / slope / outer if slope > 0.0 else 3.0
+        inner, outer = outer, min(outer * float(np.clip(1.02 * further, 1.2, 3.0)), room)
+    x, _ = at[brentq(gap, inner, outer, xtol=AGREES * outer, maxiter=MAX_REFITS, disp=False)]
+    near = AT_END * (problem.high - problem.low)
+    for k, parameter in enumerate(problem.parameters):
+        if k != j and min(x[k] - problem.low[k], problem.high[k] - x[k]) < near[k]:
+            return End(x, False, f"{parameter.key} is at the end of its range")
+    return End(x, True)
 
 
 def _between(x, best, j, value):
@@ -100,15 +94,3 @@ def _between(x, best, j, value):
         start = best + (x - best) * (value - best[j]) / moved
     start[j] = value
     return start
-
-
-def _at_an_end(problem: Problem, x, j: int) -> int | None:
-    low, high = problem.low, problem.high
-    for k in range(len(problem.parameters)):
-        if k != j and min(x[k] - low[k], high[k] - x[k]) < AT_END * (high[k] - low[k]):
-            return k
-    return None
-
-
-def _shown(problem: Problem, j: int, x: float) -> str:
-    return f"{problem.parameters[j].outer(x):.4g}"

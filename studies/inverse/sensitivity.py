@@ -8,19 +8,18 @@ few (f_n/f)^2, the elasticities keep the contact's scaling law, preload + E* - f
 everything that has no effect changes nothing.  Run time: 10 s; of twente with its stator 40 s of one processor.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from itertools import pairwise
 
 import numpy as np
 
-from studies.chain.driven_contact import DrivenContact
 from studies.chain.points import averaged, half_thrust
-from studies.inverse.prediction import Predictor
+from studies.inverse.prediction import MeasurementPredictor
 from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord, of_record, study
+from studies.study import Finding, Panel, StudyRecord, judged, of_record, study
+from studies.sweep.predictor import Driven
 
-TAKES_SCENE = True
 QUICK = {"outcomes": ("velocity", "threshold")}
 # accuracy of each answer: rounding and, where it is solved to a tolerance, that
 ACCURACY = {"velocity": 1e-11, "threshold": 1e-13, "release": 1e-13, "thrust": 1e-11, "efficiency": 1e-8,
@@ -51,7 +50,7 @@ def run(
     tolerance : float
         Of the velocity, for the stator.
     """
-    predictor = Predictor(scene, tolerance=tolerance, progress=progress)
+    predictor = MeasurementPredictor(scene, tolerance=tolerance, progress=progress)
     level = max(predictor.contact({}).scene.levels)
     found = {name: elasticities(predictor, name, level, progress) for name in outcomes}
     title, findings, panels = predictor.table.get("title", ""), [], []
@@ -69,30 +68,24 @@ def run(
     return panels, findings
 
 
-def numbers(predictor: Predictor) -> list[str]:
+def numbers(predictor: MeasurementPredictor) -> list[str]:
     """Return the keys of a scene's positive numbers that an answer may depend on."""
-    found = []
+    known = (".burst", ".gravity", "stator.width", "normal_amplitude", "drive.voltage")
+    return [key for key in _positive(predictor.table) if not key.endswith(known)]
 
-    def visit(path, value):
-        if isinstance(value, dict):
-            for key, each in value.items():
-                visit([*path, key], each)
-        elif isinstance(value, list):
-            for k, each in enumerate(value):
-                if isinstance(each, dict):
-                    visit([*path, str(k)], each)
-        elif isinstance(value, float) and value > 0.0:
-            found.append(".".join(path))
 
-    visit([], {key: block for key, block in predictor.table.items() if key != "title"})
-    return [
-        key for key in found
-        if not key.endswith((".burst", ".gravity", "stator.width", "normal_amplitude", "drive.voltage"))
-    ]  # fmt: skip
+def _positive(value, path: str = "") -> Iterator[str]:
+    if isinstance(value, float) and value > 0.0:
+        yield path
+    entries = value.items() if isinstance(value, dict) else ()
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        entries = enumerate(value)
+    for key, each in entries:
+        yield from _positive(each, f"{path}.{key}" if path else key)
 
 
 def elasticities(
-    predictor: Predictor, outcome: str, level: float, progress: Callable[[str], None] = print
+    predictor: MeasurementPredictor, outcome: str, level: float, progress: Callable[[str], None] = print
 ) -> dict[str, tuple[float, float]]:
     """Return {key: (d ln outcome / d ln number, its error)}, the level itself as "level".
 
@@ -101,35 +94,29 @@ def elasticities(
     if outcome not in ACCURACY:
         raise SceneError("outcomes", f"must be of {', '.join(ACCURACY)}, got {outcome!r}")
     found, base = {}, predictor.contact({})
-    duration = _start_up_span(base, level) if outcome == "start-up time" else 0.0
-    centre = _answers(outcome, [(base, level)], duration)[0]
+    (centre,) = _answers(outcome, [(base, level)])
     if not np.isfinite(centre) or centre == 0.0:
         return {}
     for key in [*numbers(predictor), *(["level"] if outcome not in ("threshold", "release") else [])]:
         progress(f"{outcome}: {key}")
         moved = key != "level" and predictor.needs_stator(key)
         accuracy = max(ACCURACY[outcome], STATOR_ACCURACY if moved else 0.0)
-        step = accuracy**0.2
-        if moved:
-            step = PHASE_STEP if key.endswith(PHASED) else STATOR_STEP
-        steps = [
-            sign * step / part for part in ((1.0, 2.0) if moved else (1.0, 2.0, 4.0)) for sign in (1.0, -1.0)
-        ]
-        own = None if key == "level" else predictor.value(key)
+        step = accuracy**0.2 if not moved else PHASE_STEP if key.endswith(PHASED) else STATOR_STEP
+        widths = step / np.array([1.0, 2.0] if moved else [1.0, 2.0, 4.0])
+        factors = np.exp(np.concatenate([widths, -widths])).tolist()
         try:
-            asked = [
-                (base, level * np.exp(s))
-                if own is None
-                else (predictor.contact({key: own * float(np.exp(s))}), level)
-                for s in steps
-            ]
+            if key == "level":
+                asked = [(base, level * factor) for factor in factors]
+            else:
+                own = predictor.value(key)
+                asked = [(predictor.contact({key: own * factor}), level) for factor in factors]
         except SceneError:
             continue  # at the edge of what a scene may say
-        values = np.array(_answers(outcome, asked, duration)) / centre
+        values = np.array(_answers(outcome, asked)) / centre
         if not np.all(values > 0.0):
             continue
-        logs = np.log(values)
-        table = [(logs[2 * k] - logs[2 * k + 1]) / (2.0 * step / 2**k) for k in range(len(steps) // 2)]
+        up, down = np.split(np.log(values), 2)
+        table = ((up - down) / (2.0 * widths)).tolist()
         for power in (4.0, 16.0)[: len(table) - 1]:  # Richardson extrapolation in the square of the step
             change = (table[-1] - table[-2]) / (power - 1.0)
             table = [(power * fine - coarse) / (power - 1.0) for coarse, fine in pairwise(table)]
@@ -137,75 +124,60 @@ def elasticities(
     return found
 
 
-def _answers(outcome: str, asked: list[tuple[DrivenContact, float]], duration: float) -> list[float]:
+def _answers(outcome: str, asked: list[tuple[Driven, float]]) -> list[float]:
     """Return an answer for each (contact, level)."""
     import contact as library
 
     if outcome in ("threshold", "release"):
         factor = getattr(library, f"{outcome}_factor")
         return [factor(contact.slider, contact.orbits) for contact, _ in asked]
-    if outcome == "start-up time":
-        return [_start_up(contact, level, duration) for contact, level in asked]
     rows = averaged([(each.slider, each.orbits, 0.0, level) for each, level in asked])
-    if outcome == "velocity":
-        return [abs(row[0]) for row in rows]
-    thrusts = [(row[-1], each) for row, each in zip(rows, asked, strict=True)]
-    if outcome == "thrust":
-        return [thrust * each.scene.slider.mass / each.slider.mass for thrust, (each, _) in thrusts]
-    return [
-        half_thrust(each.slider, each.at(level), thrust, ACCURACY["efficiency"])[1]
-        for thrust, (each, level) in thrusts
-    ]
+    found = []
+    for (contact, level), (velocity, *_, thrust) in zip(asked, rows, strict=True):
+        slider, whole = contact.slider, thrust * contact.scene.slider.mass / contact.slider.mass
+        if outcome == "efficiency":
+            found.append(half_thrust(slider, contact.at(level), thrust, ACCURACY[outcome])[1])
+        elif outcome == "start-up time":
+            found.append(_start_up(slider, contact.at(level), abs(velocity), thrust))
+        else:
+            found.append(abs(velocity) if outcome == "velocity" else whole)
+    return found
 
 
-def _start_up_span(contact: DrivenContact, level: float) -> float:
-    """Return a burst that certainly reaches the start-up time, s: velocity over the friction's acceleration."""
-    velocity = abs(_answers("velocity", [(contact, level)], 0.0)[0])
-    thrust = _answers("thrust", [(contact, level)], 0.0)[0]
-    return 4.0 * contact.scene.slider.mass * velocity / thrust if thrust > 0.0 else 0.0
-
-
-def _start_up(contact: DrivenContact, level: float, duration: float) -> float:
+def _start_up(slider, orbits: tuple, final: float, thrust: float) -> float:
     """Return the time from rest to 63 % of the steady velocity, s; NaN where a burst does not reach it."""
     from scipy.interpolate import CubicSpline
 
     import contact as library
 
-    final = abs(_answers("velocity", [(contact, level)], 0.0)[0])
-    if not duration > 0.0:
+    if not final * thrust > 0.0:
         return float("nan")
+    duration = 4.0 * slider.mass * final / thrust  # four times what the largest friction force would take
     motion = library.burst(
-        contact.slider,
-        contact.at(level),
-        duration=duration,
-        after=0.0,
-        tolerance=1e-6,
-        samples=400,
-        method="auto",
+        slider, orbits, duration=duration, after=0.0, tolerance=1e-6, samples=400, method="auto"
     )
     share = CubicSpline(motion.time, np.abs(motion.velocity) / final - RISE)
     times = [root for root in share.roots(extrapolate=False) if root > 0.0]
     return float(times[0]) if times else float("nan")
 
 
-def _without_effect(predictor: Predictor, outcome: str, rows: dict, level: float) -> list[Finding]:
+def _without_effect(predictor: MeasurementPredictor, outcome: str, rows: dict, level: float) -> list[Finding]:
     """Return which numbers have no effect, and what happens if all of them are changed together."""
     silent = [key for key, (value, _) in rows.items() if abs(value) < NO_EFFECT and key != "level"]
     if not silent:
         return []
     base, grown = predictor.contact({}), {key: predictor.value(key) * (1.0 + SILENT_STEP) for key in silent}
-    duration = _start_up_span(base, level) if outcome == "start-up time" else 0.0
-    before, after = _answers(outcome, [(base, level), (predictor.contact(grown), level)], duration)
+    before, after = _answers(outcome, [(base, level), (predictor.contact(grown), level)])
     allowed = 1.5 * SILENT_STEP * NO_EFFECT * len(silent)
     change = abs(float(np.log(after / before)))
     return [
-        Finding.judged(f"Without effect on the {outcome}: {', '.join(silent)}.",
+        judged(f"Without effect on the {outcome}: {', '.join(silent)}.",
                        f"relative change if all of them grow by {100 * SILENT_STEP:g} %", change, high=allowed,
                        expected=f"below {allowed:.1g}")
     ]  # fmt: skip
 
 
-def _checks(predictor: Predictor, rows: dict, level: float) -> list[Finding]:
+def _checks(predictor: MeasurementPredictor, rows: dict, level: float) -> list[Finding]:
     """Return what must hold: both ways agree, and the contact's scaling law."""
     import contact as library
 
@@ -222,18 +194,15 @@ def _checks(predictor: Predictor, rows: dict, level: float) -> list[Finding]:
         worst = max(worst, abs(implicit - rows[key][0]))
     size = max(abs(value) for value, _ in rows.values())
     found = [
-        Finding(statement="The implicit function theorem in the averaged equilibrium and differences of the corrected "
-                "velocity agree.", quantity="largest difference over the largest elasticity",
-                expected=f"below {AGREEMENT:g}", found=worst / size, confirmed=worst < AGREEMENT * size),
+        judged("The implicit function theorem in the averaged equilibrium and differences of the corrected "
+                       "velocity agree.", "largest difference over the largest elasticity", worst / size,
+                       high=AGREEMENT),
     ]  # fmt: skip
     law = [rows.get(f"slider.{key}") for key in ("preload", "effective_modulus", "friction_coefficient")]
     if all(law) and predictor.contact({}).scene.slider.load == 0.0:
         total = law[0][0] + law[1][0] - law[2][0]
-        found.append(
-            Finding(statement="Preload and modulus up, friction coefficient down by one factor change nothing.",
-                    quantity="sum of the elasticities", expected="0 to 1e-3", found=abs(total),
-                    confirmed=abs(total) < 1e-3)
-        )  # fmt: skip
+        sentence = "Preload and modulus up, friction coefficient down by one factor change nothing."
+        found.append(judged(sentence, "sum of the elasticities", abs(total), high=1e-3, expected="0 to 1e-3"))
     return found
 
 

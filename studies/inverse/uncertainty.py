@@ -12,7 +12,7 @@ import numpy as np
 from scipy.stats import norm, qmc, truncnorm
 
 from studies.inverse.data import Measurement
-from studies.inverse.prediction import Predictor
+from studies.inverse.prediction import MeasurementPredictor
 from studies.record import Record
 from studies.scene.keys import LEVELS, tolerances
 from studies.scene.uncertain import DEFAULTS
@@ -27,10 +27,10 @@ def with_bands(record: Record, *, progress: Callable[[str], None] | None = None)
     """Return the record of a scene with [uncertain] with its bands: two more values of each point, one more block."""
     options = DEFAULTS | {key: value for key, value in record.scene.uncertain if key in DEFAULTS}
     numbers = tolerances(record.scene)
-    predictor = Predictor(
+    predictor = MeasurementPredictor(
         replace(record.scene, uncertain=None), tolerance=record.tolerance, progress=progress
     )
-    predictor.solved(record)
+    predictor.take(record)
     ends = [{each.key: each.value + sign * each.half_width} for each in numbers for sign in (1.0, -1.0)]
     answers = _answers(predictor, record, ends)
     half = 0.5 * np.abs(answers[0::2] - answers[1::2])
@@ -83,7 +83,7 @@ def _sampled(numbers, count: int) -> list[dict[str, float]]:
     return [dict(zip(keys, map(float, row), strict=True)) for row in zip(*columns, strict=True)]
 
 
-def _answers(predictor: Predictor, record: Record, changes: list[dict]) -> np.ndarray:
+def _answers(predictor: MeasurementPredictor, record: Record, changes: list[dict]) -> np.ndarray:
     """Return what `_centre` does, for each set of changed numbers; NaN where there is no answer."""
     import contact
 

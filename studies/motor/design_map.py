@@ -21,13 +21,12 @@ from studies.report.figures import finished, logarithmic, own
 from studies.report.intermediate import prefixed
 from studies.scene import Scene
 from studies.scene.keys import rule_at, unit_of
-from studies.scene.override import replaced
+from studies.scene.override import replaced, value_at
 from studies.scene.resolved import resolved
-from studies.study import Finding, Panel, StudyRecord, of_record, study
+from studies.study import Panel, StudyRecord, judged, of_record, study
 from studies.sweep import sweep
 from studies.sweep.axes import axis, level_key
 
-TAKES_SCENE = TAKES_AXES = True
 COUNTS = 28, 22  # of levels and of preloads, where no axes are given
 QUICK = {"counts": (3, 3)}
 SMALLEST = 100.0  # largest value of a map over the smallest that has a colour of its own
@@ -59,44 +58,60 @@ def run(
     chosen = resolved(scene)
     if chosen.slider is None:
         chosen.refuse("slider", "is missing: without one there is nothing to map")
-    table, level = chosen.to_table(), level_key(chosen.to_table())
+    table = chosen.to_table()
+    level = level_key(table)
     axes = [axis(key, values) for key, values in (over or _usual(chosen, level, counts)).items()]
     _check(axes)
-    (x_key,), (y_key,) = axes[0].keys, axes[1].keys
-    own = [_own(table, each.keys[0]) for each in axes]
-    if level not in (x_key, y_key):
+    (x_key, x), (y_key, y) = ((*each.keys, *each.columns) for each in axes)
+    own = {f"own_{side}": _own(table, key) for side, key in (("x", x_key), ("y", y_key))}
+    moved = level in (x_key, y_key)
+    if not moved:
         table = replaced(table, level, [max(chosen.levels)])
-    progress(f"design map: {len(axes[0]) * len(axes[1])} points")
-    found = sweep(
-        table,
-        {y_key: axes[1].columns[0], x_key: axes[0].columns[0]},
-        also=("limits", "thrust", "efficiency"),
-        progress=lambda count, kept, failed, cost: progress(
-            f"design map: {kept} of {count} points, {failed} failed"
-        ),
-    )
+    progress(f"design map: {len(x) * len(y)} points")
+
+    def told(count, kept, failed, cost):
+        progress(f"design map: {kept} of {count} points, {failed} failed")
+
+    found = sweep(table, {y_key: y, x_key: x}, also=("limits", "thrust", "efficiency"), progress=told)
     failed = f"{found.failed} of {found.points} points have no answer"
-    columns, shape = found.columns(), (len(axes[1]), len(axes[0]))
+    columns, shape = found.columns(), (len(y), len(x))
     grid = {
         name: np.array([math.nan if each is None else each for each in column]).reshape(shape)
         for name, column in columns.items()
         if name.endswith(("_factor", "_efficiency", "_m_per_s", "_N"))
     }
-    regime = np.array(columns["regime"]).reshape(shape)
-    if not (np.isfinite(grid["velocity_m_per_s"]) & (grid["threshold_factor"] > 0.0)).any():
+    known = np.isfinite(grid["velocity_m_per_s"]) & (grid["threshold_factor"] > 0.0)  # 0: nothing to pass
+    if not known.any():
         raise RunError(f"the map is empty: {failed}, {columns['status'][0]}")
-    shared = {
-        "x_key": x_key, "x": axes[0].columns[0], "y_key": y_key, "y": axes[1].columns[0],
-        "own_x": own[0], "own_y": own[1],
-        "threshold_factor": _plain(grid["threshold_factor"]), "release_factor": _plain(grid["release_factor"]),
-    }  # fmt: skip
-    at = "" if level in (x_key, y_key) else f", {_words(level, max(chosen.levels))}"
-    panels = []
-    for name, (key, label, scale) in PANELS.items():
-        if key in grid:
-            data = shared | {"value": _plain(grid[key]), "label": label, "scale": scale}
-            panels.append(Panel(name=name, title=f"{chosen.title}{at}", data=data))
-    return panels, _findings(grid, regime, columns, chosen.slider, failed)
+    factors = {f"{name}_factor": _plain(grid[f"{name}_factor"]) for name in ("threshold", "release")}
+    shared = {"x_key": x_key, "x": x, "y_key": y_key, "y": y, **own, **factors}
+    title = chosen.title if moved else f"{chosen.title}, {_words(level, max(chosen.levels))}"
+    panels = [
+        Panel(
+            name=name, title=title, data=shared | {"value": _plain(grid[key]), "label": label, "scale": scale}
+        )
+        for name, (key, label, scale) in PANELS.items()
+        if key in grid
+    ]
+    moving, passed = grid["velocity_m_per_s"] != 0.0, grid["threshold_factor"] < 1.0
+    parted, released = np.reshape(columns["regime"], shape) == "intermittent", grid["release_factor"] < 1.0
+    friction = [
+        np.reshape(columns.get(f"slider.{key}", [getattr(chosen.slider, key)] * known.size), shape)[
+            known
+        ].astype(float)
+        for key in ("preload", "friction_coefficient")
+    ]
+    findings = (
+        *(judged(f"The closed form of the {name} parts the map.", "share of points on their side",
+                 np.mean(right[known]), holds=np.all(right[known]), expected="1", remark=failed)
+          for name, right in (("threshold", moving == passed), ("release", parted == released))),
+        judged("The load gets less than the wave gives.", "largest efficiency of the contact",
+               np.nanmax(grid["contact_efficiency"][known]), low=0, high=1),
+        judged("Thrust is friction's.", "largest blocked thrust over mu times preload",
+               np.nanmax(grid["thrust_N"][known] / (friction[1] * friction[0])), low=0, high=1 + 1e-9,
+               expected="above 0, up to 1"),
+    )  # fmt: skip
+    return panels, findings
 
 
 @of_record
@@ -141,15 +156,13 @@ def _levels(values) -> list[float]:
     size = max(abs(low), abs(high))
     if low * high >= 0.0 and np.median(abs(values)) > 0.1 * size:
         return MaxNLocator(12).tick_values(low, high).tolist()
-    below = [-level for level in reversed(_series(size / SMALLEST, -low))] if low < 0.0 else []
-    return [*below, 0.0, *(_series(size / SMALLEST, high) if high > 0.0 else [])]
-
-
-def _series(low: float, high: float) -> list[float]:
-    """Return the numbers 1, 2, 5, 10, ... from a first one up to the first that is no less than another."""
     steps = np.outer(10.0 ** np.arange(-30.0, 30.0), (1, 2, 5)).ravel()
-    first, last = np.searchsorted(steps, (low, high))
-    return steps[first : last + 1].tolist()
+
+    def series(stop: float) -> list[float]:
+        first, last = np.searchsorted(steps, (size / SMALLEST, stop))
+        return steps[first : last + 1].tolist() if stop > 0.0 else []
+
+    return [*(-level for level in reversed(series(-low))), 0.0, *series(high)]
 
 
 def _plain(values) -> list:
@@ -189,36 +202,10 @@ def _check(axes) -> None:
 
 def _own(table: dict, key: str) -> list[float]:
     """Return the scene's own value of a key, or values, as a list; none where it has none."""
-    here = table
-    for part in key.split("."):
-        here = here[int(part)] if isinstance(here, list) else here.get(part)
-        if here is None:
-            return []
-    return [each for each in (here if isinstance(here, list) else [here]) if isinstance(each, (int, float))]
-
-
-def _findings(grid, regime, columns, slider, failed) -> tuple[Finding, ...]:
-    moving, passed = grid["velocity_m_per_s"] != 0.0, grid["threshold_factor"] < 1.0
-    parted, released = regime == "intermittent", grid["release_factor"] < 1.0
-    known = np.isfinite(grid["velocity_m_per_s"]) & (grid["threshold_factor"] > 0.0)  # 0: nothing to pass
-    findings = [
-        Finding.judged(f"The closed form of the {name} parts the map.", "share of points on their side",
-                       np.mean(right[known]), holds=np.all(right[known]), expected="1", remark=failed)
-        for name, right in (("threshold", moving == passed), ("release", parted == released))
-    ]  # fmt: skip
-    best = np.nanmax(grid["contact_efficiency"][known])
-    preload, mu = (
-        np.array(columns.get(f"slider.{key}", [each] * known.size), float).reshape(known.shape)[known]
-        for key, each in (("preload", slider.preload), ("friction_coefficient", slider.friction_coefficient))
-    )
-    most = np.nanmax(grid["thrust_N"][known] / (mu * preload))
-    findings += [
-        Finding.judged("The load gets less than the wave gives.", "largest efficiency of the contact", best,
-                       low=0, high=1),
-        Finding.judged("Thrust is friction's.", "largest blocked thrust over mu times preload", most,
-                       low=0, high=1 + 1e-9, expected="above 0, up to 1"),
-    ]  # fmt: skip
-    return tuple(findings)
+    value = value_at(table, key)
+    return [
+        each for each in (value if isinstance(value, list) else [value]) if isinstance(each, (int, float))
+    ]
 
 
 def _scaled(key: str, values):

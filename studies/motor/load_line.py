@@ -13,9 +13,8 @@ import contact
 from studies.chain.driven_contact import driven_contact
 from studies.report.figures import curve, family, finished
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord, of_record, study
+from studies.study import Panel, StudyRecord, judged, of_record, study
 
-TAKES_SCENE = True
 QUICK = {"points": 3}
 LINES = 4
 
@@ -30,27 +29,26 @@ def run(scene: str | Scene = "twente-contact", *, points: int = 17, progress=Non
         Loads of each line.
     """
     driven = driven_contact(scene, progress=progress)
-    chosen, slider = driven.scene, driven.slider
-    drawn = {driven.named(level): driven.at(level) for level in driven.spread(1.05, LINES)}
-    lines = {}
-    for name, orbits in drawn.items():
-        progress(f"load line: {name}")
-        lines[name] = contact.load_line(slider, orbits, points=points, tolerance=1e-4)
+    chosen, slider, lines = driven.scene, driven.slider, {}
+    for level in driven.spread(1.05, LINES):
+        progress(f"load line: {driven.named(level)}")
+        line = contact.load_line(slider, driven.at(level), points=points, tolerance=1e-4)
+        lines[driven.named(level)] = line
     # of the balls that are computed as one, the whole thrust
     balls = chosen.slider.preload / slider.preload
     friction = slider.friction_coefficient * slider.preload
-    best = max(float(np.max(line.efficiency)) for line in lines.values())
-    inside = all(0 < int(np.argmax(line.efficiency)) < points - 1 for line in lines.values())
-    falling = all(bool(np.all(np.diff(line.velocity) < 0.0)) for line in lines.values())
-    largest = max(line.blocked_thrust for line in lines.values())
-    findings = [
-        Finding.judged("Velocity falls with load, to zero at the blocked thrust.",
-                       "blocked thrust over mu times preload, the largest", largest / friction, low=0, high=1 + 1e-9,
-                       holds=falling, expected="above 0, up to 1"),
-        Finding.judged("The motor gives out less than the wave puts in, most of it at some load in between.",
-                       "largest mechanical efficiency of the contact", best, low=0, high=1, holds=inside,
-                       remark="of the power that the wave gives the contacts, not of the electrical power"),
-    ]  # fmt: skip
+    findings = (
+        judged("Velocity falls with load, to zero at the blocked thrust.",
+               "blocked thrust over mu times preload, the largest",
+               max(line.blocked_thrust for line in lines.values()) / friction, low=0, high=1 + 1e-9,
+               holds=all(np.all(np.diff(line.velocity) < 0.0) for line in lines.values()),
+               expected="above 0, up to 1"),
+        judged("The motor gives out less than the wave puts in, most of it at some load in between.",
+               "largest mechanical efficiency of the contact",
+               max(float(np.max(line.efficiency)) for line in lines.values()), low=0, high=1,
+               holds=all(0 < int(np.argmax(line.efficiency)) < points - 1 for line in lines.values()),
+               remark="of the power that the wave gives the contacts, not of the electrical power"),
+    )  # fmt: skip
     panels = [
         Panel(name=file, title=f"{chosen.title}: {title}", data={
             "load_N": {key: balls * line.load for key, line in lines.items()},
@@ -62,7 +60,7 @@ def run(scene: str | Scene = "twente-contact", *, points: int = 17, progress=Non
             ("efficiency", "efficiency of the contact", "efficiency", "mechanical efficiency (%)", 1e2),
         )
     ]  # fmt: skip
-    return tuple(panels), tuple(findings)
+    return panels, findings
 
 
 @of_record
@@ -70,8 +68,7 @@ def figure(record: Panel, ax):
     """Draw a quantity against load."""
     data = record.data
     for name, load, colour in family(data["load_N"]):
-        curve(
-            ax, np.asarray(load) * 1e6, np.asarray(data["value"][name]) * data["factor"], ".-", colour, name
-        )
+        values = np.asarray(data["value"][name]) * data["factor"]
+        curve(ax, np.asarray(load) * 1e6, values, ".-", colour, name)
     ax.set_ylim(bottom=0)
     return finished(ax, "load (\u00b5N)", data["axis"], record.title, columns=3)

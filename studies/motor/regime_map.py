@@ -16,13 +16,14 @@ import numpy as np
 import contact
 from studies.chain import bridge
 from studies.chain.driven_contact import DrivenContact, driven_contact
+from studies.chain.propagation import reference_speed
 from studies.report.figures import AXES, curve, finished, logarithmic, own
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord, of_record, study
+from studies.study import Panel, StudyRecord, judged, of_record, study
 
-TAKES_SCENE = True
 QUICK = {"amplitudes": 8, "preloads": 5, "checked": 2}
 KINDS = ("stick", "slip", "intermittent", "hopping")
+HALF_WAVE = math.gamma(1.25) / (2.0 * math.sqrt(math.pi) * math.gamma(1.75))  # cycle mean of max(cos, 0)^1.5
 
 
 @study
@@ -61,46 +62,26 @@ def run(
     lines = {
         "threshold": np.array([contact.threshold_factor(s, per_metre) for s in loaded]),
         "release": np.array([contact.release_factor(s, per_metre) for s in loaded]),
-        "hopping": np.array([s.rest_approach(1) for s in loaded]) / (shares * _half_wave()) ** (2.0 / 3.0),
+        "hopping": np.array([s.rest_approach(1) for s in loaded]) / (shares * HALF_WAVE) ** (2.0 / 3.0),
     }
-    A = at[None, :]
-    expected = np.select(
-        [A < lines["threshold"][:, None], A < lines["release"][:, None], A < lines["hopping"][:, None]],
-        KINDS[:3],
-        KINDS[3],
-    )
+    below = [at[None, :] < line[:, None] for line in lines.values()]
+    known, expected = kind != "unknown", np.select(below, KINDS[:3], KINDS[3])
     # a load can only move the threshold, not the lines of the normal motion
-    agree = float(np.mean(expected[kind != "unknown"] == kind[kind != "unknown"]))
+    agree = float(np.mean(expected[known] == kind[known]))
     progress("regime map: checks by the event-driven method")
-    worst = _worst(slider, per_metre, at, loads, found, checked)
-    findings = [
-        Finding.judged(
-            "Threshold, release and hopping lines in closed form part the simulated regimes.",
-            "share of simulated points on the expected side", agree, holds=agree == 1.0, expected="1",
-            remark=f"{int(np.sum(kind == 'unknown'))} points where the averaged method does not apply",
-        ),
-        Finding.judged(
-            "The averaged steady states are those of the full motion.",
-            f"largest difference over max(|v|, omega |u_x|/10) at {checked} points",
-            worst, high=1e-6,
-        ),
-    ]  # fmt: skip
-    data = {
-        "amplitude_m": at,
-        "preload_N": loads,
-        "kind": kind.tolist(),
-        "velocity_m_per_s": found.velocity,
-        "lines_m": lines,
-        "operating_amplitude_m": reach,
-        "operating_preload_N": own,
-    }
-    panel = Panel(name="regime_map", title=f"{chosen.title}: regimes", data=data)
-    return (panel,), tuple(findings)
-
-
-def _half_wave() -> float:
-    """Return the cycle mean of max(cos, 0)^1.5, Gamma(5/4)/(2 sqrt(pi) Gamma(7/4))."""
-    return math.gamma(1.25) / (2.0 * math.sqrt(math.pi) * math.gamma(1.75))
+    findings = (
+        judged("Threshold, release and hopping lines in closed form part the simulated regimes.",
+               "share of simulated points on the expected side", agree, holds=agree == 1.0, expected="1",
+               remark=f"{np.sum(~known)} points where the averaged method does not apply"),
+        judged("The averaged steady states are those of the full motion.",
+               f"largest difference over max(|v|, omega |u_x|/10) at {checked} points",
+               _worst(loaded, per_metre, at, found, checked), high=1e-6),
+    )  # fmt: skip
+    panel = Panel(name="regime_map", title=f"{chosen.title}: regimes", data={
+        "amplitude_m": at, "preload_N": loads, "kind": kind.tolist(), "velocity_m_per_s": found.velocity,
+        "lines_m": lines, "operating_amplitude_m": reach, "operating_preload_N": own,
+    })  # fmt: skip
+    return (panel,), findings
 
 
 def _grid(driven: DrivenContact, per_metre: tuple, amplitudes: int, preloads: int) -> tuple:
@@ -117,16 +98,15 @@ def _grid(driven: DrivenContact, per_metre: tuple, amplitudes: int, preloads: in
     return at, driven.slider.preload * np.geomspace(0.08, 12.0, preloads), reach
 
 
-def _worst(slider, per_metre, amplitudes, preloads, found, checked: int) -> float:
+def _worst(loaded, per_metre, amplitudes, found, checked: int) -> float:
     """Return the largest difference to the event-driven method over a scatter of moving points."""
     at = np.argwhere(np.abs(np.nan_to_num(found.velocity)) > 0.0)
-    differences = []
+    differences = [0.0]
     for i, j in at[:: max(1, len(at) // checked)][:checked]:
         orbits = bridge.scaled(per_metre, float(amplitudes[j]))
-        full = contact.steady(replace(slider, preload=float(preloads[i])), orbits, tolerance=1e-6)
-        scale = max(abs(full.velocity), orbits[0].omega * abs(orbits[0].tangential) / 10.0)
-        differences.append(abs(full.velocity - found.velocity[i, j]) / scale)
-    return float(max(differences, default=0.0))
+        full = contact.steady(loaded[i], orbits, tolerance=1e-6).velocity
+        differences.append(abs(full - found.velocity[i, j]) / reference_speed(full, orbits[:1]))
+    return float(max(differences))
 
 
 @of_record

@@ -13,12 +13,12 @@ import numpy as np
 import contact
 from studies.chain import bridge
 from studies.chain.driven_contact import driven_contact
+from studies.chain.points import averaged
 from studies.chain.travel import travelled
 from studies.report.figures import AXES, COLOURS, curve, family, finished, lines
 from studies.scene import Scene, resolved
-from studies.study import Finding, Panel, StudyRecord, of_record, study
+from studies.study import Panel, StudyRecord, judged, of_record, study
 
-TAKES_SCENE = True
 QUICK = {"count": 10, "duration": 2e-3}
 LINES, COUNT = 3, 240
 WITHIN = 4  # points of half a wavelength about each place
@@ -50,47 +50,44 @@ def run(
     shifts = np.append(np.add.outer(at, ripple), center) - center
     progress("stroke: the field along the stator")
     orbits = along.orbits(shifts)
-    picked = driven.spread(1.05, LINES)
-    velocities, paths = {}, {}
-    for level in picked:
+    velocities, paths, speeds = {}, {}, {}
+    for level in driven.spread(1.05, LINES):
         name = driven.named(level)
         progress(f"stroke: {name}")
-        which = [(0, k) for k in range(len(orbits))]
-        found = contact.steady_sweep(
-            [slider],
-            orbits,
-            which=which,
-            factors=[level] * len(which),
-            wave_errors=[0.0] * len(which),
-            threads=None,
-        )
-        velocities[name] = found.velocity[:-1].reshape(count, WITHIN)
-        here = float(found.velocity[-1])
+        rows = averaged([(slider, each, 0.0, level) for each in orbits])
+        velocities[name] = np.array([velocity for velocity, *_ in rows[:-1]]).reshape(count, WITHIN)
+        here = float(rows[-1][0])
         path = travelled(slider, along, level, duration, duration * here)
-        paths[name] = (center + path.place, path.velocity)
-    amplitude = np.array([np.mean([abs(each.normal) for each in row]) for row in orbits[:-1]])
-    places = [(x, y) for x, y in chosen.slider.places]
-    in_section = [
-        np.mean([abs(motion.wave.motion(x + shift)[1]) for x, _ in places]) for shift in shifts[:-1]
-    ]
+        paths[name], speeds[name] = center + path.place, path.velocity
+    amplitude = np.reshape(
+        [np.mean([abs(each.normal) for each in row]) for row in orbits[:-1]], (count, WITHIN)
+    )
+    balls = np.array([x for x, _ in chosen.slider.places])
+    section = [np.mean([abs(motion.wave.motion(x)[1]) for x in balls + shift]) for shift in shifts[:-1]]
     panels = (
         Panel(name="velocity", title=f"{chosen.title}: velocity along the stator", data={
             "position_m": at, "velocity_m_per_s": {key: each.mean(axis=1) for key, each in velocities.items()},
             "slowest_m_per_s": {key: each.min(axis=1) for key, each in velocities.items()},
             "fastest_m_per_s": {key: each.max(axis=1) for key, each in velocities.items()},
-            "path_m": {key: x for key, (x, _) in paths.items()},
-            "path_velocity_m_per_s": {key: v for key, (_, v) in paths.items()},
+            "path_m": paths, "path_velocity_m_per_s": speeds,
         }),
         Panel(name="amplitude", title=f"{chosen.title}: amplitude along the stator", data={
-            "position_m": at, "amplitude_m_per_V": amplitude.reshape(count, WITHIN).mean(axis=1),
-            "smallest_m_per_V": amplitude.reshape(count, WITHIN).min(axis=1),
-            "largest_m_per_V": amplitude.reshape(count, WITHIN).max(axis=1),
-            "section_m_per_V": np.reshape(in_section, (count, WITHIN)).mean(axis=1),
+            "position_m": at, "amplitude_m_per_V": amplitude.mean(axis=1),
+            "smallest_m_per_V": amplitude.min(axis=1), "largest_m_per_V": amplitude.max(axis=1),
+            "section_m_per_V": np.reshape(section, (count, WITHIN)).mean(axis=1),
             "finite_aperture": motion.beam is not None,
         }),
     )  # fmt: skip
-    name = driven.named(picked[-1])
-    return panels, _findings(driven, velocities[name], here, paths[name], picked[-1])
+    steady, expected = velocities[name], contact.steady(slider, driven.at(level), tolerance=1e-4).velocity
+    fastest = abs(steady[np.isfinite(steady)]).max()
+    findings = (
+        judged("At the scene's place the slider runs as the run says.",
+               "steady velocity there over that of the run, less 1", abs(here / expected - 1), high=2e-3),
+        judged("A slider that travels is nowhere faster than the fastest place lets it be.",
+               "its largest speed over the largest steady speed", abs(speeds[name]).max() / fastest, high=1.001,
+               expected="up to 1"),
+    )  # fmt: skip
+    return panels, findings
 
 
 def _span(scene: Scene, wavelength: float) -> tuple[float, float]:
@@ -102,22 +99,6 @@ def _span(scene: Scene, wavelength: float) -> tuple[float, float]:
     left = max((right + clear for _, right in rows if right <= center), default=0.0)
     right = min((left - clear for left, _ in rows if left >= center), default=scene.stator.length)
     return left - min(balls), right - max(balls)
-
-
-def _findings(driven, steady, here: float, path, level: float) -> tuple[Finding, ...]:
-    expected = contact.steady(driven.slider, driven.at(level), tolerance=1e-4).velocity
-    known = abs(steady[np.isfinite(steady)]).max()
-    return (
-        Finding.judged(
-            "At the scene's place the slider runs as the run says.",
-            "steady velocity there over that of the run, less 1", abs(here / expected - 1), high=2e-3,
-        ),
-        Finding.judged(
-            "A slider that travels is nowhere faster than the fastest place lets it be.",
-            "its largest speed over the largest steady speed",
-            abs(path[1]).max() / known, high=1.001, expected="up to 1",
-        ),
-    )  # fmt: skip
 
 
 @of_record

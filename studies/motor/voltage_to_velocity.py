@@ -11,7 +11,6 @@ from studies.chain import run as run_chain
 from studies.record import Record
 from studies.scene import Scene
 
-TAKES_SCENE = True
 QUICK = {"tolerance": 1e-2}
 
 

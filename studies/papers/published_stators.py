@@ -19,7 +19,7 @@ from itertools import product
 
 from studies.papers.published import Unknown
 from studies.refusal import RunError
-from studies.study import Finding, Panel, StudyRecord, of_record
+from studies.study import Finding, Panel, StudyRecord, judged, of_record
 
 __all__ = ["figure", "run"]
 
@@ -109,7 +109,7 @@ def run(
     apart = [_deviation(case) for case in cases]
     best = cases[apart.index(min(apart))]
     findings.append(
-        Finding.judged(
+        judged(
             "KAKEN 22360101: one layout has all five numbers",
             "largest relative difference of the nearest layout",
             min(apart),

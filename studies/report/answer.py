@@ -3,9 +3,12 @@
 import codecs
 import json
 import sys
+from typing import TYPE_CHECKING
 
-from studies.record import Record
 from studies.report.measured import comparison
+
+if TYPE_CHECKING:
+    from studies.record import Record
 
 __all__ = ["answer", "labelled", "notebook_table", "points_table", "print_json", "table"]
 
@@ -40,7 +43,7 @@ def print_json(value: dict) -> None:
     print(json.dumps(value, indent=1, ensure_ascii=ascii_only, allow_nan=False))
 
 
-def answer(record: Record) -> str:
+def answer(record: "Record") -> str:
     """Return what a run prints on stdout."""
     lines = [record.scene.title or "no title", ""]
     if record.points:
@@ -88,7 +91,7 @@ def table(rows: list[list[str]]) -> list[str]:
     ]
 
 
-def points_table(record: Record, missing: str = "-") -> tuple[list[str], list[list[str]]]:
+def points_table(record: "Record", missing: str = "-") -> tuple[list[str], list[list[str]]]:
     """Return heads and rows of a run's points; what no point has is no column."""
     shown = [column for column in COLUMNS if any(column[1] in point for point in record.points)]
     rows = [
@@ -97,7 +100,7 @@ def points_table(record: Record, missing: str = "-") -> tuple[list[str], list[li
     return [name for name, _, _ in shown], rows
 
 
-def notebook_table(record: Record, caption: str) -> str:
+def notebook_table(record: "Record", caption: str) -> str:
     """Return the points as a table in HTML, with a caption above and the warnings below."""
     from html import escape
 
@@ -111,7 +114,7 @@ def notebook_table(record: Record, caption: str) -> str:
     return f"<p>{escape(caption)}</p><table>{row('th', heads)}{body}</table>{more}<ul>{notes}</ul>"
 
 
-def _wave(record: Record):
+def _wave(record: "Record"):
     """Yield the rows of the wave: free, or under the slider with the electrical side."""
     wave, electrical = record.wave, record.electrical
     if not record.points:
@@ -175,7 +178,7 @@ def _uncertainty(block: dict):
                 yield "", f"{name} {low:.4g} to {high:.4g} {unit}"
 
 
-def sentences(record: Record) -> tuple[str, ...]:
+def sentences(record: "Record") -> tuple[str, ...]:
     """Return a line for every effect above the tolerance, and one that names those below it."""
     lines, small = [], []
     for each in record.model_error:

@@ -9,9 +9,9 @@ followed event by event about 5e-5 s for each cycle of the wave.
 import textwrap
 from dataclasses import dataclass
 
-from studies.chain import SHARE, slider_left_out
-from studies.chain.neglected import diffraction_left_out, driven_left_out, free_left_out
-from studies.chain.ring_up import RingUp, ring_up_left_out
+from studies.chain import SHARE
+from studies.chain.left_out import left_out
+from studies.chain.ring_up import RingUp
 from studies.chain.surface_motion import wanted_diffraction
 from studies.refusal import RunError
 from studies.report.answer import labelled, table
@@ -88,19 +88,17 @@ def plan(scene: Scene, *, tolerance: float) -> Plan:
         If a run would refuse its size.
     """
     scene = resolved.resolved(scene)
-    parts, operations, kept, seconds = [], 0.0, 0.0, START
-    if scene.wave is not None:
-        left_out = ["stator, transducers and electric field: the surface motion is given"]
-    elif scene.transducer:
+    parts, missing, operations, kept, seconds = [], {}, 0.0, 0.0, START
+    if scene.transducer:
         from fem import ConvergenceError
 
         try:
-            parts, left_out, operations, kept = _driven(scene, tolerance)
+            parts, missing, operations, kept = _driven(scene, tolerance)
         except ConvergenceError as error:
             raise RunError(str(error)) from None
-    else:
+    elif scene.wave is None:
         facts = (_where(scene), "guided modes of the bare section: an eigenproblem through the depth alone")
-        parts, left_out = [Part(name="free wave", facts=facts)], free_left_out(resolved.stator(scene.stator))
+        parts = [Part(name="free wave", facts=facts)]
     if scene.slider is not None:
         from contact import kernels
 
@@ -116,7 +114,7 @@ def plan(scene: Scene, *, tolerance: float) -> Plan:
         scene=scene,
         tolerance=tolerance,
         parts=tuple(parts),
-        left_out=(*left_out, *slider_left_out(scene)),
+        left_out=left_out(scene, **missing),
         seconds=seconds + operations / SPEED,
         bytes=PROCESS + KEPT * kept,
     )
@@ -143,8 +141,8 @@ def explanation(plan: Plan) -> str:
     return "\n".join([title, "what a run would compute; nothing has been computed", "", *labelled(rows)])
 
 
-def _driven(scene: Scene, tolerance: float) -> tuple[list[Part], list[str], float, float]:
-    """Return the parts of a driven stator, what they leave out, their operations, and the bytes of their blocks."""
+def _driven(scene: Scene, tolerance: float) -> tuple[list[Part], dict, float, float]:
+    """Return the parts of a driven stator, what `left_out` asks about them, their operations, their blocks' bytes."""
     from fem import LEVELS, isotropic_about_normal, planned_levels, stator_size
 
     slider, (along, _) = scene.slider, resolved.first_row(scene, (0.0, 0.0))
@@ -181,21 +179,20 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[Part], list[str], floa
         how = "guided modes at every wavenumber across the aperture, under the slider"
         parts.append(Part(name="beam", facts=(how,)))
         operations += BEAM if isotropic_about_normal(stator.solid) else CUT_BEAM
-    left_out = [*driven_left_out(stator, scene.frequency), *diffraction_left_out(scene, spreads, refusal)]
+    missing = {"beam": spreads, "reason": refusal}
     if slider is not None and scene.burst is not None:
         covered = any(
             abs(slider.center[0] - each.place[0]) <= each.finger_pairs * each.period / 2
             for each in scene.transducer
         )
-        ring_up = None if covered else RingUp(envelope=None, ring_down=None, found=None, error=0.0)
-        left_out += ring_up_left_out(scene, ring_up, ())
         if not covered:
+            missing["ringing"] = RingUp(error=0.0)
             how = (
                 "response over a band of frequencies, as many as the ringing asks for; the least certain time"
             )
             parts.append(Part(name="ring-up", facts=(how,)))
             operations, kept = operations + BAND * _operations(sizes[1]), kept + 5 * sizes[1].block_bytes
-    return parts, left_out, operations, kept
+    return parts, missing, operations, kept
 
 
 def _level(size) -> dict:

@@ -9,9 +9,12 @@ import textwrap
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from studies.record import Record
 from studies.refusal import RunError
+
+if TYPE_CHECKING:
+    from studies.record import Record
 
 __all__ = [
     "AXES",
@@ -61,7 +64,7 @@ BELOW = 38  # points from the axes to a legend below them: room for ticks and la
 MARKS = {"stick": "s", "slip": "o", "intermittent": "^"}
 
 
-def pictures(record: Record) -> dict[str, Callable]:
+def pictures(record: "Record") -> dict[str, Callable]:
     """Return what draws the pictures of a run on an Axes, by the name of their file; the main result first."""
     found = {"velocity": velocity} if record.scene.slider is not None else {}
     if record.trajectories:
@@ -71,7 +74,7 @@ def pictures(record: Record) -> dict[str, Callable]:
     return {name: partial(draw, record) for name, draw in found.items()}
 
 
-def draw_run(record: Record, folder: Path) -> None:
+def draw_run(record: "Record", folder: Path) -> None:
     """Draw the pictures that a record has, into a directory."""
     for name, draw in pictures(record).items():
         saved(folder / f"{name}.png", draw)
@@ -223,7 +226,7 @@ def logarithmic(axis) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def velocity(record: Record, ax):
+def velocity(record: "Record", ax):
     """Draw steady velocity against voltage or amplitude, by regime, with threshold and release."""
     unit, scale = AXES[record.level]
     for regime, mark in MARKS.items():
@@ -254,7 +257,7 @@ def velocity(record: Record, ax):
     return finished(ax, unit, "slider velocity (mm/s)", record.scene.title, columns=3)
 
 
-def _power_axis(record: Record, ax) -> None:
+def _power_axis(record: "Record", ax) -> None:
     """Put the source's available power on the upper axis, where it has a resistance."""
     available = record.electrical.get("power_available_W_per_V2")
     if available is None or not any(record.scene.levels):
@@ -273,7 +276,7 @@ def _power_axis(record: Record, ax) -> None:
     upper.set_xlabel("available power (W)")
 
 
-def _measured(record: Record, ax, scale: float) -> None:
+def _measured(record: "Record", ax, scale: float) -> None:
     """Draw measured points with their errors, and a line through the prediction that they are compared with."""
     known = sorted((p[record.level], p["velocity_m_per_s"]) for p in record.points if "velocity_m_per_s" in p)
     at, speeds = zip(*known, strict=True)
@@ -285,7 +288,7 @@ def _measured(record: Record, ax, scale: float) -> None:
     ax.errorbar(at, speeds, yerr=bars, fmt="D", color=COLOURS["second"], **given)
 
 
-def trajectories(record: Record, ax):
+def trajectories(record: "Record", ax):
     """Draw v(t) of a burst at each level."""
     import matplotlib
 
@@ -300,7 +303,7 @@ def trajectories(record: Record, ax):
     return finished(ax, "time (ms)", "slider velocity (mm/s)", record.scene.title)
 
 
-def surface(record: Record, ax):
+def surface(record: "Record", ax):
     """Draw |u_z| and |u_x| per volt along the surface, with transducers and slider."""
     columns, scene = record.surface, record.scene
     label, scale = AXES["x_m"]
@@ -326,7 +329,7 @@ def surface(record: Record, ax):
     return finished(ax, label, "amplitude per volt, peak (nm/V)", title, grid=False)
 
 
-def profile(record: Record, ax):
+def profile(record: "Record", ax):
     """Draw the free wave's displacements against depth."""
     columns = record.surface
     depth = -columns["z_m"] * 1e3
@@ -339,7 +342,7 @@ def profile(record: Record, ax):
     return finished(ax, "depth (mm)", "displacement over u_z at the surface", title)
 
 
-def errors(record: Record, ax):
+def errors(record: "Record", ax):
     """Draw the estimated error of each point, with what was asked for."""
     unit, scale = AXES[record.level]
     known = [point for point in record.points if point.get("relative_error")]

@@ -3,15 +3,18 @@
 import csv
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from studies.record import Record
 from studies.report.surface_map import surface_map
 from studies.scene.toml import document
+
+if TYPE_CHECKING:
+    from studies.record import Record
 
 __all__ = ["write_run", "write_table"]
 
 
-def write_run(record: Record, folder: Path, *, field: bool) -> None:
+def write_run(record: "Record", folder: Path, *, field: bool) -> None:
     """Write a run's files into a directory.
 
     Parameters

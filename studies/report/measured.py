@@ -10,9 +10,12 @@ import csv
 import math
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from studies.record import Record
 from studies.refusal import SceneError, shown
+
+if TYPE_CHECKING:
+    from studies.record import Record
 
 __all__ = ["Measured", "MeasuredTable", "compared", "comparison", "read_measured"]
 
@@ -120,7 +123,7 @@ def read_measured(path: str | Path) -> Measured:
     return Measured(name=table.path.name, key=key, level=level, velocity=velocity, error=error)
 
 
-def compared(record: Record, measured: Measured) -> dict:
+def compared(record: "Record", measured: Measured) -> dict:
     """Return the block ``measured`` of run.json: each point beside the prediction, and how far they are apart.
 
     The prediction is interpolated linearly between the run's points; measured points outside them are listed without

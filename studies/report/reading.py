@@ -2,13 +2,36 @@
 
 import csv
 import json
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from studies.record import Motion
 from studies.refusal import RunError
 from studies.scene import Scene
 
-__all__ = ["read_run"]
+if TYPE_CHECKING:
+    import numpy as np
+
+__all__ = ["Motion", "read_run"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motion:
+    """Motion of the slider over a burst, as ``trajectory.csv`` keeps it.
+
+    Attributes
+    ----------
+    time : ndarray, shape (k,)
+        s from the start of the burst.
+    velocity : ndarray, shape (k,)
+        Of the slider, m/s.
+    position : ndarray, shape (k,)
+        Normal position of the slider, m.
+    """
+
+    time: "np.ndarray"
+    velocity: "np.ndarray"
+    position: "np.ndarray"
 
 
 def read_run(folder: Path) -> dict:

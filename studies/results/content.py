@@ -5,6 +5,7 @@ Complex numbers become ``[re, im]``; a number that is not finite never leaves: i
 
 import json
 import math
+from functools import cache
 from pathlib import Path
 
 from studies.refusal import RunError
@@ -39,6 +40,7 @@ def write_json(file: Path, whole: dict) -> None:
     file.write_text(text + "\n", encoding="utf-8")
 
 
+@cache
 def provenance() -> dict:
     """Return the versions behind a result."""
     import platform

@@ -12,59 +12,29 @@ from functools import cache
 
 from studies.refusal import SceneError, resembling, shown
 
-DIMENSIONS = {
-    "m": ("a length", "5 mm"),
-    "s": ("a time", "20 ms"),
-    "Hz": ("a frequency", "2.2 MHz"),
-    "kg": ("a mass", "0.1 g"),
-    "N": ("a force", "5 mN"),
-    "V": ("a voltage", "10 V"),
-    "ohm": ("an impedance", "50 ohm"),
-    "W": ("a power", "1 W"),
-    "H": ("an inductance", "2.6 uH"),
-    "F": ("a capacitance", "1 nF"),
-    "Pa": ("a stiffness", "64 GPa"),
-    "m/s": ("a velocity", "1 mm/s"),
-    "m/s^2": ("an acceleration", "9.81 m/s^2"),
-    "s/m": ("a damping per velocity", "0.1 s/m"),
-    "N s/m": ("a viscous damping", "1 mN s/m"),
-    "kg/m^3": ("a density", "7.6 g/cm^3"),
-    "deg": ("an angle", "90 deg"),
-    "": ("a plain number", ""),
+# What a unit measures, an example, and the usual units of its dimension as powers of ten.
+UNITS: dict[str, tuple[str, str, dict[str, int]]] = {
+    "m": ("a length", "5 mm", {"m": 0, "cm": -2, "mm": -3, "um": -6, "µm": -6, "nm": -9, "pm": -12}),
+    "s": ("a time", "20 ms", {"s": 0, "ms": -3, "us": -6, "µs": -6, "ns": -9}),
+    "Hz": ("a frequency", "2.2 MHz", {"Hz": 0, "kHz": 3, "MHz": 6, "GHz": 9}),
+    "kg": ("a mass", "0.1 g", {"kg": 0, "g": -3, "mg": -6, "ug": -9}),
+    "N": ("a force", "5 mN", {"kN": 3, "N": 0, "mN": -3, "uN": -6, "nN": -9}),
+    "V": ("a voltage", "10 V", {"kV": 3, "V": 0, "mV": -3}),
+    "ohm": ("an impedance", "50 ohm", {"ohm": 0, "kohm": 3, "Mohm": 6}),
+    "W": ("a power", "1 W", {"kW": 3, "W": 0, "mW": -3, "uW": -6}),
+    "H": ("an inductance", "2.6 uH", {"H": 0, "mH": -3, "uH": -6, "µH": -6, "nH": -9}),
+    "F": ("a capacitance", "1 nF", {"F": 0, "uF": -6, "µF": -6, "nF": -9, "pF": -12}),
+    "Pa": ("a stiffness", "64 GPa", {"Pa": 0, "kPa": 3, "MPa": 6, "GPa": 9}),
+    "m/s": ("a velocity", "1 mm/s", {"m/s": 0, "mm/s": -3, "um/s": -6}),
+    "m/s^2": ("an acceleration", "9.81 m/s^2", {"m/s^2": 0, "m/s**2": 0}),
+    "s/m": ("a damping per velocity", "0.1 s/m", {"s/m": 0}),
+    "N s/m": ("a viscous damping", "1 mN s/m", {"N s/m": 0, "mN s/m": -3, "N*s/m": 0}),
+    "kg/m^3": ("a density", "7.6 g/cm^3", {"kg/m^3": 0, "g/cm^3": 3}),
+    "deg": ("an angle", "90 deg", {"deg": 0}),
+    "": ("a plain number", "", {}),
 }
-
-POWERS: dict[str, dict[str, int]] = {
-    "m": {"m": 0, "cm": -2, "mm": -3, "um": -6, "µm": -6, "nm": -9, "pm": -12},
-    "s": {"s": 0, "ms": -3, "us": -6, "µs": -6, "ns": -9},
-    "Hz": {"Hz": 0, "kHz": 3, "MHz": 6, "GHz": 9},
-    "kg": {"kg": 0, "g": -3, "mg": -6, "ug": -9},
-    "N": {"kN": 3, "N": 0, "mN": -3, "uN": -6, "nN": -9},
-    "V": {"kV": 3, "V": 0, "mV": -3},
-    "ohm": {"ohm": 0, "kohm": 3, "Mohm": 6},
-    "W": {"kW": 3, "W": 0, "mW": -3, "uW": -6},
-    "H": {"H": 0, "mH": -3, "uH": -6, "µH": -6, "nH": -9},
-    "F": {"F": 0, "uF": -6, "µF": -6, "nF": -9, "pF": -12},
-    "Pa": {"Pa": 0, "kPa": 3, "MPa": 6, "GPa": 9},
-    "m/s": {"m/s": 0, "mm/s": -3, "um/s": -6},
-    "m/s^2": {"m/s^2": 0, "m/s**2": 0},
-    "s/m": {"s/m": 0},
-    "N s/m": {"N s/m": 0, "mN s/m": -3, "N*s/m": 0},
-    "kg/m^3": {"kg/m^3": 0, "g/cm^3": 3},
-    "deg": {"deg": 0},
-}
-
-# prefixes that differ by their case alone, 10^9 apart: no motor has the left one
-CONFUSED = {
-    "mHz": "MHz",
-    "mPa": "MPa",
-    "MN": "mN",
-    "Mm": "mm",
-    "Mg": "mg",
-    "Ms": "ms",
-    "MV": "mV",
-    "MW": "mW",
-}
-CONFUSED["MN s/m"] = "mN s/m"
+DIMENSIONS = {unit: (noun, example) for unit, (noun, example, _) in UNITS.items()}
+POWERS = {unit: names for unit, (_, _, names) in UNITS.items() if unit}
 NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(\S.*?)?\s*", re.ASCII)
 _POWER = r"[A-Za-zΩµμ_]{1,30}(?:(?:\^|\*\*)-?\d)?"  # one digit: pint would compute 9^9^9^9
 UNIT = re.compile(rf"{_POWER}(?:[ */·]{_POWER}){{0,5}}")
@@ -102,30 +72,29 @@ def _wanted(unit: str) -> str:
 
 
 def _from_text(path: str, text: str, unit: str) -> float:
-    wanted = _wanted(unit)
+    def refusal(hint: str) -> SceneError:
+        return SceneError(path, f"{_wanted(unit)}, got {shown(text)}{hint}")
+
     match = NUMBER.fullmatch(text)
     if re.fullmatch(r"\s*[+-]?\d+,\d+\s*\S.*", text):
-        raise SceneError(
-            path, f"{wanted}, got {shown(text)}: write a decimal point, {text.replace(',', '.')!r}"
-        )
+        raise refusal(f": write a decimal point, {text.replace(',', '.')!r}")
     if match is None:
-        raise SceneError(path, f"{wanted}, got {shown(text)}")
+        raise refusal("")
     number, name = match[1], match[2]
     if name is None:
-        raise SceneError(path, f"{wanted}: the string {shown(text)} has no unit")
+        raise refusal(", which has no unit")
     if name in POWERS[unit]:
         return float(Decimal(number).scaleb(POWERS[unit][name]))
-    if CONFUSED.get(name) in POWERS[unit]:
-        size = f"{name} is {'1e-3' if name[0] == 'm' else '1e6'} {name[1:]}"
-        hint = f"{size}; did you mean {number} {CONFUSED[name]}?"
-        raise SceneError(path, f"{wanted}, got {shown(text)}: {hint}")
+    swapped = name[0].swapcase() + name[1:]
+    if swapped in POWERS[unit] and unit != "ohm":  # 10^9 apart, as mHz and MHz: no motor has the other one
+        raise refusal(f"; did you mean {number} {swapped}?")
     for other, names in POWERS.items():
         if name in names:
-            raise SceneError(path, f"{wanted}, got {shown(text)}, {DIMENSIONS[other][0]}")
+            raise refusal(f", {DIMENSIONS[other][0]}")
     try:
         return float(Decimal(number)) * _factor(name, unit)
     except (LookupError, InvalidOperation) as error:
-        raise SceneError(path, f"{wanted}, got {shown(text)}: {error.args[0]}") from None
+        raise refusal(f": {error.args[0]}") from None
 
 
 @cache

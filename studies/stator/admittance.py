@@ -8,14 +8,12 @@ capacitance's within a quarter at the band's edges, where hardly a wave is sent.
 
 import numpy as np
 
-import fem
 from studies.chain import passband
-from studies.chain.spectrum import port_admittances
+from studies.chain.spectrum import driving_point, port_admittances
 from studies.report.figures import lines
 from studies.scene import Scene, resolved
-from studies.study import Finding, Panel, StudyRecord, of_record, study
+from studies.study import Panel, StudyRecord, judged, of_record, study
 
-TAKES_SCENE = True
 QUICK = {"count": 5, "tolerance": 0.1}
 COUNT = 81
 
@@ -36,43 +34,26 @@ def run(
     chosen = passband.driven_scene(scene)
     at = passband.frequencies(chosen, count)
     ports = port_admittances(chosen, at, tolerance, progress)
-    row, drive = resolved.transducers(chosen), resolved.drive(chosen)
-    admittance = np.array(
-        [
-            fem.solve_circuit(matrix, ports.names, row, drive, f).admittance
-            for matrix, f in zip(ports.matrix, at, strict=True)
-        ]
-    )
+    admittance = driving_point(ports, resolved.transducers(chosen), resolved.drive(chosen))
     theory = passband.expected(chosen)
-    susceptance = 2 * np.pi * at * theory.capacitance
-    data = {
-        "frequency_Hz": at,
-        "conductance_S": admittance.real,
-        "susceptance_S": admittance.imag,
-        "estimated_conductance_S": theory.conductance(at),
-        "capacitive_susceptance_S": susceptance,
-        "relative_error": ports.relative_error,
-    }
-    most = admittance.real.max() / data["estimated_conductance_S"].max()
-    edge = float(np.mean((admittance.imag / susceptance)[[0, -1]]))
-    error, least = ports.relative_error, admittance.real.min()
+    susceptance, conductance = 2 * np.pi * at * theory.capacitance, theory.conductance(at)
     findings = (
-        Finding.judged("A transducer takes power and gives none.", "smallest conductance (S)", least, low=0),
-        Finding.judged(
-            "The largest conductance is that of charges which send one Rayleigh wave.",
-            "largest conductance over the estimate's", most, low=0.5, high=2,
-            expected="between 0.5 and 2: the estimate knows no reflections and no bulk waves",
-        ),
-        Finding.judged(
-            "Off the passband it is a capacitor.",
-            "susceptance at the band's edges over that of the static capacitance, mean", edge, low=0.75, high=1.25,
-        ),
-        Finding.judged(
-            "The frequencies are known as well as was asked for.",
-            "estimated error of the admittances over the largest",
-            error, high=1.000001 * tolerance, expected=f"at most {tolerance:g}",
-        ),
+        judged("A transducer takes power and gives none.", "smallest conductance (S)", admittance.real.min(), low=0),
+        judged("The largest conductance is that of charges which send one Rayleigh wave.",
+               "largest conductance over the estimate's", admittance.real.max() / conductance.max(), low=0.5, high=2,
+               expected="between 0.5 and 2: the estimate knows no reflections and no bulk waves"),
+        judged("Off the passband it is a capacitor.",
+               "susceptance at the band's edges over that of the static capacitance, mean",
+               np.mean((admittance.imag / susceptance)[[0, -1]]), low=0.75, high=1.25),
+        judged("The frequencies are known as well as was asked for.",
+               "estimated error of the admittances over the largest", ports.relative_error, high=1.000001 * tolerance,
+               expected=f"at most {tolerance:g}"),
     )  # fmt: skip
+    data = {
+        "frequency_Hz": at, "conductance_S": admittance.real, "susceptance_S": admittance.imag,
+        "estimated_conductance_S": conductance, "capacitive_susceptance_S": susceptance,
+        "relative_error": ports.relative_error,
+    }  # fmt: skip
     panel = Panel(name="admittance", title=f"{chosen.title}: {chosen.drive.transducer!r}", data=data)
     return (panel,), findings
 

@@ -6,24 +6,25 @@ the stator's end, and across the beam at the slider.  Beside it, as lines: the s
 aperture on the surface wave's own slowness curve; Fresnel's integral with that curve's parabola, at the distance
 (1 + gamma) x and steered by the power-flow angle.  Both lines take the section's surface mode, attenuated but without
 the ripple of what comes back.  Expected: Fresnel's fringes, with the plate's ripple on them; a mean over the aperture
-of 0.8 to 1 of the section.  Absorbing ends.  Run time: about 10 s, in cuts that are not isotropic about z 30 s.
+of 0.8 to 1 of the section.  Absorbing ends.  Of turned transducers the row whose waves run nearest to x is looked at,
+in its own axes.  Run time: about 10 s, in cuts that are not isotropic about z 30 s.
 """
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 import fem
-from studies.chain import bridge, passband
+from studies.chain import passband
 from studies.chain.model_error import slit_ratio
+from studies.chain.surface_motion import solved_motion
 from studies.refusal import RunError
 from studies.report.figures import curve, finished
 from studies.scene import Scene, resolved
-from studies.study import Finding, Panel, StudyRecord, of_record, study
+from studies.study import Panel, StudyRecord, judged, of_record, study
 
-TAKES_SCENE = True
 QUICK = {"count": 25}
 COUNT = 400
 CLEAR = 0.6  # wavelengths from the fingers where the axis begins
@@ -47,10 +48,11 @@ def run(
         Relative, of the section's surface motion.
     """
     chosen = passband.driven_scene(scene)
-    place, transducers = passband.place(chosen), resolved.transducers(chosen)
-    driven = resolved.driven(chosen)
+    chosen, place = resolved.first_row(chosen, passband.place(chosen))
+    transducers, driven = resolved.transducers(chosen), resolved.driven(chosen)
+    section = replace(chosen, stator=replace(chosen.stator, diffraction=False))
     try:
-        wave = bridge.driven_section(chosen, tolerance=tolerance, places=(place,), progress=progress)
+        wave = solved_motion(section, [(place, 0.0)], tolerance=tolerance, progress=progress).wave
         beam = fem.surface_beam(wave, mirror_width=chosen.stator.mirror_width)
         x = _axis(chosen, transducers, driven, place, wave.phase_velocity / wave.frequency, count)
         y = np.linspace(-0.75, 0.75, count) * driven.aperture
@@ -58,34 +60,40 @@ def run(
     except (fem.BeamError, fem.ConvergenceError) as error:
         raise RunError(f"the beam of this scene: {error}") from None
     fine_x, fine_y = np.linspace(x[0], x[-1], FINE), np.linspace(y[0], y[-1], FINE)
-    known = np.polynomial.Polynomial.fit(
-        x, np.log(abs(wave.rayleigh_motion(x)[1])), 1
-    )  # attenuated, no ripple
+    # attenuated, no ripple
+    known = np.polynomial.Polynomial.fit(x, np.log(abs(wave.rayleigh_motion(x)[1])), 1)
     slowness, distance = _slowness(beam, wave), abs(place - driven.center)
-    panels = []
-    for name, title, label, at, found, line_at, line, lateral in (
-        (
-            "along", f"On the axis of {driven.name!r}", "from the transducer's centre (mm)",
-            x - driven.center, axis, fine_x - driven.center, fine_x, np.zeros(FINE),
-        ),
-        (
-            "across", f"Across the beam, {distance * 1e3:.3g} mm from the transducer's centre",
-            "y (mm)", y, across, fine_y, np.full(FINE, place), fine_y,
-        ),
-    ):  # fmt: skip
+
+    def panel(name, title, label, at, found, line_at, line, lateral) -> Panel:
         surface, away = np.exp(known(line)), abs(line - driven.center)
-        data = {
-            "axis": label,
-            "at": at * 1e3,
-            "beam_m_per_V": abs(found[2]),
-            "line_at": line_at * 1e3,
+        return Panel(name=name, title=title, data={
+            "axis": label, "at": at * 1e3, "beam_m_per_V": abs(found[2]), "line_at": line_at * 1e3,
             "section_m_per_V": abs(wave.motion(line)[1]),
             "spectrum_m_per_V": surface * slowness.spectrum(driven.aperture, away, lateral),
             "fresnel_m_per_V": surface * slowness.fresnel(driven.aperture, away, lateral),
-        }
-        panels.append(Panel(name=name, title=title, data=data))
-    inside = across[:, abs(y) <= driven.aperture / 2]
-    return panels, _findings(beam, wave, driven, place, slowness, inside, tolerance)
+        })  # fmt: skip
+
+    panels = (
+        panel("along", f"On the axis of {driven.name!r}", "from the transducer's centre (mm)", x - driven.center, axis,
+              fine_x - driven.center, fine_x, np.zeros(FINE)),
+        panel("across", f"Across the beam, {distance * 1e3:.3g} mm from the transducer's centre", "y (mm)", y, across,
+              fine_y, np.full(FINE, place), fine_y),
+    )  # fmt: skip
+    section, mean = abs(wave.motion(place)[1]), np.mean(across[2, abs(y) <= driven.aperture / 2])
+    expected = float(slowness.spectrum(driven.aperture, np.array([distance]), np.zeros(1))[0])
+    angle = math.degrees(math.atan(slowness.steering))
+    findings = (
+        judged("Under the slider the amplitude is that of an aperture's near field.",
+               "|u_z| on the axis over that of the plane section", abs(beam.motion(place)[2]) / section,
+               low=expected - 0.1, high=expected + 0.1, expected=f"{expected:.3f} +- 0.1, angular spectrum",
+               remark=f"power-flow angle {angle:.3g} degrees, slowness curvature {slowness.gamma:.3g}"),
+        judged("The beam keeps within the aperture.", "mean of u_z over the aperture over that of the plane section",
+               abs(mean) / section, low=0.8, high=1.02),
+        judged("The integral over the lateral wavenumber adds nothing to the section's error.",
+               "estimated relative error under the slider", beam.relative_error(place), high=2 * tolerance,
+               expected="below twice the tolerance of the section"),
+    )  # fmt: skip
+    return panels, findings
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,13 +115,8 @@ class _Slowness:
     def fresnel(self, aperture: float, away, lateral):
         """Return Fresnel's integral at distances and lateral places (m), 1 for the plane wave."""
         wavelength, stretch = 2 * math.pi / self.along(0.0).real, abs(1 + self.gamma)
-        steering = self.steering
-        return np.array(
-            [
-                slit_ratio(aperture, wavelength, stretch * x, y - x * steering)
-                for x, y in zip(away, lateral, strict=True)
-            ]
-        )
+        places = zip(stretch * away, lateral - away * self.steering, strict=True)
+        return np.array([slit_ratio(aperture, wavelength, *place) for place in places])
 
     def spectrum(self, aperture: float, away, lateral):
         """Return the angular spectrum of the aperture at distances and lateral places (m), 1 for the plane wave."""
@@ -142,35 +145,6 @@ def _axis(scene: Scene, transducers, driven, place: float, wavelength: float, co
         return np.linspace(driven.extent[1] + clear, min(others, default=scene.stator.length), count)
     others = [each.extent[1] + clear for each in transducers if each.center < driven.center]
     return np.linspace(max(others, default=0.0), driven.extent[0] - clear, count)
-
-
-def _findings(
-    beam, wave, driven, place: float, slowness: _Slowness, inside, tolerance: float
-) -> tuple[Finding, ...]:
-    section = abs(wave.motion(place)[1])
-    on_axis = float(abs(beam.motion(place)[2]) / section)
-    away = np.array([abs(place - driven.center)])
-    expected = float(slowness.spectrum(driven.aperture, away, 0.0 * away)[0])
-    angle = math.degrees(math.atan(slowness.steering))
-    mean = float(abs(np.mean(inside[2])) / section)
-    error = float(beam.relative_error(place))
-    return (
-        Finding.judged(
-            "Under the slider the amplitude is that of an aperture's near field.",
-            "|u_z| on the axis over that of the plane section",
-            on_axis, low=expected - 0.1, high=expected + 0.1, expected=f"{expected:.3f} +- 0.1, angular spectrum",
-            remark=f"power-flow angle {angle:.3g} degrees, slowness curvature {slowness.gamma:.3g}",
-        ),
-        Finding.judged(
-            "The beam keeps within the aperture.",
-            "mean of u_z over the aperture over that of the plane section", mean, low=0.8, high=1.02,
-        ),
-        Finding.judged(
-            "The integral over the lateral wavenumber adds nothing to the section's error.",
-            "estimated relative error under the slider",
-            error, high=2 * tolerance, expected="below twice the tolerance of the section",
-        ),
-    )  # fmt: skip
 
 
 @of_record

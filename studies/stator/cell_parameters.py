@@ -11,14 +11,12 @@ import numpy as np
 from scipy.special import ellipk, eval_legendre
 
 import fem
-from fem import LEVELS, grating, surface_permittivity
 from studies.chain import passband
 from studies.refusal import RunError
 from studies.report.figures import AXES, COLOURS, curve, finished, legend_below, shaded
 from studies.scene import Scene, resolved
-from studies.study import Finding, Panel, StudyRecord, of_record, study
+from studies.study import Panel, StudyRecord, judged, of_record, study
 
-TAKES_SCENE = True
 QUICK = {"count": 8, "tolerance": 0.5}
 COUNT = 61
 REACH = 2.0  # widths of the stop bands shown on either side
@@ -47,70 +45,50 @@ def run(
     except fem.ConvergenceError as error:
         raise RunError(str(error)) from None
     progress("Bloch waves")
-    cells = grating(solid, period=period, metallisation=m, above=above, resolution=LEVELS[1])
-    width = found.open.upper - found.shorted.lower
-    at = np.linspace(found.shorted.lower - REACH * width, found.open.upper + REACH * width, count)
-    waves = {}
-    for name, each in (("shorted", False), ("open", True)):
-        factors = np.array([cells.surface_factor(float(f), open_fingers=each) for f in at])
-        waves[f"{name}_phase_rad"] = abs(np.angle(factors))
-        waves[f"{name}_decay"] = -np.log(abs(factors))
-    surface = "open" if above == "none" else "vacuum"
+    cells = fem.grating(solid, period=period, metallisation=m, above=above, resolution=fem.LEVELS[1])
+    bands, edges = {"shorted": found.shorted, "open": found.open}, (found.shorted.lower, found.open.upper)
+    width = edges[1] - edges[0]
+    at = np.linspace(edges[0] - REACH * width, edges[1] + REACH * width, count)
+    data = {"frequency_Hz": at}
+    for name in bands:
+        factors = np.array([cells.surface_factor(float(f), open_fingers=name == "open") for f in at])
+        data |= {f"{name}_phase_rad": abs(np.angle(factors)), f"{name}_decay": -np.log(abs(factors))}
     change, cosine = 1 - found.metallised_velocity / found.free_velocity, np.cos(np.pi * m)
     strips = {
         name: np.pi / 2 * change * abs(eval_legendre(0.5, c) / eval_legendre(-0.5, c) - c)
         for name, c in (("shorted", -cosine), ("open", cosine))
     }
-    mapped = surface_permittivity(solid, surface)
+    mapped = fem.surface_permittivity(solid, "open" if above == "none" else "vacuum")
     mapped *= ellipk(np.sin(np.pi * m / 2) ** 2) / ellipk(np.cos(np.pi * m / 2) ** 2)
-    table = {
-        "free_velocity_m_per_s": found.free_velocity,
-        "metallised_velocity_m_per_s": found.metallised_velocity,
-        "coupling_K2": found.coupling,
-        "grating_coupling_K2": found.grating_coupling,
-        "capacitance_F_per_m": found.capacitance,
-        "relative_error": found.relative_error,
-    }
-    for name, band in (("shorted", found.shorted), ("open", found.open)):
-        table |= {
-            f"{name}_lower_Hz": band.lower,
-            f"{name}_upper_Hz": band.upper,
-            f"{name}_velocity_m_per_s": band.velocity,
-            f"{name}_reflectivity": band.reflectivity,
-        }
-    order = found.metallised_velocity < found.shorted.velocity < found.open.velocity < found.free_velocity
-    findings = [
-        Finding.judged(
-            "Fingers slow the wave, connected ones more: v_metallised < v_shorted < v_open < v_free.",
-            "share of the metallised slowing that connected fingers reach",
-            (found.free_velocity - found.shorted.velocity) / change / found.free_velocity,
-            holds=order, expected="between 0 and 1, and above that of separate fingers",
-            remark=f"v = {found.metallised_velocity:.6g}, {found.shorted.velocity:.6g}, {found.open.velocity:.6g}, "
-            f"{found.free_velocity:.6g} m/s; K2 = {100 * found.coupling:.4g} %",
-        ),
-        Finding.judged(
-            "A standing wave that leaves the fingers without charge does not see their connection.",
-            "distance of the common edge in both gratings, over the bands' width",
-            abs(found.shorted.upper - found.open.lower) / width, high=1e-6,
-            expected="below 1e-6 where x -> -x is a symmetry",
-        ),
-        *(
-            Finding.judged(
-                f"A finger of the {name} grating reflects as a strip of charge.",
-                f"|r| of a finger, against {strips[name]:.4g}", band.reflectivity,
-                low=0.8 * strips[name], high=1.2 * strips[name], expected="within 20 %",
-            )
-            for name, band in (("shorted", found.shorted), ("open", found.open))
-        ),
-        Finding.judged(
-            "The capacitance is that of conformal mapping.",
-            f"pF per finger pair and mm, against {mapped * 1e9:.4g}", found.capacitance * 1e9,
-            low=0.99e9 * mapped, high=1.01e9 * mapped, expected="within 1 %",
-        ),
-    ]  # fmt: skip
+    data |= {
+        "free_velocity_m_per_s": found.free_velocity, "metallised_velocity_m_per_s": found.metallised_velocity,
+        "coupling_K2": found.coupling, "grating_coupling_K2": found.grating_coupling,
+        "capacitance_F_per_m": found.capacitance, "relative_error": found.relative_error,
+    }  # fmt: skip
+    for name, band in bands.items():
+        data |= {f"{name}_lower_Hz": band.lower, f"{name}_upper_Hz": band.upper,
+                 f"{name}_velocity_m_per_s": band.velocity, f"{name}_reflectivity": band.reflectivity}  # fmt: skip
+    speeds = found.metallised_velocity, found.shorted.velocity, found.open.velocity, found.free_velocity
+    findings = (
+        judged("Fingers slow the wave, connected ones more: v_metallised < v_shorted < v_open < v_free.",
+               "share of the metallised slowing that connected fingers reach",
+               (speeds[3] - speeds[1]) / change / speeds[3], holds=speeds[0] < speeds[1] < speeds[2] < speeds[3],
+               expected="between 0 and 1, and above that of separate fingers",
+               remark=f"v = {', '.join(f'{each:.6g}' for each in speeds)} m/s; K2 = {100 * found.coupling:.4g} %"),
+        judged("A standing wave that leaves the fingers without charge does not see their connection.",
+               "distance of the common edge in both gratings, over the bands' width",
+               abs(found.shorted.upper - found.open.lower) / width, high=1e-6,
+               expected="below 1e-6 where x -> -x is a symmetry"),
+        *(judged(f"A finger of the {name} grating reflects as a strip of charge.",
+                 f"|r| of a finger, against {strips[name]:.4g}", band.reflectivity,
+                 low=0.8 * strips[name], high=1.2 * strips[name], expected="within 20 %")
+          for name, band in bands.items()),
+        judged("The capacitance is that of conformal mapping.",
+               f"pF per finger pair and mm, against {mapped * 1e9:.4g}", found.capacitance * 1e9,
+               low=0.99e9 * mapped, high=1.01e9 * mapped, expected="within 1 %"),
+    )  # fmt: skip
     title = f"{solid.name}, {solid.frame}: period {period * 1e3:.4g} mm, metallisation {m:g}"
-    panel = Panel(name="stop_bands", title=title, data={"frequency_Hz": at, **waves, **table})
-    return (panel,), tuple(findings)
+    return (Panel(name="stop_bands", title=title, data=data),), findings
 
 
 @of_record

@@ -14,9 +14,8 @@ import numpy as np
 import fem
 from studies.report.figures import AXES, curve, finished
 from studies.scene import Scene, resolved
-from studies.study import Finding, Panel, StudyRecord, of_record, study
+from studies.study import Panel, StudyRecord, judged, of_record, study
 
-TAKES_SCENE = True
 QUICK = {"count": 9}
 COUNT = 60
 LOWEST, HIGHEST = 1 / 12, 1.2  # of the drive frequency
@@ -40,16 +39,21 @@ def run(scene: str | Scene = "rayleigh", *, count: int = COUNT, progress=None) -
     stator, drive = resolved.stator(scene.stator), scene.frequency
     frequencies = np.linspace(LOWEST, HIGHEST, count) * drive
     progress(f"{count} frequencies of {scene.title}")
-    modes = _propagating(stator, frequencies)
+    at, wavenumbers, near = _propagating(stator, frequencies)
     half_space = fem.rayleigh(stator.solid, "open" if stator.above == "none" else "vacuum").velocity
     free = fem.free_wave(stator, frequency=drive, tolerance=1e-6)
-    panel = Panel(
-        name="section",
-        title=f"{scene.title}: {len(modes[0])} propagating modes",
-        data={"frequency_Hz": modes[0], "wavenumber_rad_per_m": modes[1], "surface_share": modes[2],
-              "line_Hz": frequencies, "line_rad_per_m": 2 * np.pi * frequencies / half_space},
+    thickness = stator.thickness * drive / half_space
+    finding = judged(
+        "The surface wave of a thick section is the half-space's.",
+        f"relative difference of velocities at {drive / 1e6:g} MHz, {thickness:.3g} wavelengths thick",
+        abs(free.velocity / half_space - 1), high=1e-4 if stator.absorbs_below or thickness > THICK else math.inf,
+        expected=f"below 1e-4 from {THICK:g} wavelengths on",
     )  # fmt: skip
-    return (panel,), (_surface_wave(stator, drive, free, half_space),)
+    panel = Panel(name="section", title=f"{scene.title}: {len(at)} propagating modes", data={
+        "frequency_Hz": at, "wavenumber_rad_per_m": wavenumbers, "surface_share": near,
+        "line_Hz": frequencies, "line_rad_per_m": 2 * np.pi * frequencies / half_space,
+    })  # fmt: skip
+    return (panel,), (finding,)
 
 
 @of_record
@@ -77,14 +81,3 @@ def _propagating(stator, frequencies):
         rows += [(frequency, abs(k[i].real), s) for i, s in zip(moving, near, strict=True)]
     table = np.array(rows).reshape(-1, 3).T
     return table[0], table[1], table[2] / max(table[2].max(initial=0.0), 1e-300)
-
-
-def _surface_wave(stator, frequency: float, free, half_space: float) -> Finding:
-    thickness = stator.thickness * frequency / half_space
-    off = abs(free.velocity / half_space - 1)
-    thick = stator.absorbs_below or thickness > THICK
-    return Finding.judged(
-        "The surface wave of a thick section is the half-space's.",
-        f"relative difference of velocities at {frequency / 1e6:g} MHz, {thickness:.3g} wavelengths thick",
-        off, high=1e-4 if thick else math.inf, expected=f"below 1e-4 from {THICK:g} wavelengths on",
-    )  # fmt: skip

@@ -11,14 +11,13 @@ Run time: about 8 s.
 import numpy as np
 
 import fem
-from studies.chain import bridge, passband
+from studies.chain import passband
 from studies.chain.spectrum import response
-from studies.chain.surface_motion import surface_motion
+from studies.chain.surface_motion import solved_motion
 from studies.report.figures import curve, lines, shaded
 from studies.scene import Scene, resolved
-from studies.study import Finding, Panel, StudyRecord, of_record, study
+from studies.study import Finding, Panel, StudyRecord, judged, of_record, study
 
-TAKES_SCENE = True
 QUICK = {"count": 9, "tolerance": 0.1}
 COUNT = 161
 
@@ -37,7 +36,7 @@ def run(
         Relative, of the surface motion.
     """
     chosen = passband.driven_scene(scene)
-    place, at = passband.place(chosen), passband.frequencies(chosen, count)
+    place, at = passband.place(chosen)[0], passband.frequencies(chosen, count)
     driven = chosen.driven_transducer
     prepared = response(chosen, at[0], at[-1], places=(place,), tolerance=tolerance, progress=progress)
     progress(f"stator: {count} frequencies")
@@ -47,49 +46,31 @@ def run(
     surface = normal if covered else np.array([each.rayleigh_motion(place)[1] for each in waves])
     way = abs(place - driven.place[0])
     free = fem.free_wave(resolved.stator(chosen.stator), frequency=float(np.median(at)), tolerance=1e-4)
-    theory = passband.expected(chosen).normal(at) * np.exp(-free.attenuation * way)
-    delay = passband.group_delay(at, surface, way / free.velocity)
-    band = _half_power(at, abs(surface))
+    theory, late = passband.expected(chosen).normal(at) * np.exp(-free.attenuation * way), way / free.velocity
+    delay = passband.group_delay(at, surface, late)
+    band = np.array(_half_power(at, abs(surface)))
     inside = (at >= band[0]) & (at <= band[1])
-    width = (band[1] - band[0]) / (sum(band) / 2) * driven.finger_pairs
-    middle_delay = float(np.median(delay[inside]))
-    ratio = float(abs(surface).max() / theory.max())
-    title = f"{chosen.title}: x = {place * 1e3:g} mm, plane section"
-    aperture, spreading = _aperture(chosen, place, tolerance, progress)
-    panels = (
-        Panel(
-            name="amplitude",
-            title=title,
-            data={
-                "frequency_Hz": at,
-                "normal_m_per_V": normal,
-                "surface_mode_m_per_V": surface,
-                "estimate_m_per_V": theory,
-                "half_power_Hz": np.array(band),
-                "relative_error": max(each.relative_error for each in waves),
-            }
-            | aperture,
-        ),
-        Panel(
-            name="group_delay",
-            title=title,
-            data={"frequency_Hz": at[inside], "group_delay_s": delay[inside], "way_s": way / free.velocity},
-        ),
-    )
     findings = (
-        Finding.judged(
-            "The amplitude is that of charges which send one Rayleigh wave.",
-            "largest surface-mode amplitude over the estimate's", ratio, low=0.5, high=2,
-            expected="between 0.5 and 2: the estimate knows no reflections and no bulk waves",
-        ),
-        Finding.judged(
-            "N finger pairs pass a band of 0.886 f/N.", "width of half power, in f/N", width, low=0.6, high=1.1
-        ),
-        Finding.judged(
-            "The wave comes from the fingers' middle at the Rayleigh wave's velocity.",
-            f"median group delay in that band over {way / free.velocity * 1e6:.4g} us",
-            middle_delay * free.velocity / way, low=0.9, high=1.1, expected="1, within 10 %",
-        ),
+        judged("The amplitude is that of charges which send one Rayleigh wave.",
+               "largest surface-mode amplitude over the estimate's", abs(surface).max() / theory.max(), low=0.5, high=2,
+               expected="between 0.5 and 2: the estimate knows no reflections and no bulk waves"),
+        judged("N finger pairs pass a band of 0.886 f/N.", "width of half power, in f/N",
+               np.ptp(band) / np.mean(band) * driven.finger_pairs, low=0.6, high=1.1),
+        judged("The wave comes from the fingers' middle at the Rayleigh wave's velocity.",
+               f"median group delay in that band over {late * 1e6:.4g} us",
+               float(np.median(delay[inside])) * free.velocity / way, low=0.9, high=1.1, expected="1, within 10 %"),
+    )  # fmt: skip
+    aperture, spreading = _aperture(chosen, place, tolerance, progress)
+    title = f"{chosen.title}: x = {place * 1e3:g} mm, plane section"
+    error = max(each.relative_error for each in waves)
+    panels = (
+        Panel(name="amplitude", title=title, data={
+            "frequency_Hz": at, "normal_m_per_V": normal, "surface_mode_m_per_V": surface, "estimate_m_per_V": theory,
+            "half_power_Hz": band, "relative_error": error,
+        } | aperture),
+        Panel(name="group_delay", title=title, data={
+            "frequency_Hz": at[inside], "group_delay_s": delay[inside], "way_s": late,
+        }),
     )  # fmt: skip
     return panels, findings + spreading
 
@@ -100,12 +81,12 @@ def _aperture(scene: Scene, place: float, tolerance: float, progress) -> tuple[d
         return {}, ()
     progress("stator: the beam at the drive's frequency")
     at = (place, 0.0) if scene.slider is None else scene.slider.center
-    section = bridge.driven_section(scene, tolerance=tolerance, places=(place,))
-    found = abs(surface_motion(section, scene.stator, [at]).at([at])[2, 0])
-    finding = Finding.judged(
+    motion = solved_motion(scene, [at], tolerance=tolerance, slider=True)
+    found = abs(motion.at([at])[2, 0])
+    finding = judged(
         "The finite aperture changes the amplitude at the slider.",
         f"|u_z| in three dimensions over that of the plane section at {scene.frequency / 1e6:.5g} MHz",
-        found / abs(section.motion(place)[1]), low=0.3, high=2,
+        found / abs(motion.wave.motion(place)[1]), low=0.3, high=2,
         remark="all curves are of the plane section, where the wave does not spread",
     )  # fmt: skip
     return {"drive_frequency_Hz": scene.frequency, "finite_aperture_m_per_V": found}, (finding,)
@@ -141,11 +122,10 @@ def _half_power(at, size) -> tuple[float, float]:
     peak = int(np.argmax(size))
     level = size[peak] / np.sqrt(2)
     edges = []
-    for step, stop in ((-1, 0), (1, len(at) - 1)):
-        place = peak
-        while place != stop and size[place] > level:
-            place += step
-        inner = place - step if place != peak else place
-        share = np.interp(level, [size[place], size[inner]], [0.0, 1.0]) if size[place] < level else 0.0
-        edges.append(float(at[place] + share * (at[inner] - at[place])))
+    for frequencies, falling in ((at[peak::-1], size[peak::-1]), (at[peak:], size[peak:])):
+        below = np.flatnonzero(falling <= level)
+        outer = int(below[0]) if below.size else len(falling) - 1
+        inner = max(outer - 1, 0)
+        share = np.interp(level, falling[[outer, inner]], [0.0, 1.0]) if falling[outer] < level else 0.0
+        edges.append(float(frequencies[outer] + share * (frequencies[inner] - frequencies[outer])))
     return edges[0], edges[1]

@@ -14,15 +14,14 @@ import numpy as np
 
 import fem
 from studies.chain import passband
-from studies.chain.spectrum import port_admittances
+from studies.chain.spectrum import driving_point, port_admittances
 from studies.refusal import SceneError
 from studies.report.figures import AXES, COLOURS, curve, finished, lines
 from studies.scene import Scene, resolved
 from studies.scene.quantity import si_value
 from studies.scene.ranges import is_number, read_range
-from studies.study import Finding, Panel, StudyRecord, of_record, study
+from studies.study import Panel, StudyRecord, judged, of_record, study
 
-TAKES_SCENE = True
 OPTIONS = ("band", "z0", "measured")
 QUICK = {"count": 11, "tolerance": 0.3}
 COUNT = 401
@@ -69,46 +68,37 @@ def run(
         shared |= {"measured_frequency_Hz": f, "measured_scattering": s, "measured_file": Path(measured).name}
     ports = port_admittances(chosen, at, tolerance, progress)
     order = [ports.names.index(name) for name in names]
-    scattering = ports.scattering(reference)[np.ix_(range(len(at)), order, order)]
-    shared["scattering"] = scattering
+    scattering = shared["scattering"] = ports.scattering(reference)[np.ix_(range(len(at)), order, order)]
     panels = [
-        Panel(name="smith", title=f"{chosen.title}: reflection, {reference:g} ohm", data=shared),
-        Panel(name="magnitude", title=f"{chosen.title}: S-parameters, {reference:g} ohm", data=shared),
+        Panel(name=name, title=f"{chosen.title}: {what}, {reference:g} ohm", data=shared)
+        for name, what in (("smith", "reflection"), ("magnitude", "S-parameters"))
     ]
     if len(names) > 1:
         first, second = (each.place[0] for each in chosen.transducer if each.name in names[:2])
         velocity = fem.rayleigh(resolved.solid(chosen.stator), "open").velocity
         delay = passband.group_delay(at, scattering[:, 1, 0], abs(second - first) / velocity)
-        title = f"{chosen.title}: {names[0]} to {names[1]}"
-        data = {"frequency_Hz": at, "group_delay_s": delay}
+        data, title = (
+            {"frequency_Hz": at, "group_delay_s": delay},
+            f"{chosen.title}: {names[0]} to {names[1]}",
+        )
         panels.append(Panel(name="group_delay", title=title, data=data))
-    row, models = resolved.transducers(chosen), {}
+    models = {}
     for name in names:
-        seen = [fem.solve_circuit(y, ports.names, row, name, f).admittance
-                for y, f in zip(ports.matrix, at, strict=True)]  # fmt: skip
-        models[name] = [fem.motional_model(at, np.array(seen), branches) for branches in (1, BRANCHES)]
-        panels.append(_circuit_panel(name, at, np.array(seen), models[name]))
+        seen = driving_point(ports, resolved.transducers(chosen), name)
+        models[name] = [fem.motional_model(at, seen, branches) for branches in (1, BRANCHES)]
+        panels.append(_circuit_panel(name, at, seen, models[name]))
     gain = float(np.linalg.svd(scattering, compute_uv=False).max())
     apart = float(abs(scattering - scattering.transpose(0, 2, 1)).max())
     findings = (
-        Finding.judged(
-            "Transducers give no more power than they take.",
-            "largest singular value of S, less 1", gain - 1, high=PASSIVE,
-        ),
-        Finding.judged("The network is reciprocal.", "largest |S_ij - S_ji|", apart, high=RECIPROCAL),
-        Finding.judged(
-            "The admittances are known as well as was asked for.",
-            "estimated error, over the largest admittance", ports.relative_error, high=1.000001 * tolerance,
-            expected=f"at most {tolerance:g}",
-        ),
-        *(
-            Finding.judged(
-                f"{name}: {BRANCHES} motional branches follow the admittance more closely than one.",
-                "largest error over the largest admittance", several.error, high=one.error,
-                expected=f"below that of one branch, {one.error:.2g}",
-            )
-            for name, (one, several) in models.items()
-        ),
+        judged("Transducers give no more power than they take.", "largest singular value of S, less 1", gain - 1,
+               high=PASSIVE),
+        judged("The network is reciprocal.", "largest |S_ij - S_ji|", apart, high=RECIPROCAL),
+        judged("The admittances are known as well as was asked for.", "estimated error, over the largest admittance",
+               ports.relative_error, high=1.000001 * tolerance, expected=f"at most {tolerance:g}"),
+        *(judged(f"{name}: {BRANCHES} motional branches follow the admittance more closely than one.",
+                 "largest error over the largest admittance", several.error, high=one.error,
+                 expected=f"below that of one branch, {one.error:.2g}")
+          for name, (one, several) in models.items()),
     )  # fmt: skip
     return panels, findings
 

@@ -9,7 +9,6 @@ solid is lossless; the cascade within 30 % of the stator in the transfer admitta
 
 import math
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
@@ -19,9 +18,8 @@ from studies.chain.spectrum import port_admittances
 from studies.refusal import RunError
 from studies.report.figures import curve, lines
 from studies.scene import Scene, resolved
-from studies.study import Finding, Panel, StudyRecord, of_record, study
+from studies.study import Panel, StudyRecord, judged, of_record, study
 
-TAKES_SCENE = True
 QUICK = {"count": 3, "tolerance": 0.2}
 COUNT = 25
 
@@ -45,60 +43,55 @@ def run(
     if len({each.aperture for each in row}) > 1:
         chosen.refuse("transducer", "must have equal apertures for this study: their waves are one beam")
     ports = [k for k, each in enumerate(row) if {"+", "-"} <= set(each.signs)]
-    at, known, rows = passband.frequencies(chosen, count), {}, []
+    at, known, first, cascade = passband.frequencies(chosen, count), {}, [], []
     for f in at:
         progress(f"P-matrices at {f / 1e6:.5g} MHz")
-        parts = []
-        for each in row:
-            key = (f, each.signs, each.pitch, each.metallisation)
-            try:
-                if key not in known:
-                    known[key] = fem.p_matrix(block, each, frequency=float(f), tolerance=tolerance)
-            except fem.ConvergenceError as error:
-                raise RunError(f"at {f / 1e6:.6g} MHz {error}") from None
-            parts.append(known[key])
-        edges = [
-            (each.center - part.length / 2, each.center + part.length / 2)
+        kinds = [(f, each.signs, each.pitch, each.metallisation) for each in row]
+        try:
+            for kind, each in zip(kinds, row, strict=True):
+                if kind not in known:
+                    known[kind] = fem.p_matrix(block, each, frequency=float(f), tolerance=tolerance)
+        except fem.ConvergenceError as error:
+            raise RunError(f"at {f / 1e6:.6g} MHz {error}") from None
+        parts = [known[kind] for kind in kinds]
+        ends = [
+            each.center + side * part.length / 2
             for each, part in zip(row, parts, strict=True)
+            for side in (-1, 1)
         ]
-        distances = [right[0] - left[1] for left, right in pairwise(edges)]
-        rows.append((parts, fem.cascade_admittance(parts, distances)[np.ix_(ports, ports)]))
+        distances = [right - left for left, right in zip(ends[1::2], ends[2::2], strict=False)]
+        cascade.append(fem.cascade_admittance(parts, distances)[np.ix_(ports, ports)])
+        first.append(parts[ports[0]])
     plane = replace(chosen, stator=replace(chosen.stator, diffraction=False, sides="absorbing"))
-    whole = port_admittances(plane, at, tolerance, progress).matrix
-    cascade = np.array([y for _, y in rows])
-    first = [parts[ports[0]] for parts, _ in rows]
-    data = {
-        "frequency_Hz": at,
-        "reflection_shorted": np.array([abs(part.scattering[0, 0]) for part in first]),
-        "reflection_open": np.array([abs(part.loaded(np.inf)[0, 0]) for part in first]),
-        "excitation_squared_S": np.array([np.sum(abs(part.excitation) ** 2) for part in first]),
-        "admittance_S": np.array([part.admittance for part in first]),
-    }
     last = len(ports) - 1
-    compared = {"frequency_Hz": at, "cascade_S": cascade[:, last, 0], "stator_S": whole[:, last, 0]}
-    apart = float(abs(compared["cascade_S"] - compared["stator_S"]).max() / abs(compared["stator_S"]).max())
-    uneven = max(float(abs(p.detection + 2 * p.excitation).max() / abs(p.excitation).max()) for p in first)
-    share = float(np.max(data["excitation_squared_S"] / data["admittance_S"].real))
-    name, reflects = "transfer admittance" if last else "admittance", chosen.stator.ends != "absorbing"
-    panels = (
-        Panel(name="p_matrix", title=f"{chosen.title}: transducer {row[ports[0]].name!r} alone", data=data),
-        Panel(name="cascade", title=f"{chosen.title}: {name}", data=compared),
+    whole, cascade = (
+        port_admittances(plane, at, tolerance, progress).matrix[:, last, 0],
+        np.array(cascade)[:, last, 0],
     )
+    apart = abs(cascade - whole).max() / abs(whole).max()
+    sent = np.array([np.sum(abs(part.excitation) ** 2) for part in first])
+    admittance = np.array([part.admittance for part in first])
+    uneven = max(float(abs(p.detection + 2 * p.excitation).max() / abs(p.excitation).max()) for p in first)
+    name, reflects = "transfer admittance" if last else "admittance", chosen.stator.ends != "absorbing"
     findings = (
-        Finding.judged(
-            "A transducer receives as it sends: P31 = -2 P13.", "largest difference, relative", uneven, high=1e-9
-        ),
-        Finding.judged(
-            "The surface wave takes no more than the source gives.",
-            "largest share of the conductance that goes into the surface wave",
-            share, high=1 + tolerance, expected="at most 1",
-        ),
-        Finding.judged(
-            "A cascade of P-matrices is the stator, but for bulk waves, decaying fields and ends.",
-            f"largest difference of the {name}, over its largest size",
-            apart, high=math.inf if reflects else 0.3, expected="below 0.3 between absorbing ends",
-            remark="the ends reflect, and the cascade has none" if reflects else "",
-        ),
+        judged("A transducer receives as it sends: P31 = -2 P13.", "largest difference, relative", uneven, high=1e-9),
+        judged("The surface wave takes no more than the source gives.",
+               "largest share of the conductance that goes into the surface wave", np.max(sent / admittance.real),
+               high=1 + tolerance, expected="at most 1"),
+        judged("A cascade of P-matrices is the stator, but for bulk waves, decaying fields and ends.",
+               f"largest difference of the {name}, over its largest size", apart,
+               high=math.inf if reflects else 0.3, expected="below 0.3 between absorbing ends",
+               remark="the ends reflect, and the cascade has none" if reflects else ""),
+    )  # fmt: skip
+    panels = (
+        Panel(name="p_matrix", title=f"{chosen.title}: transducer {row[ports[0]].name!r} alone", data={
+            "frequency_Hz": at, "reflection_shorted": np.array([abs(part.scattering[0, 0]) for part in first]),
+            "reflection_open": np.array([abs(part.loaded(np.inf)[0, 0]) for part in first]),
+            "excitation_squared_S": sent, "admittance_S": admittance,
+        }),
+        Panel(name="cascade", title=f"{chosen.title}: {name}", data={
+            "frequency_Hz": at, "cascade_S": cascade, "stator_S": whole,
+        }),
     )  # fmt: skip
     return panels, findings
 

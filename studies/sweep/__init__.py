@@ -2,12 +2,11 @@
 
 ``sweep("twente", {"slider.preload": "1 mN:100 mN:50", "drive.voltage": "5:60:12"}, out="map")``.  A point is the scene
 with some keys changed; its row is what a run of that scene would find.  What several points share is computed
-once: the stator for each frequency and geometry (``source_solver``), then the contact for batches of points.
+once: the stator for each frequency and geometry, then the contact for batches of points (``predictor``).
 A row is written when its batch is done and is durable when it is counted; the same call goes on with what is
 missing, and with points that were lost with their worker.
 """
 
-import sqlite3
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -23,7 +22,7 @@ from studies.scene import Scene, read_table
 from studies.sweep.axes import Axis
 from studies.sweep.design import Design, designed
 from studies.sweep.driver import Driver
-from studies.sweep.source_solver import variation
+from studies.sweep.predictor import Predictor
 from studies.sweep.store import FILE, Store
 from studies.sweep.workers import workers as chosen_workers
 
@@ -88,18 +87,10 @@ class Sweep:
 
     def columns(self) -> dict[str, list]:
         """Return the rows in the order of their points, as columns; what a row has not is None."""
-        connection = self.store.connection if self.path is None else sqlite3.connect(self.path)
-        try:
+        with self.store.reading() as connection:
             cursor = connection.execute("select * from points order by point")
             names = [entry[0] for entry in cursor.description]
-            columns = {name: [] for name in names}
-            for row in cursor:
-                for name, value in zip(names, row, strict=True):
-                    columns[name].append(value)
-            return columns
-        finally:
-            if self.path is not None:
-                connection.close()
+            return dict(zip(names, map(list, zip(*cursor, strict=True)), strict=True))
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the rows as a pandas table, in the order of their points.
@@ -126,28 +117,21 @@ class Sweep:
         >>> dict(sweep("twente-contact", over).to_xarray()["velocity_m_per_s"].sizes)
         {'wave.normal_amplitude': 3, 'slider.preload': 2}
         """
-        columns = self.columns()
-        keys = [key for each in self.axes for key in each.keys]
-        dims = tuple("+".join(each.keys) if len(each.keys) < 3 else "point" for each in self.axes)
-        shape = tuple(len(each) for each in self.axes)
-        coordinates = {
-            key: (dim, list(column))
+        dims = ["+".join(each.keys) if len(each.keys) < 3 else "point" for each in self.axes]
+        pairs = [
+            (key, (dim, list(column)))
             for each, dim in zip(self.axes, dims, strict=True)
             for key, column in zip(each.keys, each.columns, strict=True)
-        }
-        data = {}
-        for name, column in columns.items():
-            if name not in keys and name != "point":
-                text = any(isinstance(value, str) for value in column)
-                values = (
-                    ["" if value is None else value for value in column] if text else np.array(column, float)
-                )
-                data[name] = (dims, np.array(values).reshape(shape))
-        dataset = needed("xarray", "to_xarray").Dataset(data, coordinates)
-        for name, variable in dataset.data_vars.items():
-            for ending in (ending for ending in UNITS if name.endswith(ending)):
-                variable.attrs.setdefault("units", UNITS[ending])
-        return dataset
+        ]
+        data, shape = {}, tuple(map(len, self.axes))
+        for name, column in self.columns().items():
+            if name in dict(pairs) or name == "point":
+                continue
+            text = any(isinstance(value, str) for value in column)
+            values = np.array([value or "" for value in column] if text else np.array(column, float))
+            unit = next((UNITS[ending] for ending in UNITS if name.endswith(ending)), None)
+            data[name] = (dims, values.reshape(shape), {} if unit is None else {"units": unit})
+        return needed("xarray", "to_xarray").Dataset(data, dict(pairs))
 
 
 def sweep(
@@ -226,13 +210,13 @@ def _table(scene) -> dict:
 
 def _refuse_hopeless(design: Design) -> None:
     """Refuse a sweep whose first, middle and last point break one and the same rule of no axis."""
-    scenes, refusals = variation(design.question), []
+    question, refusals = design.question, []
+    scenes = Predictor(question.table, tolerance=question.tolerance)
     for own in design.values(np.array([0, len(design) // 2, len(design) - 1])):
         try:
-            scenes.scene(own)
+            scenes.scene(dict(zip(question.keys, own, strict=True)))
             return
         except SceneError as error:
             refusals.append(error)
-    first = refusals[0]
-    if len({str(error) for error in refusals}) == 1 and first.path not in design.question.keys:
-        raise first
+    if len({str(error) for error in refusals}) == 1 and refusals[0].path not in question.keys:
+        raise refusals[0]

@@ -1,13 +1,17 @@
 """The call ``sawmotor sweep``: progress on stderr, what the points came to on stdout."""
 
-import sqlite3
 import sys
 from argparse import Namespace
+from collections import Counter
+from contextlib import suppress
 from pathlib import Path
 
 from studies.progress import Progress, duration
-from studies.report.answer import print_json
+from studies.refusal import SceneError
+from studies.report.answer import labelled, print_json
 from studies.report.answer import table as aligned
+from studies.scene import Scene
+from studies.scene.resolved import resolved
 from studies.sweep import Sweep, sweep
 
 REASONS = 5  # shown; all are in the rows
@@ -47,27 +51,22 @@ def run_sweep(arguments: Namespace, table: dict, over: dict, tolerance: float, o
 
 def summary(found: Sweep) -> dict:
     """Return what a sweep came to: counts, ranges of its outcomes, reasons of its failures, cost."""
-    with sqlite3.connect(found.path) as connection:
-        names = [row[1] for row in connection.execute("pragma table_info(points)")]
-        ranges = {}
-        for name in (name for name in SHOWN if name in names):
-            low, high = connection.execute(f'select min("{name}"), max("{name}") from points').fetchone()
-            if low is not None:
-                ranges[name] = [low, high]
-        worst = connection.execute("select max(relative_error) from points where status = 'ok'").fetchone()[0]
-        reasons = connection.execute(
-            "select status, count(*), min(point) from points where status != 'ok' group by status"
-            " order by 2 desc, 3 limit ?",
-            (REASONS,),
-        ).fetchall()
-    connection.close()
+    columns = found.columns()
+    known = {name: [each for each in columns.get(name, ()) if each is not None] for name in SHOWN}
+    errors, statuses = columns["relative_error"], columns["status"]
+    failures = Counter(status for status in statuses if status != "ok").most_common(REASONS)
     return {
         "store": str(found.path),
         "points": found.points,
         "counts": found.counts,
-        "ranges": ranges,
-        "largest_relative_error": worst,
-        "reasons": [{"status": s, "points": n, "first_point": k} for s, n, k in reasons],
+        "ranges": {name: [min(values), max(values)] for name, values in known.items() if values},
+        "largest_relative_error": max(
+            (error for error, status in zip(errors, statuses, strict=True) if status == "ok"), default=None
+        ),
+        "reasons": [
+            {"status": status, "points": count, "first_point": statuses.index(status)}
+            for status, count in failures
+        ],
         "seconds": found.seconds,
         "work_seconds": found.cost,
     }
@@ -76,39 +75,32 @@ def summary(found: Sweep) -> dict:
 def sweep_answer(found: Sweep, whole: dict) -> str:
     """Return a sweep's answer as text."""
     kinds = ", ".join(f"{number} {kind}" for kind, number in found.counts.items())
-    lines = [f"points          {found.points}: {kinds}"]
-    rows = [[name, f"{low:.5g}", "to", f"{high:.5g}"] for name, (low, high) in whole["ranges"].items()]
-    lines += aligned(rows) if rows else []
+    ranges = [[name, f"{low:.5g}", "to", f"{high:.5g}"] for name, (low, high) in whole["ranges"].items()]
+    notes = [
+        ("not ok", f"{each['points']} (first: point {each['first_point']}): {each['status']}")
+        for each in whole["reasons"]
+    ]
     if whole["largest_relative_error"] is not None:
-        lines.append(f"relative error  {whole['largest_relative_error']:.1e} at most, where ok")
-    lines += [f"not ok          {each['points']} (first: point {each['first_point']}): {each['status']}"
-              for each in whole["reasons"]]  # fmt: skip
-    lines.append(f"seconds         {found.seconds:.2f}, {duration(found.cost)} of work")
-    lines.append(f"results         {found.path}")
-    return "\n".join(lines)
+        notes.insert(0, ("relative error", f"{whole['largest_relative_error']:.1e} at most, where ok"))
+    notes += [
+        ("seconds", f"{found.seconds:.2f}, {duration(found.cost)} of work"),
+        ("results", f"{found.path}"),
+    ]
+    points = labelled([("points", f"{found.points}: {kinds}")])
+    return "\n".join([*points, *(aligned(ranges) if ranges else []), *labelled(notes)])
 
 
 def _moving_periods(table: dict, over: dict) -> str:
     """Return what is to be known where the frequency moves and takes the transducers' periods with it."""
-    if "drive.frequency" not in over:
-        return ""
-    moving = [
-        f"transducer.{k}.period"
-        for k, each in enumerate(table.get("transducer", ()))
-        if each.get("period", "auto") == "auto" and f"transducer.{k}.period" not in over
-    ]
-    if not moving:
-        return ""
-    from studies.refusal import SceneError
-    from studies.scene import Scene
-    from studies.scene.resolved import resolved
-
-    try:
-        blocks = resolved(Scene.from_table("", table)).transducer
-    except SceneError:
-        return ""
-    settings = " ".join(f"--set {key}={blocks[int(key.split('.')[1])].period:.9g}" for key in moving)
-    return (
-        'every frequency gets its own transducers, for their period is "auto"; to keep those of the scene, and solve '
-        f"all frequencies as one band: {settings}"
-    )
+    row = table.get("transducer", ()) if "drive.frequency" in over else ()
+    keys = {f"transducer.{k}.period": k for k, each in enumerate(row) if each.get("period", "auto") == "auto"}
+    moving = {key: k for key, k in keys.items() if key not in over}
+    with suppress(SceneError):  # said at every point
+        blocks = resolved(Scene.from_table("", table)).transducer if moving else ()
+        settings = " ".join(f"--set {key}={blocks[k].period:.9g}" for key, k in moving.items())
+        if settings:
+            return (
+                'every frequency gets its own transducers, for their period is "auto"; to keep those of the scene, '
+                f"and solve all frequencies as one band: {settings}"
+            )
+    return ""

@@ -1,43 +1,48 @@
 """The design of a sweep: axes multiplied, every point with a number, and the question asked at each.
 
 Points are numbered with the last axis running fastest.  Without an axis of voltage or amplitude the scene's own
-list of them is the last axis.  A design is never spelled out: a million points cost the memory of their axes.
+list of them is the last axis.  A design is never spelled out: a million points cost 8 MB and the memory of their axes.
 """
 
 import hashlib
 import json
 import math
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from itertools import islice, product
+from functools import cached_property
+from itertools import product
 
 import numpy as np
 
 from studies.refusal import SceneError
 from studies.scene.keys import rule_at
-from studies.scene.numbers import as_pair
 from studies.sweep.axes import Axis, axis, latin_axis, level_key, point_axis
+from studies.sweep.outcomes import ALSO, AMPLITUDES, ELECTRICAL, FREE
+from studies.sweep.predictor import PLACE_KEYS, Predictor, of_stator
 
-ALSO = ("limits", "thrust", "efficiency", "pressure", "step")
-MOST = 100_000_000
+MAX_POINTS = 10_000_000
 PLACES = 4096  # of contacts up to which one answer of the stator serves all
 FEWEST = 6  # frequencies from which a band is cheaper than one solution each
-PLACE_KEYS = ("slider.position", "slider.contacts")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Question:
     """What is asked at every point: all that a worker needs beside a point's own values."""
 
-    table: dict  # TOML document of the scene
+    document: str  # TOML document of the scene, as JSON
     keys: tuple[str, ...]  # of the point's values
     tolerance: float
     also: tuple[str, ...] = ()  # more than the velocity: of ``ALSO``
-    source_keys: tuple[str, ...] = ()  # those keys that the stator's answer depends on
     # Of all contacts of all points, x and y in m; empty where each point has its own
     places: tuple[tuple[float, float], ...] = ()
     frequencies: tuple[float, ...] = ()  # lowest and highest in Hz, where there are enough of them for a band
     # Whether the stator's coarsest discretisation will do: for a search, whose best points are computed again
     coarse: bool = False
+
+    @cached_property
+    def table(self) -> dict:
+        """The scene's TOML document."""
+        return json.loads(self.document)
 
     @property
     def kind(self) -> str:
@@ -47,39 +52,28 @@ class Question:
         return "driven" if self.table.get("transducer") else "free"
 
     @property
-    def has_slider(self) -> bool:
-        """Whether a velocity is asked for."""
-        return "slider" in self.table or any(key.startswith("slider.") for key in self.keys)
+    def stator_keys(self) -> tuple[str, ...]:
+        """Those keys for each of whose values a stator is solved."""
+        own = (key for key in self.keys if of_stator(key) or (key in PLACE_KEYS and not self.places))
+        return tuple(own) if self.kind == "driven" else ()
 
     @property
     def outcomes(self) -> tuple[str, ...]:
         """The columns that a point is answered with."""
-        if self.kind == "free":
-            return (
-                "phase_velocity_m_per_s",
-                "surface_ratio",
-                "attenuation_per_m",
-                "relative_error",
-                "status",
-            )
-        names = ["normal_amplitude_m", "tangential_amplitude_m"]
+        names = list(FREE) if self.kind == "free" else [*AMPLITUDES]
         if self.kind == "driven":
-            names += ["frequency_Hz", "conductance_S", "susceptance_S", "power_W"]
-        if self.has_slider:
+            names += ELECTRICAL
+        if self.kind != "free" and (
+            "slider" in self.table or any(key.startswith("slider.") for key in self.keys)
+        ):
             burst = "burst" in self.table.get("wave" if self.kind == "given" else "drive", {})
             burst = burst or any(key.endswith(".burst") for key in self.keys)
             names += ["velocity_m_per_s", *(["velocity_at_burst_end_m_per_s"] if burst else []), "regime"]
-            names += ["threshold_factor", "release_factor"] if "limits" in self.also else []
-            names += ["thrust_N"] if "thrust" in self.also else []
-            names += ["contact_pressure_Pa", "stick_margin"] if "pressure" in self.also else []
-            names += ["step_m"] if "step" in self.also else []
-            names += ["contact_efficiency"] if "efficiency" in self.also else []
-            names += ["motor_efficiency"] if "efficiency" in self.also and self.kind == "driven" else []
+            for word, columns in ALSO.items():
+                names += columns if word in self.also else []
+            if self.kind == "given" and "motor_efficiency" in names:
+                names.remove("motor_efficiency")
         return (*names, "relative_error", "status")
-
-    def source(self, values: tuple) -> str:
-        """Return the name of the stator's answer that a point's values need."""
-        return json.dumps({key: values[self.keys.index(key)] for key in self.source_keys})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,6 +97,19 @@ class Design:
             columns += [[column[place] for place in places] for column in each.columns]
         return list(zip(*columns, strict=True))
 
+    def order(self):
+        """Return the numbers of all points, those of one stator after one another."""
+        ranks, rows = [], []
+        for each in self.axes:
+            own = {k: key for k, key in enumerate(each.keys) if key in self.question.stator_keys}
+            # geometries are slowest, then frequencies, of which many make a band
+            ranks.append(0 if not own else 1 if "drive.frequency" in own.values() else 2)
+            texts = [[str(each.columns[k][row]) for k in own] for row in range(len(each))]
+            rows.append(sorted(range(len(each)), key=texts.__getitem__))
+        numbers = np.arange(len(self)).reshape([len(each) for each in self.axes])
+        slowest = sorted(range(len(ranks)), key=lambda k: -ranks[k])
+        return numbers[np.ix_(*rows)].transpose(slowest).ravel() if self.axes else numbers.ravel()
+
     @property
     def identity(self) -> dict[str, str]:
         """What makes two sweeps the same one: digests of scene, axes, tolerance and what is also asked."""
@@ -114,10 +121,6 @@ class Design:
         parts |= {f"axis {'+'.join(each.keys)}": each.columns for each in self.axes}
         parts |= {"order of axes": self.question.keys}
         return {name: _digest(part) for name, part in parts.items()}
-
-    def distinct(self, keys) -> "list[tuple]":
-        """Return the distinct values of some keys over the whole design, at most ``PLACES + 1`` of them."""
-        return list(islice(_distinct(self.axes, keys), PLACES + 1))
 
 
 def designed(table: dict, over, *, samples=None, tolerance, also=()) -> Design:
@@ -155,68 +158,39 @@ def designed(table: dict, over, *, samples=None, tolerance, also=()) -> Design:
         block, name = level.split(".")
         axes.append(axis(level, list(rule_at(level).read(level, table.get(block, {}).get(name)))))
     design = Design(question=_question(table, tuple(axes), tolerance, tuple(also)), axes=tuple(axes))
-    if len(design) > MOST:
-        raise SceneError("--over", f"must make at most {MOST} points, got {len(design)}")
+    if len(design) > MAX_POINTS:
+        raise SceneError("--over", f"must make at most {MAX_POINTS} points, got {len(design)}")
     return design
 
 
 def _question(table, axes, tolerance, also) -> Question:
     keys = tuple(key for each in axes for key in each.keys)
-    question = Question(table=table, keys=keys, tolerance=tolerance, also=also)
+    columns = dict(zip(keys, (column for each in axes for column in each.columns), strict=True))
+    question = Question(document=json.dumps(table), keys=keys, tolerance=tolerance, also=also)
     if question.kind != "driven":
         return question
-    own = tuple(
-        key
-        for key in keys
-        if key.startswith(("stator.", "transducer.", "drive."))
-        and key not in ("drive.voltage", "drive.power", "drive.burst")
-    )
-    design = Design(question=question, axes=axes)
-    moved = tuple(key for key in PLACE_KEYS if key in keys)
-    places = _places(table, moved, design.distinct(moved))
-    columns = dict(zip(keys, (column for each in axes for column in each.columns), strict=True))
-    frequencies = set(columns.get("drive.frequency", ()))
-    if not places:
-        own, places = own + moved, places if not moved else ()
-    usable = sorted(each for each in frequencies if isinstance(each, float) and each > 0)
-    band = (usable[0], usable[-1]) if len(usable) >= FEWEST else ()
-    return replace(question, source_keys=own, places=places, frequencies=band)
+    frequencies = {
+        each for each in columns.get("drive.frequency", ()) if isinstance(each, float) and each > 0
+    }
+    # the transducers stay what they are while the frequency moves
+    kept = not any(isinstance(each.get("period", "auto"), str) for each in table["transducer"])
+    band = kept and not any(key.endswith(".period") for key in keys) and len(frequencies) >= FEWEST
+    limits = (min(frequencies), max(frequencies)) if band else ()
+    return replace(question, places=_places(table, columns), frequencies=limits)
 
 
-def _places(table, moved, rows) -> tuple[tuple[float, float], ...]:
-    """Return the places of all contacts; none where they are too many, or where there is no slider."""
-    slider = table.get("slider", {})
-    if len(rows) > PLACES:
+def _places(table: dict, columns: dict) -> tuple[tuple[float, float], ...]:
+    """Return the places (x, y) of all contacts, m; none where they are too many, or where there is no slider."""
+    moved = {key: dict.fromkeys(columns[key]) for key in PLACE_KEYS if key in columns}
+    if math.prod(map(len, moved.values())) > PLACES:
         return ()
-    found = {}
-    for row in rows:
-        here = slider | {key.split(".")[1]: value for key, value in zip(moved, row, strict=True)}
-        for place in contact_places(here):
-            found[place] = None
+    found, predictor = {}, Predictor(table, tolerance=1.0)
+    first = {key: column[0] for key, column in columns.items()}
+    for row in product(*moved.values()):
+        with suppress(SceneError):  # said at its point
+            slider = predictor.scene(first | dict(zip(moved, row, strict=True))).slider
+            found |= dict.fromkeys(() if slider is None else (slider.center, *slider.places))
     return tuple(found)
-
-
-def contact_places(slider: dict) -> tuple[tuple[float, float], ...]:
-    """Return the places (x, y) of a slider and its contacts from its table, m; none if it breaks a rule."""
-    try:
-        position = rule_at("slider.position").read("slider.position", slider.get("position"))
-        contacts = rule_at("slider.contacts").read("slider.contacts", slider.get("contacts", 1))
-    except SceneError:
-        return ()
-    (x, y), offsets = as_pair(position), contacts if isinstance(contacts, tuple) else ()
-    return tuple(dict.fromkeys((x + along, y + across) for along, across in map(as_pair, (0.0, *offsets))))
-
-
-def _distinct(axes, keys):
-    parts = []
-    for each in axes:
-        chosen = [k for k, key in enumerate(each.keys) if key in keys]
-        if chosen:
-            parts.append(list(dict.fromkeys(zip(*(each.columns[k] for k in chosen), strict=True))))
-    order = [key for each in axes for key in each.keys if key in keys]
-    for row in product(*parts):
-        flat = [value for part in row for value in part]
-        yield tuple(flat[order.index(key)] for key in keys)
 
 
 def _digest(part) -> str:

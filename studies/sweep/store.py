@@ -5,8 +5,8 @@ before the commit returns), a reader may look on while the sweep runs, a row may
 numbers, and Python, R, Julia and every shell read it, such as ``pandas.read_sql("select * from points", connection)``.
 Only the driver writes; workers never see the file, so that it may lie on any local disk.
 
-Tables: ``points`` (a row each: values of the keys, outcomes), ``sources`` (the stator's answers as JSON), ``sweep``
-(what was asked, with which versions), ``batches`` (what the work cost).  A second driver is refused by a lock that the
+Tables: ``points`` (a row each: values of the keys, outcomes), ``sweep`` (what was asked, with which versions),
+``batches`` (what the work cost).  A second driver is refused by a lock that the
 operating system takes back when a process dies, however it dies.
 """
 
@@ -14,6 +14,7 @@ import json
 import os
 import socket
 import sqlite3
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -23,13 +24,11 @@ from studies.refusal import RunError, SceneError
 from studies.results import DirectoryInUseError, locked
 from studies.results.content import provenance
 from studies.sweep.design import Design
-from studies.sweep.source import Source
 
 FILE, LOCK = "points.sqlite", "driver.lock"
 LOST = "lost: "  # how the reason of a point begins that is tried again by the next driver
 TABLES = """
 create table if not exists sweep (name text primary key, value text not null);
-create table if not exists sources (name text, step integer, answer text not null, primary key (name, step));
 create table if not exists batches (finished text default current_timestamp, points integer, seconds real);
 """
 
@@ -37,7 +36,7 @@ create table if not exists batches (finished text default current_timestamp, poi
 class Store:
     """The points of one sweep, in a folder whose lock it holds, or in memory."""
 
-    def __init__(self, folder: Path | None, design: Design):
+    def __init__(self, folder: Path | None, design: Design, identity: dict[str, str] | None = None):
         self.folder, self._names = folder, (*design.question.keys, *design.question.outcomes)
         self._lock = None if folder is None else _lock(folder)
         with self._explained():
@@ -46,12 +45,20 @@ class Store:
             self.connection.execute("pragma synchronous = full")
             self.connection.executescript(TABLES)
         try:
-            self._begin(design)
+            self._begin(design, identity or design.identity)
         except (SceneError, RunError):
             self.close()
             raise
         marks = ", ".join("?" * (len(self._names) + 1))
         self._insert = f"insert or replace into points values ({marks})"
+
+    @contextmanager
+    def reading(self) -> Iterator[sqlite3.Connection]:
+        """Give a connection to the rows, also after `close`."""
+        connection = self.connection if self.folder is None else sqlite3.connect(self.folder / FILE)
+        yield connection
+        if self.folder is not None:
+            connection.close()
 
     def close(self) -> None:
         """Close the file and give the lock back."""
@@ -69,23 +76,10 @@ class Store:
             found[np.array(some)[:, 0]] = True
         return found
 
-    def sources(self, names) -> dict[tuple[str, int], Source]:
-        """Return the stator's answers that are known of these names, by name and step."""
-        found = {}
-        for name in names:
-            for (text,) in self.connection.execute("select answer from sources where name = ?", (name,)):
-                source = Source.read(text)
-                found[name, source.step] = source
-        return found
-
-    def keep(self, rows: list[tuple], sources: list[Source], batches: list[tuple[int, float]]) -> None:
-        """Write rows (point, values, outcomes), answers of the stator, and what they cost; durable on return."""
+    def keep(self, rows: list[tuple], batches: list[tuple[int, float]]) -> None:
+        """Write rows (point, values, outcomes) and what they cost (points, seconds); durable on return."""
         with self._explained(), self.connection:
             self.connection.executemany(self._insert, ([_stored(each) for each in row] for row in rows))
-            self.connection.executemany(
-                "insert or replace into sources values (?, ?, ?)",
-                ((source.name, source.step, source.text()) for source in sources),
-            )
             self.connection.executemany("insert into batches (points, seconds) values (?, ?)", batches)
 
     def counts(self) -> dict[str, int]:
@@ -100,26 +94,24 @@ class Store:
         """Return the seconds that workers have spent, those of earlier drivers included."""
         return self.connection.execute("select coalesce(sum(seconds), 0.0) from batches").fetchone()[0]
 
-    def _begin(self, design: Design) -> None:
+    def _begin(self, design: Design, identity: dict[str, str]) -> None:
         """Compare the sweep with the one that the file holds, or write it down."""
-        versions = provenance()
-        asked = {"identity": design.identity, "versions": versions}
-        held = dict(self.connection.execute("select name, value from sweep"))
-        if held:
-            different = _differences(json.loads(held["identity"]), asked["identity"])
-            if different:
-                raise SceneError(
-                    "--out", f"{str(self.folder)!r} holds another sweep: {different}; name another directory"
-                )
-            former = json.loads(held["versions"])
-            different = ", ".join(f"{key} {former.get(key)} then, {versions[key]} now"
-                                  for key in versions if versions[key] != former.get(key))  # fmt: skip
-            if different:
-                raise SceneError(
-                    "--out",
-                    f"{str(self.folder)!r} was begun with other versions, whose points may differ in their last digits "
-                    f"({different}); name another directory",
-                )
+        asked = {"identity": identity, "versions": provenance()}
+        held = {name: json.loads(text) for name, text in self.connection.execute("select * from sweep")}
+        different = {name: _differences(held.get(name, each), each) for name, each in asked.items()}
+        if different["identity"]:
+            names = ", ".join(different["identity"])
+            verb = "differs" if len(different["identity"]) == 1 else "differ"
+            raise SceneError(
+                "--out",
+                f"{str(self.folder)!r} holds another sweep: its {names} {verb}; name another directory",
+            )
+        if different["versions"]:
+            raise SceneError(
+                "--out",
+                f"{str(self.folder)!r} was begun with other versions, whose points may differ in their last digits "
+                f"({', '.join(different['versions'].values())}); name another directory",
+            )
         question = design.question
         asked |= {"scene": question.table, "keys": question.keys, "tolerance": question.tolerance}
         asked |= {"points": len(design), "driver": f"process {os.getpid()} on {socket.gethostname()}"}
@@ -173,9 +165,9 @@ def _owner(folder: Path) -> str:
     return "" if found is None else f", {json.loads(found[0])},"
 
 
-def _differences(held: dict, asked: dict) -> str:
-    names = [name for name in held | asked if held.get(name) != asked.get(name)]
-    return ("its " + ", ".join(names) + (" differs" if len(names) == 1 else " differ")) if names else ""
+def _differences(held: dict, asked: dict) -> dict[str, str]:
+    names = (name for name in held | asked if held.get(name) != asked.get(name))
+    return {name: f"{name} {held.get(name)} then, {asked.get(name)} now" for name in names}
 
 
 def _stored(value):

@@ -1,28 +1,33 @@
 """Who computes a sweep: this process, processes on this machine, or the workers of a Dask scheduler.
 
-All three are executors of concurrent.futures (Dask's by ``Client.get_executor``); which task runs where is theirs to
+All three are executors of concurrent.futures (Dask's by ``Client.get_executor``); which batch runs where is theirs to
 decide.  One thread per worker: the stator's matrices are small, and processes share a machine better than threads
-of a BLAS do.  A worker that vanishes costs its tasks, which are given out again.
+of a BLAS do.  A worker that vanishes costs its batches, which are given out again.
 """
 
 import logging
-import multiprocessing
+import multiprocessing.connection
 import os
 import re
+import signal
 import threading
-from concurrent.futures import Executor, Future, ProcessPoolExecutor
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
 
 from studies.refusal import RunError, SceneError, shown
 
 ADDRESS = re.compile(r"((tcp|tls|ucx|ws|wss)://)?[^\s/:]+:\d{1,5}|(tcp|tls)://\[[0-9a-fA-F:]+\]:\d{1,5}")
 
 
-class Here(Executor):
-    """The driver itself: a task is done when it is submitted, by all processors where its kernels share their work."""
+class Workers:
+    """The calling process: a batch is done when it is submitted, on all processors where kernels share their work."""
 
-    slots, size, threads = 1, 1, None
-    lost = ()
+    size, threads = 1, None  # workers; threads of each, None for all processors
+    lost: tuple = (BrokenExecutor,)  # what says that a worker vanished
+
+    @property
+    def slots(self) -> int:
+        """Batches to give out at a time."""
+        return self.size if self.threads is None else 2 * self.size
 
     def submit(self, work, *arguments) -> Future:
         """Do the work now; an interrupt goes straight to the caller."""
@@ -34,65 +39,54 @@ class Here(Executor):
         return future
 
     def renew(self) -> None:
-        """Do nothing: this process has not vanished."""
+        """Replace workers that have vanished."""
 
     def stop(self) -> None:
-        """Do nothing."""
+        """End the workers without waiting for their batches."""
 
 
-class Processes:
+class Processes(Workers):
     """Worker processes of this machine, which end with the driver however it ends."""
 
     threads = 1
-    lost = (BrokenProcessPool,)
 
     def __init__(self, size: int):
-        self.size, self.slots = size, 2 * size
+        self.size = size
         self._start()
 
     def submit(self, work, *arguments) -> Future:
-        """Give a task to the next process that is free."""
+        """Give a batch to the next process that is free."""
         try:
             return self._pool.submit(work, *arguments)
-        except BrokenProcessPool as error:
+        except BrokenExecutor as error:
             future = Future()
             future.set_exception(error)
             return future
 
     def renew(self) -> None:
-        """Start processes anew after one has vanished.
-
-        Raises
-        ------
-        RunError
-            If they do not start at all.
-        """
+        """Start processes anew after one has vanished; RunError if they do not start at all."""
         self._start()
         try:
             self._pool.submit(os.getpid).result()
-        except BrokenProcessPool:
+        except BrokenExecutor:
             raise RunError(
                 "the worker processes do not start: a script that asks for workers must do so under "
                 'if __name__ == "__main__":'
             ) from None
 
     def _start(self) -> None:
-        self._pool = ProcessPoolExecutor(
-            self.size, mp_context=multiprocessing.get_context("spawn"), initializer=_settle
-        )
+        context = multiprocessing.get_context("spawn")
+        self._pool = ProcessPoolExecutor(self.size, mp_context=context, initializer=_settle)
 
     def stop(self) -> None:
-        """End the processes without waiting for their tasks."""
+        """End the processes without waiting for their batches."""
         for process in list((self._pool._processes or {}).values()):
             process.terminate()
         self._pool.shutdown(wait=True, cancel_futures=True)
 
 
-class OnDask:
-    """The workers of a Dask scheduler.
-
-    ``address``: such as ``tcp://127.0.0.1:8786``.
-    """
+class OnDask(Workers):
+    """The workers of a Dask scheduler at an address such as ``tcp://127.0.0.1:8786``."""
 
     threads = 1
 
@@ -115,57 +109,42 @@ class OnDask:
         except (OSError, ValueError) as error:
             text = " ".join(str(error).split())
             raise RunError(f"no Dask scheduler answers at {address!r}: {text}") from None
-        self._executor = self._client.get_executor(pure=False)
-        self._count()
+        self._executor: Executor = self._client.get_executor(pure=False)
 
     @property
-    def slots(self) -> int:
-        """Tasks to give out: two for each worker that there is now."""
-        return 2 * self._count()
+    def size(self) -> int:
+        """The workers that there are now."""
+        return max(1, len(self._client.scheduler_info(n_workers=-1)["workers"]))
 
     def submit(self, work, *arguments) -> Future:
-        """Give a task to the scheduler."""
+        """Give a batch to the scheduler, which looks after its workers itself."""
         if self._client.status != "running":
             raise RunError("the Dask scheduler is gone; the same command goes on from what is kept")
         return self._executor.submit(work, *arguments)
-
-    def renew(self) -> None:
-        """Do nothing: the scheduler looks after its workers."""
 
     def stop(self) -> None:
         """Withdraw what is still to be done and leave; the cluster goes on."""
         self._executor.shutdown(wait=False)
         self._client.close(timeout=2)
 
-    def _count(self) -> int:
-        self.size = max(1, len(self._client.scheduler_info(n_workers=-1)["workers"]))
-        return self.size
 
-
-def workers(number: int | str):
+def workers(number: int | str) -> Workers:
     """Return the workers that a sweep asks for: so many processes, or those of a Dask scheduler's address."""
     if isinstance(number, str):
         return OnDask(number)
     if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= 1000:
         raise SceneError("--workers", f"must be a number from 1 to 1000, got {number!r}")
-    return Here() if number == 1 else Processes(number)
+    return Workers() if number == 1 else Processes(number)
 
 
 def _settle() -> None:
     """Make a process a worker: one thread, deaf to the terminal's interrupt, gone when its driver is gone."""
-    import signal
-    from multiprocessing.connection import wait
-
-    from fem import set_workers
-
-    for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "SAWMOTOR_THREADS"):
-        os.environ[name] = "1"
-    set_workers(1)
+    os.environ |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     driver = multiprocessing.parent_process()
 
     def watch():
-        wait([driver.sentinel])
+        multiprocessing.connection.wait([driver.sentinel])
         os._exit(1)
 
     threading.Thread(target=watch, daemon=True).start()

@@ -1,7 +1,6 @@
 """``sawmotor view``: a run's wave field in a window, as a picture, movie, page or data; without a stator, its contact.
 
-What a run left is enough: the field is computed anew.  Pictures and movies are matplotlib's; the window and the solid
-are pyvista's.
+What a run left is enough: the field is computed anew and drawn by pyvista; the contact is drawn by matplotlib.
 """
 
 import os
@@ -20,12 +19,13 @@ from studies.report.surface_map import draw_surface_map, pixels
 from studies.view import field_data, movie, wave_page
 from studies.view.contact_view import contact_writers
 from studies.view.options import Wanted
+from studies.view.picture import Picture
 from studies.view.quantities import palette, quantity
 from studies.view.run_field import NO_STATOR, left_run, motion_again, run_field
-from studies.view.section import Section, chosen_views, limits, near, views
-from studies.view.solid import Solid, open_window
+from studies.view.section import chosen_views, limits, near, views
+from studies.view.window import open_window
 
-__all__ = ["plotter", "view"]
+__all__ = ["view"]
 
 STILL_SIZE, MOVIE_SIZE, WINDOW_SIZE = (1600, 1100), (1000, 400), (1500, 900)
 FRAMES, RATE = 24, 16.0  # of a movie: one period of the wave
@@ -84,33 +84,6 @@ def view(
         note(f"{NO_STATOR}; this is its contact")
 
 
-def plotter(
-    folder: str | Path,
-    *,
-    quantity: str = "u_z",
-    phase: float = 0.0,
-    span: str | tuple[float, float] | None = None,
-    size: tuple[int, int] = STILL_SIZE,
-):
-    """Return the pyvista Plotter of a run's field, off screen, for pyvista's own notebook backends and other uses.
-
-    Parameters
-    ----------
-    folder : str or Path
-        What ``sawmotor run`` left.
-    quantity : str
-    phase : float
-        rad.
-    span : str or tuple of float or None
-        As in `Wanted`.
-    size : tuple of int
-        Pixels.
-    """
-    found = run_field(folder, progress=lambda text: None)
-    given = {"quantity": quantity, "phase": phase, "factor": None, "size": size, "off_screen": True}
-    return Solid(found, span=limits(found, span) or near(found), **given).plotter
-
-
 def _field_writers(folder, wanted: Wanted, show: str, progress, note) -> dict[str, Callable]:
     """Return what writes each option's file of a run's field, and what opens its window."""
     found = run_field(folder, progress=progress)
@@ -121,26 +94,17 @@ def _field_writers(folder, wanted: Wanted, show: str, progress, note) -> dict[st
         raise SceneError("--scale", f"{rule}, got {wanted.factor:g}")
     given = {"quantity": wanted.quantity, "phase": wanted.phase, "factor": wanted.factor}
 
-    def solid(size, **changes):
-        return Solid(found, size=size, **given, **changes)
-
     def still(file) -> None:
-        size = wanted.size or STILL_SIZE
-        if show == "solid":
-            drawn = solid(size, off_screen=True).plotter
-            drawn.screenshot(file)
-            drawn.close()
-        else:
-            stretches = views(found) if span is None else chosen_views(found, span)
-            figure = Section(found, stretches, size=size, **given).figure
-            figure.savefig(file, dpi=figure.dpi)
+        stretches = views(found) if span is None else chosen_views(found, span)
+        stretches = () if show == "solid" else stretches
+        Picture(found, stretches, size=wanted.size or STILL_SIZE, **given).save(file)
 
     def film(file) -> None:
-        drawn = Section(found, chosen_views(found, span), size=wanted.size or MOVIE_SIZE, **given)
+        drawn = Picture(found, chosen_views(found, span), size=wanted.size or MOVIE_SIZE, **given)
         count = wanted.frames or FRAMES
         movie.save(
-            drawn.figure, lambda number: drawn.show(wanted.phase + 2 * np.pi * number / count), count, file,
-            rate=RATE, progress=progress, palette=palette(drawn.shade.colour_map),
+            lambda number: drawn.image(wanted.phase + 2 * np.pi * number / count), count, file, rate=RATE,
+            progress=progress, palette=palette(drawn.shade.colour_map),
         )  # fmt: skip
 
     def page(file) -> None:
@@ -151,8 +115,8 @@ def _field_writers(folder, wanted: Wanted, show: str, progress, note) -> dict[st
         field_data.save(found, file, span=span, surface=wanted.surface, **told)
 
     def window() -> None:
-        stretch = None if show == "solid" else span or near(found)
-        open_window(solid(WINDOW_SIZE, off_screen=False, span=stretch))
+        stretch = () if show == "solid" else chosen_views(found, span or near(found))[-1:]
+        open_window(Picture(found, stretch, size=WINDOW_SIZE, off_screen=False, framed=False, **given))
 
     return {"screenshot": still, "movie": film, "html": page, "data": data, "window": window}
 

@@ -88,6 +88,12 @@ class SlowMotion:
         for cursor in self._cursors:
             cursor.set_xdata([table["time_s"][index] * 1e9] * 2)
 
+    def image(self, index: int) -> np.ndarray:
+        """Return the picture of an instant, shape (height, width, 3)."""
+        self.show(index)
+        self.figure.canvas.draw()
+        return np.asarray(self.figure.canvas.buffer_rgba())[..., :3].copy()
+
 
 def strip(table: dict, *, title: str):
     """Draw snapshots of one contact over the traces of the same clock."""

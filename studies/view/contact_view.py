@@ -18,7 +18,7 @@ from studies.view import movie
 from studies.view.contact_pictures import SlowMotion, moments, strip
 from studies.view.run_field import motion_again
 
-__all__ = ["contact_moments", "contact_writers", "slow_motion"]
+__all__ = ["contact_moments", "contact_writers", "film_contact"]
 
 CYCLES, INSTANTS = 2, 240  # per cycle
 FRAMES, RATE = 48, 12.0  # of a movie
@@ -30,8 +30,7 @@ def contact_writers(record: Record, wanted, progress: Callable[[str], None]) -> 
     found, title = contact_moments(record, level=wanted.level, progress=progress)
 
     def film(file) -> None:
-        count = wanted.frames or FRAMES
-        movie.save(*slow_motion(found, title, count), count, file, rate=RATE)
+        film_contact(found, title, wanted.frames or FRAMES, file, rate=RATE)
 
     def still(file) -> None:
         strip(found, title=title).savefig(file, dpi=DPI)
@@ -85,10 +84,11 @@ def contact_moments(record: Record, *, level: float | None, progress: Callable[[
     return moments(history), f"{scene.title}: {driven.named(level)}, {said}"
 
 
-def slow_motion(found, title: str, count: int, figure=None):
-    """Return the figure of the contact's first cycle, which repeats, and what shows one of its pictures."""
-    motion = SlowMotion(found, title=title, figure=figure)
-    return motion.figure, lambda number: motion.show(round(number * INSTANTS / count))
+def film_contact(found, title: str, count: int, file, *, rate: float, dpi: float = 100) -> None:
+    """Write a movie of the contact's first cycle, which repeats."""
+    motion = SlowMotion(found, title=title)
+    motion.figure.set_dpi(dpi)
+    movie.save(lambda number: motion.image(round(number * INSTANTS / count)), count, file, rate=rate)
 
 
 def _window(found, title: str) -> None:
@@ -97,6 +97,8 @@ def _window(found, title: str) -> None:
 
     refuse_without_toolkit("a window of the contact", "--screenshot, --movie and --html FILE need none")
     figure = pyplot.figure(figsize=(9.0, 4.6), layout="constrained")
-    figure, show = slow_motion(found, title, FRAMES, figure)
-    figure.animation = FuncAnimation(figure, show, frames=FRAMES, interval=1000 / RATE)
+    motion = SlowMotion(found, title=title, figure=figure)
+    figure.animation = FuncAnimation(
+        figure, motion.show, frames=range(0, INSTANTS, INSTANTS // FRAMES), interval=1000 / RATE
+    )
     pyplot.show()

@@ -27,10 +27,10 @@ from studies.report.figures import (
 from studies.scene import resolved
 from studies.view import movie
 from studies.view.contact_pictures import strip
-from studies.view.contact_view import slow_motion
+from studies.view.contact_view import film_contact
+from studies.view.picture import Picture
 from studies.view.quantities import DIVERGING, palette
-from studies.view.section import Section, chosen_views, views
-from studies.view.solid import Solid
+from studies.view.section import chosen_views, views
 
 __all__ = [
     "amplitude",
@@ -67,6 +67,7 @@ LEDGER = {
     "lifted": "held by the preload",
     "slider": "held by the slider",
 }
+GIVEN_FIELD = {"quantity": "u_z", "phase": 0.0, "factor": None}
 GIVEN = ("wave_normal", "wave_tangential")
 
 
@@ -93,13 +94,13 @@ def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
         ("power_flow", power_along(found.field.x, passing, covered=found.spans, given=power, title=title)),
         ("ledger", bars(ledger, "pJ", "energy in one cycle of the wave (pJ); blue: from the wave, orange: to where",
                         f"{title}: {gallery.voltage:g} V\nledger of one contact, {balance}")),
-        *(
-            (picture, Section(found, views(found), quantity=quantity, phase=0.0, factor=None, size=STILL).figure)
-            for picture, quantity in (("wave", "u_z"), ("wave_power_flow", "power_flow"))
-        ),
     ):  # fmt: skip
         progress(f"drawing {picture}")
-        figure.savefig(folder / f"{picture}.png", dpi=100 if picture.startswith("wave") else DPI)
+        figure.savefig(folder / f"{picture}.png", dpi=DPI)
+    for picture, quantity in (("wave", "u_z"), ("wave_power_flow", "power_flow")):
+        progress(f"drawing {picture}")
+        drawn = Picture(found, views(found), size=STILL, **(GIVEN_FIELD | {"quantity": quantity}))
+        drawn.save(folder / f"{picture}.png")
     saved(folder / "velocity.png", lambda ax: velocity(record, ax))
     for module, panel in gallery.others:
         saved(folder / f"{panel.name}.png", lambda ax, module=module, panel=panel: module.figure(panel, ax))
@@ -297,20 +298,16 @@ def _depth(found):
 
 
 def _films(gallery, folder: Path, progress) -> None:
-    found, given = gallery.found, {"quantity": "u_z", "phase": 0.0, "factor": None}
+    found = gallery.found
     progress("wave and contact in slow motion")
-    moving = Section(found, chosen_views(found, None), size=MOVIE, **given)
+    moving = Picture(found, chosen_views(found, None), size=MOVIE, **GIVEN_FIELD)
     movie.save(
-        moving.figure, lambda number: moving.show(2 * np.pi * number / FRAMES), FRAMES, folder / "wave.gif", rate=12.0,
+        lambda number: moving.image(2 * np.pi * number / FRAMES), FRAMES, folder / "wave.gif", rate=12.0,
         palette=palette(moving.shade.colour_map),
     )  # fmt: skip
-    figure, show = slow_motion(*gallery.contact, 2 * FRAMES)
-    figure.set_dpi(DPI)
-    movie.save(figure, show, 2 * FRAMES, folder / "contact.gif", rate=10.0)
+    film_contact(*gallery.contact, 2 * FRAMES, folder / "contact.gif", rate=10.0, dpi=DPI)
     progress("drawing the solid")
-    solid = Solid(found, size=SOLID, off_screen=True, **given).plotter
-    solid.screenshot(folder / "solid.png")
-    solid.close()
+    Picture(found, size=SOLID, **GIVEN_FIELD).save(folder / "solid.png")
 
 
 def _reduce(picture: Path) -> None:

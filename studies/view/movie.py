@@ -1,4 +1,4 @@
-"""Moving pictures of a figure, GIF by Pillow, which every installation has, MP4 by ffmpeg; pages that hold pictures."""
+"""Moving pictures, GIF by Pillow, which every installation has, MP4 by ffmpeg; pages that hold pictures."""
 
 import shutil
 import subprocess
@@ -7,8 +7,6 @@ from html import escape
 from pathlib import Path
 
 import numpy as np
-from matplotlib import rc_context
-from matplotlib.animation import FFMpegWriter
 from PIL import Image
 
 from studies.refusal import RunError, SceneError
@@ -28,8 +26,7 @@ def check(file: str | Path) -> None:
 
 
 def save(
-    figure,
-    show: Callable[[int], object],
+    image: Callable[[int], np.ndarray],
     count: int,
     file: str | Path,
     *,
@@ -39,22 +36,21 @@ def save(
 ) -> None:
     """Write a count of pictures as a movie that repeats (GIF) or plays (MP4), ``rate`` per second.
 
-    ``show`` is given the number of a picture and changes the figure into it.  The colours of a GIF are those of the
-    ``palette`` (an image), or found in its pictures, which passes over rare ones.
+    ``image`` returns a picture by its number, bytes of shape (height, width, 3).  The colours of a GIF are those of
+    the ``palette`` (an image), or found in its pictures, which passes over rare ones.
     """
     check(file)
 
     def pictures():
         for number in range(count):
             progress(f"picture {number + 1} of {count}")
-            show(number)
-            yield
+            yield image(number)
 
     try:
         if Path(file).suffix.lower() == ".gif":
-            _gif(figure, pictures(), file, rate, palette)
+            _gif(pictures(), file, rate, palette)
         else:
-            _mp4(figure, pictures(), file, rate)
+            _mp4(pictures(), file, rate)
     except OSError as error:
         raise RunError(f"the movie {str(file)!r} cannot be written: {error.strerror or error}") from None
 
@@ -71,11 +67,8 @@ def page(title: str, images: list[str]) -> str:
     return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n<body>\n{shown}\n</body></html>\n'
 
 
-def _gif(figure, pictures, file, rate: float, palette) -> None:
-    frames = []
-    for _ in pictures:
-        figure.canvas.draw()
-        frames.append(np.asarray(figure.canvas.buffer_rgba())[..., :3].copy())
+def _gif(pictures, file, rate: float, palette) -> None:
+    frames = list(pictures)
     # one palette for all pictures: a third of the size
     if palette is None:
         palette = Image.fromarray(np.concatenate(frames[:: max(1, len(frames) // 4)])).quantize(COLOURS)
@@ -85,15 +78,18 @@ def _gif(figure, pictures, file, rate: float, palette) -> None:
     first.save(file, save_all=True, append_images=others, duration=round(1000 / rate), loop=0, optimize=False)
 
 
-def _mp4(figure, pictures, file, rate: float) -> None:
-    writer = FFMpegWriter(fps=rate, codec="libx264")
-    try:
-        with rc_context({"animation.ffmpeg_path": _ffmpeg()}), writer.saving(figure, file, figure.dpi):
-            for _ in pictures:
-                writer.grab_frame()
-    except subprocess.CalledProcessError as error:
-        reason = f"ffmpeg ends with {error.returncode}"
-        raise RunError(f"the movie {str(file)!r} cannot be written: {reason}") from None
+def _mp4(pictures, file, rate: float) -> None:
+    frames = list(pictures)
+    height, width, _ = frames[0].shape
+    given = f"-y -loglevel error -f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {rate:g} -i -"
+    # the format has sizes that are even
+    written = "-vf pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white -c:v libx264 -pix_fmt yuv420p"
+    call = [_ffmpeg(), *given.split(), *written.split(), str(Path(file).absolute())]
+    done = subprocess.run(call, input=b"".join(frame.tobytes() for frame in frames), capture_output=True)
+    if done.returncode:
+        raise RunError(
+            f"the movie {str(file)!r} cannot be written: {done.stderr.decode(errors='replace').strip()}"
+        )
 
 
 def _ffmpeg() -> str:

@@ -1,12 +1,12 @@
 """What ``sawmotor view`` is asked for: files, quantity, instant, stretch, sizes."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from studies.refusal import SceneError, shown
-from studies.scene.override import toml_value
 
 __all__ = ["Wanted"]
 
@@ -22,6 +22,8 @@ FORMATS = {
     "html": (".html", ".htm"),
     "data": (".vtu", ".pvd", ".csv"),
 }
+WORDS = ("whole", "slider", "wavelength")
+SPAN, SIZE = "whole, slider, wavelength or START:STOP in mm", "WIDTHxHEIGHT in pixels, 200x100 to 8000x8000"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,53 +75,42 @@ class Wanted:
         if arguments.show not in (None, *OFFERED):
             raise SceneError("--show", f"must be one of {', '.join(OFFERED)}, got {arguments.show!r}")
         same = ("screenshot", "movie", "html", "data", "surface", "show", "quantity")
+        number, positive = "a finite number ({})", "a finite number of at least 0 ({})"
+        asked = {
+            "phase": ("--phase", float, np.isfinite, number.format("degrees")),
+            "span": ("--span", _span, lambda span: len(span) == 2 or span in WORDS, SPAN),
+            "scale": ("--scale", float, lambda value: 0 <= value < np.inf, positive.format("times")),
+            "size": ("--size", _size, lambda size: 200 <= size[0] <= 8000 and 100 <= size[1] <= 8000, SIZE),
+            "frames": ("--frames", int, lambda value: 2 <= value <= 2000, "a whole number from 2 to 2000"),
+            "voltage": ("--voltage", float, lambda value: 0 <= value < np.inf, positive.format("V")),
+        }
+        read = {name: _read(getattr(arguments, name), *each) for name, each in asked.items()}
         return cls(
             **{name: getattr(arguments, name) for name in same},
-            phase=np.radians(_number("--phase", arguments.phase, "degrees")),
-            span=_span(arguments.span),
-            factor=_number("--scale", arguments.scale, "times", low=0.0),
-            size=_size(arguments.size),
-            frames=_count("--frames", arguments.frames),
-            level=_number("--voltage", arguments.voltage, "V", low=0.0),
+            **{name: read[name] for name in ("span", "size", "frames")},
+            phase=np.radians(read["phase"]),
+            factor=read["scale"],
+            level=read["voltage"],
         )
 
 
-def _span(text: str | None):
-    if text is None or text in ("whole", "slider", "wavelength"):
-        return text
-    try:
-        start, stop = (float(part) for part in text.split(":"))
-    except ValueError:
-        rule = "must be whole, slider, wavelength or START:STOP in mm"
-        raise SceneError("--span", f"{rule}, got {text!r}") from None
-    return start * 1e-3, stop * 1e-3
-
-
-def _size(text: str | None) -> tuple[int, int] | None:
+def _read(text: str | None, option: str, read: Callable, fits: Callable, rule: str):
+    """Return what a text means, None for none; refuse one that cannot be read or does not fit."""
     if text is None:
         return None
     try:
-        width, height = (int(part) for part in text.lower().split("x"))
+        value = read(text)
     except ValueError:
-        width = height = 0
-    if not (200 <= width <= 8000 and 100 <= height <= 8000):
-        raise SceneError("--size", f"must be WIDTHxHEIGHT in pixels, 200x100 to 8000x8000, got {text!r}")
-    return width, height
-
-
-def _number(option: str, text: str | None, unit: str, *, low: float = -np.inf) -> float | None:
-    value = None if text is None else toml_value(text)
-    if value is None:
-        return None
-    number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    if not (number and np.isfinite(value) and value >= low):
-        bound = "" if low == -np.inf else f" of at least {low:g}"
-        raise SceneError(option, f"must be a finite number{bound} ({unit}), got {shown(text)}")
-    return float(value)
-
-
-def _count(option: str, text: str | None) -> int | None:
-    value = None if text is None else toml_value(text)
-    if text is not None and not (type(value) is int and 2 <= value <= 2000):
-        raise SceneError(option, f"must be a whole number from 2 to 2000, got {shown(text)}")
+        value = None
+    if value is None or not fits(value):
+        raise SceneError(option, f"must be {rule}, got {shown(text)}")
     return value
+
+
+def _span(text: str):
+    return text if text in WORDS else tuple(1e-3 * float(part) for part in text.split(":"))
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, height = text.lower().split("x")
+    return int(width), int(height)

@@ -15,7 +15,7 @@ import numpy as np
 from studies import Scene
 from studies.inverse import Measurement, fit, read_parameter
 from studies.inverse.parameters import AMPLITUDE_PER_VOLT
-from studies.inverse.prediction import Predictor
+from studies.inverse.prediction import MeasurementPredictor
 
 FREE = (
     "slider.friction_coefficient=0.01:0.6",
@@ -27,7 +27,7 @@ PER_VOLT = 2e-10  # m/V, the true one
 
 def main(sets: int) -> None:
     scene = Scene.load("twente-contact")
-    predictor = Predictor(scene)
+    predictor = MeasurementPredictor(scene)
     levels = tuple(np.linspace(5.0, 100.0, 20))
     asked = Measurement(name="curve", quantity="velocity", level_key="voltage_V", levels=levels)
     velocity = predictor.predict([(asked, {AMPLITUDE_PER_VOLT: PER_VOLT})])[0]

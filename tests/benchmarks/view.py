@@ -28,18 +28,17 @@ def first_picture(folder: Path) -> tuple[float, float]:
 
 def pictures(folder: Path, quantity: str) -> tuple[float, float]:
     """Moving pictures per second of the whole stator and of the slider, 1000 x 400, each read back."""
+    from studies.view.picture import Picture
     from studies.view.run_field import run_field
-    from studies.view.section import Section, chosen_views
+    from studies.view.section import chosen_views
 
     found = run_field(folder, progress=lambda text: None)
     given = {"quantity": quantity, "phase": 0.0, "factor": None, "size": (1000, 400)}
-    drawn = Section(found, chosen_views(found, None), **given)
-    drawn.figure.canvas.draw()
+    drawn = Picture(found, chosen_views(found, None), **given)
+    drawn.image(0.0)
     begun, before = time.perf_counter(), time.process_time()
     for number in range(PICTURES):
-        drawn.show(0.1 * number)
-        drawn.figure.canvas.draw()
-        bytes(drawn.figure.canvas.buffer_rgba())
+        drawn.image(0.1 * number)
     return PICTURES / (time.perf_counter() - begun), PICTURES / (time.process_time() - before)
 
 

@@ -5,6 +5,7 @@ import io
 import json
 from dataclasses import dataclass
 from functools import cache
+from inspect import signature
 from pathlib import Path
 
 import pytest
@@ -52,7 +53,7 @@ def studied(tmp_path_factory):
     @cache
     def run(name: str) -> Studied:
         folder = tmp_path_factory.mktemp("studies") / name
-        takes_scene = getattr(module(name), "TAKES_SCENE", False)
+        takes_scene = "scene" in signature(module(name).run).parameters
         scene = (
             "twente-contact" if name == "sensitivity" else str(SMALL)
         )  # a stator for each of its numbers is slow

@@ -7,7 +7,8 @@ import pytest
 
 from studies import Scene
 from studies.chain import run
-from studies.chain.ring_up import ring_up, ring_up_left_out
+from studies.chain.left_out import left_out
+from studies.chain.ring_up import ring_up
 from studies.scene import read_table
 from studies.scene.override import assigned
 from studies.scene.resolved import resolved
@@ -102,8 +103,8 @@ def test_the_error_knows_the_envelope_s(record):
 
 def test_without_a_burst_nothing_rings():
     scene = replace(chip(), drive=replace(chip().drive, burst=None))
-    assert ring_up_left_out(scene, None, ()) == ()
-    assert ring_up_left_out(chip(), None, ()) == ("the burst's ring-up: the slider stands over a transducer",)
+    assert not any("ring-up" in reason for reason in left_out(resolved(scene)))
+    assert "the burst's ring-up: the slider stands over a transducer" in left_out(resolved(chip()))
 
 
 def test_a_stator_that_rings_too_long_is_an_error_and_said(monkeypatch):

@@ -61,7 +61,7 @@ def test_all_faults_are_said_at_once_with_their_lines(written, capsys):
         (2, "stator.ends", '"absorbing" or "free" or "clamped"'),
         (3, "stator.material", "the nearest known one is 'PZT-8'"),
         (12, "transducer.0.metallized", "did you mean metallisation?"),
-        (16, "drive.frequency", "mHz is 1e-3 Hz; did you mean 2.2 MHz?"),
+        (16, "drive.frequency", "did you mean 2.2 MHz?"),
         (17, "drive.voltage.1", "a length"),
         (18, "drive.voltage.2", "write a decimal point, '4.5 V'"),
         (20, "slider.mass", "a mass in kg, positive (a number, or a string such as"),

@@ -6,15 +6,15 @@ import pytest
 import contact
 from studies import Scene
 from studies import run as run_chain
-from studies.inverse.prediction import Predictor
-from studies.inverse.sensitivity import _start_up, _without_effect, elasticities, numbers, run, tables
+from studies.inverse.prediction import MeasurementPredictor
+from studies.inverse.sensitivity import _answers, _without_effect, elasticities, numbers, run, tables
 
 
 @pytest.fixture(scope="module")
 def predictor():
     """The seed's slider with generic numbers, its preload the weight."""
     changed = {"mass": "0.13 g", "radius": "0.9 mm", "friction_coefficient": 0.11, "contacts": 2}
-    return Predictor(
+    return MeasurementPredictor(
         Scene.load("twente-contact").replace(slider=changed, wave={"normal_amplitude": "6.3 nm"})
     )
 
@@ -53,10 +53,8 @@ def test_velocity_against_richardson_extrapolation(predictor):
 
 def test_the_start_up_time_goes_as_the_mass(predictor):
     """At a given preload the averaged motion runs on the time scale of m v / (mu P)."""
-    times = [
-        _start_up(predictor.contact({"slider.mass": mass}), 6.3e-9, duration=1000.0 * mass)
-        for mass in (0.13e-3, 0.26e-3)
-    ]
+    asked = [(predictor.contact({"slider.mass": mass}), 6.3e-9) for mass in (0.13e-3, 0.26e-3)]
+    times = _answers("start-up time", asked)
     assert times[1] == pytest.approx(2.0 * times[0], rel=1e-3)
     assert 5e-3 < times[0] < 0.13
 
@@ -71,7 +69,7 @@ def test_numbers_of_a_stator(monkeypatch):
         transducer={"left": {"finger_pairs": 2, "center": "6 mm"}}, slider={"position": "20 mm"},
         drive={"voltage": "60 V"},
     )  # fmt: skip
-    found = elasticities(Predictor(short, tolerance=1e-3), "velocity", 60.0, lambda text: None)
+    found = elasticities(MeasurementPredictor(short, tolerance=1e-3), "velocity", 60.0, lambda text: None)
     assert abs(found["transducer.0.aperture"][0]) < 1e-9
     runs = [
         run_chain(short.replace(stator={"thickness": 1e-3 * (1 + s)}), tolerance=1e-4).velocity[0]

@@ -22,7 +22,7 @@ from studies.sweep import driver, sweep
 from studies.sweep.axes import axis
 from studies.sweep.design import designed
 from studies.sweep.store import FILE, Store
-from studies.sweep.workers import Here
+from studies.sweep.workers import Workers
 
 OVER = {"slider.preload": "0.1 mN:10 mN:8:log", "wave.normal_amplitude": "0.5 nm:20 nm:6"}
 SMALL = {
@@ -193,16 +193,28 @@ def test_every_bad_point_is_a_row_with_its_reason():
     assert all(found["velocity_m_per_s"][k] is None for k in (3, 13, 40, 41, 42))
 
 
-def test_the_stator_is_solved_once_for_each_frequency_and_geometry(tmp_path):
+def counted(monkeypatch):
+    """Return a list that fills with frequency and tolerance of every stator that is solved."""
+    from studies.sweep import predictor
+
+    solved, solve = [], predictor.solved_motion
+
+    def noted(scene, *rest, tolerance, **options):
+        solved.append((scene.frequency, tolerance))
+        return solve(scene, *rest, tolerance=tolerance, **options)
+
+    monkeypatch.setattr(predictor, "solved_motion", noted)
+    return solved
+
+
+def test_the_stator_is_solved_once_for_each_frequency_and_geometry(tmp_path, monkeypatch):
     over = {
         "slider.position": [6.5e-3, 7e-3, 1.0], "slider.preload": "1 mN:5 mN:3", "slider.radius": "1 mm:2 mm:2",
         "drive.frequency": "2.19 MHz, 2.2 MHz", "drive.voltage": "20:60:3",
     }  # fmt: skip
+    solved = counted(monkeypatch)
     found = sweep(SMALL, over, tolerance=1e-2, also=("limits", "thrust", "efficiency"), out=tmp_path / "s")
-    with sqlite3.connect(found.path) as connection:
-        solved = connection.execute("select name, step from sources").fetchall()
-    connection.close()
-    assert len({name for name, _ in solved}) == 2
+    assert [frequency for frequency, _ in solved] == [2.19e6, 2.2e6]
     columns = found.columns()
     assert found.counts["refused"] == 36
     assert "contacts on the stator" in next(s for s in columns["status"] if s.startswith("refused"))
@@ -240,21 +252,20 @@ def test_many_frequencies_of_a_plane_section_are_a_band():
 
 
 def test_a_stator_without_an_answer_costs_its_own_points_alone(monkeypatch):
-    from fem import ConvergenceError
-    from studies.sweep import source_solver
+    import fem
 
-    solved = source_solver._solved
+    solved = fem.driven_wave
 
-    def failing(question, name, step, scene, places):
-        if scene.frequency > 2.195e6:
+    def failing(*given, frequency, **options):
+        if frequency > 2.195e6:
             raise (
-                ConvergenceError("its error stays large")
-                if scene.frequency < 2.205e6
+                fem.ConvergenceError("its error stays large")
+                if frequency < 2.205e6
                 else ZeroDivisionError("0/0")
             )
-        return solved(question, name, step, scene, places)
+        return solved(*given, frequency=frequency, **options)
 
-    monkeypatch.setattr(source_solver, "_solved", failing)
+    monkeypatch.setattr(fem, "driven_wave", failing)
     over = {"drive.frequency": "2.19 MHz,2.2 MHz,2.21 MHz", "slider.mass": "1e-4,-1"}
     found = sweep(SMALL, over, tolerance=1e-2).columns()["status"]
     assert found[::2] == [
@@ -264,17 +275,14 @@ def test_a_stator_without_an_answer_costs_its_own_points_alone(monkeypatch):
 
 
 def test_a_point_near_the_threshold_gets_a_better_stator(tmp_path, monkeypatch):
-    monkeypatch.setattr(
-        "studies.sweep.source_solver.SHARE", 1.0
-    )  # a stator that is just good enough by itself
+    # a stator that is just good enough by itself
+    monkeypatch.setattr("studies.sweep.predictor.SHARE", 1.0)
+    solved = counted(monkeypatch)
     voltages = [5.0, 11.2, 40.0]
     section = SMALL | {"stator": SMALL["stator"] | {"diffraction": False}}
     found = sweep(section, {"drive.voltage": voltages}, tolerance=2.5e-4, out=tmp_path / "s")
-    with sqlite3.connect(found.path) as connection:
-        steps = [step for (step,) in connection.execute("select step from sources order by step")]
-    connection.close()
     columns = found.columns()
-    assert steps == [0, 1]
+    assert [tolerance for _, tolerance in solved] == pytest.approx([2.5e-4, 2.5e-5])
     assert columns["status"] == ["ok"] * 3
     assert columns["relative_error"][1] < 2.5e-4
     # which stator a point uses is its own matter: alone it has the same row
@@ -287,12 +295,11 @@ def test_a_point_near_the_threshold_gets_a_better_stator(tmp_path, monkeypatch):
 # --- stores
 
 
-def test_batches_windows_and_interruptions_change_nothing(whole, tmp_path, monkeypatch):
+def test_batches_and_interruptions_change_nothing(whole, tmp_path, monkeypatch):
     def stop(count, kept, failed, cost):
         if kept > 20:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(driver, "WINDOW", 11)
     monkeypatch.setattr(driver, "LARGEST_BATCH", 3)
     with pytest.raises(RunError, match=r"interrupted: \d+ of 48 points are kept and the same command"):
         sweep("twente-contact", OVER, out=tmp_path / "s", progress=stop)
@@ -382,18 +389,18 @@ def test_a_full_disk_is_said_and_costs_nothing_that_was_kept(tmp_path):
     ]
 
 
-class Poisoned(Here):
+class Poisoned(Workers):
     """Workers that a certain point kills."""
 
     lost = (BrokenProcessPool,)
     renewed = 0
 
-    def submit(self, work, question, points, values, *rest):
+    def submit(self, work, question, points, *rest):
         if 17 in points:
             future = Future()
             future.set_exception(BrokenProcessPool("a worker vanished"))
             return future
-        return super().submit(work, question, points, values, *rest)
+        return super().submit(work, question, points, *rest)
 
     def renew(self):
         self.renewed += 1

@@ -18,25 +18,21 @@ import meshio
 import numpy as np
 import pytest
 import pyvista
-from matplotlib.collections import LineCollection
-from matplotlib.text import Text
 from PIL import Image
 
 from studies import view
 from studies.__main__ import main
 from studies.chain import run
 from studies.refusal import RunError, SceneError
-from studies.report.figures import new_figure
 from studies.report.files import write_run
 from studies.scene import Scene, read_table
 from studies.scene.override import assigned
 from studies.view import field_data, movie, wave_page
 from studies.view.options import Wanted
+from studies.view.picture import Picture
 from studies.view.quantities import shade
 from studies.view.run_field import run_field
-from studies.view.section import Section, View, chosen_views, limits, magnification, near, views
-from studies.view.solid import Solid
-from tests.studies.legible import assert_legible
+from studies.view.section import View, chosen_views, limits, magnification, near, views
 
 MM = 1e3
 CHROMIUM = shutil.which("chromium")
@@ -46,31 +42,31 @@ def quiet(text):
     return None
 
 
-def section_of(found, shown, **changes):
+def picture_of(found, shown=(), **changes):
     given = {"quantity": "u_z", "phase": 0.0, "factor": None, "size": (1000, 400)}
-    return Section(found, shown, **(given | changes))
+    return Picture(found, shown, **(given | changes))
 
 
-def shown_axes(section):
-    return [ax for ax in section.figure.axes if ax.get_xlabel() == "x (mm)"]
+def drawn_mesh(picture, number=-1):
+    """What a renderer draws of the section: places in x and z (mm), shape (n, m, 2), values (n, m), and the mapper."""
+    mapper = picture.plotter.renderers[number].actors["section"].mapper
+    mesh = mapper.dataset
+    columns, rows, _ = mesh.dimensions
+    places = np.reshape(mesh.points, (rows, columns, 3)).transpose(1, 0, 2)[..., [0, 2]]
+    return places.astype(float), np.reshape(mesh["shade"], (rows, columns)).T.copy(), mapper
 
 
-def drawn_mesh(ax):
-    """What matplotlib draws in a view: places in x and z (mm), shape (n, m, 2), values (n, m), and the mesh."""
-    (mesh,) = (each for each in ax.collections if hasattr(each, "get_coordinates"))
-    places = np.asarray(mesh.get_coordinates())
-    return places, np.asarray(mesh.get_array()).reshape(places.shape[:2]), mesh
-
-
-def drawn_surface(section):
-    """Places in x and z of the section's upper edge as it is drawn, mm, and its colour value."""
-    places, values, _ = drawn_mesh(shown_axes(section)[-1])
+def drawn_surface(picture):
+    """Places in x and z of the section's upper edge as it is drawn last, mm, and its colour value."""
+    places, values, _ = drawn_mesh(picture)
     return places[:, -1].T, values[:, -1]
 
 
-def pixels_of(section):
-    section.figure.canvas.draw()
-    return np.asarray(section.figure.canvas.buffer_rgba())[..., :3].astype(int)
+def words_of(plotter):
+    """What is written in a picture."""
+    actors = [actor for renderer in plotter.renderers for actor in renderer.GetViewProps()]
+    corners = [actor.GetText(2) for actor in actors if isinstance(actor, pyvista.CornerAnnotation)]
+    return " | ".join([*corners, *(actor.input for actor in actors if isinstance(actor, pyvista.Text))])
 
 
 @pytest.fixture(scope="module")
@@ -152,11 +148,11 @@ def test_a_run_that_does_not_tell_its_resolution_is_run_again(found, folder, tmp
 
 def test_the_drawn_field_has_the_computed_wavelength_and_turns_against_the_wave(long):
     """Phase of u_z along the drawn upper edge at two instants a quarter period apart, fitted over 70 wavelengths."""
-    drawn = section_of(long, (View(name="", start=0.022, stop=0.094, weight=1.0),), size=(8000, 300))
+    drawn = picture_of(long, (View(name="", start=0.022, stop=0.094, weight=1.0),), size=(8000, 300))
     rest = drawn.pieces[0].x * MM
     moved, values = [], []
     for phase in (0.0, -0.5 * np.pi):
-        drawn.show(phase)
+        drawn.set_phase(phase)
         places, value = drawn_surface(drawn)
         moved.append(places[0] - rest)
         values.append(value)
@@ -170,9 +166,9 @@ def test_the_drawn_field_has_the_computed_wavelength_and_turns_against_the_wave(
 
 def test_in_time_the_drawn_wave_runs_and_its_crests_move_back(found):
     """The later instant is the earlier one moved to +x; a crest's material moves to -x."""
-    drawn = section_of(found, (View(name="", start=0.012, stop=0.016, weight=1.0),))
+    drawn = picture_of(found, (View(name="", start=0.012, stop=0.016, weight=1.0),))
     (x, z), _ = drawn_surface(drawn)
-    drawn.show(0.3)
+    drawn.set_phase(0.3)
     (later_x, later_z), _ = drawn_surface(drawn)
     even = np.linspace(12.6, 15.4, 2000)
     before, after = (np.interp(even, one, other) for one, other in ((x, z), (later_x, later_z)))
@@ -184,7 +180,7 @@ def test_in_time_the_drawn_wave_runs_and_its_crests_move_back(found):
 
 
 def test_colours_reach_from_end_to_end_of_the_field_and_say_it(found):
-    drawn = section_of(found, views(found), size=(1000, 700))
+    drawn = picture_of(found, views(found), size=(1000, 700))
     ((start, stop),) = found.spans
     outside = (found.field.x < start - 0.25 * found.wavelength) | (
         found.field.x > stop + 0.25 * found.wavelength
@@ -194,15 +190,15 @@ def test_colours_reach_from_end_to_end_of_the_field_and_say_it(found):
     )  # singular at the edges
     largest = abs(found.field.displacement[outside, :, 2]).max() * 1e9
     assert drawn.shade.limits == pytest.approx((-largest, largest), rel=1e-12)
-    for ax in shown_axes(drawn):
-        _, values, mesh = drawn_mesh(ax)
-        assert mesh.get_clim() == pytest.approx(drawn.shade.limits)
+    for number in (1, 2, 3):
+        _, values, mapper = drawn_mesh(drawn, number)
+        assert mapper.scalar_range == pytest.approx(drawn.shade.limits)
         assert values.max() > 0.2 * largest
     assert drawn.shade.label == "u_z (nm per V)"
-    assert "u_z\n(nm per V)" in [ax.get_title(loc="left") for ax in drawn.figure.axes]
-    energy = section_of(found, views(found), quantity="strain_energy")
+    assert [title.strip() for title in drawn.plotter.scalar_bars.keys()] == ["u_z\n(nm per V)"]
+    energy = picture_of(found, views(found), quantity="strain_energy")
     assert energy.shade.limits[0] == 0 < energy.shade.limits[1]
-    least = min(drawn_mesh(ax)[1].min() for ax in shown_axes(energy))
+    least = min(drawn_mesh(energy, number)[1].min() for number in (1, 2, 3))
     assert least >= -1e-3 * energy.shade.reach  # between nodes
 
 
@@ -250,63 +246,71 @@ def test_a_screenshot_shows_section_electrodes_and_slider_where_they_are(found, 
     assert (pixels[:, :, 2] - pixels[:, :, 0] > 60).mean() > 1e-3  # blue
     combs = [(abs(pixels - colour).max(axis=2) < 12).sum() for colour in ([0, 0, 0], [204, 121, 167])]
     assert min(combs) > 80
-    drawn = section_of(found, views(found), size=(1000, 700))
-    drawn.figure.canvas.draw()
-    ax = shown_axes(drawn)[-1]
-    box = ax.get_window_extent()
-    disc = (abs(pixels[int(700 - box.y1) : int(700 - box.y0)] - 0x99).max(axis=2) < 4).sum(axis=0) > 6
+    frame = picture_of(found, views(found), size=(1000, 700)).frames[-1]
+    left, low, right, high = map(int, frame.box)
+    disc = (abs(pixels[700 - high : 700 - low, left:right] - 0x99).max(axis=2) < 4).sum(axis=0) > 6
     columns = np.flatnonzero(disc)
-    left, right = (ax.transData.inverted().transform((end, 0.0))[0] for end in (columns[0], columns[-1] + 1))
-    pixel = (right - left) / (columns[-1] + 1 - columns[0])
-    assert 0.5 * (left + right) == pytest.approx(14.123, abs=2 * pixel)
-    assert right - left == pytest.approx(2.0, rel=0.03)
+    first, last = (frame.view.start + frame.pixel * end for end in (columns[0], columns[-1] + 1))
+    assert 0.5 * (first + last) == pytest.approx(14.123e-3, abs=2 * frame.pixel)
+    assert last - first == pytest.approx(2e-3, rel=0.03)
 
 
 @pytest.mark.parametrize(("start", "stop", "whole"), [(0.0, 0.024, True), (0.0138, 0.0144, False)])
 def test_a_view_has_room_for_depth_and_ball(found, start, stop, whole):
     """From far the whole depth and the whole ball, from near a part of both; one scale for lengths and heights."""
-    drawn = section_of(found, (View(name="", start=start, stop=stop, weight=1.0),), size=(1000, 500))
-    drawn.figure.canvas.draw()
-    (ax,) = shown_axes(drawn)
-    bottom, top = ax.get_ylim()
-    assert ax.get_xlim() == pytest.approx((start * MM, stop * MM))
-    box = ax.get_window_extent()
-    assert box.height / (top - bottom) == pytest.approx(box.width / ((stop - start) * MM), rel=1e-9)
-    assert (bottom == found.field.z[0] * MM) == whole
-    assert (top > 2 * found.radius * MM) == whole
-    assert top > 0
+    drawn = picture_of(found, (View(name="", start=start, stop=stop, weight=1.0),), size=(1000, 500))
+    (frame,) = drawn.frames
+    left, low, right, high = frame.box
+    assert (right - left) * frame.pixel == pytest.approx(stop - start)
+    assert drawn.plotter.renderers[1].camera.parallel_scale == pytest.approx(500 * (high - low) * frame.pixel)
+    assert drawn.plotter.renderers[1].viewport == pytest.approx(
+        (left / 1000, low / 500, right / 1000, high / 500)
+    )
+    assert (frame.bottom == pytest.approx(found.field.z[0])) == whole
+    assert (frame.top > 2 * found.radius) == whole
+    assert frame.top > 0
 
 
 @pytest.mark.parametrize(
     ("span", "size"), [("wavelength", (1600, 1100)), ("slider", (720, 300)), (None, (1000, 700))]
 )
 def test_captions_rulers_and_legend_do_not_collide(found, span, size):
+    """Nothing is cut by the picture's edge; captions lie between the frames, colour bar and legend beside them."""
     shown = chosen_views(found, limits(found, span)) if span else views(found)
-    drawn = section_of(found, shown, size=size)
-    assert_legible(drawn.figure)
-    words = [text.get_text() for text in drawn.figure.findobj(Text)]
-    assert {"+ fingers", "- fingers"} <= set(words)
-    assert any("6 of 6 fingers" in text for text in words)
-    assert ("1 wavelength, 13.63 to 14.62 mm" in words) == (span == "wavelength")
-
-
-def words_of(plotter):
-    """What is written in a pyvista picture."""
-    actors = plotter.renderer.GetViewProps()
-    return " ".join(actor.GetText(2) for actor in actors if isinstance(actor, pyvista.CornerAnnotation))
+    drawn = picture_of(found, shown, size=size)
+    pixels, (paper, *_) = drawn.image(0.0), drawn.plotter.renderers
+    for edge in (pixels[:2], pixels[-2:], pixels[:, :2], pixels[:, -2:]):
+        assert np.all(edge == 255)
+    captions = [actor for actor in paper.GetViewProps() if isinstance(actor, pyvista.Text)]
+    captions = [actor for actor in captions if actor.input != "z (mm)"]
+    boxes = []
+    for caption in captions:
+        box = [0.0] * 4
+        caption.GetBoundingBox(paper, box)
+        (across, up), (_, right, low, high) = caption.position, box
+        assert across + right < drawn.frames[0].box[2] + 1
+        boxes.append((up + low, up + high))
+    tops = [frame.box[3] for frame in drawn.frames]
+    floors = [size[1], *(frame.box[1] for frame in drawn.frames)]
+    for (low, high), top, floor in zip(boxes, tops, floors, strict=False):
+        assert top <= low < high <= floor
+    assert all(label in words_of(drawn.plotter) for label in ("6 of 6 fingers", "z (mm)"))
+    (legend,) = (actor for actor in paper.GetViewProps() if actor.GetClassName() == "vtkLegendBoxActor")
+    assert [legend.GetEntryString(k) for k in range(legend.GetNumberOfEntries())] == [
+        "+ fingers",
+        "- fingers",
+    ]
+    assert legend.GetPosition()[0] * size[0] > drawn.frames[0].box[2]
+    assert ("1 wavelength, 13.63 to 14.62 mm" in words_of(drawn.plotter)) == (span == "wavelength")
 
 
 def test_fingers_ride_on_the_surface(found):
-    drawn = section_of(found, (View(name="", start=0.0, stop=0.01, weight=1.0),), phase=0.9)
+    drawn = picture_of(found, (View(name="", start=0.0, stop=0.01, weight=1.0),), phase=0.9)
     (x, z), _ = drawn_surface(drawn)
-    (ax,) = shown_axes(drawn)
-    count = 0
-    for lines in ax.collections:
-        if isinstance(lines, LineCollection):
-            points = np.concatenate(lines.get_segments())
-            count += len(lines.get_segments())
-            np.testing.assert_allclose(points[:, 1], np.interp(points[:, 0], x, z), atol=2e-2 * np.ptp(z))
-    assert count == 6
+    strips = [drawn.plotter.renderers[1].actors[f"electrode {sign}"].mapper.dataset for sign in "+-"]
+    points = np.concatenate([each.points for each in strips])
+    np.testing.assert_allclose(points[:, 2], np.interp(points[:, 0], x, z), atol=2e-2 * np.ptp(z))
+    assert sum(each.n_cells for each in strips) == 6
 
 
 def test_a_free_wave_is_drawn_from_its_profile(tmp_path):
@@ -320,20 +324,20 @@ def test_a_free_wave_is_drawn_from_its_profile(tmp_path):
     steps = np.diff(np.unwrap(np.angle(free.field.displacement[:, -1, 2])))
     np.testing.assert_allclose(steps, -2 * np.pi * np.diff(free.field.x) / free.wavelength, rtol=1e-9)
     # measured in the picture itself: colours of the undeformed section just below the surface
-    drawn = section_of(free, views(free), factor=0.0, size=(1600, 500))
-    pixels, (ax,) = pixels_of(drawn), shown_axes(drawn)
-    box, (_, surface) = ax.get_window_extent(), ax.transData.transform((0.0, 0.0))
-    tone = np.subtract(*pixels[int(500 - surface) + 3, int(box.x0) + 4 : int(box.x1) - 4, [0, 2]])
+    drawn = picture_of(free, views(free), factor=0.0, size=(1600, 500))
+    pixels, (frame,) = drawn.image(0.0).astype(int), drawn.frames
+    left, _, right, high = frame.box
+    row = int(500 - high + frame.top / frame.pixel) + 3
+    tone = np.subtract(*pixels[row, int(left) + 4 : int(right) - 4, [0, 2]])
     spectrum = abs(np.fft.rfft((tone - tone.mean()) * np.hanning(len(tone)), 1 << 20))
-    pixel = free.length / box.width
-    assert (1 << 20) / spectrum.argmax() * pixel == pytest.approx(free.wavelength, rel=1e-3)
+    assert (1 << 20) / spectrum.argmax() * frame.pixel == pytest.approx(free.wavelength, rel=1e-3)
 
 
 def test_a_field_that_a_solid_does_not_have_is_refused(found, tmp_path):
     with pytest.raises(
         SceneError, match=r"--quantity 'u_y' is zero everywhere: uncoupled in this solid, orientation Z"
     ):
-        section_of(found, views(found), quantity="u_y")
+        picture_of(found, views(found), quantity="u_y")
 
 
 @pytest.fixture(scope="module")
@@ -345,9 +349,9 @@ def plane(found):
 
 def test_the_solid_carries_the_beam_over_its_whole_width(found):
     """Surface and ball as `fem.surface_beam` has them; what the surface does not have is refused."""
-    given = {"factor": 1e5, "size": (600, 300), "off_screen": True}
-    drawn = Solid(found, quantity="u_z", phase=0.4, **given)
-    surface = drawn.plotter.actors["surface"].mapper.dataset
+    given = {"factor": 1e5, "size": (600, 300)}
+    drawn = picture_of(found, phase=0.4, **given)
+    surface = drawn.plotter.renderers[1].actors["surface"].mapper.dataset
     at = np.reshape(surface.points, (*surface.dimensions[:2][::-1], 3))
     assert (surface.bounds.y_min, surface.bounds.y_max) == pytest.approx((-17.5, 17.5), abs=0.1)
     rows = np.arange(0, at.shape[0], 10), np.arange(0, at.shape[1], 37)
@@ -365,14 +369,14 @@ def test_the_solid_carries_the_beam_over_its_whole_width(found):
     with pytest.raises(
         SceneError, match="--quantity must be one of u_x, u_y, u_z on the surface of the beam"
     ):
-        Solid(found, quantity="power_flow", phase=0.0, **given)
+        picture_of(found, quantity="power_flow", **given)
 
 
 def test_the_solid_carries_field_within_the_aperture_only_and_says_so(plane):
-    drawn = Solid(plane, quantity="u_z", phase=0.0, factor=1.0, size=(600, 300), off_screen=True).plotter
-    bounds = drawn.actors["surface"].mapper.dataset.bounds
+    drawn = picture_of(plane, factor=1.0, size=(600, 300)).plotter
+    bounds = drawn.renderers[1].actors["surface"].mapper.dataset.bounds
     assert (bounds.y_min, bounds.y_max) == pytest.approx((-10.0, 10.0))
-    whole = drawn.bounds
+    whole = drawn.renderers[1].bounds
     assert (whole.y_min, whole.y_max) == pytest.approx((-17.5, 17.5))
     assert (whole.x_max - whole.x_min, whole.z_min) == pytest.approx((24.0, -3.0), abs=1e-3)
     assert "only within the 20 mm aperture" in words_of(drawn)
@@ -382,25 +386,22 @@ def test_the_solid_carries_field_within_the_aperture_only_and_says_so(plane):
 
 def test_surface_electrodes_and_balls_of_the_solid_move_as_the_section_does(plane):
     found = plane
-    drawn = Solid(found, quantity="u_z", phase=0.4, factor=1e5, size=(600, 300), off_screen=True)
-    surface = drawn.plotter.actors["surface"].mapper.dataset
-    fingers = np.concatenate(
-        [drawn.plotter.actors[f"electrode {sign}"].mapper.dataset.points for sign in "+-"]
-    )
+    drawn = picture_of(found, phase=0.4, factor=1e5, size=(600, 300))
+    actors = drawn.plotter.renderers[1].actors
+    surface = actors["surface"].mapper.dataset
+    fingers = np.concatenate([actors[f"electrode {sign}"].mapper.dataset.points for sign in "+-"])
     assert len(fingers) == 4 * 6
     half = surface.points[: surface.n_points // 2]
     x, u_z = found.field.x, found.field.displacement[:, -1, 2]
     for phase in (0.4, 2.0):
         drawn.set_phase(phase)
-        expected = 1e5 * (np.interp(drawn._piece.x, x, u_z) * np.exp(1j * phase)).real * MM
+        expected = 1e5 * (np.interp(drawn.pieces[0].x, x, u_z) * np.exp(1j * phase)).real * MM
         np.testing.assert_allclose(half[:, 2], expected, atol=1e-3 * abs(expected).max())
-        points = np.asarray(drawn.plotter.actors["electrode +"].mapper.dataset.points)
+        points = np.asarray(actors["electrode +"].mapper.dataset.points)
         lift = points[:, 2] - np.interp(points[:, 0], half[:, 0], half[:, 2])
         assert 0 < lift.min() < lift.max() < 0.1 * found.wavelength * MM
     (ball,) = found.balls
-    meshes = [
-        each.mapper.dataset for each in drawn.plotter.actors.values() if isinstance(each, pyvista.Actor)
-    ]
+    meshes = [each.mapper.dataset for each in actors.values() if isinstance(each, pyvista.Actor)]
     (sphere,) = (each.bounds for each in meshes if abs(each.bounds.z_max - each.bounds.z_min - 2) < 0.01)
     assert sphere.z_min == pytest.approx(1e5 * found.crest(ball) * MM, abs=2e-3)
     drawn.plotter.close()
@@ -423,8 +424,7 @@ def test_a_movie_holds_one_period(computed, tmp_path):
 
 @pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="an MP4 needs ffmpeg")
 def test_a_movie_as_mp4(tmp_path):
-    figure, ax = new_figure(0.81, 0.5)
-    movie.save(figure, lambda number: ax.set_facecolor(str(number / 8)), 8, tmp_path / "a.mp4", rate=8.0)
+    movie.save(lambda number: np.full((50, 81, 3), 30 * number, np.uint8), 8, tmp_path / "a.mp4", rate=8.0)
     assert (tmp_path / "a.mp4").read_bytes()[4:8] == b"ftyp"
 
 
@@ -441,7 +441,7 @@ def test_without_ffmpeg_the_sentence_says_what_to_install(monkeypatch, tmp_path)
 def test_without_pyvista_the_sentence_says_what_to_install(monkeypatch, computed, tmp_path):
     monkeypatch.setitem(sys.modules, "pyvista", None)
     with pytest.raises(RunError, match="pip install pyvista"):
-        view.view(computed, Wanted(screenshot=str(tmp_path / "a.png"), show="solid"), progress=quiet)
+        view.view(computed, Wanted(screenshot=str(tmp_path / "a.png")), progress=quiet)
 
 
 def test_without_a_display_the_window_is_refused_with_what_to_do(monkeypatch, folder, given):
@@ -462,13 +462,12 @@ def test_without_a_toolkit_the_contact_s_window_is_refused_with_what_to_install(
 
 
 def test_the_window_plays_pauses_and_picks(found):
-    from studies.view.solid import Controls
+    from studies.view.window import Controls
 
-    given = {"quantity": "u_z", "phase": 1.0, "factor": None, "size": (600, 400), "off_screen": True}
-    solid = Solid(found, span=near(found), **given)
+    solid = picture_of(found, chosen_views(found, near(found))[-1:], phase=1.0, size=(600, 400), framed=False)
     window = Controls(solid)
     assert window.playing
-    assert solid.plotter.camera.parallel_scale == pytest.approx(1.1 * found.wavelength * MM * 400 / 600)
+    assert solid.plotter.camera.parallel_scale == pytest.approx(found.wavelength * MM * 400 / 600)
     window.tick(0)
     assert solid.phase > 1.0
     window.pick_phase(90.0)
@@ -547,14 +546,6 @@ def test_a_notebook_shows_the_page(folder, monkeypatch):
     html = wave_page.widget(folder)._repr_html_()
     inner = re.fullmatch(r'<iframe srcdoc="([^"]*)" style="[^"]*"></iframe>', html).group(1)
     assert unescape(inner) == '<!DOCTYPE html><p>0.024 "m"'
-
-
-def test_a_plotter_for_pyvista_s_own_notebook_backends(computed):
-    plotter = view.plotter(computed, quantity="u_x", span="wavelength", size=(500, 300))
-    assert isinstance(plotter, pyvista.Plotter)
-    assert plotter.off_screen
-    assert np.asarray(plotter.screenshot(return_img=True)).std() > 5
-    plotter.close()
 
 
 def chromium_says(file, tmp_path):
@@ -747,7 +738,7 @@ def test_a_place_that_cannot_be_written_is_said(computed, tmp_path, found):
             computed, Wanted(screenshot=str(tmp_path / "no" / "a.png"), size=(300, 200)), progress=quiet
         )
     with pytest.raises(RunError, match="cannot be written"):
-        movie.save(new_figure(1, 1)[0], lambda number: None, 2, tmp_path / "no" / "a.gif", rate=4.0)
+        movie.save(lambda number: np.zeros((2, 2, 3), np.uint8), 2, tmp_path / "no" / "a.gif", rate=4.0)
     with pytest.raises(RunError, match="cannot be written"):
         field_data.save(
             found, tmp_path / "no" / "a.csv", span=(0.0135, 0.014), instants=0, progress=quiet, note=quiet

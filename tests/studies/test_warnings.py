@@ -13,9 +13,8 @@ import pytest
 import fem
 from studies.__main__ import main
 from studies.chain import run
-from studies.chain.stator_warnings import breakdown_voltage
 from studies.chain.surface_motion import SurfaceMotion
-from studies.chain.warnings import warnings_of
+from studies.chain.warnings import breakdown_voltage, warnings_of
 from studies.record import Record
 from studies.scene import Scene, read_table
 from studies.scene.override import assigned
@@ -57,6 +56,7 @@ def record(name, *settings, transfer_length=math.inf, points=(), summary=None) -
         wave={
             "frequency_Hz": chosen.frequency,
             "phase_velocity_m_per_s": velocity,
+            "normal_m_per_V": 2.4e-10,
             "standing_wave_ratio": 236.0,
             "relative_error": 2e-4,
         },

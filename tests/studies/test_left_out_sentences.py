@@ -1,13 +1,12 @@
 """What the stator's problem is solved without is said where it holds, and only there."""
 
-import fem
-from studies.chain.neglected import driven_left_out, free_left_out
+from studies import Scene
+from studies.chain.left_out import left_out
+from studies.scene.resolved import resolved
 
 
-def plate(name, thickness=5e-3, **rest):
-    return fem.Stator(
-        solid=fem.rotated(fem.material(name), "Z"), length=0.02, thickness=thickness, ends="free", **rest
-    )
+def reasons(name, **stator):
+    return left_out(resolved(Scene.load(name).replace(stator=stator)))
 
 
 def said(reasons, word):
@@ -15,16 +14,16 @@ def said(reasons, word):
 
 
 def test_a_free_wave_says_which_fields_it_lacks():
-    ceramic, steel = free_left_out(plate("PZT-8")), free_left_out(plate("steel"))
+    ceramic, steel = reasons("rayleigh"), reasons("rayleigh", material="steel")
     assert said(ceramic, "out-of-plane")
     assert not said(ceramic, "electric potential")
     assert said(steel, "electric potential")
 
 
 def test_a_driven_stator_says_what_it_lacks():
-    thick, thin = (driven_left_out(plate("PZT-8", size), 2.2e6) for size in (5e-3, 5e-4))
+    thick, thin = (reasons("twente-left", thickness=size) for size in (5e-3, 5e-4))
     assert said(thin, "a Rayleigh wave")
     assert not said(thick, "a Rayleigh wave")
     assert said(thick, "x -> -x is a symmetry")
     assert said(thick, "vacuum above")
-    assert not said(driven_left_out(plate("PZT-8", above="vacuum"), 2.2e6), "vacuum above")
+    assert not said(reasons("twente-left", above="vacuum"), "vacuum above")

@@ -1,26 +1,42 @@
-"""Where the sources' power goes: available, lost before the electrodes, and behind them."""
+"""The block ``electrical`` of run.json: admittance, and where the sources' power goes, per V^2 of the source."""
 
 from studies.scene import Scene
 
 
-def powers(scene: Scene, motion) -> dict:
-    """Return the powers of a `SurfaceMotion` as columns of run.json's ``electrical``, W per V^2 of the source."""
-    balance, network = motion.power, motion.circuit.network
-    found = {
+def electrical_block(scene: Scene, motion) -> dict:
+    """Return admittance, voltages and powers of a `SurfaceMotion`."""
+    circuit, balance = motion.circuit, motion.power
+    block = {
+        "admittance_S": circuit.admittance,
+        "comb_voltage_per_volt": circuit.voltage,
+        "power_W_per_V2": circuit.power,
+        "power_dissipated_W_per_V2": balance.dissipated,
+        "power_radiated_W_per_V2": balance.radiated,
+        "power_residual": balance.residual,
+        "admittance_relative_error": motion.wave.admittance_error,
         "power_solid_W_per_V2": balance.solid,
         "power_loads_W_per_V2": balance.loads,
         "power_radiated_left_W_per_V2": balance.left,
         "power_radiated_right_W_per_V2": balance.right,
     }
     if complex(scene.drive.source_impedance).real > 0:
-        found["power_available_W_per_V2"] = network.available
+        block["power_available_W_per_V2"] = circuit.network.available
     if scene.drive.source_impedance or scene.drive.match != "none":
-        found["power_source_W_per_V2"] = network.in_sources
-        found["power_network_W_per_V2"] = network.in_ladders
-    return found
+        block["power_source_W_per_V2"] = circuit.network.in_sources
+        block["power_network_W_per_V2"] = circuit.network.in_ladders
+    block |= _recovered(scene, circuit)
+    if len(circuit.sources) > 1:
+        block["sources"] = {
+            circuit.names[at]: {
+                "voltage_per_volt": complex(circuit.voltages[at]),
+                "current_A_per_V": complex(circuit.currents[at]),
+            }
+            for at in sorted(circuit.sources)
+        }
+    return block
 
 
-def recovered(scene: Scene, circuit) -> dict:
+def _recovered(scene: Scene, circuit) -> dict:
     """Return recovered power, what the source gives in the end, and the loop's gain, of a ``fem.Circuit``.
 
     With circulation the returned power comes back each time round: the sum of a geometric series, which exists for a
@@ -44,18 +60,6 @@ def recovered(scene: Scene, circuit) -> dict:
         )
         scene.refuse("drive.recovery.efficiency", rule)
     return found | {"power_net_W_per_V2": float(circuit.power - kept)}
-
-
-def recovery_left_out(scene: Scene) -> tuple[str, ...]:
-    """Return what the model of the recovery leaves out."""
-    recovery, reasons = scene.drive.recovery, []
-    if recovery is None:
-        return ()
-    if recovery.rectifier is not None:
-        reasons.append("harmonics of the rectifier and its diodes' drop: a resistance for sinusoidal current")
-    if recovery.circulation:
-        reasons.append("errors of phase and reflections in the return path: its combiner is ideal")
-    return tuple(reasons)
 
 
 def with_available_power(points: tuple[dict, ...], electrical: dict) -> tuple[dict, ...]:

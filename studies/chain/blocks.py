@@ -1,0 +1,68 @@
+"""The blocks of run.json and the columns of surface.csv that tell a driven stator's motion."""
+
+import numpy as np
+
+from studies.chain.surface_motion import SurfaceMotion
+from studies.scene import Scene
+
+PER_WAVELENGTH = 12  # lines of surface.csv where no section lies along x
+
+
+def wave_block(scene: Scene, motion: SurfaceMotion, place: tuple[float, float], ringing) -> dict:
+    """Return the block ``wave``: the motion at a place (x, y) in m, its error, and the waves of the section."""
+    wave, places = motion.wave, [place] if scene.slider is None else [place, *scene.slider.places]
+    found = motion.at(places)
+    tangential, lateral, normal = map(complex, found[:, 0])
+    block = {"frequency_Hz": wave.frequency, "normal_m_per_V": normal, "tangential_m_per_V": tangential}
+    if motion.beam is not None:
+        block["lateral_m_per_V"] = lateral
+        block["largest_lateral_ratio"] = float((abs(found[1]) / abs(found[0])).max())
+        in_section = map(complex, wave.motion(motion.in_section(place)))
+        block |= zip(("section_tangential_m_per_V", "section_normal_m_per_V"), in_section, strict=True)
+    if not motion.covered(place):
+        block["rayleigh_normal_m_per_V"] = motion.surface_mode_at(place)
+    block |= {
+        "standing_wave_ratio": motion.standing_wave_ratio(place),
+        "phase_velocity_m_per_s": wave.phase_velocity,
+        "surface_ratio": wave.surface_ratio,
+        "relative_error": motion.relative_error(places),
+        "resolution": wave.resolution,
+    }
+    if ringing is not None and ringing.found is not None:
+        block["settling_time_s"] = ringing.found.settling
+    return block
+
+
+def amplitude_blocks(
+    scene: Scene, motion: SurfaceMotion, place: tuple[float, float], tolerance: float
+) -> dict:
+    """Return points, error and shortfall of a scene without a slider, where the wave field is the result."""
+    tangential, _, normal = (float(size) for size in abs(motion.at([place])[:, 0]))
+    error = motion.relative_error([place])
+    points = tuple(
+        {
+            "voltage_V": voltage,
+            "normal_amplitude_m": normal * voltage,
+            "tangential_amplitude_m": tangential * voltage,
+            "relative_error": error if voltage else 0.0,
+            "status": "ok",
+        }
+        for voltage in scene.levels
+    )
+    short = f"the surface amplitude's error is {error:.1e}, {tolerance:.1e} was asked for: ask for less"
+    return {
+        "points": points,
+        "error": {"relative": error, "parts": {"stator": error}},
+        "shortfall": short if error > tolerance else "",
+    }
+
+
+def surface_columns(scene: Scene, motion: SurfaceMotion) -> dict:
+    """Return place and motion per volt along the section or, where none lies along x, along y = 0."""
+    if scene.driven_obliquely:
+        reach = motion.wave.phase_velocity / scene.frequency / PER_WAVELENGTH
+        x = np.linspace(0.0, scene.stator.length, int(scene.stator.length / reach) + 1)
+        tangential, _, normal = motion.along(x, 0.0)
+    else:
+        x, (tangential, normal) = motion.wave.samples()
+    return {"x_m": x, "u_x_m_per_V": tangential, "u_z_m_per_V": normal}

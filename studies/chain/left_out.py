@@ -1,0 +1,138 @@
+"""What the models do without in a scene, and why: the lines of ``left_out``, in the order of the chain.
+
+Each part of the chain is a list of conditions and of the sentences that are said where they hold.
+"""
+
+from collections.abc import Iterator
+
+import fem
+from studies.chain.ring_up import RingUp
+from studies.scene import Scene, resolved
+
+UNCOUPLED = "out-of-plane displacement: uncoupled in this orientation"
+
+
+def left_out(
+    scene: Scene, *, beam: bool = False, reason: str = "", ringing: RingUp | None = None, trajectories=()
+) -> tuple[str, ...]:
+    """Return what is left out of the answer to a resolved scene.
+
+    Parameters
+    ----------
+    scene : Scene
+    beam : bool
+        Whether the motion of the surface is that of the finite apertures.
+    reason : str
+        Why it is not, where the scene leaves that open.
+    ringing : RingUp, optional
+        Of a burst under a slider; None where the slider stands over a transducer.
+    trajectories : sequence of (level, contact.Trajectory)
+        Of the bursts.
+    """
+    rows: list[tuple[bool, str]] = []
+    if scene.wave is not None:
+        rows.append((True, "stator, transducers and electric field: the surface motion is given"))
+    elif scene.transducer:
+        rows += [*_driven(scene), *_diffraction(scene, beam, reason), *_recovery(scene)]
+        if scene.slider is not None and scene.burst is not None:
+            rows += _ring_up(ringing, trajectories)
+    else:
+        rows += _free(scene)
+    rows += _contact(scene)
+    return tuple(sentence for holds, sentence in rows if holds)
+
+
+def _free(scene: Scene) -> Iterator[tuple[bool, str]]:
+    names = fem.fields(resolved.solid(scene.stator))
+    yield True, "electrodes: the scene has no transducer"
+    yield True, "elements along x: the wave is a mode of the section"
+    yield "uy" not in names, UNCOUPLED
+    yield "phi" not in names, "electric potential: the solid is not piezoelectric in this orientation"
+
+
+def _driven(scene: Scene) -> Iterator[tuple[bool, str]]:
+    stator = resolved.stator(scene.stator)
+    names = fem.fields(stator.solid)
+    symmetric = fem.medium(stator.solid, names).parity is not None
+    thin = stator.thickness * scene.frequency < _surface_speed(stator)
+    yield "uy" not in names, UNCOUPLED
+    yield symmetric, "half of the guided-mode problem: x -> -x is a symmetry of this orientation"
+    yield stator.above == "none", "field in the vacuum above: D_n = 0 on the bare surface"
+    yield thin, "a Rayleigh wave: the plate is thinner than a wavelength, what is named so is a plate mode"
+    yield True, "elements in the uniform stretches: sums of guided modes instead"
+    yield True, "interior field: only the surface was asked for"
+
+
+def _surface_speed(stator) -> float:
+    """Velocity of the half-space's Rayleigh wave, m/s; 0 where the cut has none."""
+    try:
+        return fem.rayleigh(stator.solid, "open").velocity
+    except fem.ConvergenceError:
+        return 0.0
+
+
+def _diffraction(scene: Scene, beam: bool, reason: str) -> Iterator[tuple[bool, str]]:
+    """Yield where and why the wave does not spread."""
+    if not beam:
+        said = "is false" if scene.stator.diffraction is False else "is absent, and the scene has no slider"
+        why = reason or f"stator.diffraction {said}"
+        yield True, f"diffraction, the wave is that of the plane section: {why}"
+        return
+    where = "the interior field" if scene.driven_obliquely else "surface.csv and the interior field"
+    burst, reflects = scene.burst is not None and scene.slider is not None, scene.stator.ends != "absorbing"
+    cut = len(scene.transducer) > 1 and not fem.isotropic_about_normal(resolved.solid(scene.stator))
+    between = "spreading between the transducers: in this cut they receive as in the plane section"
+    back = "spreading of what comes back to the transducers: their circuit is that of the plane section"
+    yield True, f"diffraction in {where}: of the plane section; --field adds surface_map.csv"
+    yield burst, "diffraction in the shape of the burst's ring-up: that of the plane section"
+    yield scene.crossed, "what the metal of a transducer scatters of a beam that crosses its own line"
+    yield reflects, back
+    yield cut and not reflects, between
+
+
+def _recovery(scene: Scene) -> Iterator[tuple[bool, str]]:
+    recovery = scene.drive.recovery
+    if recovery is not None:
+        diodes = "harmonics of the rectifier and its diodes' drop: a resistance for sinusoidal current"
+        yield recovery.rectifier is not None, diodes
+        yield (
+            recovery.circulation,
+            "errors of phase and reflections in the return path: its combiner is ideal",
+        )
+
+
+def _ring_up(ringing: RingUp | None, trajectories) -> Iterator[tuple[bool, str]]:
+    if ringing is None:
+        yield True, "the burst's ring-up: the slider stands over a transducer"
+        return
+    count = len(trajectories)
+    silent = sum(motion.rang == 0.0 for _, motion in trajectories)
+    plain = sum(motion.method != "stepped" for _, motion in trajectories)
+    which = f"in {silent} of {count} bursts the surface stands still once the drive ends"
+    yield silent > 0, f"the burst's ring-down: {which}"
+    which = f"{plain} of {count} bursts, whose motion takes a steady wave"
+    yield plain > 0, f"the burst's ring-up ({ringing.sentence}) in {which}"
+
+
+def _contact(scene: Scene) -> Iterator[tuple[bool, str]]:
+    slider = scene.slider
+    if slider is None:
+        yield True, "slider and contact: the scene has none"
+        return
+    alike = slider.contacts - 1 if isinstance(slider.contacts, int) else 0
+    yield alike > 0, f"{alike} of {slider.contacts} contacts: in phase they move as one"
+    at_once = "motion from rest: no burst, the periodic state is found without waiting for it"
+    yield scene.burst is None, at_once
+    yield slider.law == "elastic", "contact memory: the law is elastic, Q depends on z and x alone"
+    reaction = "the tangential spring's reaction on the normal motion: reciprocal is false"
+    yield not slider.reciprocal, reaction
+    for key, force in (("contact", "R_n1"), ("normal", "R_n2"), ("tangential", "R_t")):
+        yield getattr(slider.damping, key) == 0, f"{force}: slider.damping.{key} is zero"
+    if scene.stator is not None:
+        from studies.scene.modulus import direction_dependence
+
+        sizes = direction_dependence(resolved.solid(scene.stator))
+        yield bool(sizes), f"the contact's dependence on direction: {sizes}"
+        stays = scene.burst is not None and slider.travel is False
+        yield stays, "the slider's travel along the wave field: slider.travel is false"
+    yield True, "the slider's reaction on the wave"

@@ -1,0 +1,408 @@
+"""A run's field by pyvista: stretches of its deformed section in frames, one to move about in, or the whole solid.
+
+Views of the section lie one above the other, each in its true proportions.  Where the run computed the finite aperture
+the solid carries that field on its surface, over the whole width; nothing is drawn below it.  Otherwise the model is a
+section: it holds, the same for every y, within the aperture of the transducers, as far as the beam does not spread.
+There the field is extruded; beside it the solid is drawn bare, and the picture says so.  A free wave has no aperture
+and fills the width.  The displacement is enlarged so that it is seen; the picture says how much.  Lengths are in mm.
+"""
+
+import textwrap
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.ticker import MaxNLocator
+from scipy.interpolate import RegularGridInterpolator
+
+from studies.refusal import SceneError, needed
+from studies.scene import resolved
+from studies.view import description
+from studies.view.quantities import QUANTITIES, shade, shade_of
+from studies.view.run_field import RunField
+from studies.view.section import View, magnification, piece
+
+__all__ = ["MOTIONS", "Picture"]
+
+MM = 1e3
+BARE, EDGE = "#D9D9D9", "#606060"
+LINES = 24  # per wavelength, of what is drawn of a solid
+BEAM_LINES, ACROSS = 12, 81  # of the surface of a beam: per wavelength along x, and across the width
+CROSSED_LINES = 8  # per wavelength along both, where beams cross
+MOTIONS = ("u_x", "u_y", "u_z")
+LEFT, RIGHT, ABOVE, BELOW = 80, 130, 30, 50  # pixels round a view, for letters and colour bar
+LETTERS = 13  # pixels
+BALL_SHARE = 0.35  # of a view's height that a ball takes at most
+
+
+class _Moving(NamedTuple):
+    """A mesh, its points at rest (m) and their complex displacement (m), shape (points, 3), and parts of a shade."""
+
+    mesh: object
+    rest: np.ndarray
+    displacement: np.ndarray
+    mean: np.ndarray | None = None
+    amplitude: np.ndarray | None = None
+
+
+class Frame(NamedTuple):
+    """Where the solid or a view is drawn: left, low, right, high in pixels; of a view m per pixel and the top's z."""
+
+    box: tuple[float, float, float, float]
+    view: View | None = None
+    pixel: float = 0.0
+    top: float = 0.0
+
+    @property
+    def bottom(self) -> float:
+        """Lowest z that is seen, m."""
+        return self.top - (self.box[3] - self.box[1]) * self.pixel
+
+
+class Picture:
+    """A pyvista plotter with the field at any instant: views of the section from the top down, or the whole solid.
+
+    ``quantity`` colours the field, ``phase`` is omega t in rad, ``factor`` that of the displacement (`magnification`
+    if None), ``size`` in pixels.  A view that is ``framed`` has rulers; one that is not fills the picture.
+
+    Attributes
+    ----------
+    plotter : pyvista.Plotter
+    """
+
+    def __init__(
+        self, found: RunField, views=(), *, quantity, phase, factor, size, off_screen=True, framed=True
+    ):
+        self.pyvista = needed("pyvista", "a picture or a window of the field")
+        # without a display VTK says so on stderr before it finds another way
+        self.pyvista.vtk_verbosity("off")
+        self.found, self.phase, self.size, self.framed, self.solid = found, phase, size, framed, not views
+        self.factor = magnification(found) if factor is None else factor
+        self.spreads = self.solid and found.beam is not None
+        self._length = found.scene.stator.length if self.spreads else found.length
+        self.frames = self._frames(views)
+        # the first renderer holds words and rulers, in pixels; without frames it holds the field too
+        shape = 1 + framed * len(self.frames), 1
+        self.plotter = self.pyvista.Plotter(
+            off_screen=off_screen, window_size=size, shape=shape, border=False
+        )
+        self.set_quantity(quantity)
+        for number, frame in enumerate(self.frames):
+            self._go_to(number)
+            self.plotter.renderer.viewport = tuple(np.divide(frame.box, 2 * self.size))
+            self.plotter.enable_parallel_projection()
+            self._stand()
+            if self.solid:
+                self._bare()
+                self._look(frame)
+            else:
+                self._look_along(frame)
+        self._write()
+
+    def _frames(self, views) -> tuple[Frame, ...]:
+        """Return where the views lie, from the top down; one takes no more than its share, or what it needs."""
+        found, (width, upper) = self.found, self.size
+        if not self.framed:
+            pixel = (views[0].stop - views[0].start) / width if views else 0.0
+            return (Frame((0, 0, width, upper), *views, *([pixel, 0.35 * upper * pixel] if views else ())),)
+        right, frames = max(width - RIGHT, 0.4 * width), []
+        if self.solid:
+            return (Frame((0, 0, right, max(upper - 4 * ABOVE, 0.4 * upper))),)
+        weights = sum(view.weight for view in views)
+        for view in views:
+            pixel, share = (view.stop - view.start) / (right - LEFT), upper * view.weight / weights
+            visible = pixel * max(share - ABOVE - BELOW, 0.3 * share)
+            carries = any(view.start <= ball.place <= view.stop for ball in description.balls(found))
+            room = 0.15 * min(visible, 2 * found.wavelength)
+            top = min(2.1 * found.radius, BALL_SHARE * visible) if carries else room
+            high = upper - ABOVE
+            low = high - (top - max(float(found.field.z[0]), top - visible)) / pixel
+            frames.append(Frame((LEFT, low, right, high), view, pixel, top))
+            upper, weights = low - BELOW, weights - view.weight
+        return tuple(frames)
+
+    def _go_to(self, number: int) -> None:
+        """Make the renderer of a frame the one that is drawn into."""
+        self.plotter.subplot(number + self.framed, 0)
+
+    def set_quantity(self, name: str) -> None:
+        """Colour the field by a quantity."""
+        self._moving, self.pieces = [], []
+        if not self.spreads:
+            self.shade = shade(self.found, name)
+        for number, frame in enumerate(self.frames):
+            self._go_to(number)
+            self._add_electrodes(self._lay_beam(name) if self.spreads else self._lay_section(frame))
+        self.plotter.subplot(0, 0)
+        for former in list(self.plotter.scalar_bars.keys()):
+            self.plotter.remove_scalar_bar(former)
+        width, height = self.size
+        title, _, unit = self.shade.label.partition(" (")
+        low, high = (0.5 * height, 0.85 * height) if self.solid else (0.7 * height, 0.9 * height)
+        if self.framed and not self.solid:
+            _, low, _, high = max((frame.box for frame in self.frames), key=lambda box: box[3] - box[1])
+        self.plotter.add_scalar_bar(
+            title="\n".join([*textwrap.wrap(title, 12), f"({unit}\n"]), mapper=self._mapper, vertical=True, n_labels=3,
+            fmt="%.3g", position_x=1 - 112 / width, width=84 / width, position_y=low / height,
+            height=(high - low) / height, title_font_size=LETTERS, label_font_size=LETTERS,
+        )  # fmt: skip
+        self.set_phase(self.phase)
+
+    def set_phase(self, phase: float) -> None:
+        """Move everything to another instant."""
+        self.phase = phase
+        turned = np.exp(1j * phase)
+        for each in self._moving:
+            each.mesh.points[:] = MM * (each.rest + self.factor * (each.displacement * turned).real)
+            if each.amplitude is not None:
+                wave = (each.amplitude * turned**self.shade.quantity.turns).real
+                each.mesh["shade"][:] = each.mean + wave
+
+    def image(self, phase: float) -> np.ndarray:
+        """Return the picture at an instant, shape (height, width, 3)."""
+        self.set_phase(phase)
+        self.plotter.render()
+        return self.plotter.screenshot(return_img=True)
+
+    def save(self, file: str | Path) -> None:
+        """Write the picture as it is and give it up."""
+        self.plotter.screenshot(file)
+        self.plotter.close()
+
+    def _add_electrodes(self, motion: Callable) -> None:
+        """Add the strips of the electrodes, which move as a function of (x, y) in m says."""
+        lift = 0.02 * self.found.wavelength if self.solid else 0.0
+        for electrode in description.electrodes(self.found):
+            corners = self._strips(electrode)
+            rest = np.insert(corners, 2, lift, axis=-1)
+            mesh = self.pyvista.PolyData.from_regular_faces(MM * rest, np.arange(len(corners)).reshape(-1, 4))
+            self.plotter.add_mesh(
+                mesh, color=electrode.colour, lighting=False, copy_mesh=False, show_edges=True, line_width=3,
+                edge_color=electrode.colour, name=f"electrode {electrode.sign}", reset_camera=False,
+                style="surface" if self.solid else "wireframe",  # a strip that is seen along y is a line
+            )  # fmt: skip
+            self._moving.append(_Moving(mesh, rest, motion(corners)))
+
+    def _strips(self, electrode) -> np.ndarray:
+        """Return the corners (x, y) of an electrode's strips in m, shape (4 n, 2), as they are or in the section."""
+        if self.spreads:
+            rows = resolved.transducers(self.found.scene)
+            corners = np.concatenate([each.on_surface(each.strips(electrode.sign)) for each in rows])
+            return corners.reshape(-1, 2)
+        x = np.array(electrode.strips)[:, [0, 1, 1, 0]].ravel()
+        return np.stack([x, np.resize(0.5 * self.found.aperture * np.array([-1, -1, 1, 1]), len(x))], axis=-1)
+
+    def _lay_section(self, frame: Frame) -> Callable:
+        """Add the section, and of the solid its surface and right end; return the surface's motion over (x, y) in m."""
+        found, span, bottom = self.found, (0.0, self.found.length), self.found.field.z[0]
+        spacing, edges = found.wavelength / LINES, np.array([-0.5, 0.5]) * found.aperture
+        solid = (
+            ("surface", slice(None), slice(-1, None), edges),
+            ("end", slice(-1, None), slice(None), edges),
+        )
+        if frame.view is not None:
+            start, stop = frame.view.start, frame.view.stop
+            spare, solid, edges = 2 * (stop - start), (), np.zeros(2)
+            if self.framed:
+                # moves into the view from beyond its edges, which cut it
+                spare = min(self.factor * float(abs(found.field.displacement).max()), spare)
+                bottom, spacing = frame.bottom - spare, frame.pixel
+            elif stop - start < 1.99 * found.wavelength:
+                spacing = 5 * (stop - start) / 1000  # a short stretch is finer, and less is kept beside it
+            else:
+                spare = found.length
+            span = max(start - spare, 0.0), min(stop + spare, found.length)
+        drawn = piece(found, self.shade, span=span, bottom=bottom, spacing=spacing)
+        self.pieces.append(drawn)
+        moved = np.insert(drawn.displacement, 1, 0.0, axis=-1)
+        for part, lines, rows, y in (("section", slice(None), slice(None), edges[:1]), *solid):
+            places = np.meshgrid(drawn.x[lines], drawn.z[rows], y, indexing="ij")
+            rest = np.stack(places, axis=-1)[..., [0, 2, 1]]
+            values = (each[lines, rows, None] for each in (drawn.mean, drawn.amplitude))
+            self._lay(part, rest, moved[lines, rows, None], *values)
+        return lambda at: np.stack([np.interp(at[:, 0], drawn.x, each) for each in moved[:, -1].T], axis=-1)
+
+    def _lay_beam(self, name: str) -> Callable:
+        """Add the surface that the beam moves; return its motion over (x, y) in m."""
+        found = self.found
+        if name not in MOTIONS:
+            raise SceneError(
+                "--quantity",
+                f"must be one of {', '.join(MOTIONS)} on the surface of the beam, got {name!r}: --show field has it in "
+                "the section",
+            )
+        crossed, stator = found.scene.crossed, found.scene.stator
+        lines = (CROSSED_LINES if crossed else BEAM_LINES) / found.wavelength
+        x, half = np.linspace(0.0, stator.length, int(stator.length * lines) + 1), stator.width / 2
+        y = np.linspace(-half, half, int(stator.width * lines) + 1 if crossed else ACROSS)
+        moved = found.beam.motion(x[:, None], y)
+        size = moved[MOTIONS.index(name), ..., None]
+        self.shade = shade_of(QUANTITIES[name], abs(size), free=False)
+        rest, amplitude = np.stack(np.meshgrid(x, y, 0.0, indexing="ij"), axis=-1), size * self.shade.scale
+        self._lay("surface", rest, np.moveaxis(moved, 0, -1)[:, :, None], 0.0 * amplitude.real, amplitude)
+        return RegularGridInterpolator((x, y), np.moveaxis(moved, 0, -1))
+
+    def _lay(self, name: str, rest, displacement, mean, amplitude) -> None:
+        """Add a structured grid of points (n, m, copies, 3) and its shade."""
+        grid = self.pyvista.StructuredGrid(*np.moveaxis(MM * rest, -1, 0))
+
+        def flat(values, *last):
+            return np.broadcast_to(values, (*rest.shape[:3], *last)).reshape(-1, *last, order="F")
+
+        grid["shade"] = np.zeros(grid.n_points)
+        self._mapper = self.plotter.add_mesh(
+            grid, scalars="shade", cmap=self.shade.colour_map, clim=self.shade.limits, lighting=False,
+            show_scalar_bar=False, copy_mesh=False, name=name, reset_camera=False,
+        ).mapper  # fmt: skip
+        self._moving.append(_Moving(grid, flat(rest, 3), flat(displacement, 3), flat(mean), flat(amplitude)))
+
+    def _bare(self) -> None:
+        """Draw the parts of the solid that carry no field: beside the aperture, or below the surface of a beam."""
+        found = self.found
+        half, width, depth = 0.5 * found.aperture, 0.5 * found.scene.stator.width, found.field.z[0]
+        parts = [(-width, -half, 0.25), (half, width, 1.0)]  # the half in front is seen through
+        if self.spreads:
+            parts = [(-width, width, 1.0)]
+        elif width - half < 1e-9:
+            return
+        top = 0.0
+        if self.spreads:  # below the troughs
+            top = -self.factor * max(float(abs(each.displacement).max()) for each in self._moving)
+        for low, high, opacity in parts:
+            ends = (0.0, self._length, low, high, depth, top)
+            box = self.pyvista.Box(tuple(MM * each for each in ends))
+            self.plotter.add_mesh(box, color=BARE, opacity=opacity, lighting=False)
+            self.plotter.add_mesh(box, style="wireframe", color=EDGE, line_width=1)
+        if not self.spreads:
+            return
+        for each in resolved.transducers(found.scene):
+            outline = np.insert(each.corners[[0, 1, 2, 3, 0]], 2, 0.1 * found.wavelength, axis=-1)
+            self.plotter.add_mesh(self.pyvista.lines_from_points(MM * outline), color="black", line_width=2)
+
+    def _look(self, frame: Frame) -> None:
+        """Look at the whole solid from a corner."""
+        camera, (left, low, right, high) = self.plotter.camera, frame.box
+        self.plotter.camera_position = "xz"
+        camera.azimuth, camera.elevation = 35, 28
+        self.plotter.reset_camera()
+        turn = self.pyvista.array_from_vtkmatrix(camera.GetViewTransformMatrix())[:2, :3]
+        across, up = np.ptp(self.pyvista.Box(self.plotter.bounds).points @ turn.T, axis=0)
+        camera.parallel_scale = 0.52 * max(up, across * (high - low) / (right - left))
+        self.plotter.add_axes(xlabel="x", ylabel="y", zlabel="z", line_width=3)
+
+    def _look_along(self, frame: Frame) -> None:
+        """Look along y at a view; give it its crystal axes and rulers."""
+        camera, height = self.plotter.camera, frame.top - frame.bottom
+        x, z = MM * 0.5 * (frame.view.start + frame.view.stop), MM * 0.5 * (frame.top + frame.bottom)
+        camera.up, camera.focal_point, camera.parallel_scale = (0, 0, 1), (x, 0, z), 0.5 * MM * height
+        camera.position = x, -10 * MM * self.found.length, z
+        if self.framed and height > 100 * frame.pixel:
+            self._add_crystal_axes(frame)
+        self.plotter.reset_camera_clipping_range()
+        if self.framed:
+            self.plotter.renderer.add_border("black")
+            self.plotter.subplot(0, 0)
+            self._add_rulers(frame)
+        else:
+            sides = {f"{side}_axis_visibility": False for side in ("left", "right", "top")}
+            self.plotter.add_legend_scale(color="black", legend_visibility=False, xy_label_mode=True, **sides)
+
+    def _add_crystal_axes(self, frame: Frame) -> None:
+        """Draw the crystal axes in the lower left corner of a view."""
+        start, pixel, colour = frame.view.start, frame.pixel, description.AXIS_COLOUR
+        corner = MM * np.array([start + 40 * pixel, -self.found.aperture, frame.bottom + 30 * pixel])
+        named = [
+            (name, MM * pixel * np.array([x, 0, z])) for name, x, z in description.crystal_axes(self.found)
+        ]
+        for _, along in named:
+            arrow = self.pyvista.Arrow(
+                start=corner, direction=along, scale=24 * np.hypot(*along[::2]), shaft_radius=0.03
+            )
+            self.plotter.add_mesh(arrow, color=colour, lighting=False, reset_camera=False)
+        centred = {f"justification_{way}": "center" for way in ("horizontal", "vertical")}
+        self.plotter.add_point_labels(
+            [corner + 32 * along for _, along in named], [name for name, _ in named], text_color=colour, shape=None,
+            show_points=False, always_visible=True, font_size=LETTERS, bold=False, reset_camera=False, **centred,
+        )  # fmt: skip
+
+    def _add_rulers(self, frame: Frame) -> None:
+        """Put rulers below and beside a view."""
+        left, low, _, high = frame.box
+        ends = MM * np.array([[frame.view.start, frame.view.stop], [frame.bottom, frame.top]])
+        ticks = [_ticks(*ends[0], 8), _ticks(*ends[1], min((high - low) / 40, 5))[::-1]]
+        if high - low > 80:
+            middle = 26, (low + high) / 2 - 20
+            self.plotter.add_text("z (mm)", position=middle, font_size=LETTERS / 2, orientation=90)
+        else:
+            ticks[1] = np.array([0.0, ends[1, 0]])
+        for axis, (title, values) in enumerate(zip(("x (mm)", ""), ticks, strict=True)):
+            places = np.tile([left, low, 0.0], (2, 1))
+            places[:, axis] += (values[[0, -1]] - ends[axis, 0]) / MM / frame.pixel
+            ruler = self.plotter.add_ruler(
+                *places, number_labels=len(values), label_format="%.5g", title=title
+            )
+            ruler.SetRange(*values[[0, -1]])
+            ruler.UseFontSizeFromPropertyOn()
+            for letters in (ruler.GetLabelTextProperty(), ruler.GetTitleTextProperty()):
+                letters.ShallowCopy(self.pyvista.TextProperty(color="black"))
+                letters.SetFontSize(LETTERS)
+
+    def _write(self) -> None:
+        """Write captions and the names of the electrodes."""
+        found, (width, height), plotter = self.found, self.size, self.plotter
+        plotter.subplot(0, 0)
+        drive = f"{found.drive}, {found.enlarged(self.factor)}"
+        if self.solid or not self.framed:
+            extents = self._length, found.scene.stator.width, -found.field.z[0]
+            extent = " x ".join(f"{each * MM:.4g}" for each in extents)
+            more = said(found).split("; ") if self.solid else ["x in mm; drag: move, wheel: zoom"]
+            lines = [f"{found.scene.title}: {extent} mm (x, y, z)", drive, *more]
+            letters = int(np.clip(0.98 * width / (0.6 * max(map(len, lines))), 6, 12))
+            plotter.add_text("\n".join(lines), position="upper_left", font_size=letters, color="black")
+        else:
+            for frame in self.frames:
+                fingers = description.shown_fingers(found, frame.view.start, frame.view.stop)
+                name = f"{frame.view.name}, {fingers}" if fingers else frame.view.name
+                if frame is self.frames[0]:
+                    name = f"{found.scene.title}: {name} ({found.field.frequency / 1e6:g} MHz, {drive})"
+                letters = min(LETTERS + 1, 1.9 * frame.box[2] / len(name)) / 2
+                plotter.add_text(name, position=(8, frame.box[3] + 8), font_size=letters)
+        if self.framed:
+            plotter.renderer.viewport, camera = (0, 0, 1, 1), plotter.camera
+            plotter.enable_parallel_projection()
+            camera.focal_point, camera.position = (width / 2, height / 2, 0), (width / 2, height / 2, 1)
+            camera.up, camera.parallel_scale = (0, 1, 0), height / 2
+        listed = [(each.label, each.colour) for each in description.electrodes(found)]
+        if listed:
+            legend, up = plotter.add_legend(listed, bcolor=None, face="rectangle"), 20 * len(listed)
+            legend.SetPosition(1 - 122 / width, 1 - (22 + up) / height)
+            legend.SetPosition2(115 / width, up / height)
+
+    def _stand(self) -> None:
+        """Put the balls of the slider on the crests of the enlarged wave."""
+        for ball in description.balls(self.found, spreads=self.spreads):
+            centre = ball.place * MM, ball.lateral * MM, (ball.radius + self.factor * ball.crest) * MM
+            sphere = self.pyvista.Sphere(
+                radius=ball.radius * MM, center=centre, theta_resolution=90, phi_resolution=90
+            )
+            given = {"smooth_shading": True, "ambient": 0.5} if self.solid else {"lighting": False}
+            self.plotter.add_mesh(sphere, color=description.BALL_COLOUR, **given)
+
+
+def said(found: RunField) -> str:
+    """Return where the drawn field is true."""
+    if found.free:
+        return "a straight-crested free wave: the same for every y"
+    if found.beam is not None:
+        return "field of the finite apertures (frames) on the surface; grey: not computed, --show field has the section"
+    return (
+        f"field drawn only within the {found.aperture * MM:g} mm aperture, where the model holds for every y "
+        "(the beam does not spread in it); grey: not modelled"
+    )
+
+
+def _ticks(low: float, high: float, count: float) -> np.ndarray:
+    """Return round numbers between two, about as many as asked for."""
+    values = MaxNLocator(max(int(count), 2), steps=[1, 2, 5, 10]).tick_values(low, high)
+    return values[(values > low - 1e-9) & (values < high + 1e-9)].round(9)

@@ -1,0 +1,72 @@
+"""The window of a run's field: play, pause, instant and colour, by pyvista's own widgets."""
+
+import time
+
+import numpy as np
+
+from studies.view.picture import MOTIONS, Picture
+from studies.view.quantities import present
+
+__all__ = ["Controls", "open_window"]
+
+CYCLE, TICK = 2.5, 40  # s that one period of the wave takes; ms between instants
+
+
+class Controls:
+    """Play and pause, instant and colour of a `Picture`, by pyvista's own widgets."""
+
+    def __init__(self, picture: Picture):
+        self.picture, self.names = picture, list(MOTIONS) if picture.spreads else present(picture.found)
+        self.playing, self._last, self._rested, self._ready = True, time.perf_counter(), 0.0, False
+        plotter, given = picture.plotter, {"style": "modern", "color": "black"}
+        self.play_button = plotter.add_checkbox_button_widget(
+            self.play, value=True, position=(20.0, 70.0), size=34, color_on="#0072B2", color_off="#999999"
+        )
+        self.phase_slider = plotter.add_slider_widget(
+            self.pick_phase, (0, 360), value=np.degrees(picture.phase) % 360, title="phase (degrees)", fmt="%.0f",
+            pointa=(0.12, 0.13), pointb=(0.34, 0.13), interaction_event="always", title_height=0.015, **given,
+        )  # fmt: skip
+        plotter.add_text_slider_widget(
+            self.pick_quantity, self.names, value=self.names.index(picture.shade.quantity.name),
+            pointa=(0.42, 0.13), pointb=(0.6, 0.13), **given,
+        )  # fmt: skip
+        plotter.add_text("play", position=(62.0, 76.0), font_size=8, color="black")
+        self._ready = True  # setting a slider up calls it
+
+    def tick(self, step: int) -> None:
+        """Go on to the instant that the clock says, while playing."""
+        now = time.perf_counter()
+        if self.playing and now > self._rested:
+            passed, self._last = now - self._last, now
+            phase = (self.picture.phase + 2 * np.pi * passed / CYCLE) % (2 * np.pi)
+            self.phase_slider.GetRepresentation().SetValue(np.degrees(phase))
+            self.picture.set_phase(phase)
+            self.picture.plotter.render()
+            # half of the time is left to the mouse, however slowly the machine draws
+            done = time.perf_counter()
+            self._rested = done + (done - now)
+
+    def play(self, playing: bool) -> None:
+        """Play or pause."""
+        self.playing, self._last = bool(playing), time.perf_counter()
+
+    def pick_phase(self, degrees: float) -> None:
+        """Show the instant of a phase, and pause."""
+        if self._ready:
+            self.play(False)
+            self.play_button.GetRepresentation().SetState(0)
+            self.picture.set_phase(np.radians(degrees))
+
+    def pick_quantity(self, name: str) -> None:
+        """Colour the field by another quantity."""
+        if self._ready and name != self.picture.shade.quantity.name:
+            self.picture.set_quantity(name)
+
+
+def open_window(picture: Picture) -> None:
+    """Show a picture with its controls until the window is closed; of a section a drag moves and the wheel zooms."""
+    controls = Controls(picture)
+    if not picture.solid:
+        picture.plotter.enable_2d_style()
+    picture.plotter.add_timer_event(max_steps=2**31 - 1, duration=TICK, callback=controls.tick)
+    picture.plotter.show(title=f"sawmotor: {picture.found.scene.title}")
