@@ -123,8 +123,9 @@ def test_orbits_turn_the_way_the_arrows_say():
     tangential = np.array([0.7j, 0.6j, -0.7j]) * normal
     assert gallery_pictures.anticlockwise(tangential, normal).tolist() == [True, True, False]
     figure = gallery_pictures.orbits(places, tangential, normal, title="orbits")
-    assert_legible(figure)
+    figure.canvas.draw()
     assert labelled(figure)
+    assert_legible(figure)
     for ax, a, b in zip(figure.axes, tangential, normal, strict=True):
         (arrow,) = (text for text in ax.texts if text.arrow_patch is not None)
         instants = np.linspace(0, 2 * np.pi, 10001)

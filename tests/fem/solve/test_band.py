@@ -89,7 +89,7 @@ def test_the_reduction_takes_what_the_discretisation_leaves(monkeypatch, of_leve
 
 
 STATED = {
-    "absorbing ends": (plate(cut("PZT-8", "Z"), length=10.0, thickness=0.7), 1e-3),
+    "absorbing ends": (plate(cut("PZT-8", "Z"), length=6.0, thickness=0.5), 1e-3),
     "resonant, free ends": (
         plate(cut("PZT-8", "Z", quality=5000.0, loss=1e-3), length=20.0, thickness=1.0, ends="free"),
         1e-2,
