@@ -37,7 +37,7 @@ class Gallery(StudyRecord):
     record: Record = field(repr=False)
     found: object = field(repr=False)  # its RunField
     voltage: float  # of the contact and its ledger, V
-    contact: tuple = field(repr=False)  # `contact_pictures.moments` and title
+    contact: tuple = field(repr=False)  # `contact_view.moments` and title
     bursts: tuple = field(repr=False)  # of (str, contact.Trajectory)
     acceleration: float  # mu preload / m, m/s^2
     ledger: object = field(repr=False)  # contact.Ledger of one cycle

@@ -13,6 +13,7 @@ from PIL import Image
 
 import fem
 from fem import reference_matrices
+from studies.report.energies import LEDGER
 from studies.report.figures import (
     COLOURS,
     arrow,
@@ -26,25 +27,15 @@ from studies.report.figures import (
 )
 from studies.scene import resolved
 from studies.view import movie
-from studies.view.contact_pictures import strip
-from studies.view.contact_view import film_contact
+from studies.view.contact_view import film_contact, strip
 from studies.view.picture import Picture
 from studies.view.quantities import DIVERGING, palette
 from studies.view.section import chosen_views, views
 
 __all__ = [
-    "amplitude",
-    "anticlockwise",
-    "bars",
-    "depth_profile",
-    "depth_weights",
-    "draw_all",
-    "ledger_rows",
-    "orbits",
-    "power_along",
-    "power_rows",
-    "start_and_stop",
-]
+    "amplitude", "anticlockwise", "bars", "depth_profile", "depth_weights", "draw_all", "ledger_rows",
+    "orbits", "power_along", "power_rows", "start_and_stop",
+]  # fmt: skip
 
 NM, MM = 1e9, 1e3
 TURN = np.linspace(0.0, 2 * np.pi, 121)
@@ -54,19 +45,6 @@ FRAMES = 16
 PALETTE_COLOURS = 128  # of a diagram
 DPI = 80
 DEPTH = 3.0  # wavelengths
-LEDGER = {
-    "wave_normal": "wave, normal force",
-    "wave_tangential": "wave, friction force",
-    "slip": "lost in slip",
-    "contact_damper": "damper in the contact",
-    "normal_damper": "normal damper",
-    "tangential_damper": "tangential damper",
-    "load": "work against the load",
-    "leak": "leak of the elastic law",
-    "stored": "held by the springs",
-    "lifted": "held by the preload",
-    "slider": "held by the slider",
-}
 GIVEN_FIELD = {"quantity": "u_z", "phase": 0.0, "factor": None}
 GIVEN = ("wave_normal", "wave_tangential")
 
@@ -76,7 +54,7 @@ def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
     found, record = gallery.found, gallery.record
     title, top, (name, place) = record.scene.title, found.field.displacement[:, -1].T, found.focus
     places = (np.arange(ORBITS) + 0.5) / ORBITS * found.length
-    energies = found.whole(energies=True)
+    energies = found.with_energies
     passing = (
         energies.densities.power_flow[..., 0] @ depth_weights(energies.z, energies.order) * found.aperture
     )
@@ -277,24 +255,21 @@ def depth_weights(z: np.ndarray, order: int) -> np.ndarray:
 def _depth(found):
     """Profiles of the section's free wave and of the driven stator under the slider, on the half-space's."""
     stator, scene, (name, place) = resolved.stator(found.scene.stator), found.scene, found.focus
-    half_space = fem.rayleigh(stator.solid, "open")
     free = fem.free_wave(stator, frequency=scene.frequency, tolerance=1e-6)
     line = found.field.displacement[np.searchsorted(found.field.x, place - 1e-9)]
 
     def parts(u):
         return {"Re u_z": u[:, 2].real, "Im u_x": u[:, 0].imag}
 
-    def near(z, u):
+    computed, at = {}, np.linspace(0, DEPTH, 200)
+    for what, z, u in (
+        ("free wave of the section", free.depth, free.profile),
+        (f"driven stator under the {name}, all modes", found.field.z, line),
+    ):
         chosen = z > -DEPTH * found.wavelength
-        return -z[chosen] / found.wavelength, parts(u[chosen] / u[-1, 2])
-
-    at = np.linspace(0, DEPTH, 200)
-    computed = {
-        "free wave of the section": near(free.depth, free.profile),
-        f"driven stator under the {name}, all modes": near(found.field.z, line),
-    }
-    title = f"{scene.title}\nprofile through the depth"
-    return depth_profile(at, parts(half_space.profile(at)[0]), computed, title=title)
+        computed[what] = -z[chosen] / found.wavelength, parts(u[chosen] / u[-1, 2])
+    theory, title = fem.rayleigh(stator.solid, "open").profile(at)[0], "profile through the depth"
+    return depth_profile(at, parts(theory), computed, title=f"{scene.title}\n{title}")
 
 
 def _films(gallery, folder: Path, progress) -> None:

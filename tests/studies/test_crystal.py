@@ -9,8 +9,14 @@ from PIL import Image
 from studies.__main__ import main
 from studies.refusal import RunError, SceneError
 from studies.report import figures
-from studies.report.crystal import axes, axes_figure, save_axes, tables_text
-from studies.report.free_surface import half_space_answer, half_space_wave
+from studies.report.free_surface import (
+    axes,
+    axes_figure,
+    half_space_answer,
+    half_space_wave,
+    save_axes,
+    tables_text,
+)
 
 
 def crystal(material, orientation):

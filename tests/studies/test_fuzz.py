@@ -155,7 +155,7 @@ class Runner:
 
 def predicted(text: str) -> float:
     """Seconds that ``--explain`` gives for a scene."""
-    return plan(Scene.from_table("", tomllib.loads(text)), tolerance=1e-3).seconds
+    return plan(Scene.from_table("", tomllib.loads(text)), tolerance=1e-3)["expected"]["seconds"]
 
 
 @pytest.fixture

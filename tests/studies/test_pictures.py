@@ -11,7 +11,7 @@ from studies.record import Record
 from studies.report.figures import new_figure, pictures
 from studies.scene import Scene, resolved
 from studies.view import gallery_pictures
-from studies.view.contact_pictures import SlowMotion, moments, strip
+from studies.view.contact_view import SlowMotion, moments, strip
 from studies.view.gallery_pictures import start_and_stop
 from tests.studies.legible import assert_legible
 
