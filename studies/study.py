@@ -115,13 +115,7 @@ class StudyRecord:
 
 
 def module(name: str):
-    """Return the module of a study.
-
-    Raises
-    ------
-    SceneError
-        If there is none of that name.
-    """
+    """Return the module of a study; refuse a name that no study has."""
     if name not in STUDIES:
         raise SceneError("study", f"{name!r} does not exist{nearest(name, STUDIES)}")
     return import_module(f"studies.{STUDIES[name]}.{name}")

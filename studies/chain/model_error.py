@@ -89,12 +89,7 @@ def fresnel_ratio(record: Record, x: float, y: float = 0.0) -> float:
 
 
 def slit_ratio(aperture: float, wavelength: float, distance: float, lateral: float = 0.0) -> float:
-    """Return the amplitude behind a uniform aperture over that of a plane wave, by Fresnel's integral.
-
-    Parameters
-    ----------
-    aperture, wavelength, distance, lateral : float
-        m; the last from the axis.
+    """Return the amplitude behind a uniform aperture over that of a plane wave, by Fresnel's integral; all in m.
 
     Examples
     --------

@@ -125,12 +125,8 @@ def _followed(table: _Table, duration: float, steps: int, moves: bool, reach) ->
 def travelled(slider, wave: WaveAlong, level: float, duration: float, expected: float) -> Travel:
     """Return the motion of a slider along the field during a burst from rest.
 
-    ``level``: V; ``duration``: s; ``expected``: travel in m at one place, with its sign.
-
-    Raises
-    ------
-    contact.ConvergenceError
-        Where averaging does not apply.
+    ``level``: V; ``duration``: s; ``expected``: travel in m at one place, with its sign.  Raises
+    contact.ConvergenceError where averaging does not apply.
     """
     span = MARGIN * abs(expected) + 2 * wave.wavelength
     while True:

@@ -20,14 +20,14 @@ from studies.scene import Scene, resolved
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"count": 10, "duration": 2e-3}
-LINES, COUNT = 3, 240
+LINES = 3
 WITHIN = 4  # points of half a wavelength about each place
 CLEAR = 0.5  # wavelengths from the fingers
 
 
 @study
 def run(
-    scene: str | Scene = "twente", *, count: int = COUNT, duration: float = 0.3, progress=None
+    scene: str | Scene = "twente", *, count: int = 240, duration: float = 0.3, progress=None
 ) -> StudyRecord:
     """Return amplitude and steady velocity against the slider's place, and the motion of a slider that travels.
 
