@@ -15,9 +15,8 @@ from studies.refusal import RunError
 from studies.scene import Scene, resolved
 from studies.scene.blocks import Stator
 
-PER_WAVELENGTH = (
-    24  # places where the beam's standing wave is looked at; a minimum between them is missed by 1 %
-)
+# places where the beam's standing wave is looked at; a minimum between them is missed by 1 %
+PER_WAVELENGTH = 24
 
 
 @dataclass(frozen=True, kw_only=True)

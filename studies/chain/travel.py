@@ -19,9 +19,8 @@ import contact
 
 LEAST_TRAVEL = 0.1  # wavelengths from which the travel counts
 PER_WAVELENGTH = 12  # places of the table; the standing wave has a period of half a wavelength
-SPEEDS = (
-    129  # of the table, from rest past the surface's own speed: the force has kinks there; 33 leave 2e-3 of v
-)
+# of the table, from rest past the surface's own speed: the force has kinks there; 33 leave 2e-3 of v
+SPEEDS = 129
 STEP = 0.05  # wavelengths of travel in a step of time, at the surface's own speed
 MIN_STEPS = 400
 MARGIN = 1.3  # the table's reach over the travel at one place, at first

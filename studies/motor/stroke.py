@@ -12,12 +12,11 @@ import numpy as np
 
 import contact
 from studies.chain import bridge
-from studies.chain.driven_contact import driven_contact
 from studies.chain.points import averaged
 from studies.chain.travel import travelled
 from studies.report.figures import AXES, COLOURS, curve, family, finished, lines
 from studies.scene import Scene, resolved
-from studies.study import Panel, StudyRecord, judged, of_record, study
+from studies.study import Panel, StudyRecord, driven_contact, judged, of_record, study
 
 QUICK = {"count": 10, "duration": 2e-3}
 LINES = 3
