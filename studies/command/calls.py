@@ -162,7 +162,7 @@ def study(arguments: argparse.Namespace) -> int:
     """Run a study, or list them with their questions."""
     from studies.progress import Progress
     from studies.scene.override import axes_given
-    from studies.study import STUDIES, draw_study, module, question, run_study, study_answer
+    from studies.study import STUDIES, draw_study, module, question, run_study
 
     if arguments.name is None:
         print("\n".join(labelled([(name, question(name)) for name in STUDIES], 2 + max(map(len, STUDIES)))))
@@ -193,7 +193,7 @@ def study(arguments: argparse.Namespace) -> int:
         result.commit()
         with _pictures(result):
             draw_study(arguments.name, done, result.folder, progress=progress)
-    print(f"{study_answer(done)}\nresults  {out}")
+    print(f"{done}\nresults  {out}")
     reason = done.shortfall
     _say([*result.notes, *([reason] if reason else [])])
     return 1 if reason else 0
