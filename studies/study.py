@@ -90,6 +90,15 @@ class StudyRecord:
             raise SceneError("panel", f"{name!r} does not exist{nearest(name, panels)}")
         return panels[name]
 
+    @property
+    def shortfall(self) -> str:
+        """Why the answer is not what was expected; empty where it is."""
+        against = [finding for finding in self.findings if not finding.confirmed]
+        if not against:
+            return ""
+        first = f"{against[0].quantity} is {against[0].found:.6g}, expected {against[0].expected}"
+        return f"{len(against)} of {len(self.findings)} findings are contradicted: {first}"
+
     def to_dict(self) -> dict:
         """Return what study.json holds."""
         whole = {
@@ -235,14 +244,3 @@ def study_answer(record: StudyRecord | Record) -> str:
 
         return answer(record)
     return str(record)
-
-
-def contradiction(record: StudyRecord | Record) -> str:
-    """Return why a study's answer is not what was expected; empty where it is."""
-    if isinstance(record, Record):
-        return record.shortfall
-    against = [finding for finding in record.findings if not finding.confirmed]
-    if not against:
-        return ""
-    first = f"{against[0].quantity} is {against[0].found:.6g}, expected {against[0].expected}"
-    return f"{len(against)} of {len(record.findings)} findings are contradicted: {first}"

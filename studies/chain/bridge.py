@@ -13,6 +13,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+import contact
 from studies.record import Record
 from studies.scene import Scene
 from studies.scene.slider import Slider, Wave
@@ -28,10 +29,9 @@ def orbits_per_volt(motion, slider: Slider) -> tuple:
 
 def _orbits(frequency: float, motion) -> tuple:
     """Return the orbits of u_x, u_y and u_z, shape (3, balls)."""
-    from contact import Orbit
-
     return tuple(
-        Orbit(frequency=frequency, normal=complex(u_z), tangential=complex(u_x)) for u_x, _, u_z in motion.T
+        contact.Orbit(frequency=frequency, normal=complex(u_z), tangential=complex(u_x))
+        for u_x, _, u_z in motion.T
     )
 
 
@@ -53,9 +53,7 @@ def wave_along(motion, slider: Slider):
 
 def given_orbits(wave: Wave) -> tuple:
     """Return the orbit of a given wave for a normal amplitude of 1 m: a shape, to be scaled."""
-    from contact import Orbit
-
-    return (Orbit(frequency=wave.frequency, normal=1.0, tangential=-1j * wave.tangential_ratio),)
+    return (contact.Orbit(frequency=wave.frequency, normal=1.0, tangential=-1j * wave.tangential_ratio),)
 
 
 def scaled(orbits: tuple, level: float) -> tuple:
@@ -66,8 +64,6 @@ def scaled(orbits: tuple, level: float) -> tuple:
 @lru_cache(10_000)  # of a sweep's points many have the same
 def contact_slider(slider: Slider):
     """Return the ``contact.Slider`` of a block whose preload and moduli are numbers."""
-    import contact
-
     share = len(slider.offsets) if isinstance(slider.contacts, int) else 1
     return contact.Slider(
         radius=slider.radius,
@@ -159,8 +155,6 @@ class DrivenContact:
         SceneError
             If there is none.
         """
-        import contact
-
         threshold = factor * contact.threshold_factor(self.slider, self.orbits)
         moving = tuple(level for level in self.levels if level > threshold)
         if not moving:

@@ -30,10 +30,8 @@ def place(scene: Scene) -> tuple[float, float]:
 
 def frequencies(scene: Scene, count: int):
     """Return frequencies in Hz, evenly spaced about v / period of the driven transducer."""
-    from fem import rayleigh
-
     driven = scene.driven_transducer
-    middle = rayleigh(resolved.solid(scene.stator), "open").velocity / driven.period
+    middle = fem.rayleigh(resolved.solid(scene.stator), "open").velocity / driven.period
     half = middle * min(LOBES / driven.finger_pairs, WIDEST)
     return np.linspace(middle - half, middle + half, count)
 

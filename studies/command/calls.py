@@ -161,7 +161,7 @@ def study(arguments: argparse.Namespace) -> int:
     """Run a study, or list them with their questions."""
     from studies.progress import Progress
     from studies.scene.override import axes_given
-    from studies.study import STUDIES, contradiction, draw_study, module, question, run_study, study_answer
+    from studies.study import STUDIES, draw_study, module, question, run_study, study_answer
 
     if arguments.name is None:
         print("\n".join(labelled([(name, question(name)) for name in STUDIES], 2 + max(map(len, STUDIES)))))
@@ -193,7 +193,7 @@ def study(arguments: argparse.Namespace) -> int:
         with _pictures(result):
             draw_study(arguments.name, done, result.folder, progress=progress)
     print(f"{study_answer(done)}\nresults  {out}")
-    reason = contradiction(done)
+    reason = done.shortfall
     _say([*result.notes, *([reason] if reason else [])])
     return 1 if reason else 0
 
@@ -326,7 +326,7 @@ def changed_file(arguments: argparse.Namespace) -> SceneFile:
         if not isinstance(file.table.get("drive"), dict):
             raise SceneError("--voltage", "needs a scene with a [drive]; this one has none")
         values = [toml_value(part.strip()) for part in arguments.voltage.split(",")]
-        file = file.replaced("drive", "voltage", values if len(values) > 1 else values[0])
+        file = file.replaced("drive.voltage", values if len(values) > 1 else values[0])
     if arguments.call in ("sweep", "fit", "design"):
         _without_bands(file.table)
     return file

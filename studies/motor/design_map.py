@@ -95,12 +95,12 @@ def run(
     ]
     moving, passed = grid["velocity_m_per_s"] != 0.0, grid["threshold_factor"] < 1.0
     parted, released = np.reshape(columns["regime"], shape) == "intermittent", grid["release_factor"] < 1.0
-    friction = [
-        np.reshape(columns.get(f"slider.{key}", [getattr(chosen.slider, key)] * known.size), shape)[
-            known
-        ].astype(float)
+    preload, mu = (
+        np.reshape(columns.get(f"slider.{key}", [getattr(chosen.slider, key)] * known.size), shape).astype(
+            float
+        )
         for key in ("preload", "friction_coefficient")
-    ]
+    )
     findings = (
         *(judged(f"The closed form of the {name} parts the map.", "share of points on their side",
                  np.mean(right[known]), holds=np.all(right[known]), expected="1", remark=failed)
@@ -108,7 +108,7 @@ def run(
         judged("The load gets less than the wave gives.", "largest efficiency of the contact",
                np.nanmax(grid["contact_efficiency"][known]), low=0, high=1),
         judged("Thrust is friction's.", "largest blocked thrust over mu times preload",
-               np.nanmax(grid["thrust_N"][known] / (friction[1] * friction[0])), low=0, high=1 + 1e-9,
+               np.nanmax((grid["thrust_N"] / (mu * preload))[known]), low=0, high=1 + 1e-9,
                expected="above 0, up to 1"),
     )  # fmt: skip
     return panels, findings
@@ -132,9 +132,8 @@ def figure(record: Panel, ax):
         factor = np.asarray(data[f"{name}_factor"], float)
         factor = np.log(np.where(np.isfinite(factor) & (factor > 0.0), factor, 1e6))
         if factor.min() < 0.0 < factor.max():
-            line = ax.contour(
-                x[0], y[0], factor, levels=[0.0], colors="black", linestyles=style, linewidths=1.6
-            )
+            given = {"levels": [0.0], "colors": "black", "linestyles": style, "linewidths": 1.6}
+            line = ax.contour(x[0], y[0], factor, **given)
             line.set_path_effects([withStroke(linewidth=3.0, foreground="white")])
             ax.plot([], [], style, color="black", linewidth=1.6, label=f"{name} (theory)")
     points = [(a * x[1], b * y[1]) for a in data["own_x"] for b in data["own_y"]]
@@ -203,9 +202,8 @@ def _check(axes) -> None:
 def _own(table: dict, key: str) -> list[float]:
     """Return the scene's own value of a key, or values, as a list; none where it has none."""
     value = value_at(table, key)
-    return [
-        each for each in (value if isinstance(value, list) else [value]) if isinstance(each, (int, float))
-    ]
+    values = value if isinstance(value, list) else [value]
+    return [each for each in values if isinstance(each, (int, float))]
 
 
 def _scaled(key: str, values):

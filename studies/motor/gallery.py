@@ -25,7 +25,6 @@ from studies.view.contact_view import contact_moments
 from studies.view.gallery_pictures import draw_all
 from studies.view.run_field import of_record
 
-TAKES_SCENE = True
 QUICK = {"films": False, "maps": False}
 CONTACT, BURSTS = 0.5, (0.2, 0.4, 0.8)  # of the largest voltage: the scene's nearest ones are drawn
 LONG = 2.0  # burst over the time in which friction alone would reach the steady velocity

@@ -58,17 +58,15 @@ class UnreadError(Exception):
 
 
 class Unread:
-    """Stands for a value that was refused while the others are checked: it is given, and nothing else is known."""
+    """Stands for a value that is missing or was refused while the others are checked: nothing is known of it."""
 
 
 def _refuse(*_):
     raise UnreadError
 
 
-OPERATIONS = (
-    "getattr bool eq ne lt gt le ge hash abs neg complex float iter len contains getitem format str repr "
-)
-OPERATIONS += "add radd sub rsub mul rmul truediv rtruediv pow rpow"
+OPERATIONS = """getattr bool eq ne lt gt le ge hash abs neg complex float iter len contains getitem format str repr
+add radd sub rsub mul rmul truediv rtruediv pow rpow"""
 for operation in OPERATIONS.split():
     setattr(Unread, f"__{operation}__", _refuse)
 
@@ -82,7 +80,7 @@ class Block:
         problems = []
         for name, key in keys_of(type(self)).items():
             value = getattr(self, name)
-            if value is None and not key.required and key.default is None:
+            if isinstance(value, Unread) or (value is None and not key.required and key.default is None):
                 continue
             try:
                 value = key.rule.read(self._path(name), value)
@@ -121,28 +119,20 @@ class Block:
             key, hint = _meant(word, cls)
             misspelt.add(key)
             refusals.problems.append(SceneError(f"{at}{word}", f"is no key of a scene{hint}"))
-        missing = [name for name, key in known.items() if key.required and name not in table]
-        for name in missing:
+        absent = [name for name, key in known.items() if key.required and name not in table]
+        for name in absent:
             if name not in misspelt:  # else said already, with the word that stands for it
                 rule = f"is required and missing: give {known[name].rule.expected}"
                 refusals.problems.append(SceneError(f"{at}{name}", rule))
-        block, given = None, {name: table[name] for name in known if name in table}
-        if missing:
-            for name, value in given.items():
-                with refusals:
-                    known[name].rule.read(f"{at}{name}", value)
-        else:
-            with refusals:
-                block = cls._built(path, given)
+        given = {name: table[name] for name in known if name in table} | {name: Unread() for name in absent}
+        block = None
+        with refusals:
+            try:
+                block = cls(**given)
+            except SceneError as error:
+                raise error.moved(cls.block, path) from None
         refusals.raise_all()
         return block
-
-    @classmethod
-    def _built(cls, path: str, given: dict) -> Self:
-        try:
-            return cls(**given)
-        except SceneError as error:
-            raise error.moved(cls.block, path) from None
 
     def to_table(self) -> dict:
         """Return the TOML table of this block, in SI units; what is absent stays absent."""

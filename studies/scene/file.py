@@ -9,7 +9,7 @@ from typing import Self
 
 from studies.refusal import RunError, SceneError, nearest, shown
 from studies.scene.lines import key_lines, line_of
-from studies.scene.override import assigned
+from studies.scene.override import replaced, setting_of
 from studies.scene.syntax import explained
 
 SHIPPED = Path(__file__).parents[1] / "scenes"
@@ -39,15 +39,13 @@ class SceneFile:
         except (RecursionError, ValueError) as error:
             raise SceneError("", f"the scene {str(path)!r} is not TOML: {str(error)[:200]}") from None
 
+    def replaced(self, key: str, value) -> Self:
+        """Return the file with the value at a dotted key replaced."""
+        return replace(self, table=replaced(self.table, key, value), changed=(*self.changed, key))
+
     def assigned(self, setting: str) -> Self:
         """Return the file with one key changed as ``--set KEY=VALUE`` does."""
-        table = assigned(self.table, setting)
-        return replace(self, table=table, changed=(*self.changed, setting.partition("=")[0].strip()))
-
-    def replaced(self, block: str, key: str, value) -> Self:
-        """Return the file with the value of one key of a block replaced."""
-        table = self.table | {block: self.table[block] | {key: value}}
-        return replace(self, table=table, changed=(*self.changed, f"{block}.{key}"))
+        return self.replaced(*setting_of(setting))
 
     @contextmanager
     def located(self) -> Iterator[None]:

@@ -106,8 +106,6 @@ def test_values_of_an_axis(key, text, values):
         ({"slider.preload": "1 kg:2 kg:5"}, {}, "a force"),
         ({"stator.material": "1:2:5"}, {}, "takes words"),
         ({"slider.contacts": "1:2:5"}, {}, "whole numbers"),
-        ({"slider.preload": "1:2:latin"}, {}, "--samples"),
-        ({"slider.preload": "1:2:3"}, {"samples": 5}, "latin"),
         ({"slider.preload": "1:2:3"}, {"also": ("speed",)}, "--also"),
         ([{"slider.preload": "1:2:3"}, {"slider.preload": [1.0]}], {}, "twice"),
     ],
@@ -132,14 +130,6 @@ def test_axes_multiply_and_a_table_of_points_is_one_axis(tmp_path):
     design = designed(SMALL, {"slider.radius": "1:2:3", "slider.mass": "1:2:2"}, tolerance=1e-3)
     assert len(design) == 6
     assert design.values(np.array([0, 1, 5])) == [(1.0, 1.0, 30.0), (1.0, 2.0, 30.0), (2.0, 2.0, 30.0)]
-
-
-def test_a_latin_hypercube_has_one_point_in_every_stripe():
-    over = {"slider.preload": "1 mN:100 mN:latin:log", "slider.radius": "1 mm:2 mm:latin"}
-    design = designed(SMALL, over, samples=(20, 3), tolerance=1e-3)
-    preloads, radii = (np.array(column) for column in design.axes[0].columns)
-    for unit in (np.log(preloads / 1e-3) / np.log(100), (radii - 1e-3) / 1e-3):
-        assert sorted(np.floor(unit * 20).astype(int)) == list(range(20))
 
 
 # --- rows
