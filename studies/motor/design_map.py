@@ -28,7 +28,7 @@ from studies.sweep import sweep
 from studies.sweep.axes import axis, level_key
 
 COUNTS = 28, 22  # of levels and of preloads, where no axes are given
-QUICK = {"counts": (4, 3)}
+QUICK = {"counts": (3, 3)}
 SMALLEST = 100.0  # largest value of a map over the smallest that has a colour of its own
 PANELS = {
     "velocity": ("velocity_m_per_s", "slider velocity (mm/s)", 1e3),

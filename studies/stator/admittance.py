@@ -14,7 +14,7 @@ from studies.report.figures import lines
 from studies.scene import Scene, resolved
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
-QUICK = {"count": 9}
+QUICK = {"count": 5, "tolerance": 0.1}
 COUNT = 81
 
 

@@ -17,7 +17,7 @@ from studies.report.figures import AXES, COLOURS, curve, finished, legend_below,
 from studies.scene import Scene, resolved
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
-QUICK = {"count": 13, "tolerance": 0.5}
+QUICK = {"count": 8, "tolerance": 0.5}
 COUNT = 61
 REACH = 2.0  # widths of the stop bands shown on either side
 

@@ -23,7 +23,7 @@ from studies.scene.ranges import is_number, read_range
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
 OPTIONS = ("band", "z0", "measured")
-QUICK = {"count": 11, "tolerance": 5e-2}
+QUICK = {"count": 11, "tolerance": 0.3}
 COUNT = 401
 BRANCHES = 5
 PASSIVE, RECIPROCAL = 1e-12, 1e-11

@@ -86,10 +86,9 @@ def test_slow_motion_shows_the_instant(found):
 
 def test_a_strip_has_eight_snapshots_over_five_traces(found):
     figure = strip(found[1], title="strip")
-    figure.canvas.draw()
+    assert_legible(figure)
     assert len(figure.axes) == 13
     assert labelled(figure)
-    assert_legible(figure)
     labels = [ax.get_ylabel() for ax in figure.axes[8:]]
     assert labels == ["z (nm)", "x (nm)", "P (mN)", "Q (mN)", "v (mm/s)"]
     words = " ".join(text.get_text() for text in figure.findobj(Text))
@@ -106,9 +105,8 @@ def test_a_strip_has_eight_snapshots_over_five_traces(found):
 def test_start_and_stop_end_on_the_slope_of_friction():
     motion = burst(SLIDER, ORBIT, duration=4e-3, after=8e-3, tolerance=1e-2, samples=200)
     figure = start_and_stop([("8 nm", motion)], acceleration=0.08 * 9.81, title="start")
-    figure.canvas.draw()
-    assert labelled(figure)
     assert_legible(figure)
+    assert labelled(figure)
     end = figure.axes[1]
     slopes = {line.get_label(): line.get_xydata() for line in end.lines}
     theory = slopes["mu preload / m (theory)"]
@@ -146,9 +144,8 @@ def test_amplitude_shows_a_run_s_surface_whole_and_from_near():
         scene=resolved.resolved(Scene.load("twente-left")), tolerance=1e-3, wave=wave, surface=columns
     )
     figure = gallery_pictures.amplitude(record, wavelength=1e-3, focus=("slider", 0.08))
-    figure.canvas.draw()
-    assert labelled(figure)
     assert_legible(figure)
+    assert labelled(figure)
     whole, near = figure.axes
     assert "|u_z| 1.22 " in near.get_title()
     assert near.get_xlim() == pytest.approx((76.0, 84.0))
@@ -160,9 +157,8 @@ def test_depth_profile_puts_points_on_lines():
     theory = {"Re u_z": np.exp(-depth), "Im u_x": -np.exp(-2 * depth)}
     points = {"Re u_z": np.exp(-depth[::5]), "Im u_x": -np.exp(-2 * depth[::5])}
     figure = gallery_pictures.depth_profile(depth, theory, {"section": (depth[::5], points)}, title="depth")
-    figure.canvas.draw()
-    assert labelled(figure)
     assert_legible(figure)
+    assert labelled(figure)
     for line, dots in ((0, 2), (1, 3)):
         drawn, marks = figure.axes[0].lines[line].get_xydata(), figure.axes[0].lines[dots].get_xydata()
         np.testing.assert_allclose(np.interp(marks[:, 0], *drawn.T), marks[:, 1], atol=1e-12)
@@ -197,9 +193,8 @@ def test_bars_are_as_long_as_the_powers_and_energies():
 def test_power_along_the_stator_is_drawn_in_milliwatt():
     x = np.linspace(0, 0.1, 11)
     figure = gallery_pictures.power_along(x, 1e-3 * x, covered=[(0.01, 0.02)], given=2e-3, title="flow")
-    figure.canvas.draw()
-    assert labelled(figure)
     assert_legible(figure)
+    assert labelled(figure)
     assert figure.axes[0].lines[0].get_ydata()[-1] == pytest.approx(0.1)
 
 

@@ -24,7 +24,7 @@ def contact():
 
 @pytest.fixture(scope="module")
 def driven():
-    return run(changed("twente-left", "stator.thickness=2 mm", "slider.position=50 mm",
+    return run(changed("twente-left", "stator.thickness=2 mm", "slider.position=50 mm", "transducer.0.period=0.98 mm",
                        'drive.voltage=["30 V"]', f"transducer.0.name={EVIL}",
                        f"drive.transducer={EVIL}"), tolerance=1e-2)  # fmt: skip
 

@@ -19,6 +19,9 @@ from studies.view.run_field import run_field
 
 CHIP = [
     "stator.length=24 mm",
+    "stator.thickness=1.5 mm",
+    "transducer.0.period=0.98 mm",
+    "transducer.1.period=0.98 mm",
     "transducer.0.center=5 mm",
     "transducer.1.center=19 mm",
     "transducer.0.finger_pairs=2",
