@@ -199,7 +199,7 @@ class Blocks(Rule):
     """A list of blocks of one kind, of at least some length."""
 
     def __init__(self, kind: type[Block], least: int = 0):
-        self.kind, self.least = kind, least
+        self.kinds, self.least = (kind,), least
 
     def takes(self, value):
         return isinstance(value, (list, tuple)) and len(value) >= self.least
@@ -207,12 +207,12 @@ class Blocks(Rule):
     def read(self, path, value):
         if not self.takes(value):
             raise SceneError(path, f"must be a list of blocks, written [[{path}]], got {shown(value)}")
-        return read_each([Within(self.kind)] * len(value), path, value)
+        return read_each([Within(*self.kinds)] * len(value), path, value)
 
     @property
     def expected(self):
-        return f"one or more blocks [[{self.kind.block}]]"
+        return f"one or more blocks [[{self.kinds[0].block}]]"
 
     def schema(self):
         sizes = {"minItems": self.least} if self.least else {}
-        return {"type": "array", "items": block_schema(self.kind), **sizes}
+        return {"type": "array", "items": block_schema(*self.kinds), **sizes}

@@ -104,6 +104,7 @@ class Scene(Block):
     check_drive = consistency.check_drive
     check_recovery = consistency.check_recovery
     check_transducers = consistency.check_transducers
+    check_combs = consistency.check_combs
     check_turned = consistency.check_turned
     check_direction = consistency.check_direction
     check_slider = consistency.check_slider
