@@ -27,23 +27,9 @@ if TYPE_CHECKING:
     from studies.sweep import Sweep, sweep
 
 __all__ = [
-    "Damping",
-    "Drive",
-    "IsotropicSolid",
-    "PiezoelectricSolid",
-    "Record",
-    "RunError",
-    "Scene",
-    "SceneError",
-    "Slider",
-    "Stator",
-    "Sweep",
-    "Transducer",
-    "Wave",
-    "run",
-    "shipped_scenes",
-    "sweep",
-]
+    "Damping", "Drive", "IsotropicSolid", "PiezoelectricSolid", "Record", "RunError", "Scene", "SceneError", "Slider",
+    "Stator", "Sweep", "Transducer", "Wave", "run", "shipped_scenes", "sweep",
+]  # fmt: skip
 
 _HOME = {
     "Damping": "scene.slider",

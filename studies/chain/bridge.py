@@ -13,6 +13,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
+import contact
 from studies.record import Record
 from studies.scene import Scene
 from studies.scene.slider import Slider, Wave
@@ -28,10 +29,9 @@ def orbits_per_volt(motion, slider: Slider) -> tuple:
 
 def _orbits(frequency: float, motion) -> tuple:
     """Return the orbits of u_x, u_y and u_z, shape (3, balls)."""
-    from contact import Orbit
-
     return tuple(
-        Orbit(frequency=frequency, normal=complex(u_z), tangential=complex(u_x)) for u_x, _, u_z in motion.T
+        contact.Orbit(frequency=frequency, normal=complex(u_z), tangential=complex(u_x))
+        for u_x, _, u_z in motion.T
     )
 
 
@@ -53,9 +53,7 @@ def wave_along(motion, slider: Slider):
 
 def given_orbits(wave: Wave) -> tuple:
     """Return the orbit of a given wave for a normal amplitude of 1 m: a shape, to be scaled."""
-    from contact import Orbit
-
-    return (Orbit(frequency=wave.frequency, normal=1.0, tangential=-1j * wave.tangential_ratio),)
+    return (contact.Orbit(frequency=wave.frequency, normal=1.0, tangential=-1j * wave.tangential_ratio),)
 
 
 def scaled(orbits: tuple, level: float) -> tuple:
@@ -66,8 +64,6 @@ def scaled(orbits: tuple, level: float) -> tuple:
 @lru_cache(10_000)  # of a sweep's points many have the same
 def contact_slider(slider: Slider):
     """Return the ``contact.Slider`` of a block whose preload and moduli are numbers."""
-    import contact
-
     share = len(slider.offsets) if isinstance(slider.contacts, int) else 1
     return contact.Slider(
         radius=slider.radius,
@@ -152,23 +148,13 @@ class DrivenContact:
         return f"{level * 1e9:.4g} nm" if self.scene.wave is not None else f"{level:.4g} V"
 
     def above(self, factor: float) -> tuple[float, ...]:
-        """Return the levels above a multiple of the threshold, at which the slider starts to move.
-
-        Raises
-        ------
-        SceneError
-            If there is none.
-        """
-        import contact
-
+        """Return the levels above a multiple of the threshold, where the slider starts to move; refuse if none is."""
         threshold = factor * contact.threshold_factor(self.slider, self.orbits)
         moving = tuple(level for level in self.levels if level > threshold)
         if not moving:
             what = "the threshold" if factor == 1.0 else f"{factor:g} times the threshold"
-            self.scene.refuse(
-                self.level_key,
-                f"must hold a value above {what}, {self.named(threshold)}: nothing moves below",
-            )
+            rule = f"must hold a value above {what}, {self.named(threshold)}: nothing moves below"
+            self.scene.refuse(self.level_key, rule)
         return moving
 
     def spread(self, factor: float, count: int) -> list[float]:

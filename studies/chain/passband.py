@@ -10,13 +10,7 @@ WIDEST = 0.45  # of the middle frequency, for transducers of few fingers
 
 
 def driven_scene(scene: str | Scene) -> Scene:
-    """Return a scene with transducers as resolved.
-
-    Raises
-    ------
-    SceneError
-        If it has no transducer.
-    """
+    """Return a scene as resolved; refuse one without a transducer."""
     loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
     if not loaded.transducer:
         loaded.refuse("transducer", "is missing: the study drives one")
@@ -30,10 +24,8 @@ def place(scene: Scene) -> tuple[float, float]:
 
 def frequencies(scene: Scene, count: int):
     """Return frequencies in Hz, evenly spaced about v / period of the driven transducer."""
-    from fem import rayleigh
-
     driven = scene.driven_transducer
-    middle = rayleigh(resolved.solid(scene.stator), "open").velocity / driven.period
+    middle = fem.rayleigh(resolved.solid(scene.stator), "open").velocity / driven.period
     half = middle * min(LOBES / driven.finger_pairs, WIDEST)
     return np.linspace(middle - half, middle + half, count)
 

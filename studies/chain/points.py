@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+import contact
 from studies.chain.bridge import DrivenContact
 from studies.chain.propagation import velocity_error
 from studies.chain.tally import burst_tally, steady_tally
@@ -54,13 +55,11 @@ def slider_answer(
     driven: DrivenContact, *, tolerance: float, progress: Callable[[str], None]
 ) -> SliderAnswer:
     """Solve the contact at every level of its scene; its solvers are asked for a quarter of the tolerance."""
-    from contact import kernels
-
     scene = driven.scene
     slider = _refusing(lambda: driven.slider)
     points, parts, trajectories = [], [], []
     summary, threshold = _summary(driven)
-    waiting = "" if kernels.ready() else f", compiling {kernels.how_often()}"
+    waiting = "" if contact.kernels.ready() else f", compiling {contact.kernels.how_often()}"
     for number, level in enumerate(scene.levels, start=1):
         progress(f"contact: point {number} of {len(scene.levels)}{waiting if number == 1 else ''}")
         here = driven.at(level)
@@ -78,8 +77,6 @@ def slider_answer(
 
 def _point(driven: DrivenContact, level: float, tolerance: float):
     """Return the point's values, the parts of its error and its trajectory; a failure is its status."""
-    import contact
-
     orbits, asked = driven.at(level), CONTACT_SHARE * tolerance
     method = _method(driven.scene, "the steady state", STEADY_METHODS)
 
@@ -117,8 +114,6 @@ def _point(driven: DrivenContact, level: float, tolerance: float):
 
 def _nearby(slider, state, steady):
     """Return what gives the velocity near a state: cycle means, shifted to it, or where they fail the state's way."""
-    import contact
-
     try:
         shift = state.velocity - contact.mean_motion(slider, state.orbits).velocity
     except contact.ConvergenceError:
@@ -135,8 +130,6 @@ def _nearby(slider, state, steady):
 
 def _burst(driven: DrivenContact, orbits: tuple, velocity: float, tolerance: float):
     """Follow the burst, and the slider until it has stopped and rung for some periods."""
-    import contact
-
     slider, duration, ringing = driven.slider, driven.scene.burst, driven.ringing
     friction = slider.friction_coefficient * slider.preload
     stopping = abs(velocity) * slider.mass / friction if friction > 0 else 0.0
@@ -163,7 +156,6 @@ def _burst(driven: DrivenContact, orbits: tuple, velocity: float, tolerance: flo
 
 def _along(driven: DrivenContact, trajectory, level: float):
     """Return the trajectory along the field, and what the point says of it; unchanged where the slider hardly moves."""
-    import contact
     from studies.chain.propagation import reference_speed
     from studies.chain.travel import LEAST_TRAVEL, travelled, with_travel
 
@@ -190,12 +182,11 @@ def contact_load(slider, orbits: tuple, threshold: float) -> dict:
 
     ``threshold``: factor on the orbits at which the slider starts to move; infinite where it never does.
     """
-    from contact import riding_height
-
     found = {"stick_margin": threshold - 1.0} if math.isfinite(threshold) else {}
     if slider.preload > 0.0:
         crests = slider.offsets(len(orbits)) + [abs(orbit.normal) for orbit in orbits]
-        found["contact_pressure_Pa"] = float(slider.pressure(riding_height(slider, orbits) + max(crests)))
+        deepest = contact.riding_height(slider, orbits) + max(crests)
+        found["contact_pressure_Pa"] = float(slider.pressure(deepest))
     return found
 
 
@@ -206,8 +197,6 @@ def averaged(asked: list[tuple], threads: int | None = None) -> list[tuple]:
     computed side by side, in one compiled loop (`contact.steady_sweep`); what averaging does not know has the regime
     "unknown".
     """
-    import contact
-
     answers: list[tuple] = [()] * len(asked)
     for count in {len(orbits) for _, orbits, _, _ in asked}:
         members = [at for at, each in enumerate(asked) if len(each[1]) == count]
@@ -228,8 +217,6 @@ def averaged(asked: list[tuple], threads: int | None = None) -> list[tuple]:
 
 def half_thrust(slider, orbits: tuple, thrust: float, tolerance: float) -> tuple[float, float]:
     """Return what a slider gives out under half of its blocked thrust (N), W, and over what the wave puts in."""
-    import contact
-
     if not thrust > 0.0:
         return 0.0, 0.0
     state = contact.steady(replace(slider, load=0.5 * thrust), orbits, tolerance=tolerance)
@@ -239,18 +226,14 @@ def half_thrust(slider, orbits: tuple, thrust: float, tolerance: float) -> tuple
 
 def _summary(driven: DrivenContact) -> tuple[dict, float]:
     """Return threshold and release, what never comes absent; and the factor on the orbits at the threshold."""
-    import contact
-
-    threshold, release = (
-        each(driven.slider, driven.orbits) for each in (contact.threshold_factor, contact.release_factor)
-    )
-    found = {}
-    for name, factor in (("threshold", threshold), ("release", release)):
+    found, factors = {}, {}
+    for name, each in (("threshold", contact.threshold_factor), ("release", contact.release_factor)):
+        factor = factors[name] = each(driven.slider, driven.orbits)
         if math.isfinite(factor):
             found[f"{name}_amplitude_m"] = factor * driven.amplitude
             if driven.scene.wave is None:
                 found[f"{name}_voltage_V"] = factor
-    return found, threshold
+    return found, factors["threshold"]
 
 
 def _method(scene: Scene, what: str, available: tuple[str, ...]) -> str:

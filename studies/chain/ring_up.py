@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+import contact
 import fem
 from studies.chain.spectrum import response
 from studies.scene import Scene, resolved
@@ -42,8 +43,6 @@ class RingUp:
 
 def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str], None]) -> RingUp:
     """Return the ring-up at a place (x, y) in m of a scene with transducers, a burst and a frequency in Hz."""
-    from contact import Envelope
-
     scene, place = resolved.first_row(scene, place)
     driven = scene.driven_transducer
     half = min(LOBES / driven.finger_pairs, WIDEST) * scene.frequency
@@ -72,7 +71,9 @@ def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str
 
     def shape(which, start):
         part = factor[which]
-        return Envelope(time=found.time[which] - start, amplitude=abs(part), phase=np.unwrap(np.angle(part)))
+        return contact.Envelope(
+            time=found.time[which] - start, amplitude=abs(part), phase=np.unwrap(np.angle(part))
+        )
 
     envelope = shape(on, 0.0)
     ring_down = shape(~on, scene.burst) if np.any(~on) else None

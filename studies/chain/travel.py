@@ -15,11 +15,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+import contact
+
 LEAST_TRAVEL = 0.1  # wavelengths from which the travel counts
 PER_WAVELENGTH = 12  # places of the table; the standing wave has a period of half a wavelength
-SPEEDS = (
-    129  # of the table, from rest past the surface's own speed: the force has kinks there; 33 leave 2e-3 of v
-)
+# of the table, from rest past the surface's own speed: the force has kinks there; 33 leave 2e-3 of v
+SPEEDS = 129
 STEP = 0.05  # wavelengths of travel in a step of time, at the surface's own speed
 MIN_STEPS = 400
 MARGIN = 1.3  # the table's reach over the travel at one place, at first
@@ -57,8 +58,6 @@ class _Table:
     def __init__(self, slider, wave: WaveAlong, level: float, reach: tuple[float, float], coarser: int):
         from scipy.interpolate import RectBivariateSpline
 
-        from contact import mean_traction
-
         step = coarser * wave.wavelength / PER_WAVELENGTH
         low, high = reach
         self.places = np.linspace(low, high, max(4, int(np.ceil((high - low) / step)) + 1))
@@ -67,29 +66,31 @@ class _Table:
         speeds = np.linspace(0.0, self.top, (SPEEDS - 1) // coarser + 1)
         # at rest a sticking contact holds between two limits: either side of v = 0 is its own table
         least = np.where(speeds == 0.0, np.finfo(float).tiny, speeds)
-        forces = np.array([mean_traction(slider, orbits, np.append(least, -least)) for orbits in rows])
-        sides = forces[:, : speeds.size], forces[:, speeds.size :]
+        forces = np.array(
+            [contact.mean_traction(slider, orbits, np.append(least, -least)) for orbits in rows]
+        )
+        sides = {1: forces[:, : speeds.size], -1: forces[:, speeds.size :]}
         self._splines = {
-            sign: RectBivariateSpline(self.places, speeds, side / slider.mass)
-            for sign, side in zip((1, -1), sides, strict=True)
+            sign: RectBivariateSpline(self.places, speeds, side / slider.mass) for sign, side in sides.items()
         }
         self._damping = slider.tangential_damping / slider.mass
         self._load = slider.load / slider.mass
 
+    def _driven(self, place: float, speed: float, side: int) -> float:
+        """Return the acceleration by the wave on one side of v = 0, m/s^2."""
+        return float(self._splines[side](place, min(abs(speed), self.top))[0, 0])
+
     def toward(self, place: float) -> float:
         """Return the direction in which the wave drives a slider from rest without a load; 0 where it is held."""
-        forward, backward = (float(self._splines[sign](place, 0.0)[0, 0]) for sign in (1, -1))
-        return 1.0 if forward > 0 else -1.0 if backward < 0 else 0.0
+        return 1.0 if self._driven(place, 0.0, 1) > 0 else -1.0 if self._driven(place, 0.0, -1) < 0 else 0.0
 
     def acceleration(self, place: float, speed: float, load_sign: float) -> float:
         """Return dv/dt, m/s^2."""
         load = self._load * load_sign
         if speed == 0.0:
-            forward, backward = (float(self._splines[sign](place, 0.0)[0, 0]) - load for sign in (1, -1))
+            forward, backward = (self._driven(place, 0.0, side) - load for side in (1, -1))
             return forward if forward > 0 else min(backward, 0.0)
-        side = 1 if speed > 0 else -1
-        pull = float(self._splines[side](place, min(abs(speed), self.top))[0, 0])
-        return pull - self._damping * speed - load
+        return self._driven(place, speed, 1 if speed > 0 else -1) - self._damping * speed - load
 
 
 def _followed(table: _Table, duration: float, steps: int, moves: bool, reach) -> np.ndarray:
@@ -123,12 +124,8 @@ def _followed(table: _Table, duration: float, steps: int, moves: bool, reach) ->
 def travelled(slider, wave: WaveAlong, level: float, duration: float, expected: float) -> Travel:
     """Return the motion of a slider along the field during a burst from rest.
 
-    ``level``: V; ``duration``: s; ``expected``: travel in m at one place, with its sign.
-
-    Raises
-    ------
-    contact.ConvergenceError
-        Where averaging does not apply.
+    ``level``: V; ``duration``: s; ``expected``: travel in m at one place, with its sign.  Raises
+    contact.ConvergenceError where averaging does not apply.
     """
     span = MARGIN * abs(expected) + 2 * wave.wavelength
     while True:

@@ -26,13 +26,14 @@ MAX_USUAL_LENGTH = 1.0  # m of a stator: a longer one is probably a mistaken uni
 
 def warnings_of(record: Record) -> tuple[str, ...]:
     """Return every warning about a run, in the order of the chain."""
-    found, stator, contact = list(scene_warnings(record.scene)), (), ()
+    found = list(scene_warnings(record.scene))
     if record.scene.transducer:
-        stator = (_between_fingers, _stress, _off_resonance, _lossless, _thin_plate)
+        for each in (_drive, _off_resonance, _section):
+            found += each(record)
     if record.scene.slider is not None:
-        contact = (_sideways, _pressure, _reversal, _other_motion, _all_stick)
-    for each in (*stator, *contact):
-        found += each(record)
+        driven = DrivenContact.of_run(record)
+        for each in (_contact, _points, _other_motion):
+            found += each(record, driven)
     return tuple(found)
 
 
@@ -62,13 +63,14 @@ def _strength(scene: Scene):
     return fem.strength(scene.stator.material) if known else None
 
 
-def _between_fingers(record: Record) -> Iterator[str]:
-    """Yield warnings where the field in the gaps passes what the stator bears, or the air above them breaks down."""
+def _drive(record: Record) -> Iterator[str]:
+    """Yield warnings where fingers or air break down between the combs, or the wave's stress breaks the stator."""
     scene, driven, electrical = record.scene, record.scene.driven_transducer, record.electrical
+    highest, limits = max(scene.levels), _strength(scene)
     gap = (1 - driven.metallisation) * driven.period * driven.finger_pairs / driven.fingers
     voltages = [each["voltage_per_volt"] for each in electrical.get("sources", {}).values()]
-    volts = max(scene.levels) * max(map(abs, [electrical["comb_voltage_per_volt"], *voltages]))
-    limits, breakdown = _strength(scene), breakdown_voltage(gap)
+    volts = highest * max(map(abs, [electrical["comb_voltage_per_volt"], *voltages]))
+    breakdown = breakdown_voltage(gap)
     if limits is not None and limits.field is not None and volts > limits.field * gap:
         yield (
             f"the field between the fingers, {volts:.3g} V over {gap * 1e6:.3g} um, is {volts / gap / 1e6:.3g} MV/m; "
@@ -80,6 +82,19 @@ def _between_fingers(record: Record) -> Iterator[str]:
             f"{volts:.3g} V between fingers {gap * 1e6:.3g} um apart exceed the breakdown voltage of air there, "
             f"{breakdown:.3g} V (Paschen's law): keep below it, widen the gaps or cover the fingers"
         )
+    if limits is None or limits.tensile_stress is None:
+        return
+    c = resolved.solid(scene.stator).stiffness
+    stiffness = c[0, 0] - c[0, 2] ** 2 / c[2, 2]  # plane strain, no traction on the surface
+    wavenumber = 2 * math.pi * record.wave["frequency_Hz"] / record.wave["phase_velocity_m_per_s"]
+    motion = highest * float(abs(record.surface["u_x_m_per_V"]).max())
+    stress = stiffness * wavenumber * motion
+    if stress > limits.tensile_stress:
+        yield (
+            f"the wave's stress at the surface reaches {stress / 1e6:.3g} MPa (u_x = {motion * 1e9:.3g} nm); "
+            f"{limits.tensile_stress / 1e6:g} MPa is the rated dynamic tensile strength (Morgan TP-226): "
+            f"keep the voltage below {highest * limits.tensile_stress / stress:.3g} V"
+        )
 
 
 def breakdown_voltage(gap: float) -> float:
@@ -90,25 +105,6 @@ def breakdown_voltage(gap: float) -> float:
     least = math.e * math.log(1 + 1 / PASCHEN_GAMMA) / PASCHEN_A
     product = max(AIR * gap, least)
     return PASCHEN_B * product / math.log(PASCHEN_A * product / math.log(1 + 1 / PASCHEN_GAMMA))
-
-
-def _stress(record: Record) -> Iterator[str]:
-    """Yield a warning where the wave's stress along x passes what a ceramic bears."""
-    limits = _strength(record.scene)
-    if limits is None or limits.tensile_stress is None:
-        return
-    c = resolved.solid(record.scene.stator).stiffness
-    stiffness = c[0, 0] - c[0, 2] ** 2 / c[2, 2]  # plane strain, no traction on the surface
-    wavenumber = 2 * math.pi * record.wave["frequency_Hz"] / record.wave["phase_velocity_m_per_s"]
-    motion = max(record.scene.levels) * float(abs(record.surface["u_x_m_per_V"]).max())
-    stress = stiffness * wavenumber * motion
-    if stress > limits.tensile_stress:
-        highest = max(record.scene.levels) * limits.tensile_stress / stress
-        yield (
-            f"the wave's stress at the surface reaches {stress / 1e6:.3g} MPa (u_x = {motion * 1e9:.3g} nm); "
-            f"{limits.tensile_stress / 1e6:g} MPa is the rated dynamic tensile strength (Morgan TP-226): "
-            f"keep the voltage below {highest:.3g} V"
-        )
 
 
 def _off_resonance(record: Record) -> Iterator[str]:
@@ -136,24 +132,18 @@ def _off_resonance(record: Record) -> Iterator[str]:
         )
 
 
-def _lossless(record: Record) -> Iterator[str]:
-    """Yield a warning where nothing but the transducers takes power out of a wave that the ends send back."""
-    scene = record.scene
-    if scene.stator.ends == "absorbing" or math.isfinite(resolved.solid(scene.stator).mechanical_quality):
-        return
-    yield (
-        "the stator is lossless and its ends reflect, so that the amplitude depends on fractions of a wavelength "
-        f"(standing-wave ratio {record.wave['standing_wave_ratio']:.3g}): give stator.mechanical_quality, "
-        'or ends = "absorbing"'
-    )
-
-
-def _thin_plate(record: Record) -> Iterator[str]:
-    """Yield a warning where the surface wave passes to the other face, or the plate is too thin for one."""
-    stator, wave = record.scene.stator, record.surface_wave
+def _section(record: Record) -> Iterator[str]:
+    """Yield warnings where nothing takes power out of a wave that the ends send back, or the plate is too thin."""
+    stator, wave, frequency = record.scene.stator, record.surface_wave, record.scene.frequency
+    if stator.ends != "absorbing" and math.isinf(resolved.solid(stator).mechanical_quality):
+        yield (
+            "the stator is lossless and its ends reflect, so that the amplitude depends on fractions of a wavelength "
+            f"(standing-wave ratio {record.wave['standing_wave_ratio']:.3g}): give stator.mechanical_quality, "
+            'or ends = "absorbing"'
+        )
     if isinstance(stator.thickness, str) or stator.bottom == "absorbing":
         return
-    thickness = stator.thickness * record.scene.frequency / wave.phase_velocity
+    thickness = stator.thickness * frequency / wave.phase_velocity
     if wave.transfer_length < stator.length:
         yield (
             f"the plate is thin, {thickness:.2g} wavelengths: the wave passes to its other face and back, fully after "
@@ -167,44 +157,38 @@ def _thin_plate(record: Record) -> Iterator[str]:
         )
 
 
-def _sideways(record: Record) -> Iterator[str]:
-    """Yield a warning where the surface moves a ball sideways, which the contact leaves out."""
+def _contact(record: Record, driven: DrivenContact) -> Iterator[str]:
+    """Yield warnings where a ball is moved sideways, or presses harder than it or the stator bears."""
     ratio = record.wave.get("largest_lateral_ratio", 0.0)
     if ratio > SIDEWAYS:
         nearer = "keep the balls nearer to the middle of the beam"
-        remedy = "drive less across" if record.scene.crossed else nearer
         yield (
             f"the surface moves sideways under a ball, |u_y/u_x| = {ratio:.2g}, but the contact follows it along "
-            f"x alone: {remedy}"
+            f"x alone: {'drive less across' if record.scene.crossed else nearer}"
         )
-
-
-def _pressure(record: Record) -> Iterator[str]:
-    """Yield warnings where the Hertz pressure passes what ball or stator bear, at rest or on the highest crest."""
-    driven = DrivenContact.of_run(record)
     slider, orbits = driven.slider, driven.at(max(record.scene.levels))
     if slider.preload == 0:
         return
     highest = contact_load(slider, orbits, math.inf)["contact_pressure_Pa"]
     at_rest = slider.pressure(max(slider.rest_approaches(len(orbits))))
-    kind = "Mean pressure under a punch," if slider.shape == "punch" else "Hertz pressure"
-    what = "punches" if slider.shape == "punch" else "balls"
+    kind, what = "Hertz pressure", "balls"
+    if slider.shape == "punch":
+        kind, what = "Mean pressure under a punch,", "punches"
     known = ((f"the {what} bear", fem.strength("steel")), ("the stator bears", _strength(record.scene)))
     for part, limits in known:
         if limits is None or highest <= limits.contact_pressure:
             continue
         resting = at_rest > limits.contact_pressure
         pressure, when = (at_rest, "at rest") if resting else (highest, "on the wave's crest")
-        remedy = f"more or larger {what}, or less preload" + ("" if resting else " or drive")
         yield (
-            f"{kind} {pressure / 1e9:.3g} GPa {when} exceeds what {part}, "
-            f"{limits.contact_pressure / 1e9:.3g} GPa ({limits.pressure_source}): {remedy}"
+            f"{kind} {pressure / 1e9:.3g} GPa {when} exceeds what {part}, {limits.contact_pressure / 1e9:.3g} GPa "
+            f"({limits.pressure_source}): more or larger {what}, or less preload{'' if resting else ' or drive'}"
         )
 
 
-def _reversal(record: Record) -> Iterator[str]:
-    """Yield a warning where the slider runs one way at one point and the other way at the next."""
-    key, omega = DrivenContact.of_run(record).level_key, 2 * math.pi * record.wave["frequency_Hz"]
+def _points(record: Record, driven: DrivenContact) -> Iterator[str]:
+    """Yield warnings where the slider runs one way at a point and the other way at the next, or sticks at all."""
+    omega, unit = 2 * math.pi * record.wave["frequency_Hz"], _unit(record)
     moving = [
         (point[record.level], velocity)
         for point in record.points
@@ -214,16 +198,22 @@ def _reversal(record: Record) -> Iterator[str]:
     for (low, before), (high, after) in pairwise(moving):
         if before * after < 0:
             yield (
-                f"the slider reverses its direction between {low:.3g} and {high:.3g} {_unit(record)} "
-                f"({before * 1e3:.3g} and {after * 1e3:.3g} mm/s): give {key} more values between them"
+                f"the slider reverses its direction between {low:.3g} and {high:.3g} {unit} ({before * 1e3:.3g} and "
+                f"{after * 1e3:.3g} mm/s): give {driven.level_key} more values between them"
             )
+    if record.at_rest:  # the answer is the threshold, and the wave's own error counts
+        known = record.wave.get("relative_error")
+        threshold = record.summary.get("threshold_amplitude_m" if unit == "m" else "threshold_voltage_V")
+        starts = "" if threshold is None else f"; it starts at {driven.named(threshold)}"
+        accuracy = "" if known is None else f", the wave under the slider being known to {known:.1e}"
+        yield f"the slider sticks at every point: no velocity, and no error of it{starts}{accuracy}"
 
 
 def _unit(record: Record) -> str:
     return "m" if record.scene.wave is not None else "V"
 
 
-def _other_motion(record: Record) -> Iterator[str]:
+def _other_motion(record: Record, _driven: DrivenContact) -> Iterator[str]:
     """Yield a warning where a second steady motion is known: the one that a start from rest misses or goes on with."""
     several = [point for point in record.points if "other_velocity_m_per_s" in point]
     if not several:
@@ -242,14 +232,3 @@ def _other_motion(record: Record) -> Iterator[str]:
             f"a second steady motion exists {where}, the first of them being that of a start from rest: raise "
             "slider.damping.normal, or the wave's frequency above the contact's resonance"
         )
-
-
-def _all_stick(record: Record) -> Iterator[str]:
-    """Yield a warning where no point moves: the answer is the threshold, and the wave's own error counts."""
-    if not record.at_rest:
-        return
-    given, known = record.scene.wave is not None, record.wave.get("relative_error")
-    threshold = record.summary.get("threshold_amplitude_m" if given else "threshold_voltage_V")
-    starts = "" if threshold is None else f"; it starts at {DrivenContact.of_run(record).named(threshold)}"
-    accuracy = "" if known is None else f", the wave under the slider being known to {known:.1e}"
-    yield f"the slider sticks at every point: no velocity, and no error of it{starts}{accuracy}"

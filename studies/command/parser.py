@@ -43,8 +43,6 @@ material MATERIAL | a catalogue name, such as PZT-8
     "sweep": """many points of one scene, here, on processes or on a Dask cluster
 scene --voltage --set --over
 --points FILE | a CSV file of points, keys in its first line
---samples N | points of the Latin hypercube of START:STOP:latin
---seed=0 N | of the Latin hypercube (0)
 --also= LIST | beside the velocity: limits (threshold, release), thrust (blocked), efficiency, pressure, step (cycle)
 --tolerance T | bound of the relative error of the last quantity (1e-3)
 --workers

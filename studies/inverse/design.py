@@ -80,16 +80,12 @@ def design(
         If no evaluation keeps the constraints.
     """
     table = scene.to_table() if isinstance(scene, Scene) else scene
-    if not 1 <= len(goals) <= 2 or len(set(goals)) < len(goals):
-        raise SceneError(
-            "--maximise", f"must be one goal or two different ones, got {', '.join(goals) or 'none'}"
-        )
-    for goal in goals:
-        if goal not in GOALS:
-            raise SceneError("--maximise", f"must be of {', '.join(GOALS)}, got {goal!r}")
+    budget = 60 * len(variables) if options.evaluations is None else options.evaluations
+    if not set(goals) <= set(GOALS) or not 1 <= len(goals) == len(set(goals)) <= 2:
+        rule = f"must be one or two different ones of {', '.join(GOALS)}, got {', '.join(goals) or 'none'}"
+        raise SceneError("--maximise", rule)
     if not variables:
         raise SceneError("--over", "is required: KEY=LOW:HIGH")
-    budget = 60 * len(variables) if options.evaluations is None else options.evaluations
     if budget < 4 * len(variables) + 8:
         raise SceneError("--evaluations", f"must be at least {4 * len(variables) + 8}, got {budget}")
     also = tuple(
@@ -120,14 +116,14 @@ def design(
             )
         front = _front(feasible, searcher)
         optimum = front[len(front) // 2]
-        count = len(ask.rows)
         rows = [*([] if coarse is None else coarse.rows), *ask.rows]
         robustness = _robustness(searcher, optimum)
         best = table
         for variable in variables:
             best = replaced(best, variable.key, optimum[variable.key])
+        evaluations = len(ask.rows) + (0 if coarse is None else len(coarse.rows))
         return Design(goals=tuple(goals), optimum=optimum, front=front, robustness=robustness, rows=rows,
-                      evaluations=len(rows) + len(ask.rows) - count, table=best)  # fmt: skip
+                      evaluations=evaluations, table=best)  # fmt: skip
 
 
 def _front(feasible: list[dict], searcher: Search) -> list[dict]:
@@ -145,20 +141,23 @@ def _front(feasible: list[dict], searcher: Search) -> list[dict]:
 
 def _robustness(searcher: Search, optimum: dict) -> dict:
     """Return what is left of the first goal when each variable is 5 % off; changed counts are one off."""
-    base, found = searcher.goal(optimum, searcher.goals[0]), {}
+    goal = searcher.goals[0]
+    base, found = searcher.goal(optimum, goal), {}
     own = [optimum[each.key] for each in searcher.variables]
     for k, each in enumerate(searcher.variables):
-        changed = []
-        for sign in (-1.0, 1.0):
-            value = own[k] + int(sign) if each.counted else own[k] * (1.0 + sign * CHANGE)
-            changed.append(tuple(value if j == k else other for j, other in enumerate(own)))
-        rows = [row for row in searcher.ask([point for point in changed if point[k] > 0])]
+        ends = (
+            (own[k] - 1, own[k] + 1) if each.counted else (own[k] * (1.0 - CHANGE), own[k] * (1.0 + CHANGE))
+        )
+        rows = searcher.ask([(*own[:k], end, *own[k + 1 :]) for end in ends if end > 0])
+        broken = [searcher.broken(row) for row in rows]
         left = [
-            searcher.goal(row, searcher.goals[0]) / base if searcher.broken(row) < UNKNOWN else 0.0
-            for row in rows
+            searcher.goal(row, goal) / base if size < UNKNOWN else 0.0
+            for row, size in zip(rows, broken, strict=True)
         ]
-        kept = all(searcher.broken(row) == 0.0 for row in rows)
-        found[each.key] = {"least_share_of_goal": min(left, default=0.0), "keeps_constraints": kept}
+        found[each.key] = {
+            "least_share_of_goal": min(left, default=0.0),
+            "keeps_constraints": not any(broken),
+        }
     return found
 
 

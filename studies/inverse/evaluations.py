@@ -74,7 +74,7 @@ class Evaluations:
         return self
 
     def __exit__(self, *_):
-        self.workers.stop()
+        self.workers.close()
         self.store.close()
 
     def __call__(self, values: list[tuple[float, ...]]) -> list[dict]:

@@ -13,7 +13,6 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.inverse.data import Measurement
 from studies.inverse.directions import Direction, direction, undetermined
 from studies.inverse.least_squares import CLEARLY, Problem
 from studies.inverse.next_measurement import ranked
@@ -22,6 +21,7 @@ from studies.inverse.prediction import MeasurementPredictor
 from studies.inverse.profile import BetterMinimumError, End, allowed_excess, profile
 from studies.inverse.result import Fit
 from studies.refusal import RunError, SceneError
+from studies.report.measured import Measurement
 from studies.scene import Scene
 
 FIRST_STEP = 1.96  # standard deviations to the expected end of an interval

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.inverse.data import UNITS, Measurement
 from studies.inverse.result import Fit
 from studies.report.answer import labelled, table
 from studies.report.figures import COLOURS, new_figure
+from studies.report.measured import UNITS, Measurement
 from studies.results.content import write_json
 from studies.scene.toml import document
 

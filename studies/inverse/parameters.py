@@ -5,9 +5,11 @@ amplitudes of a given [wave]; ``amplitude_factor`` multiplies the surface motion
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 from studies.refusal import SceneError, nearest, shown
+from studies.report.measured import Measurement, read_measured
 from studies.scene.keys import rule_at
 from studies.scene.numbers import Quantity
 from studies.scene.override import parts_of, toml_value
@@ -103,6 +105,21 @@ def read_setting(text: str, option: str = "--data") -> tuple[str, object]:
     if key in OWN:
         return key, _number(option, key, value)
     return key, rule_at(key).read(key, toml_value(value))
+
+
+def read_measurement(path: str | Path, settings: tuple[str, ...] = ()) -> Measurement:
+    """Read a CSV file with its own fixed keys, ``KEY=VALUE``; ``systematic=0.02`` is a common error of 2 %.
+
+    Raises
+    ------
+    SceneError
+        If the file cannot be read or is no measurement, or a setting is wrong.
+    """
+    if "=" in str(path):
+        raise SceneError("--data", f"must begin with a file: FILE.csv KEY=VALUE ..., got {str(path)!r}")
+    fixed = dict(read_setting(text) for text in settings)
+    systematic = float(fixed.pop(SYSTEMATIC, 0.0))
+    return replace(read_measured(path, "--data"), systematic=systematic, settings=fixed)
 
 
 def _number(option: str, key: str, text: str) -> float:

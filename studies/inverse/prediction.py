@@ -11,9 +11,9 @@ from dataclasses import replace
 import numpy as np
 
 from studies.chain.points import averaged
-from studies.inverse.data import Measurement
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
 from studies.refusal import RunError, SceneError
+from studies.report.measured import Measurement
 from studies.scene import Scene
 from studies.scene.override import value_at
 from studies.scene.resolved import resolved

@@ -35,9 +35,10 @@ class Search:
         def values(xs):
             return np.array([self.value(row, weights) for row in self.rows(xs.T, self.coarse)])
 
+        first = qmc.LatinHypercube(count, rng=np.random.default_rng(self.seed)).random(size)
         found = differential_evolution(
             values, [(0.0, 1.0)] * count,
-            popsize=max(1, size // count), maxiter=turns, init=self._first(size), rng=np.random.default_rng(self.seed),
+            popsize=max(1, size // count), maxiter=turns, init=first, rng=np.random.default_rng(self.seed),
             vectorized=True, updating="deferred", polish=False, tol=0.0,
         )  # fmt: skip
         start, left = found.x, budget - size * (turns + 1)
@@ -67,16 +68,18 @@ class Search:
             return UNKNOWN
         return sum(max(0.0, each.excess(row)) for each in self.constraints)
 
+    def merit(self, row: dict, weights) -> float:
+        """Return what is maximised: the first goal with weight; of two the weighted distance from the best of each."""
+        goals = [self.goal(row, goal) for goal in self.goals]
+        if self.best_of_each is None:
+            return goals[int(np.argmax(weights))]
+        shares = [1.0 - value / (best or 1.0) for value, best in zip(goals, self.best_of_each, strict=True)]
+        return 1.0 - max(weight * share for weight, share in zip(weights, shares, strict=True))
+
     def value(self, row: dict, weights) -> float:
         """Return what is minimised."""
         broken = self.broken(row)
-        if broken > 0.0:
-            return INFEASIBLE + broken
-        goals = [self.goal(row, goal) for goal in self.goals]
-        if self.best_of_each is None:
-            return -goals[int(np.argmax(weights))]
-        shares = [1.0 - value / (best or 1.0) for value, best in zip(goals, self.best_of_each, strict=True)]
-        return max(weight * share for weight, share in zip(weights, shares, strict=True)) - 1.0
+        return INFEASIBLE + broken if broken > 0.0 else -self.merit(row, weights)
 
     def feasible(self, rows) -> list[dict]:
         """Return the points that keep the constraints."""
@@ -97,17 +100,12 @@ class Search:
             point[free] = np.clip(part, 0.0, 1.0)
             return self.rows([point])[0]
 
+        scale = max((self.merit(row, weights) for row in self.feasible(self.ask.rows)), default=1.0) or 1.0
+
         def size(part):
             row = at(part)
-            if self.broken(row) >= UNKNOWN:
-                return INFEASIBLE
-            goals = [self.goal(row, goal) for goal in self.goals]
-            if self.best_of_each is not None:
-                return self.value(row | {"status": "ok"}, weights) if self.broken(row) == 0.0 else 0.0
-            return -goals[int(np.argmax(weights))] / scale
+            return INFEASIBLE if self.broken(row) >= UNKNOWN else -self.merit(row, weights) / scale
 
-        scale = max((self.goal(row, self.goals[int(np.argmax(weights))]) for row in self.feasible(self.ask.rows)),
-                    default=1.0) or 1.0  # fmt: skip
         limits = [
             {"type": "ineq", "fun": lambda part, each=each: -each.excess(at(part))}
             for each in self.constraints
@@ -117,6 +115,3 @@ class Search:
             size, np.array(start, float)[free], method="COBYQA", bounds=[(0.0, 1.0)] * len(free), constraints=limits,
             options={"maxfev": max(budget, len(free) + 3), "initial_tr_radius": 0.05, "final_tr_radius": radius},
         )  # fmt: skip
-
-    def _first(self, size: int):
-        return qmc.LatinHypercube(len(self.variables), rng=np.random.default_rng(self.seed)).random(size)

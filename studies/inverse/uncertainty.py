@@ -11,9 +11,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import norm, qmc, truncnorm
 
-from studies.inverse.data import Measurement
 from studies.inverse.prediction import MeasurementPredictor
 from studies.record import Record
+from studies.report.measured import Measurement
 from studies.scene.keys import LEVELS, tolerances
 from studies.scene.uncertain import DEFAULTS
 

@@ -18,7 +18,7 @@ from matplotlib.ticker import MaxNLocator
 
 from studies.refusal import RunError, SceneError
 from studies.report.figures import finished, logarithmic, own
-from studies.report.intermediate import prefixed
+from studies.report.intermediate import prefixed, si
 from studies.scene import Scene
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import replaced, value_at
@@ -27,8 +27,7 @@ from studies.study import Panel, StudyRecord, judged, of_record, study
 from studies.sweep import sweep
 from studies.sweep.axes import axis, level_key
 
-COUNTS = 28, 22  # of levels and of preloads, where no axes are given
-QUICK = {"counts": (4, 3)}
+QUICK = {"counts": (3, 3)}
 SMALLEST = 100.0  # largest value of a map over the smallest that has a colour of its own
 PANELS = {
     "velocity": ("velocity_m_per_s", "slider velocity (mm/s)", 1e3),
@@ -43,7 +42,7 @@ def run(
     scene: str | Scene = "twente-contact",
     *,
     over: dict | None = None,
-    counts: tuple[int, int] = COUNTS,
+    counts: tuple[int, int] = (28, 22),
     progress=None,
 ) -> StudyRecord:
     """Return the maps, their lines and the scene's own point.
@@ -85,7 +84,10 @@ def run(
         raise RunError(f"the map is empty: {failed}, {columns['status'][0]}")
     factors = {f"{name}_factor": _plain(grid[f"{name}_factor"]) for name in ("threshold", "release")}
     shared = {"x_key": x_key, "x": x, "y_key": y_key, "y": y, **own, **factors}
-    title = chosen.title if moved else f"{chosen.title}, {_words(level, max(chosen.levels))}"
+    title = chosen.title
+    if not moved:
+        name = level.rpartition(".")[2].replace("_", " ")
+        title += f", {name} {si(max(chosen.levels), unit_of(rule_at(level)))}"
     panels = [
         Panel(
             name=name, title=title, data=shared | {"value": _plain(grid[key]), "label": label, "scale": scale}
@@ -95,12 +97,12 @@ def run(
     ]
     moving, passed = grid["velocity_m_per_s"] != 0.0, grid["threshold_factor"] < 1.0
     parted, released = np.reshape(columns["regime"], shape) == "intermittent", grid["release_factor"] < 1.0
-    friction = [
-        np.reshape(columns.get(f"slider.{key}", [getattr(chosen.slider, key)] * known.size), shape)[
-            known
-        ].astype(float)
+    preload, mu = (
+        np.reshape(columns.get(f"slider.{key}", [getattr(chosen.slider, key)] * known.size), shape).astype(
+            float
+        )
         for key in ("preload", "friction_coefficient")
-    ]
+    )
     findings = (
         *(judged(f"The closed form of the {name} parts the map.", "share of points on their side",
                  np.mean(right[known]), holds=np.all(right[known]), expected="1", remark=failed)
@@ -108,7 +110,7 @@ def run(
         judged("The load gets less than the wave gives.", "largest efficiency of the contact",
                np.nanmax(grid["contact_efficiency"][known]), low=0, high=1),
         judged("Thrust is friction's.", "largest blocked thrust over mu times preload",
-               np.nanmax(grid["thrust_N"][known] / (friction[1] * friction[0])), low=0, high=1 + 1e-9,
+               np.nanmax((grid["thrust_N"] / (mu * preload))[known]), low=0, high=1 + 1e-9,
                expected="above 0, up to 1"),
     )  # fmt: skip
     return panels, findings
@@ -132,9 +134,8 @@ def figure(record: Panel, ax):
         factor = np.asarray(data[f"{name}_factor"], float)
         factor = np.log(np.where(np.isfinite(factor) & (factor > 0.0), factor, 1e6))
         if factor.min() < 0.0 < factor.max():
-            line = ax.contour(
-                x[0], y[0], factor, levels=[0.0], colors="black", linestyles=style, linewidths=1.6
-            )
+            given = {"levels": [0.0], "colors": "black", "linestyles": style, "linewidths": 1.6}
+            line = ax.contour(x[0], y[0], factor, **given)
             line.set_path_effects([withStroke(linewidth=3.0, foreground="white")])
             ax.plot([], [], style, color="black", linewidth=1.6, label=f"{name} (theory)")
     points = [(a * x[1], b * y[1]) for a in data["own_x"] for b in data["own_y"]]
@@ -167,7 +168,7 @@ def _levels(values) -> list[float]:
 
 def _plain(values) -> list:
     """Return an array as lists, None where it is not finite."""
-    return [[each if math.isfinite(each) else None for each in row] for row in values.tolist()]
+    return np.where(np.isfinite(values), values.astype(object), None).tolist()
 
 
 def _usual(scene: Scene, level: str, counts: tuple[int, int]) -> dict:
@@ -203,9 +204,8 @@ def _check(axes) -> None:
 def _own(table: dict, key: str) -> list[float]:
     """Return the scene's own value of a key, or values, as a list; none where it has none."""
     value = value_at(table, key)
-    return [
-        each for each in (value if isinstance(value, list) else [value]) if isinstance(each, (int, float))
-    ]
+    values = value if isinstance(value, list) else [value]
+    return [each for each in values if isinstance(each, (int, float))]
 
 
 def _scaled(key: str, values):
@@ -219,11 +219,6 @@ def _scaled(key: str, values):
         power, letter = prefixed(largest)
         unit, factor = letter + unit, factor * 10.0**-power
     return (values * factor, factor), f"{name} ({unit})" if unit else name
-
-
-def _words(key: str, value: float) -> str:
-    (scaled, _), label = _scaled(key, [value])
-    return f"{label.split(' (')[0]} {scaled[0]:g} {label.split('(')[-1].rstrip(')')}"
 
 
 def _even_in_logarithm(values) -> bool:

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import contact
 from studies.chain import run as run_chain
-from studies.chain.driven_contact import DrivenContact
+from studies.chain.bridge import DrivenContact
 from studies.motor import regime_map
 from studies.record import Record
 from studies.report.figures import velocity
@@ -25,7 +25,6 @@ from studies.view.contact_view import contact_moments
 from studies.view.gallery_pictures import draw_all
 from studies.view.run_field import of_record
 
-TAKES_SCENE = True
 QUICK = {"films": False, "maps": False}
 CONTACT, BURSTS = 0.5, (0.2, 0.4, 0.8)  # of the largest voltage: the scene's nearest ones are drawn
 LONG = 2.0  # burst over the time in which friction alone would reach the steady velocity
@@ -38,7 +37,7 @@ class Gallery(StudyRecord):
     record: Record = field(repr=False)
     found: object = field(repr=False)  # its RunField
     voltage: float  # of the contact and its ledger, V
-    contact: tuple = field(repr=False)  # `contact_pictures.moments` and title
+    contact: tuple = field(repr=False)  # `contact_view.moments` and title
     bursts: tuple = field(repr=False)  # of (str, contact.Trajectory)
     acceleration: float  # mu preload / m, m/s^2
     ledger: object = field(repr=False)  # contact.Ledger of one cycle

@@ -3,23 +3,27 @@
 from dataclasses import dataclass
 
 from studies.chain import SHARE
-from studies.chain.driven_contact import DrivenContact
+from studies.chain.bridge import DrivenContact
 from studies.chain.points import STEADY_METHODS
 from studies.record import Record
 
-__all__ = ["Balance", "balances"]
+__all__ = ["LEDGER", "Balance", "balances"]
 
 MOST = 3  # points: the first that moves, one between, the last
-ENTRIES = (
-    ("wave_normal", "work of the wave through the normal force"),
-    ("wave_tangential", "work of the wave through the tangential force"),
-    ("slip", "lost in slip"),
-    ("contact_damper", "lost in R_n1"),
-    ("normal_damper", "lost in R_n2"),
-    ("tangential_damper", "lost in R_t"),
-    ("load", "work against the load"),
-    ("leak", "leak of the elastic law without the reciprocal force"),
-)
+LEDGER = {
+    "wave_normal": "wave, normal force",
+    "wave_tangential": "wave, friction force",
+    "slip": "lost in slip",
+    "contact_damper": "damper in the contact",
+    "normal_damper": "normal damper",
+    "tangential_damper": "tangential damper",
+    "load": "work against the load",
+    "leak": "leak of the elastic law",
+    "stored": "held by the springs",
+    "lifted": "held by the preload",
+    "slider": "held by the slider",
+}  # what the wave gives, where it goes, and what is stored, which in a steady state is nothing
+STORED = ("stored", "lifted", "slider")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,7 +50,8 @@ def balances(record: Record) -> tuple[Balance, ...]:
         given = {"tolerance": record.tolerance * SHARE, "method": method}
         state = contact.steady(driven.slider, driven.at(level), **given)
         power = share * scene.frequency
-        entries = tuple((text, getattr(state.ledger, name) * power) for name, text in ENTRIES)
+        spent = {name: text for name, text in LEDGER.items() if name not in STORED}
+        entries = tuple((text, getattr(state.ledger, name) * power) for name, text in spent.items())
         found.append(Balance(level=level, entries=entries, residual=state.ledger.relative_residual))
     return tuple(found)
 

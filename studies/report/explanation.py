@@ -7,7 +7,6 @@ followed event by event about 5e-5 s for each cycle of the wave.
 """
 
 import textwrap
-from dataclasses import dataclass
 
 from studies.chain import SHARE
 from studies.chain.left_out import left_out
@@ -18,7 +17,7 @@ from studies.report.answer import labelled, table
 from studies.report.contents import section
 from studies.scene import Scene, resolved
 
-__all__ = ["MEMORY_WITHIN", "TIME_WITHIN", "Plan", "explanation", "plan"]
+__all__ = ["MEMORY_WITHIN", "TIME_WITHIN", "explanation", "plan"]
 
 TIME_WITHIN, MEMORY_WITHIN = 3.0, 2.0  # factors within which the predictions have been seen to hold
 SPEED = 2.5e10  # real operations per second of the stator's algebra: one core of an x86_64 machine of 2026
@@ -34,51 +33,14 @@ HEADS = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True, kw_only=True)
-class Part:
-    """One part of the chain: how it is solved, and the sizes of its discretisations."""
+def plan(scene: Scene, *, tolerance: float) -> dict:
+    """Return the plan of a scene's run in terms of JSON.
 
-    name: str
-    facts: tuple[str, ...] = ()
-    levels: tuple[dict, ...] = ()
-
-
-@dataclass(frozen=True, kw_only=True)
-class Plan:
-    """What a run would compute, its size and its cost."""
-
-    scene: Scene
-    tolerance: float
-    parts: tuple[Part, ...]
-    left_out: tuple[str, ...]
-    seconds: float
-    bytes: float
-
-    def to_dict(self) -> dict:
-        """Return the plan as plain numbers, text, lists and tables."""
-        return {
-            "title": self.scene.title,
-            "scene": self.scene.to_table(),
-            "tolerance": self.tolerance,
-            "parts": [{key: value for key, value in vars(part).items() if value} for part in self.parts],
-            "left_out": list(self.left_out),
-            "expected": {
-                "seconds": self.seconds,
-                "seconds_within": TIME_WITHIN,
-                "bytes": self.bytes,
-                "bytes_within": MEMORY_WITHIN,
-            },
-        }
-
-
-def plan(scene: Scene, *, tolerance: float) -> Plan:
-    """Return the plan of a scene's run.
-
-    Parameters
-    ----------
-    scene : Scene
-    tolerance : float
-        As of the run.
+    Returns
+    -------
+    dict
+        ``title``, ``scene``, ``tolerance``; ``parts`` of the chain: how each is solved, sizes of its discretisations;
+        ``left_out``; ``expected`` seconds and bytes with the factors within which they hold.
 
     Raises
     ------
@@ -98,7 +60,7 @@ def plan(scene: Scene, *, tolerance: float) -> Plan:
             raise RunError(str(error)) from None
     elif scene.wave is None:
         facts = (_where(scene), "guided modes of the bare section: an eigenproblem through the depth alone")
-        parts = [Part(name="free wave", facts=facts)]
+        parts = [{"name": "free wave", "facts": facts}]
     if scene.slider is not None:
         from contact import kernels
 
@@ -109,39 +71,35 @@ def plan(scene: Scene, *, tolerance: float) -> Plan:
         if not kernels.ready():
             facts.append(f"its kernels are compiled first, {kernels.how_often()}: about {COMPILE:g} s")
             seconds += COMPILE
-        parts.append(Part(name="contact", facts=tuple(facts)))
-    return Plan(
-        scene=scene,
-        tolerance=tolerance,
-        parts=tuple(parts),
-        left_out=left_out(scene, **missing),
-        seconds=seconds + operations / SPEED,
-        bytes=PROCESS + KEPT * kept,
-    )
+        parts.append({"name": "contact", "facts": facts})
+    expected = {"seconds": seconds + operations / SPEED, "seconds_within": TIME_WITHIN}
+    expected |= {"bytes": PROCESS + KEPT * kept, "bytes_within": MEMORY_WITHIN}
+    return {
+        "title": scene.title, "scene": scene.to_table(), "tolerance": tolerance, "parts": parts,
+        "left_out": left_out(scene, **missing), "expected": expected,
+    }  # fmt: skip
 
 
-def explanation(plan: Plan) -> str:
+def explanation(plan: dict) -> str:
     """Return what ``sawmotor run --explain`` prints."""
-    rows = []
-    for part in plan.parts:
+    rows, expected = [], plan["expected"]
+    for part in plan["parts"]:
         sizes = [[f"{each[key]:.4g}" if key == "megabytes" else str(each[key]) for key in HEADS]
-                 for each in part.levels]  # fmt: skip
-        rows += [
-            (part.name, [*part.facts, *(table([list(HEADS.values()), *sizes]) if sizes else ())]),
-            ("", [""]),
-        ]
+                 for each in part.get("levels", ())]  # fmt: skip
+        lines = [*part["facts"], *(table([list(HEADS.values()), *sizes]) if sizes else ())]
+        rows += [(part["name"], lines), ("", [""])]
     rows += [
-        ("left out", [line for each in plan.left_out for line in textwrap.wrap(each, WIDTH)]),
-        ("error", [f"at most {plan.tolerance:.1e} is asked for"]),
-        ("expected time", [f"{plan.seconds:.2g} s within a factor of {TIME_WITHIN:g}, bursts apart: counted "
+        ("left out", [line for each in plan["left_out"] for line in textwrap.wrap(each, WIDTH)]),
+        ("error", [f"at most {plan['tolerance']:.1e} is asked for"]),
+        ("expected time", [f"{expected['seconds']:.2g} s within a factor of {TIME_WITHIN:g}, bursts apart: counted "
                            f"operations at {SPEED:.1e} per second"]),
-        ("expected memory", [f"{plan.bytes / 1e6:.0f} MB within a factor of {MEMORY_WITHIN:g}, pictures apart"]),
+        ("expected memory", [f"{expected['bytes'] / 1e6:.0f} MB within a factor of {MEMORY_WITHIN:g}, pictures apart"]),
     ]  # fmt: skip
-    title = plan.scene.title or "no title"
+    title = plan["title"] or "no title"
     return "\n".join([title, "what a run would compute; nothing has been computed", "", *labelled(rows)])
 
 
-def _driven(scene: Scene, tolerance: float) -> tuple[list[Part], dict, float, float]:
+def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, float]:
     """Return the parts of a driven stator, what `left_out` asks about them, their operations, their blocks' bytes."""
     from fem import LEVELS, isotropic_about_normal, planned_levels, stator_size
 
@@ -167,7 +125,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[Part], dict, float, fl
         f"fields {', '.join(finest.section.solid.fields)}; {'complex' if finest.complex else 'real'} arithmetic in "
         "the pieces, guided modes between them",
     )
-    parts = [Part(name="stator", facts=facts, levels=tuple(_level(sizes[k]) for k in planned))]
+    parts = [{"name": "stator", "facts": facts, "levels": [_level(sizes[k]) for k in planned]}]
     operations, kept = (
         sections * sum(_operations(sizes[k]) for k in planned),
         sum(sorted(sizes[k].block_bytes for k in planned)[-2:]),
@@ -177,7 +135,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[Part], dict, float, fl
     spreads = diffraction is not False and not refusal
     if spreads:
         how = "guided modes at every wavenumber across the aperture, under the slider"
-        parts.append(Part(name="beam", facts=(how,)))
+        parts.append({"name": "beam", "facts": [how]})
         operations += BEAM if isotropic_about_normal(stator.solid) else CUT_BEAM
     missing = {"beam": spreads, "reason": refusal}
     if slider is not None and scene.burst is not None:
@@ -190,7 +148,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[Part], dict, float, fl
             how = (
                 "response over a band of frequencies, as many as the ringing asks for; the least certain time"
             )
-            parts.append(Part(name="ring-up", facts=(how,)))
+            parts.append({"name": "ring-up", "facts": [how]})
             operations, kept = operations + BAND * _operations(sizes[1]), kept + 5 * sizes[1].block_bytes
     return parts, missing, operations, kept
 

@@ -1,14 +1,15 @@
-"""A measured curve beside the predicted one: slider velocity against drive voltage, or against a given amplitude.
+"""Measured curves: read from files, and beside the predicted one of a run.
 
-The file is CSV with a line of names. Columns: ``voltage_V`` (or ``normal_amplitude_m``, ``_nm`` for a given wave),
-``velocity_m_per_s`` (or ``_mm_per_s``) and perhaps ``velocity_standard_deviation_m_per_s`` or ``error_m_per_s`` (or
-``_mm_per_s``), one standard deviation. Other columns are ignored, so that a run's own velocity.csv may be compared with
-another run.
+A file is CSV with the names of run.json: ``voltage_V`` or ``normal_amplitude_m`` with ``velocity_m_per_s`` is a
+velocity curve; ``voltage_V`` with ``normal_amplitude_m`` and no velocity a calibration of the surface amplitude;
+``time_s`` with ``velocity_m_per_s`` a burst.  ``velocity_standard_deviation_m_per_s`` (or ``error_m_per_s``) and
+``normal_amplitude_standard_deviation_m`` hold standard deviations.  ``_mm_per_s``, ``_nm`` and ``_ms`` serve as units
+too.  Other columns are ignored, so that a run's own velocity.csv may be compared with another run.
 """
 
 import csv
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,22 +18,57 @@ from studies.refusal import SceneError, shown
 if TYPE_CHECKING:
     from studies.record import Record
 
-__all__ = ["Measured", "MeasuredTable", "compared", "comparison", "read_measured"]
+__all__ = ["MeasuredTable", "Measurement", "compared", "comparison", "read_measured"]
 
 VOLTAGES, LENGTHS = {"V": 1.0}, {"m": 1.0, "nm": 1e-9}  # units of a column's name, in SI units
 SPEEDS, TIMES = {"m_per_s": 1.0, "mm_per_s": 1e-3}, {"s": 1.0, "ms": 1e-3}
 OPTION = "--measured"
 
 
-@dataclass(frozen=True, kw_only=True)
-class Measured:
-    """Measured points, in SI units."""
+# by quantity: unit, factor to the unit that is shown, its name
+UNITS = {
+    "velocity": ("m/s", 1e3, "mm/s"),
+    "burst": ("m/s", 1e3, "mm/s"),
+    "amplitude": ("m", 1e9, "nm"),
+    "ring-down frequency": ("Hz", 1e-3, "kHz"),
+}
 
-    name: str  # of the file
-    key: str  # ``voltage_V`` or ``normal_amplitude_m``
-    level: tuple[float, ...]  # V or m
-    velocity: tuple[float, ...]  # m/s
-    error: tuple[float, ...] | None  # standard deviations, m/s
+
+@dataclass(frozen=True, kw_only=True)
+class Measurement:
+    """Measured or imagined values of one quantity; arrays of one length, SI units.
+
+    Attributes
+    ----------
+    name : str
+        Of the file, or in words.
+    quantity : str
+        A key of ``UNITS``.
+    level_key : str
+        ``voltage_V`` or ``normal_amplitude_m``; empty where the scene's own level counts.
+    levels : tuple of float
+        V or m.
+    time : tuple of float
+        s from the start of a burst; empty for what is no burst.
+    values : tuple of float
+        Empty for a measurement that is only imagined.
+    deviations : tuple of float or None
+        Standard deviations; None where they are not known.
+    systematic : float
+        Relative standard deviation of one factor that all values of the measurement share.
+    settings : dict
+        Keys of the scene that hold for this measurement alone.
+    """
+
+    name: str
+    quantity: str
+    level_key: str = ""
+    levels: tuple[float, ...] = ()
+    time: tuple[float, ...] = ()
+    values: tuple[float, ...] = ()
+    deviations: tuple[float, ...] | None = None
+    systematic: float = 0.0
+    settings: dict = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,29 +137,49 @@ class MeasuredTable:
         return value
 
 
-def read_measured(path: str | Path) -> Measured:
-    """Read a file of measured points.
+def read_measured(path: str | Path, option: str = OPTION) -> Measurement:
+    """Read a file of measured points; ``option``: of the command, for refusals.
 
     Raises
     ------
     SceneError
         If it cannot be read, lacks a column, or holds what is no number.
     """
-    table = MeasuredTable.read(path, OPTION)
-    level, key = table.column("voltage", VOLTAGES), "voltage_V"
-    if level is None:
-        level, key = table.column("normal_amplitude", LENGTHS), "normal_amplitude_m"
-    velocity = table.column("velocity", SPEEDS)
-    if level is None or velocity is None:
-        wanted = "voltage_V (or normal_amplitude_m) and velocity_m_per_s (or velocity_mm_per_s)"
+    table = MeasuredTable.read(path, option)
+    voltage, amplitude = table.column("voltage", VOLTAGES), table.column("normal_amplitude", LENGTHS)
+    velocity, time = table.column("velocity", SPEEDS), table.column("time", TIMES)
+    level_key = "voltage_V" if voltage is not None else "normal_amplitude_m" if amplitude is not None else ""
+    levels = voltage or amplitude or ()
+    if min((*levels, *(time or ())), default=0.0) < 0.0:
+        raise SceneError(option, f"{str(path)!r}: voltages, amplitudes and times must be zero or positive")
+    if velocity is not None and time is not None:
+        quantity, values = "burst", velocity
+        if len(set(levels)) > 1:
+            raise SceneError(option, f"{str(path)!r} must hold one burst: one level, got {len(set(levels))}")
+        levels = levels[:1]
+        if list(time) != sorted(set(time)) or time[-1] == 0.0:
+            raise SceneError(option, f"{str(path)!r}: time must rise from point to point")
+    elif velocity is not None and level_key:
+        quantity, values = "velocity", velocity
+    elif voltage is not None and amplitude is not None:
+        quantity, values = "amplitude", amplitude
+    else:
+        wanted = "voltage_V or normal_amplitude_m with velocity_m_per_s, voltage_V with normal_amplitude_m, "
+        wanted += "or time_s with velocity_m_per_s"
         raise SceneError(
-            OPTION, f"{str(table.path)!r} must have the columns {wanted}, got {', '.join(table.names)}"
+            option, f"{str(path)!r} must have the columns {wanted}; got {', '.join(table.names)}"
         )
-    error = table.deviation(("error", "velocity_standard_deviation"), SPEEDS)
-    return Measured(name=table.path.name, key=key, level=level, velocity=velocity, error=error)
+    if quantity == "amplitude":
+        deviations = table.deviation(("normal_amplitude_standard_deviation",), LENGTHS)
+    else:
+        deviations = table.deviation(("error", "velocity_standard_deviation"), SPEEDS)
+    return Measurement(
+        name=Path(path).name, quantity=quantity, level_key=level_key, levels=tuple(levels), time=time or (),
+        values=values, deviations=deviations,
+    )  # fmt: skip
 
 
-def compared(record: "Record", measured: Measured) -> dict:
+def compared(record: "Record", measured: Measurement) -> dict:
     """Return the block ``measured`` of run.json: each point beside the prediction, and how far they are apart.
 
     The prediction is interpolated linearly between the run's points; measured points outside them are listed without
@@ -138,13 +194,17 @@ def compared(record: "Record", measured: Measured) -> dict:
 
     if record.scene.slider is None:
         raise SceneError(OPTION, "needs a scene with a [slider]: there is no velocity to compare with")
-    if measured.key != record.level:
-        raise SceneError(OPTION, f"must have the column {record.level} for this scene, got {measured.key}")
+    if measured.quantity != "velocity":
+        raise SceneError(OPTION, f"must hold velocities against {record.level}, got a {measured.quantity}")
+    if measured.level_key != record.level:
+        raise SceneError(
+            OPTION, f"must have the column {record.level} for this scene, got {measured.level_key}"
+        )
     known = sorted((p[record.level], p["velocity_m_per_s"]) for p in record.points if "velocity_m_per_s" in p)
     if not known:
         raise SceneError(OPTION, "has nothing to be compared with: no point of the run has a velocity")
     at, speeds = np.array(known).T
-    level, velocity = np.array(measured.level), np.array(measured.velocity)
+    level, velocity = np.array(measured.levels), np.array(measured.values)
     unsigned = bool(np.all(velocity >= 0) and np.all(speeds <= 0) and np.any(speeds < 0))
     if unsigned:
         velocity = -velocity
@@ -156,8 +216,8 @@ def compared(record: "Record", measured: Measured) -> dict:
     points = []
     for k in range(len(level)):
         point = {record.level: float(level[k]), "velocity_m_per_s": float(velocity[k]) + 0.0}
-        if measured.error is not None:
-            point["error_m_per_s"] = measured.error[k]
+        if measured.deviations is not None:
+            point["error_m_per_s"] = measured.deviations[k]
         if inside[k]:
             point["predicted_m_per_s"] = float(predicted[k])
         points.append(point)
@@ -175,8 +235,8 @@ def compared(record: "Record", measured: Measured) -> dict:
         square = float(np.sum(predicted[inside] ** 2))
         block["rms_deviation_relative"] = rms / largest
         block["measured_over_predicted"] = float(np.sum((velocity * predicted)[inside]) / square)
-    if measured.error is not None:
-        ratios = gap / np.array(measured.error)[inside]
+    if measured.deviations is not None:
+        ratios = gap / np.array(measured.deviations)[inside]
         block["within_one_error"] = int(np.sum(abs(ratios) <= 1))
         block["chi_square_per_point"] = float(np.mean(ratios**2))
     return block

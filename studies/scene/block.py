@@ -12,7 +12,7 @@ from dataclasses import MISSING, dataclass, fields
 from functools import cache
 from typing import ClassVar, Self
 
-from studies.refusal import Refusals, SceneError, nearest, shown, suggestion
+from studies.refusal import SceneError, nearest, shown, suggestion
 from studies.scene.rule import Rule, read_each
 from studies.scene.synonyms import meant
 from studies.scene.uncertain import stated_schema
@@ -58,17 +58,15 @@ class UnreadError(Exception):
 
 
 class Unread:
-    """Stands for a value that was refused while the others are checked: it is given, and nothing else is known."""
+    """Stands for a value that is missing or was refused while the others are checked: nothing is known of it."""
 
 
 def _refuse(*_):
     raise UnreadError
 
 
-OPERATIONS = (
-    "getattr bool eq ne lt gt le ge hash abs neg complex float iter len contains getitem format str repr "
-)
-OPERATIONS += "add radd sub rsub mul rmul truediv rtruediv pow rpow"
+OPERATIONS = """getattr bool eq ne lt gt le ge hash abs neg complex float iter len contains getitem format str repr
+add radd sub rsub mul rmul truediv rtruediv pow rpow"""
 for operation in OPERATIONS.split():
     setattr(Unread, f"__{operation}__", _refuse)
 
@@ -82,7 +80,7 @@ class Block:
         problems = []
         for name, key in keys_of(type(self)).items():
             value = getattr(self, name)
-            if value is None and not key.required and key.default is None:
+            if isinstance(value, Unread) or (value is None and not key.required and key.default is None):
                 continue
             try:
                 value = key.rule.read(self._path(name), value)
@@ -115,34 +113,25 @@ class Block:
         """
         if not isinstance(table, dict):
             raise SceneError(path, f"must be a block of keys, got {shown(table)}")
-        known, refusals, at = keys_of(cls), Refusals(), f"{path}." if path else ""
+        known, problems, at = keys_of(cls), [], f"{path}." if path else ""
         misspelt = set()
         for word in (word for word in table if word not in known):
             key, hint = _meant(word, cls)
             misspelt.add(key)
-            refusals.problems.append(SceneError(f"{at}{word}", f"is no key of a scene{hint}"))
-        missing = [name for name, key in known.items() if key.required and name not in table]
-        for name in missing:
+            problems.append(SceneError(f"{at}{word}", f"is no key of a scene{hint}"))
+        absent = [name for name, key in known.items() if key.required and name not in table]
+        for name in absent:
             if name not in misspelt:  # else said already, with the word that stands for it
                 rule = f"is required and missing: give {known[name].rule.expected}"
-                refusals.problems.append(SceneError(f"{at}{name}", rule))
-        block, given = None, {name: table[name] for name in known if name in table}
-        if missing:
-            for name, value in given.items():
-                with refusals:
-                    known[name].rule.read(f"{at}{name}", value)
-        else:
-            with refusals:
-                block = cls._built(path, given)
-        refusals.raise_all()
-        return block
-
-    @classmethod
-    def _built(cls, path: str, given: dict) -> Self:
+                problems.append(SceneError(f"{at}{name}", rule))
+        given = {name: table[name] for name in known if name in table} | {name: Unread() for name in absent}
         try:
-            return cls(**given)
+            block = cls(**given)
         except SceneError as error:
-            raise error.moved(cls.block, path) from None
+            problems.append(error.moved(cls.block, path))
+        if problems:
+            raise SceneError.together(problems)
+        return block
 
     def to_table(self) -> dict:
         """Return the TOML table of this block, in SI units; what is absent stays absent."""
@@ -209,7 +198,7 @@ class Blocks(Rule):
     """A list of blocks of one kind, of at least some length."""
 
     def __init__(self, kind: type[Block], least: int = 0):
-        self.kind, self.least = kind, least
+        self.kinds, self.least = (kind,), least
 
     def takes(self, value):
         return isinstance(value, (list, tuple)) and len(value) >= self.least
@@ -217,12 +206,12 @@ class Blocks(Rule):
     def read(self, path, value):
         if not self.takes(value):
             raise SceneError(path, f"must be a list of blocks, written [[{path}]], got {shown(value)}")
-        return read_each([Within(self.kind)] * len(value), path, value)
+        return read_each([Within(*self.kinds)] * len(value), path, value)
 
     @property
     def expected(self):
-        return f"one or more blocks [[{self.kind.block}]]"
+        return f"one or more blocks [[{self.kinds[0].block}]]"
 
     def schema(self):
         sizes = {"minItems": self.least} if self.least else {}
-        return {"type": "array", "items": block_schema(self.kind), **sizes}
+        return {"type": "array", "items": block_schema(*self.kinds), **sizes}

@@ -9,7 +9,7 @@ from typing import Self
 
 from studies.refusal import RunError, SceneError, nearest, shown
 from studies.scene.lines import key_lines, line_of
-from studies.scene.override import assigned
+from studies.scene.override import replaced, setting_of
 from studies.scene.syntax import explained
 
 SHIPPED = Path(__file__).parents[1] / "scenes"
@@ -39,15 +39,13 @@ class SceneFile:
         except (RecursionError, ValueError) as error:
             raise SceneError("", f"the scene {str(path)!r} is not TOML: {str(error)[:200]}") from None
 
+    def replaced(self, key: str, value) -> Self:
+        """Return the file with the value at a dotted key replaced."""
+        return replace(self, table=replaced(self.table, key, value), changed=(*self.changed, key))
+
     def assigned(self, setting: str) -> Self:
         """Return the file with one key changed as ``--set KEY=VALUE`` does."""
-        table = assigned(self.table, setting)
-        return replace(self, table=table, changed=(*self.changed, setting.partition("=")[0].strip()))
-
-    def replaced(self, block: str, key: str, value) -> Self:
-        """Return the file with the value of one key of a block replaced."""
-        table = self.table | {block: self.table[block] | {key: value}}
-        return replace(self, table=table, changed=(*self.changed, f"{block}.{key}"))
+        return self.replaced(*setting_of(setting))
 
     @contextmanager
     def located(self) -> Iterator[None]:
@@ -55,18 +53,14 @@ class SceneFile:
         try:
             yield
         except SceneError as error:
-            problems = [(self._line(problem), problem) for problem in error.problems]
-            problems.sort(key=lambda pair: pair[0] or 0)
-            raise SceneError.together(self._placed(*pair) for pair in problems) from None
-
-    def _line(self, problem: SceneError) -> int | None:
-        inside = any(f"{problem.path}.".startswith(f"{key}.") for key in self.changed)
-        return None if problem.place or inside else line_of(problem.path, self.lines)
-
-    def _placed(self, line: int | None, problem: SceneError) -> SceneError:
-        if line is None:
-            return problem
-        return SceneError(problem.path, problem.rule, f"{self.path}, line {line}")
+            placed = []
+            for problem in error.problems:
+                inside = any(f"{problem.path}.".startswith(f"{key}.") for key in self.changed)
+                line = None if problem.place or inside else line_of(problem.path, self.lines)
+                place = problem.place if line is None else f"{self.path}, line {line}"
+                placed.append((line or 0, SceneError(problem.path, problem.rule, place)))
+            placed.sort(key=lambda pair: pair[0])
+            raise SceneError.together(problem for _, problem in placed) from None
 
 
 def shipped_scenes() -> dict[str, Path]:

@@ -4,6 +4,8 @@ import tomllib
 from collections import Counter
 from collections.abc import Iterator
 
+from studies.scene.override import walk
+
 CLOSINGS = (
     "",
     "]",
@@ -43,7 +45,7 @@ def key_lines(text: str) -> dict[str, int]:
                     block += f".{entries[block] - 1}" if entries[block] else ""
                 lines.setdefault(block, number)
             else:
-                for path in _paths(block, found):
+                for path, _ in walk(found, block):
                     lines.setdefault(path, number)
             statement = statement if closing else ""
             break
@@ -63,12 +65,3 @@ def _header(table: dict) -> Iterator[tuple[str, bool]]:
         ((key, inner),) = table.items()
         yield key, isinstance(inner, list)
         table = inner[0] if isinstance(inner, list) else inner
-
-
-def _paths(path: str, value) -> Iterator[str]:
-    """Yield the dotted paths of all keys and list entries inside a value."""
-    pairs = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
-    for key, inner in pairs:
-        here = f"{path}.{key}" if path else str(key)
-        yield here
-        yield from _paths(here, inner)

@@ -1,8 +1,9 @@
 """Changes of a scene from the command line: ``--set slider.mass=1e-4``, ``--over slider.mass=1e-4:2e-4:5``."""
 
 import tomllib
+from collections.abc import Iterator
 
-from studies.refusal import SceneError, shown
+from studies.refusal import SceneError, nearest, shown
 
 
 def toml_value(text: str):
@@ -20,18 +21,48 @@ def toml_value(text: str):
     return document["value"] if list(document) == ["value"] else text
 
 
-def assigned(table: dict, setting: str) -> dict:
-    """Return a copy of a scene's table changed by ``KEY=VALUE``, the key a dotted path, lists numbered from 0."""
-    path, text = parts_of("--set", setting, "KEY=VALUE with a dotted key")
-    keys = [key.strip() for key in path.split(".")]
+def setting_of(text: str) -> tuple[str, object]:
+    """Return key and value of ``KEY=VALUE``, the key a dotted path."""
+    wanted = "KEY=VALUE with a dotted key"
+    key, value = parts_of("--set", text, wanted)
+    keys = [part.strip() for part in key.split(".")]
     if not all(keys):
-        raise SceneError("--set", f"must be KEY=VALUE with a dotted key, got {shown(setting)}")
-    return _changed(table, keys, toml_value(text), "")
+        raise SceneError("--set", f"must be {wanted}, got {shown(text)}")
+    return ".".join(keys), toml_value(value)
 
 
-def replaced(table: dict, key: str, value) -> dict:
-    """Return a scene's table with the value at a dotted key replaced; the table is left as it is."""
-    return _changed(table, key.split("."), value, "")
+def assigned(table: dict, setting: str) -> dict:
+    """Return a copy of a scene's table changed by ``KEY=VALUE``."""
+    return replaced(table, *setting_of(setting))
+
+
+def replaced(holder, key: str, value, done: str = ""):
+    """Return a scene's table with the value at a dotted key replaced, lists numbered from 0; it is left as it is."""
+    key, dot, rest = key.partition(".")
+    here = f"{done}.{key}" if done else key
+    if isinstance(holder, list):
+        if not (key.isascii() and key.isdigit() and len(key) < 10 and int(key) < len(holder)):
+            raise SceneError(here, f"is no entry of {done}: its {len(holder)} entries are numbered from 0")
+        inner = replaced(holder[int(key)], rest, value, here) if dot else value
+        return [inner if index == int(key) else entry for index, entry in enumerate(holder)]
+    if isinstance(holder, dict):
+        return holder | {key: replaced(holder.get(key, {}), rest, value, here) if dot else value}
+    raise SceneError(here, f"cannot be set: {done} is {shown(holder)} and holds no keys")
+
+
+def merged(holder, changes):
+    """Return a scene's table with changes: key by key, of a list the blocks of a name; what becomes None is removed."""
+    if isinstance(changes, dict) and isinstance(holder, dict):
+        whole = holder | {key: merged(holder.get(key), value) for key, value in changes.items()}
+        return {key: value for key, value in whole.items() if value is not None}
+    named = isinstance(holder, list) and all(isinstance(each, dict) and "name" in each for each in holder)
+    if not (isinstance(changes, dict) and named):
+        return changes
+    names = [each["name"] for each in holder]
+    for name in changes:
+        if name not in names:
+            raise SceneError("transducer", f"has none of the name {shown(name)}{nearest(name, names)}")
+    return [merged(each, changes.get(each["name"], {})) for each in holder]
 
 
 def value_at(table: dict, key: str):
@@ -43,6 +74,15 @@ def value_at(table: dict, key: str):
         except (KeyError, IndexError, TypeError, ValueError):
             return None
     return at
+
+
+def walk(value, path: str = "") -> Iterator[tuple[str, object]]:
+    """Yield the dotted path and the value of every key and list entry inside a table."""
+    pairs = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, inner in pairs:
+        here = f"{path}.{key}" if path else str(key)
+        yield here, inner
+        yield from walk(inner, here)
 
 
 def parts_of(option: str, text: str, wanted: str) -> tuple[str, str]:
@@ -68,17 +108,3 @@ def axes_given(settings: list[str]) -> dict[str, str]:
             raise SceneError(f"--over {key}", "is given twice")
         found[key] = text
     return found
-
-
-def _changed(holder, keys: list[str], value, done: str):
-    if not keys:
-        return value
-    key, rest = keys[0], keys[1:]
-    here = f"{done}.{key}" if done else key
-    if isinstance(holder, dict):
-        return holder | {key: _changed(holder.get(key, {} if rest else None), rest, value, here)}
-    if isinstance(holder, list):
-        if not (key.isascii() and key.isdigit() and len(key) < 10 and int(key) < len(holder)):
-            raise SceneError(here, f"is no entry of {done}: its {len(holder)} entries are numbered from 0")
-        return [_changed(old, rest, value, here) if i == int(key) else old for i, old in enumerate(holder)]
-    raise SceneError(here, f"cannot be set: {done} is {shown(holder)} and holds no keys")

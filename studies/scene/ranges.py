@@ -14,7 +14,7 @@ class Range(NamedTuple):
 
     low: float
     high: float
-    count: int | None  # None: one side of a Latin hypercube, whose samples are counted elsewhere
+    count: int
     logarithmic: bool
 
     def at(self, part: float, of: float = 1.0) -> float:
@@ -31,8 +31,8 @@ class Range(NamedTuple):
         return [self.at(k, max(self.count - 1, 1)) for k in range(self.count)]
 
 
-def read_range(path: str, text: str, unit: str, *, bare: float = 1.0, latin: bool = False) -> Range:
-    """Read a range; ``bare`` is the unit of numbers without one, ``latin`` allows ``START:STOP:latin``.
+def read_range(path: str, text: str, unit: str, *, bare: float = 1.0) -> Range:
+    """Read a range; ``bare`` is the unit of numbers without one.
 
     Examples
     --------
@@ -54,11 +54,8 @@ def read_range(path: str, text: str, unit: str, *, bare: float = 1.0, latin: boo
     if logarithmic and not min(ends) > 0:
         raise SceneError(path, f"must lie above 0 for even steps of the logarithm, got {shown(text)}")
     number = parts[2]
-    if latin and number == "latin":
-        return Range(*ends, None, logarithmic)
     if not (number.isascii() and number.isdigit() and 1 <= int(number[:9]) <= MAX_COUNT):
-        also = ", or latin" if latin else ""
-        raise SceneError(path, f"must ask for 1 to {MAX_COUNT} values{also}, got {shown(number)}")
+        raise SceneError(path, f"must ask for 1 to {MAX_COUNT} values, got {shown(number)}")
     if int(number) == 1 and ends[0] != ends[1]:
         raise SceneError(path, f"must ask for at least 2 values between different ends, got {shown(text)}")
     return Range(*ends, int(number), logarithmic)

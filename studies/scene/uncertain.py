@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from studies.refusal import SceneError, shown
 from studies.scene.numbers import DIGITS, Quantity, units
-from studies.scene.override import replaced
+from studies.scene.override import replaced, walk
 from studies.scene.quantity import NUMBER, si_value
 from studies.scene.rule import Count, Rule, choice
 
@@ -37,7 +37,11 @@ class Uncertain(Rule):
 
     def read(self, path, value):
         """Return pairs of key and option or text, in the order given."""
-        pairs = value if isinstance(value, tuple) else tuple(_flat(path, "", value))
+        if not isinstance(value, (dict, tuple)):
+            raise SceneError(path, f"must be a block of keys, got {shown(value)}")
+        pairs = value
+        if isinstance(value, dict):
+            pairs = [(key, each) for key, each in walk(value) if not isinstance(each, dict)]
         for key, each in pairs:
             if key in OPTIONS:
                 OPTIONS[key].read(f"{path}.{key}", each)
@@ -101,47 +105,22 @@ def parted(table: dict) -> dict:
     >>> parted({"slider": {"preload": "5 +- 0.2 mN"}})
     {'slider': {'preload': '5 mN'}, 'uncertain': {'slider': {'preload': '+- 0.2 mN'}}}
     """
-    found = []
-
-    def visit(path, value):
-        if isinstance(value, dict):
-            return {key: visit([*path, str(key)], each) for key, each in value.items()}
-        if isinstance(value, list):
-            return [visit([*path, str(k)], each) for k, each in enumerate(value)]
+    found = {}
+    for key, value in walk({key: each for key, each in table.items() if key not in ("title", "uncertain")}):
         match = STATED.fullmatch(value) if isinstance(value, str) else None
         if match is None:
-            return value
+            continue
         number, size = match.groups()
         units = [part[2] if (part := NUMBER.fullmatch(text)) else None for text in (number, size)]
         if units[0] is None and units[1] not in (None, "%"):
             number = f"{number} {units[1]}"
         elif units[1] is None and units[0] is not None:
             size = f"{size} {units[0]}"
-        found.append((".".join(path), f"+- {size}"))
-        return _number(number)
-
-    whole = {
-        key: value if key in ("title", "uncertain") else visit([key], value) for key, value in table.items()
-    }
-    if not found:
-        return table
-    given = whole.get("uncertain", {})
-    pairs = list(_flat("uncertain", "", given))
-    for key, _ in found:
-        if key in dict(pairs):
+        table, found[key] = replaced(table, key, _number(number)), f"+- {size}"
+    for key, _ in walk(table.get("uncertain")) if found else ():
+        if key in found:
             raise SceneError(f"uncertain.{key}", "is given twice: here and with the value itself")
-    return whole | {"uncertain": Uncertain().written((*pairs, *found))}
-
-
-def _flat(path: str, done: str, value):
-    if not isinstance(value, dict):
-        raise SceneError(path, f"must be a block of keys, got {shown(value)}")
-    for key, each in value.items():
-        here = f"{done}.{key}" if done else str(key)
-        if isinstance(each, dict):
-            yield from _flat(path, here, each)
-        else:
-            yield here, each
+    return reduce(lambda table, pair: replaced(table, f"uncertain.{pair[0]}", pair[1]), found.items(), table)
 
 
 def _number(text):

@@ -23,8 +23,7 @@ from studies.scene.ranges import is_number, read_range
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
 OPTIONS = ("band", "z0", "measured")
-QUICK = {"count": 11, "tolerance": 5e-2}
-COUNT = 401
+QUICK = {"count": 11, "tolerance": 0.3}
 BRANCHES = 5
 PASSIVE, RECIPROCAL = 1e-12, 1e-11
 CIRCLES = (0, 0.2, 0.5, 1, 2, 5)  # of the Smith chart, over the reference
@@ -37,7 +36,7 @@ def run(
     band: str | None = None,
     z0: str | float = 50.0,
     measured: str | None = None,
-    count: int = COUNT,
+    count: int = 401,
     tolerance: float = 1e-3,
     progress=None,
 ) -> StudyRecord:
@@ -108,11 +107,8 @@ def tables(record: StudyRecord) -> dict[str, str]:
     data = record.panel("magnitude").data
     remarks = (record.panel("magnitude").title, "ports: " + ", ".join(data["ports"]))
     texts = fem.touchstone(data["frequency_Hz"], data["scattering"], data["reference_ohm"], remarks)
-    files = {f"network.s{len(data['ports'])}p": texts}
-    for panel in record.panels:
-        if "spice" in panel.data:
-            files[f"{panel.name}.cir"] = panel.data["spice"]
-    return files
+    circuits = {f"{panel.name}.cir": panel.data["spice"] for panel in record.panels if "spice" in panel.data}
+    return {f"network.s{len(data['ports'])}p": texts} | circuits
 
 
 @of_record
@@ -135,7 +131,9 @@ def figure(record: Panel, ax):
             curve(ax, at, values.imag, style, "stick", f"Im, {part}", size=2.0)
         return finished(ax, across, "admittance (mS)", record.title, columns=3)
     for prefix, style, at, remark in _sources(data):
-        for i, j in _pairs(data["ports"]):
+        for i, j in zip(
+            *np.tril_indices(len(data["ports"])), strict=True
+        ):  # one half of a reciprocal network
             size = 20 * np.log10(np.maximum(abs(data[f"{prefix}scattering"][:, i, j]), 1e-15))
             colour = f"C{i * len(data['ports']) + j}"
             ax.plot(at, size, style, color=colour, markersize=3, label=f"S{i + 1}{j + 1}{remark}")
@@ -173,32 +171,23 @@ def _sources(data: dict):
         yield "measured_", ".", data["measured_frequency_Hz"] / 1e6, f" ({data['measured_file']})"
 
 
-def _pairs(ports) -> list[tuple[int, int]]:
-    """Return the parameters drawn: of a reciprocal network one half."""
-    return [(i, j) for i in range(len(ports)) for j in range(i + 1)]
-
-
 def _circuit_panel(name: str, at, seen, models) -> Panel:
     safe = "".join(letter if letter.isalnum() else "_" for letter in name)
     texts = [model.spice(f"{safe}_{kind}") for model, kind in zip(models, ("bvd", "motional"), strict=True)]
     one, several = (model.admittance(at) for model in models)
-    return Panel(
-        name=f"circuit_{safe}",
-        title=f"Transducer {name!r}: errors {models[0].error:.2g} and {models[1].error:.2g}",
-        data={
-            "frequency_Hz": at, "admittance_S": seen, "one_branch_S": one, "several_branches_S": several,
-            "spice": "".join(texts),
-        },
-    )  # fmt: skip
+    title = f"Transducer {name!r}: errors {models[0].error:.2g} and {models[1].error:.2g}"
+    return Panel(name=f"circuit_{safe}", title=title, data={
+        "frequency_Hz": at, "admittance_S": seen, "one_branch_S": one, "several_branches_S": several,
+        "spice": "".join(texts),
+    })  # fmt: skip
 
 
 def _band(text: str):
     """Return the frequencies in Hz of START:STOP:N, in MHz without a unit."""
     found = read_range("--band", str(text), "Hz", bare=1e6)
     if not (0 < found.low < found.high and 2 <= found.count <= 100_000):
-        raise SceneError(
-            "--band", f"must rise from START above 0 to STOP in 2 to 100000 values, got {text!r}"
-        )
+        rule = f"must rise from START above 0 to STOP in 2 to 100000 values, got {text!r}"
+        raise SceneError("--band", rule)
     return np.array(found.values)
 
 

@@ -9,6 +9,7 @@ missing, and with points that were lost with their worker.
 
 import sys
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
@@ -23,7 +24,7 @@ from studies.sweep.axes import Axis
 from studies.sweep.design import Design, designed
 from studies.sweep.driver import Driver
 from studies.sweep.predictor import Predictor
-from studies.sweep.store import FILE, Store
+from studies.sweep.store import Store
 from studies.sweep.workers import workers as chosen_workers
 
 if TYPE_CHECKING:
@@ -68,6 +69,8 @@ class Sweep:
         Seconds of work, in this process or in workers, earlier drivers' included.
     seconds : float
         Of this driver.
+    columns : callable
+        Returns the rows in the order of their points, as columns by name; what a row has not is None.
     axes : tuple of studies.sweep.axes.Axis
         Keys and values.
     """
@@ -77,20 +80,13 @@ class Sweep:
     counts: dict[str, int]
     cost: float
     seconds: float
-    store: Store = field(repr=False)
+    columns: Callable[[], dict[str, list]] = field(repr=False)
     axes: tuple[Axis, ...] = field(default=(), repr=False)
 
     @property
     def failed(self) -> int:
         """Rows without an answer within the tolerance."""
         return self.points - self.counts.get("ok", 0)
-
-    def columns(self) -> dict[str, list]:
-        """Return the rows in the order of their points, as columns; what a row has not is None."""
-        with self.store.reading() as connection:
-            cursor = connection.execute("select * from points order by point")
-            names = [entry[0] for entry in cursor.description]
-            return dict(zip(names, map(list, zip(*cursor, strict=True)), strict=True))
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the rows as a pandas table, in the order of their points.
@@ -138,7 +134,6 @@ def sweep(
     scene: Scene | str | Path | dict,
     over=None,
     *,
-    samples: int | tuple[int, int] | None = None,
     tolerance: float = 1e-3,
     also: tuple[str, ...] = (),
     out: str | Path | None = None,
@@ -152,10 +147,8 @@ def sweep(
     scene : Scene, str, Path or dict
         A scene, its file, the name of one that ships, or its TOML document.
     over : dict, Path, data frame or list of them
-        Axes: key to values, or to a text such as ``"1 mN:100 mN:50:log"``; or points: a CSV file or a table with a
-        column for each key.  Several are multiplied.
-    samples : int or (int, int)
-        Points of a Latin hypercube, whose keys have ``START:STOP:latin``, and the seed of its random numbers (0).
+        Axes: key to values, or to a text such as ``"1 mN:100 mN:50:log"``; or points, such as a Latin hypercube by
+        `scipy.stats.qmc`: a CSV file or a table with a column for each key.  Several are multiplied.
     tolerance : float
         As in a run.
     also : tuple of str
@@ -175,26 +168,20 @@ def sweep(
         If the store cannot be written, another driver is at work, or the sweep was interrupted.
     """
     begun = perf_counter()
-    design = designed(_table(scene), over, samples=samples, tolerance=tolerance, also=tuple(also))
+    design = designed(_table(scene), over, tolerance=tolerance, also=tuple(also))
     _refuse_hopeless(design)
-    store = Store(None if out is None else Path(out), design)
-    try:
-        staff = chosen_workers(workers)
-        try:
-            Driver(design, store, staff, progress or (lambda *_: None)).run()
-        except KeyboardInterrupt:
-            kept = sum(store.counts().values())
-            where = "" if out is None else " and the same command goes on from there"
-            raise RunError(f"interrupted: {kept} of {len(design)} points are kept{where}") from None
-        finally:
-            staff.stop()
+    with closing(Store(None if out is None else Path(out), design)) as store:
+        with closing(chosen_workers(workers)) as staff:
+            try:
+                Driver(design, store, staff, progress or (lambda *_: None)).run()
+            except KeyboardInterrupt:
+                kept = sum(store.counts().values())
+                where = "" if out is None else " and the same command goes on from there"
+                raise RunError(f"interrupted: {kept} of {len(design)} points are kept{where}") from None
         return Sweep(
-            path=None if out is None else Path(out) / FILE, points=len(design), counts=store.counts(),
-            cost=store.cost(), seconds=perf_counter() - begun, store=store, axes=design.axes,
+            path=store.path, points=len(design), counts=store.counts(), cost=store.cost(),
+            seconds=perf_counter() - begun, columns=store.columns, axes=design.axes,
         )  # fmt: skip
-    finally:
-        if out is not None:
-            store.close()
 
 
 def _table(scene) -> dict:

@@ -3,15 +3,11 @@
 import sys
 from argparse import Namespace
 from collections import Counter
-from contextlib import suppress
 from pathlib import Path
 
 from studies.progress import Progress, duration
-from studies.refusal import SceneError
 from studies.report.answer import labelled, print_json
 from studies.report.answer import table as aligned
-from studies.scene import Scene
-from studies.scene.resolved import resolved
 from studies.sweep import Sweep, sweep
 
 REASONS = 5  # shown; all are in the rows
@@ -27,7 +23,6 @@ def run_sweep(arguments: Namespace, table: dict, over: dict, tolerance: float, o
         found = sweep(
             table,
             over if arguments.points is None else [Path(arguments.points), over],
-            samples=None if arguments.samples is None else (arguments.samples, arguments.seed),
             tolerance=tolerance,
             also=tuple(word.strip() for word in arguments.also.split(",") if word.strip()),
             out=out,
@@ -93,14 +88,11 @@ def sweep_answer(found: Sweep, whole: dict) -> str:
 def _moving_periods(table: dict, over: dict) -> str:
     """Return what is to be known where the frequency moves and takes the transducers' periods with it."""
     row = table.get("transducer", ()) if "drive.frequency" in over else ()
-    keys = {f"transducer.{k}.period": k for k, each in enumerate(row) if each.get("period", "auto") == "auto"}
-    moving = {key: k for key, k in keys.items() if key not in over}
-    with suppress(SceneError):  # said at every point
-        blocks = resolved(Scene.from_table("", table)).transducer if moving else ()
-        settings = " ".join(f"--set {key}={blocks[k].period:.9g}" for key, k in moving.items())
-        if settings:
-            return (
-                'every frequency gets its own transducers, for their period is "auto"; to keep those of the scene, '
-                f"and solve all frequencies as one band: {settings}"
-            )
-    return ""
+    keys = [f"transducer.{k}.period" for k, each in enumerate(row) if each.get("period", "auto") == "auto"]
+    keys = [key for key in keys if key not in over]
+    if not keys:
+        return ""
+    return (
+        'every frequency gets its own transducers, for their period is "auto"; a number at '
+        f"{' and '.join(keys)}, such as that in the scene.toml of a run, keeps them and makes one band of all"
+    )

@@ -1,8 +1,7 @@
 """The axes of a sweep: which keys of a scene take which values.
 
 ``slider.preload=1 mN:100 mN:50`` is 50 values evenly spaced, ``...:50:log`` evenly spaced in their logarithm,
-``5 mN,10 mN`` a list (``[...]`` a TOML list of values); ``1 mN:100 mN:latin`` (or ``:latin:log``) is one side
-of a Latin hypercube, which all such keys share.  A CSV file of points is one axis of several keys.  Axes are
+``5 mN,10 mN`` a list (``[...]`` a TOML list of values).  A CSV file of points is one axis of several keys.  Axes are
 multiplied.
 
 Values are converted to SI here and judged at their point: one that breaks a rule of the scene costs its own
@@ -18,7 +17,7 @@ from studies.report.measured import MeasuredTable
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import toml_value
 from studies.scene.quantity import si_value
-from studies.scene.ranges import MAX_COUNT, Range, read_range
+from studies.scene.ranges import MAX_COUNT, read_range
 from studies.scene.rule import Count
 
 
@@ -33,8 +32,8 @@ class Axis:
         return len(self.columns[0])
 
 
-def axis(key: str, values) -> Axis | Range:
-    """Return the axis of a key, or its range as a side of a Latin hypercube.
+def axis(key: str, values) -> Axis:
+    """Return the axis of a key.
 
     ``key``: dotted; ``values``: a text as in this module's docstring, or the values themselves.
 
@@ -72,19 +71,6 @@ def point_axis(source) -> Axis:
     return Axis(tuple(source), tuple(each.columns[0] for each in axes))
 
 
-def latin_axis(sides: dict[str, Range], samples: int | None, seed: int) -> Axis:
-    """Return the points of a Latin hypercube as one axis (scipy.stats.qmc)."""
-    if not isinstance(samples, int) or not 1 <= samples <= MAX_COUNT:
-        raise SceneError("--samples", f"must be 1 to {MAX_COUNT} with a latin range, got {shown(samples)}")
-    from scipy.stats import qmc
-
-    unit = qmc.LatinHypercube(len(sides), rng=seed).random(samples).T
-    columns = []
-    for shares, side in zip(unit.tolist(), sides.values(), strict=True):
-        columns.append([side.at(share) for share in shares])
-    return Axis(tuple(sides), tuple(columns))
-
-
 def level_key(table: dict) -> str | None:
     """Return the key that says how hard a scene is driven; None for a free wave."""
     if "wave" in table:
@@ -97,10 +83,7 @@ def _ranged(key, rule, text):
     unit = unit_of(rule)
     if unit is None:
         raise SceneError(f"--over {key}", f"takes words: give a list with commas, got {shown(text)}")
-    found = read_range(f"--over {key}", text, unit, latin=True)
-    if found.count is None:
-        return found
-    steps = found.values
+    steps = read_range(f"--over {key}", text, unit).values
     if isinstance(rule.number, Count):
         if any(abs(step - round(step)) > 1e-9 for step in steps):
             raise SceneError(f"--over {key}", f"must fall on whole numbers, got {shown(text)}")

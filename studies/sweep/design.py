@@ -16,7 +16,7 @@ import numpy as np
 
 from studies.refusal import SceneError
 from studies.scene.keys import rule_at
-from studies.sweep.axes import Axis, axis, latin_axis, level_key, point_axis
+from studies.sweep.axes import Axis, axis, level_key, point_axis
 from studies.sweep.outcomes import ALSO, AMPLITUDES, ELECTRICAL, FREE
 from studies.sweep.predictor import PLACE_KEYS, Predictor, of_stator
 
@@ -123,7 +123,7 @@ class Design:
         return {name: _digest(part) for name, part in parts.items()}
 
 
-def designed(table: dict, over, *, samples=None, tolerance, also=()) -> Design:
+def designed(table: dict, over, *, tolerance, also=()) -> Design:
     """Return the design of a sweep of a scene's TOML document; the other arguments are those of `studies.sweep`.
 
     Raises
@@ -134,21 +134,13 @@ def designed(table: dict, over, *, samples=None, tolerance, also=()) -> Design:
     for word in also:
         if word not in ALSO:
             raise SceneError("--also", f"must be of {', '.join(ALSO)}, got {word!r}")
-    axes, sides = [], {}
+    axes = []
     for part in over if isinstance(over, list) else [over or {}]:
-        if not isinstance(part, dict):
-            axes.append(point_axis(part))
-            continue
-        for key, values in part.items():
-            found = axis(key, values)
-            if isinstance(found, Axis):
-                axes.append(found)
-            else:
-                sides[key] = found
-    if sides:
-        axes.append(latin_axis(sides, *(samples if isinstance(samples, tuple) else (samples, 0))))
-    elif samples is not None:
-        raise SceneError("--samples", "is of a latin range, START:STOP:latin, and there is none")
+        axes += (
+            [axis(key, values) for key, values in part.items()]
+            if isinstance(part, dict)
+            else [point_axis(part)]
+        )
     keys = [key for each in axes for key in each.keys]
     for key in keys:
         if keys.count(key) > 1:

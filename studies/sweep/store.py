@@ -14,8 +14,7 @@ import json
 import os
 import socket
 import sqlite3
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -39,8 +38,9 @@ class Store:
     def __init__(self, folder: Path | None, design: Design, identity: dict[str, str] | None = None):
         self.folder, self._names = folder, (*design.question.keys, *design.question.outcomes)
         self._lock = None if folder is None else _lock(folder)
+        self.path = None if folder is None else folder / FILE
         with self._explained():
-            self.connection = sqlite3.connect(":memory:" if folder is None else folder / FILE)
+            self.connection = sqlite3.connect(self.path or ":memory:")
             self.connection.execute("pragma journal_mode = wal")
             self.connection.execute("pragma synchronous = full")
             self.connection.executescript(TABLES)
@@ -52,18 +52,20 @@ class Store:
         marks = ", ".join("?" * (len(self._names) + 1))
         self._insert = f"insert or replace into points values ({marks})"
 
-    @contextmanager
-    def reading(self) -> Iterator[sqlite3.Connection]:
-        """Give a connection to the rows, also after `close`."""
-        connection = self.connection if self.folder is None else sqlite3.connect(self.folder / FILE)
-        yield connection
-        if self.folder is not None:
+    def columns(self) -> dict[str, list]:
+        """Return the rows in the order of their points, as columns, also after `close`; what a row has not is None."""
+        with sqlite3.connect(self.path) if self.path else nullcontext(self.connection) as connection:
+            cursor = connection.execute("select * from points order by point")
+            names = [entry[0] for entry in cursor.description]
+            columns = dict(zip(names, map(list, zip(*cursor, strict=True)), strict=True))
+        if self.path:
             connection.close()
+        return columns
 
     def close(self) -> None:
-        """Close the file and give the lock back."""
-        self.connection.close()
+        """Close the file and give the lock back; what is in memory stays."""
         if self._lock is not None:
+            self.connection.close()
             self._lock.close()
 
     def done(self, count: int):
@@ -96,22 +98,17 @@ class Store:
 
     def _begin(self, design: Design, identity: dict[str, str]) -> None:
         """Compare the sweep with the one that the file holds, or write it down."""
-        asked = {"identity": identity, "versions": provenance()}
-        held = {name: json.loads(text) for name, text in self.connection.execute("select * from sweep")}
-        different = {name: _differences(held.get(name, each), each) for name, each in asked.items()}
-        if different["identity"]:
-            names = ", ".join(different["identity"])
-            verb = "differs" if len(different["identity"]) == 1 else "differ"
-            raise SceneError(
-                "--out",
-                f"{str(self.folder)!r} holds another sweep: its {names} {verb}; name another directory",
-            )
-        if different["versions"]:
-            raise SceneError(
-                "--out",
-                f"{str(self.folder)!r} was begun with other versions, whose points may differ in their last digits "
-                f"({', '.join(different['versions'].values())}); name another directory",
-            )
+        versions = {f"version of {name}": version for name, version in provenance().items()}
+        asked = {"identity": identity | versions}
+        for (text,) in self.connection.execute("select value from sweep where name = 'identity'"):
+            held = json.loads(text)
+            names = [
+                name for name in held | asked["identity"] if held.get(name) != asked["identity"].get(name)
+            ]
+            if names:
+                what = f"its {', '.join(names)} {'differs' if len(names) == 1 else 'differ'}"
+                rule = f"{str(self.folder)!r} holds another sweep: {what}; name another directory"
+                raise SceneError("--out", rule)
         question = design.question
         asked |= {"scene": question.table, "keys": question.keys, "tolerance": question.tolerance}
         asked |= {"points": len(design), "driver": f"process {os.getpid()} on {socket.gethostname()}"}
@@ -163,11 +160,6 @@ def _owner(folder: Path) -> str:
     except sqlite3.Error:
         return ""
     return "" if found is None else f", {json.loads(found[0])},"
-
-
-def _differences(held: dict, asked: dict) -> dict[str, str]:
-    names = (name for name in held | asked if held.get(name) != asked.get(name))
-    return {name: f"{name} {held.get(name)} then, {asked.get(name)} now" for name in names}
 
 
 def _stored(value):

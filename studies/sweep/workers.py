@@ -41,7 +41,7 @@ class Workers:
     def renew(self) -> None:
         """Replace workers that have vanished."""
 
-    def stop(self) -> None:
+    def close(self) -> None:
         """End the workers without waiting for their batches."""
 
 
@@ -78,7 +78,7 @@ class Processes(Workers):
         context = multiprocessing.get_context("spawn")
         self._pool = ProcessPoolExecutor(self.size, mp_context=context, initializer=_settle)
 
-    def stop(self) -> None:
+    def close(self) -> None:
         """End the processes without waiting for their batches."""
         for process in list((self._pool._processes or {}).values()):
             process.terminate()
@@ -122,7 +122,7 @@ class OnDask(Workers):
             raise RunError("the Dask scheduler is gone; the same command goes on from what is kept")
         return self._executor.submit(work, *arguments)
 
-    def stop(self) -> None:
+    def close(self) -> None:
         """Withdraw what is still to be done and leave; the cluster goes on."""
         self._executor.shutdown(wait=False)
         self._client.close(timeout=2)

@@ -62,8 +62,8 @@ def view(
     show = wanted.show or ("field" if record.scene.stator is not None else "contact")
     wanted.check(show)
     quantity(wanted.quantity)
-    if wanted.movie is not None:
-        movie.check(wanted.movie)
+    if wanted.movie is not None and wanted.movie.lower().endswith(".mp4"):
+        movie.ffmpeg()
     if not wanted.files:
         _refuse_without_display()
     if show == "contact":

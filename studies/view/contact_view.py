@@ -1,28 +1,60 @@
-"""The contact of a run: two cycles of the wave in slow motion, in the steady state; a picture, movie, page or table."""
+"""The contact of a run: two cycles of the wave in slow motion, in the steady state; a picture, movie, page or table.
+
+Slow motion shows ball, orbit and forces on one clock.  Heights, u_x, z and x are to scale in nm; the ball's radius is
+not, at that scale it would be flat.  A contact over time is a table of columns in SI units, as `moments` returns it.
+"""
 
 import tempfile
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 from matplotlib.animation import FuncAnimation
+from matplotlib.patches import Circle, Patch
 
 import contact
-from studies.chain.driven_contact import DrivenContact
+from studies.chain.bridge import DrivenContact
 from studies.chain.surface_motion import surface_motion
 from studies.record import Record
 from studies.refusal import RunError, SceneError
-from studies.report.figures import data_uri, refuse_without_toolkit
+from studies.report.figures import COLOURS, arrow, curve, data_uri, new_figure, refuse_without_toolkit
 from studies.report.files import write_columns
 from studies.view import movie
-from studies.view.contact_pictures import SlowMotion, moments, strip
 from studies.view.run_field import motion_again
 
-__all__ = ["contact_moments", "contact_writers", "film_contact"]
+__all__ = ["SlowMotion", "contact_moments", "contact_writers", "film_contact", "moments", "strip"]
 
 CYCLES, INSTANTS = 2, 240  # per cycle
 FRAMES, RATE = 48, 12.0  # of a movie
 DPI = 110
+NM = 1e9
+REGIMES = {
+    "separated": "#FFFFFF",
+    "stick": "#BBBBBB",
+    "slip": "#56B4E9",
+    "creep": "#F0E442",
+    "partial": "#009E73",
+}
+# label, factor from SI units, then column, colour and name of each curve
+TRACES = (
+    ("z (nm)", NM, (("approach_m", "line", None),)),
+    ("x (nm)", NM, (("deformation_m", "line", None),)),
+    ("P (mN)", 1e3, (("normal_force_N", "line", None),)),
+    ("Q (mN)", 1e3, (("tangential_force_N", "intermittent", None),)),
+    (
+        "v (mm/s)",
+        1e3,
+        (("surface_velocity_m_per_s", "slip", "surface"), ("slider_velocity_m_per_s", "line", "slider")),
+    ),
+)
+MEANING = "z: approach of ball and surface, x: tangential deformation,\nP: normal force, Q: friction force, v: velocity"
+DRAWN = (
+    "snapshots, not to scale: ball in the regime's colour, surface with marks that move with it, the path of a surface "
+    "point (blue), arrows of P (black) and Q (orange)"
+)
+LETTERS = "abcdefgh"  # of the snapshots
 
 
 def contact_writers(record: Record, wanted, progress: Callable[[str], None]) -> dict[str, Callable]:
@@ -37,11 +69,11 @@ def contact_writers(record: Record, wanted, progress: Callable[[str], None]) -> 
 
     def page(file) -> None:
         with tempfile.TemporaryDirectory() as folder:
-            pictures = Path(folder) / "contact.gif", Path(folder) / "contact.png"
-            for picture, write in zip(pictures, (film, still), strict=True):
+            images = []
+            for kind, write in (("gif", film), ("png", still)):
+                picture = Path(folder) / f"contact.{kind}"
                 write(picture)
-            uris = [data_uri(each.read_bytes(), each.suffix[1:]) for each in pictures]
-        images = [movie.image(uri, title) for uri in uris]
+                images.append(movie.image(data_uri(picture.read_bytes(), kind), title))
         Path(file).write_text(movie.page(title, images), encoding="utf-8")
 
     return {
@@ -102,3 +134,124 @@ def _window(found, title: str) -> None:
         figure, motion.show, frames=range(0, INSTANTS, INSTANTS // FRAMES), interval=1000 / RATE
     )
     pyplot.show()
+
+
+def moments(history, contact: int = 0) -> dict[str, np.ndarray]:
+    """Return one contact of a `contact.History` of the stages "start" and "steady" as columns of a table.
+
+    Its clock starts at an upward zero of u_z of the first contact.
+    """
+    orbit = history.orbits[contact]
+    turn = np.exp(1j * (orbit.omega * history.time - 0.5 * np.pi - np.angle(history.orbits[0].normal)))
+    return {
+        "time_s": history.time,
+        "u_x_m": (orbit.tangential * turn).real,
+        "u_z_m": (orbit.normal * turn).real,
+        "approach_m": history.approach[:, contact],
+        "deformation_m": history.deformation[:, contact],
+        "normal_force_N": history.normal_force[:, contact],
+        "tangential_force_N": history.tangential_force[:, contact],
+        "regime": history.regime[:, contact],
+        "surface_velocity_m_per_s": history.surface_velocity[:, contact],
+        "slider_velocity_m_per_s": history.slider_velocity,
+    }
+
+
+class SlowMotion:
+    """A figure of one contact whose instant can be set; drawn off screen unless one of a window is given."""
+
+    def __init__(self, table: dict, *, title: str, figure=None):
+        self.table, self.figure = table, figure or new_figure(9.0, 4.6, rows=0)[0]
+        left, right = self.figure.subfigures(1, 2, width_ratios=(1.0, 1.35))
+        self._ax = left.subplots()
+        self._cursors = [ax.axvline(0.0, color="black", linewidth=1.2) for ax in traces(right, table)]
+        self.figure.suptitle(title, fontsize="medium")
+        self.show(0)
+        self.figure.canvas.draw()
+        self.figure.set_layout_engine("none")  # found once: finding it again takes most of a picture's time
+
+    def show(self, index: int) -> None:
+        """Show an instant."""
+        table, ax = self.table, self._ax
+        ax.clear()
+        _draw(ax, table, index)
+        ax.tick_params(labelsize="x-small")
+        ax.set_xlabel("x of the surface (nm); the ball's radius is not to scale", fontsize="small")
+        ax.set_ylabel("z (nm)", fontsize="small")
+        P, Q = (table[f"{name}_force_N"][index] * 1e3 for name in ("normal", "tangential"))
+        ax.set_title(f"{table['regime'][index]}: P = {P:.3g} mN, Q = {Q:.3g} mN", fontsize="small")
+        for cursor in self._cursors:
+            cursor.set_xdata([table["time_s"][index] * 1e9] * 2)
+
+    def image(self, index: int) -> np.ndarray:
+        """Return the picture of an instant, shape (height, width, 3)."""
+        self.show(index)
+        self.figure.canvas.draw()
+        return np.asarray(self.figure.canvas.buffer_rgba())[..., :3].copy()
+
+
+def strip(table: dict, *, title: str):
+    """Draw snapshots of one contact over the traces of the same clock."""
+    figure, _ = new_figure(11.0, 6.6, rows=0)
+    top, bottom = figure.subfigures(2, 1, height_ratios=(1.0, 2.0))
+    shots, axes = top.subplots(1, len(LETTERS)), traces(bottom, table)
+    chosen = np.linspace(0, len(table["time_s"]), len(LETTERS), endpoint=False).astype(int)
+    for letter, ax, index in zip(LETTERS, shots, chosen, strict=True):
+        _draw(ax, table, index)
+        ax.set(xticks=[], yticks=[])
+        ax.set_title(f"{letter}: {table['regime'][index]}", fontsize="small")
+        place = table["time_s"][index] * 1e9
+        for each in axes:
+            each.axvline(place, color="black", linestyle=":", linewidth=0.8)
+        axes[0].text(place, 1.02, letter, transform=axes[0].get_xaxis_transform(), fontsize="small")
+    top.supxlabel(DRAWN, fontsize="small")
+    figure.suptitle(title, fontsize="medium")
+    return figure
+
+
+def traces(figure, table: dict) -> list:
+    """Draw z, x, P, Q and the velocities on one clock, the regime behind them; return the Axes."""
+    axes, time, regime = figure.subplots(len(TRACES), 1, sharex=True), table["time_s"] * 1e9, table["regime"]
+    ends = [0, *np.flatnonzero(regime[1:] != regime[:-1]) + 1, len(time) - 1]
+    for ax, (label, factor, curves) in zip(axes, TRACES, strict=True):
+        for start, stop in pairwise(ends):
+            ax.axvspan(time[start], time[stop], color=REGIMES[str(regime[start])], alpha=0.45, linewidth=0)
+        for key, colour, name in curves:
+            curve(ax, time, table[key] * factor, "-", colour, name and f"v of the {name}")
+        ax.axhline(0, color="black", linewidth=0.5)
+        ax.set_ylabel(label, fontsize="small")
+        ax.tick_params(labelsize="small")
+        ax.set_xlim(time[0], time[-1])
+    axes[-1].set_xlabel(f"time (ns)\n{MEANING}", fontsize="x-small")
+    key = {"alpha": 0.6, "edgecolor": "#666666"}
+    handles = [Patch(facecolor=REGIMES[name], label=name, **key) for name in REGIMES if name in regime]
+    handles += axes[-1].get_legend_handles_labels()[0]
+    axes[0].legend(handles=handles, frameon=False, fontsize="x-small", ncols=len(handles), loc="lower right",
+                   bbox_to_anchor=(1.0, 1.12), borderaxespad=0.0)  # fmt: skip
+    return list(axes)
+
+
+def _draw(ax, table: dict, index: int) -> None:
+    """Draw ball, surface, orbit and forces of one instant."""
+    u_x, u_z, approach = (table[key] * NM for key in ("u_x_m", "u_z_m", "approach_m"))
+    across, up = u_x[index], u_z[index]
+    scale = max(np.hypot(u_x, u_z).max(), 0.4 * approach.max())
+    lowest, reach, radius = (u_z - approach).min(), 2.4 * scale, 2.0 * scale
+    ball = {"facecolor": REGIMES[str(table["regime"][index])], "edgecolor": "black", "alpha": 0.9}
+    ax.add_patch(Circle((0.0, up - approach[index] + radius), radius, **ball))
+    ax.fill_between([-reach, reach], [-9 * scale] * 2, [up] * 2, color="#E6D8C3", linewidth=0, alpha=0.7)
+    marks = np.arange(-3, 4) * scale + across
+    ax.plot(marks, np.full(len(marks), up), "|", color="black", markersize=6)
+    ax.axhline(up, color="black", linewidth=1)
+    curve(ax, u_x, u_z, "-", "slip")
+    curve(ax, [across], [up], "o", "slip", size=5.0)
+    for name, length, direction, colour in (
+        ("normal", 1.6, (0.0, 1.0), COLOURS["line"]),
+        ("tangential", 1.8, (1.0, 0.0), COLOURS["intermittent"]),
+    ):
+        force = table[f"{name}_force_N"]
+        size = length * scale * force[index] / max(abs(force).max(), 1e-300)
+        if abs(size) > 0.05 * scale:
+            arrow(ax, (0.0, up), (size * direction[0], up + size * direction[1]), colour)
+    ax.set(xlim=(-reach, reach), ylim=(min(-1.4 * scale, lowest - 0.4 * scale), lowest + 4.2 * scale))
+    ax.set_aspect("equal")

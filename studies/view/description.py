@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem import rotation_matrix
-from studies.report.crystal import SEEN
+from studies.report.free_surface import SEEN
 from studies.view.run_field import RunField
 
 __all__ = ["AXIS_COLOUR", "BALL_COLOUR", "Electrode", "balls", "crystal_axes", "electrodes", "shown_fingers"]
@@ -56,15 +56,12 @@ def shown_fingers(found: RunField, start: float, stop: float) -> str:
 
 def balls(found: RunField, *, spreads: bool = False) -> tuple[Ball, ...]:
     """Return the balls of the slider, on the crests of the section or of the beam."""
-    return tuple(
-        Ball(
-            place=x if spreads else found.in_section((x, y)),
-            lateral=y,
-            radius=found.radius,
-            crest=abs(found.beam.motion(x, y)[2]) if spreads else found.crest(found.in_section((x, y))),
-        )
-        for x, y in found.places
-    )
+    listed = []
+    for x, y in () if found.scene.slider is None else found.scene.slider.places:
+        place = x if spreads else found.in_section((x, y))
+        crest = abs(found.beam.motion(x, y)[2] if spreads else found.surface(place)[1])
+        listed.append(Ball(place=place, lateral=y, radius=found.radius, crest=crest))
+    return tuple(listed)
 
 
 def crystal_axes(found: RunField) -> tuple[tuple[str, float, float], ...]:

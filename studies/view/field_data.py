@@ -11,7 +11,6 @@ from xml.etree import ElementTree
 import numpy as np
 
 from fem import write_instant, write_vtu
-from studies.refusal import RunError
 from studies.report.files import write_columns
 from studies.view.run_field import LINES, RunField
 
@@ -42,7 +41,7 @@ def save(
     file = Path(file)
     energies = not surface
     if span is None:
-        field = found.whole(energies=energies)
+        field = found.with_energies if energies else found.field
     else:
         field = found.compute(span=span, per_wavelength=LINES, energies=energies)
     size = expected_size(field, file, instants)
@@ -53,17 +52,14 @@ def save(
             else "--span writes a part"
         )
         note(f"writing about {size / 1e6:.0f} MB to {file}, {field.potential.size} nodes; {less}")
-    try:
-        if surface:
-            write_columns(file, surface_columns(field))
-        elif file.suffix.lower() == ".csv":
-            write_columns(file, columns(field))
-        elif file.suffix.lower() == ".vtu":
-            write_vtu(field, file)
-        else:
-            _series(field, file, instants, progress)
-    except OSError as error:
-        raise RunError(f"the data file {str(file)!r} cannot be written: {error.strerror or error}") from None
+    if surface:
+        write_columns(file, surface_columns(field))
+    elif file.suffix.lower() == ".csv":
+        write_columns(file, columns(field))
+    elif file.suffix.lower() == ".vtu":
+        write_vtu(field, file)
+    else:
+        _series(field, file, instants, progress)
 
 
 def expected_size(field, file: Path, instants: int) -> float:

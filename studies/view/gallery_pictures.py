@@ -13,6 +13,7 @@ from PIL import Image
 
 import fem
 from fem import reference_matrices
+from studies.report.energies import LEDGER
 from studies.report.figures import (
     COLOURS,
     arrow,
@@ -22,29 +23,21 @@ from studies.report.figures import (
     new_figure,
     saved,
     shaded,
+    surface,
+    titled,
     velocity,
 )
 from studies.scene import resolved
 from studies.view import movie
-from studies.view.contact_pictures import strip
-from studies.view.contact_view import film_contact
+from studies.view.contact_view import film_contact, strip
 from studies.view.picture import Picture
 from studies.view.quantities import DIVERGING, palette
 from studies.view.section import chosen_views, views
 
 __all__ = [
-    "amplitude",
-    "anticlockwise",
-    "bars",
-    "depth_profile",
-    "depth_weights",
-    "draw_all",
-    "ledger_rows",
-    "orbits",
-    "power_along",
-    "power_rows",
-    "start_and_stop",
-]
+    "amplitude", "anticlockwise", "bars", "depth_profile", "depth_weights", "draw_all", "ledger_rows",
+    "orbits", "power_along", "power_rows", "start_and_stop",
+]  # fmt: skip
 
 NM, MM = 1e9, 1e3
 TURN = np.linspace(0.0, 2 * np.pi, 121)
@@ -54,19 +47,6 @@ FRAMES = 16
 PALETTE_COLOURS = 128  # of a diagram
 DPI = 80
 DEPTH = 3.0  # wavelengths
-LEDGER = {
-    "wave_normal": "wave, normal force",
-    "wave_tangential": "wave, friction force",
-    "slip": "lost in slip",
-    "contact_damper": "damper in the contact",
-    "normal_damper": "normal damper",
-    "tangential_damper": "tangential damper",
-    "load": "work against the load",
-    "leak": "leak of the elastic law",
-    "stored": "held by the springs",
-    "lifted": "held by the preload",
-    "slider": "held by the slider",
-}
 GIVEN_FIELD = {"quantity": "u_z", "phase": 0.0, "factor": None}
 GIVEN = ("wave_normal", "wave_tangential")
 
@@ -74,9 +54,9 @@ GIVEN = ("wave_normal", "wave_tangential")
 def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
     """Draw the pictures of a gallery into a directory, and tell what is being done."""
     found, record = gallery.found, gallery.record
-    title, top, (name, place) = record.scene.title, found.field.displacement[:, -1].T, found.focus
+    title = record.scene.title
     places = (np.arange(ORBITS) + 0.5) / ORBITS * found.length
-    energies = found.whole(energies=True)
+    energies = found.with_energies
     passing = (
         energies.densities.power_flow[..., 0] @ depth_weights(energies.z, energies.order) * found.aperture
     )
@@ -84,8 +64,7 @@ def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
     ledger, balance = ledger_rows(gallery.ledger)
     for picture, figure in (
         ("orbits", orbits(places, *np.array([found.surface(x) for x in places]).T, title=title)),
-        ("amplitude", amplitude(found.field.x, top[0], top[2], wavelength=found.wavelength, covered=found.spans,
-                                focus=(name, place), title=title)),
+        ("amplitude", amplitude(record, wavelength=found.wavelength, focus=found.focus)),
         ("depth", _depth(found)),
         ("contact", strip(gallery.contact[0], title=gallery.contact[1])),
         ("start_stop", start_and_stop(gallery.bursts, acceleration=gallery.acceleration, title=title)),
@@ -156,22 +135,17 @@ def anticlockwise(tangential, normal) -> np.ndarray:
     return np.imag(np.asarray(tangential) * np.conj(normal)) > 0
 
 
-def amplitude(x, tangential, normal, *, wavelength: float, covered, focus: tuple[str, float], title: str):
-    """Draw |u_x| and |u_z| (m per V) along the surface (m), and within 4 wavelengths of a place with its name."""
+def amplitude(record, *, wavelength: float, focus: tuple[str, float]):
+    """Draw |u_x| and |u_z| along the surface of a run, and within 4 wavelengths (m) of a place with its name."""
     figure, (whole, near) = new_figure(7.2, 5.2, rows=2)
     name, place = focus
-    for ax, chosen in ((whole, x == x), (near, abs(x - place) <= 4 * wavelength)):
-        curve(ax, x[chosen] * MM, abs(normal[chosen]) * NM, "-", "slip", "|u_z|")
-        curve(ax, x[chosen] * MM, abs(tangential[chosen]) * NM, "-", "intermittent", "|u_x|")
-        ax.axvline(place * MM, color=COLOURS["line"], linestyle=":", linewidth=1.2, label=name)
-        ax.set_ylim(0.0, 1.12 * NM * abs(np.array([tangential, normal])[:, chosen]).max())
-    for span in covered:
-        shaded(whole, *np.multiply(span, MM))
-    size = abs(normal[abs(x - place) <= wavelength])
-    ripple = f"largest over smallest |u_z| {size.max() / size.min():.3g} within one"
-    across, up = "x along the surface (mm)", "amplitude, peak (nm per V)"
-    finished(whole, across, up, f"{title}\namplitude along the surface (grey: transducers)", columns=0)
-    finished(near, across, up, f"within 4 wavelengths of the {name}: {ripple}")
+    for ax in (whole, near):
+        surface(record, ax)
+    whole.get_legend().remove()
+    titled(whole, f"{record.scene.title}\namplitude along the surface (grey: transducers)")
+    near.set_xlim((place - 4 * wavelength) * MM, (place + 4 * wavelength) * MM)
+    ripple = f"largest over smallest |u_z| {record.wave['standing_wave_ratio']:.3g} within one"
+    titled(near, f"within 4 wavelengths of the {name}: {ripple}")
     return figure
 
 
@@ -277,24 +251,21 @@ def depth_weights(z: np.ndarray, order: int) -> np.ndarray:
 def _depth(found):
     """Profiles of the section's free wave and of the driven stator under the slider, on the half-space's."""
     stator, scene, (name, place) = resolved.stator(found.scene.stator), found.scene, found.focus
-    half_space = fem.rayleigh(stator.solid, "open")
     free = fem.free_wave(stator, frequency=scene.frequency, tolerance=1e-6)
     line = found.field.displacement[np.searchsorted(found.field.x, place - 1e-9)]
 
     def parts(u):
         return {"Re u_z": u[:, 2].real, "Im u_x": u[:, 0].imag}
 
-    def near(z, u):
+    computed, at = {}, np.linspace(0, DEPTH, 200)
+    for what, z, u in (
+        ("free wave of the section", free.depth, free.profile),
+        (f"driven stator under the {name}, all modes", found.field.z, line),
+    ):
         chosen = z > -DEPTH * found.wavelength
-        return -z[chosen] / found.wavelength, parts(u[chosen] / u[-1, 2])
-
-    at = np.linspace(0, DEPTH, 200)
-    computed = {
-        "free wave of the section": near(free.depth, free.profile),
-        f"driven stator under the {name}, all modes": near(found.field.z, line),
-    }
-    title = f"{scene.title}\nprofile through the depth"
-    return depth_profile(at, parts(half_space.profile(at)[0]), computed, title=title)
+        computed[what] = -z[chosen] / found.wavelength, parts(u[chosen] / u[-1, 2])
+    theory, title = fem.rayleigh(stator.solid, "open").profile(at)[0], "profile through the depth"
+    return depth_profile(at, parts(theory), computed, title=f"{scene.title}\n{title}")
 
 
 def _films(gallery, folder: Path, progress) -> None:

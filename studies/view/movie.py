@@ -9,20 +9,11 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from studies.refusal import RunError, SceneError
+from studies.refusal import RunError
 
-__all__ = ["check", "image", "page", "save"]
+__all__ = ["ffmpeg", "image", "page", "save"]
 
-FORMATS = (".gif", ".mp4")
 COLOURS = 128  # of a GIF whose palette is found in its pictures
-
-
-def check(file: str | Path) -> None:
-    """Refuse a file that no moving picture can be written to, or that needs what is missing here."""
-    if Path(file).suffix.lower() not in FORMATS:
-        raise SceneError("--movie", f"must end in {' or '.join(FORMATS)}, got {str(file)!r}")
-    if Path(file).suffix.lower() == ".mp4":
-        _ffmpeg()
 
 
 def save(
@@ -39,20 +30,14 @@ def save(
     ``image`` returns a picture by its number, bytes of shape (height, width, 3).  The colours of a GIF are those of
     the ``palette`` (an image), or found in its pictures, which passes over rare ones.
     """
-    check(file)
-
-    def pictures():
-        for number in range(count):
-            progress(f"picture {number + 1} of {count}")
-            yield image(number)
-
-    try:
-        if Path(file).suffix.lower() == ".gif":
-            _gif(pictures(), file, rate, palette)
-        else:
-            _mp4(pictures(), file, rate)
-    except OSError as error:
-        raise RunError(f"the movie {str(file)!r} cannot be written: {error.strerror or error}") from None
+    pictures = []
+    for number in range(count):
+        progress(f"picture {number + 1} of {count}")
+        pictures.append(image(number))
+    if Path(file).suffix.lower() == ".gif":
+        _gif(pictures, file, rate, palette)
+    else:
+        _mp4(pictures, file, rate)
 
 
 def image(uri: str, words: str) -> str:
@@ -68,31 +53,29 @@ def page(title: str, images: list[str]) -> str:
 
 
 def _gif(pictures, file, rate: float, palette) -> None:
-    frames = list(pictures)
     # one palette for all pictures: a third of the size
     if palette is None:
-        palette = Image.fromarray(np.concatenate(frames[:: max(1, len(frames) // 4)])).quantize(COLOURS)
+        palette = Image.fromarray(np.concatenate(pictures[:: max(1, len(pictures) // 4)])).quantize(COLOURS)
     first, *others = (
-        Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames
+        Image.fromarray(each).quantize(palette=palette, dither=Image.Dither.NONE) for each in pictures
     )
     first.save(file, save_all=True, append_images=others, duration=round(1000 / rate), loop=0, optimize=False)
 
 
 def _mp4(pictures, file, rate: float) -> None:
-    frames = list(pictures)
-    height, width, _ = frames[0].shape
+    height, width, _ = pictures[0].shape
     given = f"-y -loglevel error -f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {rate:g} -i -"
     # the format has sizes that are even
     written = "-vf pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white -c:v libx264 -pix_fmt yuv420p"
-    call = [_ffmpeg(), *given.split(), *written.split(), str(Path(file).absolute())]
-    done = subprocess.run(call, input=b"".join(frame.tobytes() for frame in frames), capture_output=True)
+    call = [ffmpeg(), *given.split(), *written.split(), str(Path(file).absolute())]
+    done = subprocess.run(call, input=b"".join(each.tobytes() for each in pictures), capture_output=True)
     if done.returncode:
         raise RunError(
             f"the movie {str(file)!r} cannot be written: {done.stderr.decode(errors='replace').strip()}"
         )
 
 
-def _ffmpeg() -> str:
+def ffmpeg() -> str:
     """Return the program: the system's, or the one that the package imageio-ffmpeg carries."""
     found = shutil.which("ffmpeg")
     if found is not None:

@@ -16,17 +16,9 @@ from PIL import Image
 from studies.refusal import SceneError, nearest
 
 __all__ = [
-    "DIVERGING",
-    "QUANTITIES",
-    "SEQUENTIAL",
-    "Quantity",
-    "Shade",
-    "palette",
-    "present",
-    "quantity",
-    "shade",
+    "DIVERGING", "QUANTITIES", "SEQUENTIAL", "Quantity", "Shade", "palette", "present", "quantity", "shade",
     "shade_of",
-]
+]  # fmt: skip
 
 NM = 1e9
 MARK_COLOURS = ("#CC79A7", "#E69F00", "#009E73")  # of `description`; the others are black, grey and white
@@ -106,7 +98,7 @@ def present(found) -> list[str]:
 def shade(found, name: str) -> Shade:
     """Return how a quantity colours the field of a run; refuse an unknown name, or a field that this solid has not."""
     chosen = quantity(name)
-    field = found.whole(energies=chosen.turns == 2)
+    field = found.with_energies if chosen.turns == 2 else found.field
     mean, amplitude = chosen.parts(field)
     outside = ~found.near_transducer(field.x)
     if not np.any(amplitude):

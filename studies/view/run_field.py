@@ -53,12 +53,9 @@ class RunField:
         return self.compute(span=(0.0, self.length), energies=False)
 
     @cached_property
-    def _with_energies(self):
+    def with_energies(self):
+        """The whole field with strain energy and power flow."""
         return self.compute(span=(0.0, self.length), energies=True)
-
-    def whole(self, *, energies: bool):
-        """Return the whole field, computed when first asked for."""
-        return self._with_energies if energies else self.field
 
     @property
     def free(self) -> bool:
@@ -71,16 +68,6 @@ class RunField:
         if self.crossed is not None or self.wave is None or not self.scene.stator.diffraction:
             return self.crossed
         return surface_beam(self.wave, mirror_width=self.scene.stator.mirror_width)
-
-    @property
-    def places(self) -> tuple[tuple[float, float], ...]:
-        """Places (x, y) of the contacts, m."""
-        return () if self.scene.slider is None else self.scene.slider.places
-
-    @property
-    def balls(self) -> tuple[float, ...]:
-        """Their places along the surface, m."""
-        return tuple(x for x, _ in self.places)
 
     @property
     def radius(self) -> float:
@@ -115,10 +102,6 @@ class RunField:
         """Return u_x and u_z of the surface at a place (m), linear between the lines."""
         top, at = self.field.displacement[:, -1], self.field.x
         return tuple(complex(np.interp(x, at, top[:, axis])) for axis in (0, 2))
-
-    def crest(self, x: float) -> float:
-        """Return |u_z| of the surface at a place (m)."""
-        return abs(self.surface(x)[1])
 
     def near_transducer(self, x: np.ndarray) -> np.ndarray:
         """Whether places lie under a transducer or within a quarter wavelength of one."""

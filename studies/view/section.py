@@ -108,7 +108,7 @@ def piece(
     if facet < found.wavelength / LINES:
         field = found.compute(span=span, per_wavelength=found.wavelength / facet, energies=energies)
     else:
-        field = found.whole(energies=energies)
+        field = found.with_energies if energies else found.field
     lines = thinned(field.x, spacing, *span)
     bottom = max(bottom, field.z[0])
     nodes = np.append(bottom, field.z[field.z > bottom])

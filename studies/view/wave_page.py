@@ -8,7 +8,6 @@ import base64
 import gzip
 import json
 from functools import partial
-from html import escape
 from importlib.resources import files
 
 import matplotlib
@@ -19,10 +18,10 @@ from studies.report.surface_map import draw_surface_map, pixels
 from studies.view import description
 from studies.view.movie import image
 from studies.view.quantities import Shade, present, shade
-from studies.view.run_field import RunField, run_field
+from studies.view.run_field import RunField
 from studies.view.section import magnification, thinned
 
-__all__ = ["page", "widget"]
+__all__ = ["page"]
 
 SPACING = 1 / 30  # wavelengths
 SHORT = 32767
@@ -33,7 +32,7 @@ def page(
     found: RunField, *, quantity: str, phase: float, factor: float | None, span: tuple[float, float] | None
 ) -> str:
     """Return the page; quantity, phase (rad), factor of the displacement and span (m) are those shown at first."""
-    field = found.whole(energies=True)
+    field = found.with_energies
     spacing = SPACING * found.wavelength
     lines = thinned(field.x, spacing, 0.0, found.length)
     rows = thinned(field.z, spacing, field.z[0], 0.0)
@@ -92,33 +91,6 @@ def _beam(found: RunField) -> str:
         "<p>The moving field is that of the plane section, which does not spread; over the whole surface the finite "
         f"apertures give:</p>\n{image(uri, 'size of u_z over the surface')}"
     )
-
-
-class Widget:
-    """The page of a run inside a notebook: displays itself, moves, and needs no server."""
-
-    def __init__(self, text: str, height: int):
-        self.text, self.height = text, height
-
-    def _repr_html_(self) -> str:
-        frame = f'style="width: 100%; height: {self.height}px; border: 0"'
-        return f'<iframe srcdoc="{escape(self.text, quote=True)}" {frame}></iframe>'
-
-
-def widget(folder, *, quantity: str = "u_z", height: int = 640) -> Widget:
-    """Return the wave field of a run as something that a notebook displays.
-
-    Parameters
-    ----------
-    folder : str or Path
-        What ``sawmotor run`` left.
-    quantity : str
-        What colours the field at first.
-    height : int
-        Pixels.
-    """
-    found = run_field(folder, progress=lambda text: None)
-    return Widget(page(found, quantity=quantity, phase=0.0, factor=None, span=None), height)
 
 
 def _short(values: np.ndarray, largest: float) -> np.ndarray:

@@ -67,6 +67,8 @@ def test_all_faults_are_said_at_once_with_their_lines(written, capsys):
         (20, "slider.mass", "a mass in kg, positive (a number, or a string such as"),
         (20, "slider.contacts", "an integer from 1"),
         (20, "slider.preload", '"weight"'),
+        (20, "slider.effective_modulus", 'or ball = "steel" instead'),
+        (20, "slider.tangential_modulus", 'or ball = "steel" instead'),
         (22, "slider.radius", "positive"),
         (23, "slider.friction", "did you mean friction_coefficient?"),
         (24, "slider.frequency", "frequency belongs in [drive] or [wave]"),
