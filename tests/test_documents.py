@@ -154,7 +154,10 @@ def test_the_tests_of_documents_find_what_is_wrong(tmp_path):
         run_command(["sawmotor", "check", "nothing"])
 
 
-@pytest.mark.parametrize("name", shipped_scenes())
+# README.md runs twente, and tests/studies/test_warnings.py asks for its warnings
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "twente")) for name in shipped_scenes()]
+)
 def test_a_shipped_scene_is_checked_planned_and_run_without_a_warning(name, capsys):
     assert main(["check", name]) == 0
     assert main(["run", name, "--explain"]) == 0

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator
-from itertools import pairwise
 
 from studies.refusal import nearest, shown
 
@@ -71,9 +70,6 @@ def check_drive(scene) -> Refused:
             rule = f"must name one of the transducers, got {shown(name)}"
             yield f"drive.{source}", rule + nearest(name, names)
     for index, each in enumerate(scene.transducer):
-        if each.name in drive.driven and not each.has_two_combs:
-            rule = f"must have + and - fingers on the driven transducer, got {shown(each.pattern)}"
-            yield f"transducer.{index}.pattern", rule
         if drive.frequency == "center" and isinstance(each.period, str):
             rule = f'must be a length in m where drive.frequency is "center", got {shown(each.period)}'
             yield f"transducer.{index}.period", rule
@@ -90,41 +86,25 @@ def check_recovery(scene) -> Refused:
         yield "drive.recovery.receiver", rule + nearest(recovery.receiver, others)
         return
     index = names.index(recovery.receiver)
-    receiver = scene.transducer[index]
-    if not receiver.has_two_combs:
-        rule = f"must have + and - fingers on the receiving transducer, got {shown(receiver.pattern)}"
-        yield f"transducer.{index}.pattern", rule
-    if receiver.termination not in ("open", recovery.load):
+    if scene.transducer[index].termination not in ("open", recovery.load):
         rule = "must be absent on the receiving transducer: drive.recovery has its load"
         yield f"transducer.{index}.termination", rule
 
 
 def check_transducers(scene) -> Refused:
-    """Keep the fingers on the stator, apart and of different names."""
+    """Keep transducers of different names on the stator; where their fingers reach, ``fem`` checks."""
     if scene.wave is not None or scene.stator is None:
         return
-    names, placed, stator = [each.name for each in scene.transducer], [], scene.stator
+    names, stator = [each.name for each in scene.transducer], scene.stator
     for index, each in enumerate(scene.transducer):
-        at = f"transducer.{index}"
+        at, x = f"transducer.{index}", each.place[0]
         if each.name in names[:index]:
             yield f"{at}.name", f"must differ from the others, got {shown(each.name)} twice"
         if each.aperture > stator.width:
             rule = f"must be at most stator.width, {stator.width:g} m, got {each.aperture:g} m"
             yield f"{at}.aperture", rule
-        if each.turned:
-            continue  # seen from above: studies/scene/resolved.py
-        known = 0.0 if isinstance(each.period, str) else each.period
-        gap = (1 - each.metallisation) * each.finger_pairs / each.fingers
-        half, center = known * (each.finger_pairs - gap) / 2, each.place[0]
-        left, right = center - half, center + half
-        if left <= 0 or right >= stator.length:
-            rule = f"must keep the fingers on the stator, 0 to {stator.length:g} m, got {center:g} m"
-            yield f"{at}.center", f"{rule} with fingers from {left:g} to {right:g} m"
-        placed.append((left, right, each.name))
-    for (_, end, first), (start, _, second) in pairwise(sorted(placed)):
-        if end >= start:
-            rule = f"must not overlap: {first!r} ends at {end:g} m, {second!r} begins at {start:g} m"
-            yield "transducer", rule
+        if not 0 < x < stator.length:
+            yield f"{at}.center", f"must be on the stator, 0 to {stator.length:g} m, got {x:g} m"
 
 
 def check_turned(scene) -> Refused:
@@ -137,10 +117,23 @@ def check_turned(scene) -> Refused:
             yield f"stator.{key}", f"must be absorbing {what}, got {shown(getattr(stator, key))}"
     if stator.diffraction is False:
         yield "stator.diffraction", f"must be true or absent {what}: a plane section has no y"
+
+
+def check_combs(scene) -> Refused:
+    """Ask for fingers of both combs where a voltage stands between them."""
+    if scene.drive is None:
+        return
+    driven, recovery = scene.drive.driven, scene.drive.recovery
     for index, each in enumerate(scene.transducer):
-        if not each.has_two_combs:
-            rule = f"must have + and - fingers {what}, got {shown(each.pattern)}"
-            yield f"transducer.{index}.pattern", rule
+        receives = recovery is not None and each.name == recovery.receiver
+        if not each.has_two_combs and (each.name in driven or receives or scene.crossed):
+            where = "where a transducer is turned or stands beside the middle line"
+            if each.name in driven or receives:
+                where = f"on the {'driven' if each.name in driven else 'receiving'} transducer"
+            yield (
+                f"transducer.{index}.pattern",
+                f"must have + and - fingers {where}, got {shown(each.pattern)}",
+            )
 
 
 def check_direction(scene) -> Refused:

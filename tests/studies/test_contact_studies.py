@@ -23,6 +23,8 @@ def motor():
         "stator.thickness=2 mm",
         "transducer.0.center=5 mm",
         "transducer.0.finger_pairs=3",
+        "transducer.0.period=0.98 mm",
+        "stator.diffraction=false",
     ]
     settings += ["slider.position=14.123 mm", 'slider.contacts=["0 mm", "0.35 mm"]', "drive.voltage=[40, 80]"]
     for setting in settings:

@@ -23,6 +23,7 @@ from tests.studies.legible import assert_legible
 
 CHROMIUM = shutil.which("chromium")
 MOTOR = ("stator.length=24 mm", "stator.thickness=2 mm", "transducer.0.center=5 mm", "transducer.0.finger_pairs=3",
+         "transducer.0.period=0.98 mm",
          "slider.position=14.123 mm", "slider.contacts=2", "drive.voltage=[20, 60, 90]")  # fmt: skip
 
 

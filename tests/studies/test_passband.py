@@ -17,8 +17,9 @@ from studies.stator import admittance, frequency_response
 def chip():
     settings = [
         "stator.length=30 mm",
-        "stator.thickness=3 mm",
+        "stator.thickness=2 mm",
         "transducer.0.center=7 mm",
+        "transducer.0.period=0.98 mm",
         "transducer.0.finger_pairs=6",
         "slider.position=20 mm",
         "drive.voltage=60",
@@ -45,7 +46,7 @@ def drawn(chosen, panel, tmp_path):
 
 @pytest.fixture(scope="module")
 def electrical(chip):
-    return admittance.run(chip, count=9, tolerance=3e-2)
+    return admittance.run(chip, count=5, tolerance=3e-2)
 
 
 def test_the_admittance_is_that_of_a_single_run(chip, electrical):
@@ -80,7 +81,7 @@ def test_the_range_is_three_bandwidths_about_v_over_the_period(chip):
 
 @pytest.fixture(scope="module")
 def motion(chip):
-    return frequency_response.run(chip, count=25, tolerance=3e-2)
+    return frequency_response.run(chip, count=17, tolerance=3e-2)
 
 
 def test_the_response_is_the_estimate_s_within_a_factor_of_two(motion):

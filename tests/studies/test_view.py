@@ -73,7 +73,12 @@ def folder(tmp_path_factory):
     """A small driven motor that has been run."""
     table = read_table("twente-left")
     settings = ["stator.length=24 mm", "stator.thickness=3 mm", "transducer.0.center=5 mm"]
-    settings += ["transducer.0.finger_pairs=3", "slider.position=14.123 mm", "drive.voltage=60"]
+    settings += [
+        "transducer.0.period=0.98 mm",
+        "transducer.0.finger_pairs=3",
+        "slider.position=14.123 mm",
+        "drive.voltage=60",
+    ]
     for setting in settings:
         table = assigned(table, setting)
     folder = tmp_path_factory.mktemp("run")
@@ -98,7 +103,8 @@ def long(tmp_path_factory):
     """Seventy wavelengths of the seed's stator beside a transducer, absorbing ends, without a slider."""
     table = read_table("twente-left")
     del table["slider"]
-    table = assigned(assigned(table, "stator.length=95 mm"), "drive.voltage=1")
+    for setting in ("stator.length=95 mm", "transducer.0.period=0.98 mm", "drive.voltage=1"):
+        table = assigned(table, setting)
     folder = tmp_path_factory.mktemp("long")
     write_run(run(Scene.from_table("", table), tolerance=1e-2), folder, field=False)
     return run_field(folder, progress=quiet)

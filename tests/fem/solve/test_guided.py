@@ -200,8 +200,7 @@ PUBLISHED = {  # slowness curvature of a free surface
 
 
 @pytest.mark.parametrize(
-    "name",
-    [name if name != "LiNbO3 (Kovacs)" else pytest.param(name, marks=pytest.mark.slow) for name in PUBLISHED],
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * name.startswith("LiNbO3")) for name in PUBLISHED]
 )
 def test_slowness_curvature(name):
     orientation, published, margin = PUBLISHED[name]
