@@ -71,7 +71,9 @@ class ResultDirectory:
             raise
         shutil.rmtree(self.target / FORMER, ignore_errors=True)
         for name in replaced:
-            _remove_empty((self.target / name).parent, self.target)
+            with suppress(OSError):  # a folder that is not empty stays
+                for folder in list(Path(name).parents)[:-1]:
+                    (self.target / folder).rmdir()
         self._note(manifest, about, replaced, renamed)
         self._written |= new
 
@@ -183,15 +185,6 @@ def _move_back(moves: list[tuple[Path, Path]]) -> None:
     for source, place in reversed(moves):
         if not source.exists() and not source.is_symlink():
             place.rename(source)
-
-
-def _remove_empty(folder: Path, root: Path) -> None:
-    while folder != root:
-        try:
-            folder.rmdir()
-        except OSError:
-            return
-        folder = folder.parent
 
 
 def _listed(names: list[str]) -> str:

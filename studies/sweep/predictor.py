@@ -23,7 +23,7 @@ from studies.refusal import RunError, SceneError
 from studies.scene import Scene, resolved
 from studies.scene.block import keys_of
 from studies.scene.blocks import Drive, Stator
-from studies.scene.endless import refuse_endless_burst
+from studies.scene.consistency import refuse_endless_burst
 from studies.scene.override import replaced
 
 KEPT = 10_000  # blocks of a kind, and answers of the stator, in memory
