@@ -255,7 +255,7 @@ class Record:
         RunError
             If the directory holds no run.
         """
-        from studies.report.reading import read_run
+        from studies.report.files import read_run
 
         return cls(**read_run(Path(folder)))
 
