@@ -3,7 +3,7 @@
 Method: u_z per volt under the slider of the scene (``twente-left`` when none is named; mid-stator without a slider)
 at 161 frequencies of a band, or as many as resolve the ripple of waves that return: the whole motion and the surface
 mode's part of it; group delay -d(phase)/d(omega) of that part; beside them the quasi-static estimate, with the loss
-on the way.  Expected where no waves return (elsewhere it is not judged): a maximum within a factor of 2 of the
+on the way.  Expected: where no waves return (elsewhere it is not judged) a maximum within a factor of 2 of the
 estimate's, half of the power within 0.6 to 1.1 of f/N (0.886 f/N of sin x / x without the way's and the circuit's
 influence), and a delay in that band, its median, of the way from the fingers' middle at the Rayleigh wave's velocity.
 Run time: about 8 s.
