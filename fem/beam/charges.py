@@ -32,7 +32,7 @@ class Fingers(NamedTuple):
         starts = np.flatnonzero(np.diff(finger, prepend=finger[0] - 1))
         stops = np.append(starts[1:], len(x))
         first, last = x[starts], x[stops - 1]
-        half = float((last - first).max()) / 2
+        half = float((last - first).max()) / 2 or np.finfo(float).tiny  # of lines
         local = (x - np.repeat((first + last) / 2, stops - starts)) / half
         moments = np.add.reduceat(charge[:, None] * np.vander(local, TERMS, increasing=True), starts)
         return cls(first, last, half, moments)
