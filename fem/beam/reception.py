@@ -21,9 +21,10 @@ from dataclasses import replace
 import numpy as np
 
 from fem.beam.lateral import evanescent, lateral_rule
-from fem.beam.line_source import isotropic_about_normal, line_source
+from fem.beam.line_source import line_source
 from fem.beam.own_aperture import finger_coupling, polarisability
 from fem.condense.transducer import finger_ports
+from fem.materials import isotropic_about_normal
 from fem.waveguide.network import PortSolution, Scatterer
 from fem.waveguide.port_fields import PortFields, connected
 

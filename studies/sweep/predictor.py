@@ -159,7 +159,9 @@ class Predictor:
             self.progress(f"stator {self._count}")
             begun, solve = time.perf_counter(), fem.one_blas_thread(solved_motion)
             try:
-                motion = solve(stator, places, tolerance=self._goal(stator, step, slider), slider=slider)
+                motion = solve(
+                    stator, places, tolerance=self._goal(stator, places, step, slider), slider=slider
+                )
             finally:
                 self.seconds += time.perf_counter() - begun
             self._latest = asked, motion
@@ -188,14 +190,20 @@ class Predictor:
             with suppress(SceneError):  # said when it is its turn
                 scene, stator = self._resolved(changes)
                 slider, places = scene.slider is not None, self._places(scene)[1]
-                if self._in_band(stator, slider) and (stator, places, step, slider) not in self._answers:
+                if (
+                    self._in_band(stator, places, slider)
+                    and (stator, places, step, slider) not in self._answers
+                ):
                     fixed = replace(stator, drive=replace(stator.drive, frequency=self.limits[0]))
                     groups.setdefault((fixed, places, slider), {})[stator.frequency] = stator
         for (fixed, places, slider), stators in groups.items():
             begun = time.perf_counter()
             # what fails here is tried by itself, and says why
             with suppress(RunError, ValueError, ArithmeticError, fem.ConvergenceError):
-                goal, along = self._goal(fixed, step, slider), tuple(dict.fromkeys(x for x, _ in places))
+                goal, along = (
+                    self._goal(fixed, places, step, slider),
+                    tuple(dict.fromkeys(x for x, _ in places)),
+                )
                 band = self._band(fixed, *self.limits, places=along, tolerance=goal, progress=_silent)
                 for stator, wave in zip(
                     stators.values(), band.waves(list(stators), resolved.drive(fixed)), strict=True
@@ -252,15 +260,15 @@ class Predictor:
             raise found.with_traceback(None)
         return found
 
-    def _in_band(self, stator: Scene, slider: bool) -> bool:
+    def _in_band(self, stator: Scene, places, slider: bool) -> bool:
         """Return whether a stator is solved as one of a band: there are enough, and no finite aperture."""
-        return bool(self.limits) and not stator.crossed and not _spreads(stator.stator, slider)
+        return bool(self.limits) and not stator.crossed and not _spreads(stator.stator, places, slider)
 
-    def _goal(self, stator: Scene, step: int, slider: bool) -> float:
+    def _goal(self, stator: Scene, places, step: int, slider: bool) -> float:
         """Return the relative error allowed of a stator at a step."""
         if self.coarse:
             return math.inf
-        share = BAND_SHARE if self._in_band(stator, slider) else SHARE
+        share = BAND_SHARE if self._in_band(stator, places, slider) else SHARE
         return self.tolerance * (share * GAIN**step if slider else 1.0)
 
 
@@ -279,10 +287,10 @@ def _resolved_stator(stator: Stator, transducer: tuple, drive: Drive) -> Scene:
 
 
 @lru_cache(64)
-def _spreads(stator: Stator, slider: bool) -> bool:
+def _spreads(stator: Stator, places, slider: bool) -> bool:
     """Return whether the finite aperture may be computed, which no band does."""
     wanted = wanted_diffraction(stator.diffraction, slider)
-    return bool(wanted) or (wanted is None and not resolved.default_refusal(resolved.stator(stator)))
+    return bool(wanted) or (wanted is None and not resolved.default_refusal(resolved.stator(stator), places))
 
 
 def _silent(text: str) -> None:

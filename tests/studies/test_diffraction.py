@@ -120,7 +120,7 @@ def test_where_the_beam_is_not_known(small):
         drive={"voltage": "5 V"},
     )
     refusal = fem.beam_refusal(resolved.stator(free.stator))
-    assert resolved.default_refusal(resolved.stator(free.stator)) == refusal
+    assert resolved.default_refusal(resolved.stator(free.stator), [(0.0, 1e-3)]) == refusal
     with pytest.raises(
         SceneError, match=r"stator\.diffraction must be false or absent: in this cut the field"
     ):
