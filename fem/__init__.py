@@ -12,8 +12,8 @@ from importlib import import_module
 
 # Public names by the module that defines them, in the order of the method.
 _PUBLIC = {
-    "materials": "anisotropic catalogue fields isotropic isotropic_about_normal material rotated Solid VACUUM_PERMITTIVITY",
-    "materials.rotation": "rotation_matrix",
+    "materials": "anisotropic catalogue fields isotropic material rotated Solid VACUUM_PERMITTIVITY",
+    "materials.rotation": "isotropic_about_normal rotation_matrix",
     "materials.medium": "medium",
     "materials.christoffel": "slowest_wavelength",
     "materials.strength": "Strength strength",

@@ -4,8 +4,9 @@ Each function takes the record of a run and yields effect, quantity, size and so
 not arise or is not neglected.
 A size is a share of the quantity named with it, unless that has a unit.  Estimates hold to a factor of about 2.
 
-Sources: side faces: `fem.surface_beam`; finite aperture: `fem.Slowness`, the angular spectrum of a slit.  Load of a contact on the wave, mass of the electrodes: reciprocity with the surface
-wave and perturbation (Auld, Acoustic Fields and Waves in Solids, vol. 2, 1973, chapters 10 and 12).
+Sources: side faces: `fem.surface_beam`; finite aperture: `fem.Slowness`, the angular spectrum of a slit.  Load of a
+contact on the wave, mass of the electrodes: reciprocity with the surface wave and perturbation (Auld, Acoustic Fields
+and Waves in Solids, vol. 2, 1973, chapters 10 and 12).
 Radiation of a contact: load on a half-space (Miller and Pursey, Proc. R. Soc. A 223 (1954) 521, nu = 1/4).
 """
 
