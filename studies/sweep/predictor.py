@@ -275,10 +275,10 @@ def _resolved_stator(stator: Stator, transducer: tuple, drive: Drive) -> Scene:
 
 
 @lru_cache(64)
-def _spreads(stator: Stator, slider: bool) -> bool:
+def _spreads(stator: Stator, places, slider: bool) -> bool:
     """Return whether the finite aperture may be computed, which no band does."""
     wanted = wanted_diffraction(stator.diffraction, slider)
-    return bool(wanted) or (wanted is None and not resolved.default_refusal(resolved.stator(stator)))
+    return bool(wanted) or (wanted is None and not resolved.default_refusal(resolved.stator(stator), places))
 
 
 def _silent(text: str) -> None:
