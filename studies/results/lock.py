@@ -20,8 +20,11 @@ def locked(file: Path) -> sqlite3.Connection:
     Raises DirectoryInUseError if another process holds it, OSError if the file cannot be written.
     """
     while True:
-        with file.open("ab") as mine:
-            before = os.fstat(mine.fileno())
+        file.touch()  # does not open a file that exists: closing it would release this process's own lock (POSIX)
+        try:
+            before = file.stat()
+        except FileNotFoundError:  # a former holder has just deleted it
+            continue
         connection = sqlite3.connect(file, timeout=0, isolation_level=None)
         try:
             connection.execute("pragma journal_mode = memory")  # nothing is ever written: no journal file
