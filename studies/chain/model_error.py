@@ -188,5 +188,7 @@ def _travel(record: Record) -> Rows:
 
 
 def _power(record: Record) -> Rows:
-    power = record.electrical["power_W_per_V2"] * max(record.scene.levels, default=0.0) ** 2
-    yield "heating of the stator", "power taken in at the highest voltage, in W", power, "admittance"
+    highest = max(record.scene.levels, default=0.0)
+    power = record.electrical["power_W_per_V2"] * highest**2
+    effect = f"heating of the stator, by up to the whole power taken in at {highest:g} V"
+    yield effect, "power taken in at the highest voltage, in W", power, "admittance"
