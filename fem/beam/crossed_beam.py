@@ -15,13 +15,13 @@ from functools import cached_property
 import numpy as np
 
 from fem.beam.charges import ElectrodeCharges, electrode_charges
-from fem.beam.line_source import isotropic_about_normal
 from fem.beam.mutual_admittance import mutual_admittance
 from fem.beam.reception import with_apertures
 from fem.beam.rows import Row, driven_names, rows_of
 from fem.beam.surface_beam import BeamError, SurfaceBeam, aperture_beam
 from fem.circuit import Circuit, Drive, as_drive, solve_circuit
 from fem.geometry import Stator, Transducer, check_plan, turn
+from fem.materials import isotropic_about_normal
 from fem.results.power_balance import PowerBalance, power_balance
 from fem.results.solution import Solution
 from fem.results.surface_wave import SurfaceWave, surface_wave

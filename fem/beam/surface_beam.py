@@ -28,10 +28,11 @@ import numpy as np
 from fem.beam.charges import MAX_PHASE, ElectrodeCharges, Fingers, electrode_charges
 from fem.beam.cut_source import CutSource, cut_source
 from fem.beam.faces import Faces, faces
-from fem.beam.line_source import Branch, LineSource, isotropic_about_normal, line_source
+from fem.beam.line_source import Branch, LineSource, line_source
 from fem.beam.reception import with_apertures
 from fem.circuit import Circuit
 from fem.geometry import Stator
+from fem.materials import isotropic_about_normal
 from fem.results.power_balance import PowerBalance, power_balance
 from fem.results.solution import Solution, driven_solution
 from fem.results.surface_wave import SurfaceWave
