@@ -32,7 +32,7 @@ from studies.view import movie
 from studies.view.contact_view import film_contact, strip
 from studies.view.picture import Picture
 from studies.view.quantities import DIVERGING, palette
-from studies.view.section import chosen_views, views
+from studies.view.views import chosen_views, views
 
 __all__ = [
     "amplitude", "anticlockwise", "bars", "depth_profile", "depth_weights", "draw_all", "ledger_rows",
