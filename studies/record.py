@@ -259,6 +259,12 @@ class Record:
 
         return cls(**read_run(Path(folder)))
 
+    def __str__(self):
+        """Return what `sawmotor run` prints."""
+        from studies.report.answer import answer
+
+        return answer(self)
+
     def __repr__(self):
         """Return title, size and range of the answer on one line."""
         return f"Record({', '.join([repr(self.scene.title or 'untitled'), *self._in_short()])})"

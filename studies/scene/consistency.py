@@ -70,9 +70,6 @@ def check_drive(scene) -> Refused:
             rule = f"must name one of the transducers, got {shown(name)}"
             yield f"drive.{source}", rule + nearest(name, names)
     for index, each in enumerate(scene.transducer):
-        if each.name in drive.driven and not each.has_two_combs:
-            rule = f"must have + and - fingers on the driven transducer, got {shown(each.pattern)}"
-            yield f"transducer.{index}.pattern", rule
         if drive.frequency == "center" and isinstance(each.period, str):
             rule = f'must be a length in m where drive.frequency is "center", got {shown(each.period)}'
             yield f"transducer.{index}.period", rule
@@ -89,11 +86,7 @@ def check_recovery(scene) -> Refused:
         yield "drive.recovery.receiver", rule + nearest(recovery.receiver, others)
         return
     index = names.index(recovery.receiver)
-    receiver = scene.transducer[index]
-    if not receiver.has_two_combs:
-        rule = f"must have + and - fingers on the receiving transducer, got {shown(receiver.pattern)}"
-        yield f"transducer.{index}.pattern", rule
-    if receiver.termination not in ("open", recovery.load):
+    if scene.transducer[index].termination not in ("open", recovery.load):
         rule = "must be absent on the receiving transducer: drive.recovery has its load"
         yield f"transducer.{index}.termination", rule
 
@@ -124,10 +117,23 @@ def check_turned(scene) -> Refused:
             yield f"stator.{key}", f"must be absorbing {what}, got {shown(getattr(stator, key))}"
     if stator.diffraction is False:
         yield "stator.diffraction", f"must be true or absent {what}: a plane section has no y"
+
+
+def check_combs(scene) -> Refused:
+    """Ask for fingers of both combs where a voltage stands between them."""
+    if scene.drive is None:
+        return
+    driven, recovery = scene.drive.driven, scene.drive.recovery
     for index, each in enumerate(scene.transducer):
-        if not each.has_two_combs:
-            rule = f"must have + and - fingers {what}, got {shown(each.pattern)}"
-            yield f"transducer.{index}.pattern", rule
+        receives = recovery is not None and each.name == recovery.receiver
+        if not each.has_two_combs and (each.name in driven or receives or scene.crossed):
+            where = "where a transducer is turned or stands beside the middle line"
+            if each.name in driven or receives:
+                where = f"on the {'driven' if each.name in driven else 'receiving'} transducer"
+            yield (
+                f"transducer.{index}.pattern",
+                f"must have + and - fingers {where}, got {shown(each.pattern)}",
+            )
 
 
 def check_direction(scene) -> Refused:
