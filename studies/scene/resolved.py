@@ -14,7 +14,7 @@ from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.block import keys_of
 from studies.scene.blocks import Element, IsotropicSolid, PiezoelectricSolid, Stator, Transducer
-from studies.scene.endless import refuse_endless_burst
+from studies.scene.consistency import refuse_endless_burst
 from studies.scene.keys import tolerances
 from studies.scene.slider import Slider
 
