@@ -233,9 +233,7 @@ def test_the_surface_s_picture_marks_the_finite_aperture_under_the_slider():
         "u_z_m_per_V": np.full(2, 3e-10j),
         "u_x_m_per_V": np.full(2, 2e-10j),
     }
-    record = Record(
-        scene=resolved.resolved(scene), tolerance=1e-3, wave={"frequency_Hz": 2.2e6}, surface=columns
-    )
+    record = Record(scene=resolved.resolved(scene), tolerance=1e-3, wave=wave, surface=columns)
     for spreads in (False, True):
         figure, ax = new_figure(7.0, 4.3)
         if spreads:
