@@ -7,16 +7,19 @@ time; ``run(...)`` returns a record; ``figure(record, ax)`` draws the record, or
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import wraps
 from importlib import import_module
 from inspect import cleandoc, signature
 from pathlib import Path
 
+from studies.chain import run as run_chain
+from studies.chain.bridge import DrivenContact
 from studies.record import Record
 from studies.refusal import SceneError, nearest
 from studies.results.content import plain, provenance, write_json
 from studies.scene import Scene
+from studies.scene.resolved import resolved
 
 COMMON_ARGUMENTS = """\
 ``scene`` is a path, a shipped name or a `Scene` that has what the study asks about; ``progress`` is a callable that is
@@ -114,14 +117,33 @@ class StudyRecord:
         return "\n".join([*lines, "", f"seconds  {self.seconds:.1f}"])
 
 
-def module(name: str):
-    """Return the module of a study.
+def driven_contact(
+    scene: str | Scene, *, tolerance: float = 1e-3, progress: Callable[[str], None] | None = None
+) -> DrivenContact:
+    """Return the contact of a scene with a slider, its stator solved at the largest voltage and without a burst.
 
-    Raises
-    ------
-    SceneError
-        If there is none of that name.
+    ``tolerance``: of the slider velocity there; it sets how finely the stator is solved.
+
+    Examples
+    --------
+    >>> driven_contact("twente-contact").named(1e-8)
+    '10 nm'
     """
+    chosen = resolved(scene if isinstance(scene, Scene) else Scene.load(scene))
+    if chosen.slider is None:
+        chosen.refuse("slider", "is missing: this study needs a slider")
+    if chosen.wave is not None:
+        return DrivenContact.given(chosen)
+    if not chosen.transducer:
+        chosen.refuse("transducer", "is missing: this study needs a driven stator or a given [wave]")
+    drive = replace(chosen.drive, voltage=(max(chosen.levels),), burst=None)
+    record = run_chain(replace(chosen, drive=drive, uncertain=None), tolerance=tolerance, progress=progress)
+    found = DrivenContact.of_run(record)
+    return replace(found, scene=replace(chosen, drive=replace(chosen.drive, frequency=found.scene.frequency)))
+
+
+def module(name: str):
+    """Return the module of a study; refuse a name that no study has."""
     if name not in STUDIES:
         raise SceneError("study", f"{name!r} does not exist{nearest(name, STUDIES)}")
     return import_module(f"studies.{STUDIES[name]}.{name}")
@@ -235,12 +257,3 @@ def draw_study(
     panels = {name: record} if isinstance(record, Record) else {each.name: each for each in record.panels}
     for file, panel in panels.items():
         saved(folder / f"{file}.png", lambda ax, panel=panel: chosen.figure(panel, ax))
-
-
-def study_answer(record: StudyRecord | Record) -> str:
-    """Return what a study answers, as text."""
-    if isinstance(record, Record):
-        from studies.report.answer import answer
-
-        return answer(record)
-    return str(record)

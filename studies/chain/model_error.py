@@ -22,9 +22,8 @@ from studies.scene import resolved
 FINGER_END = 0.0745  # periods that each end adds to the aperture: static, endless comb, no busbar
 # of it, what charges that are uniform along y have: fem.beam.own_aperture, 20 and 40 weakly coupled pairs, extrapolated
 UNIFORM_END = 0.049
-OWN_APERTURE = (
-    0.4  # wavelengths over the aperture, of the power that given charges lose: 0.3 for 3 pairs, 0.4 for 10
-)
+# wavelengths over the aperture, of the power that given charges lose: 0.3 for 3 pairs, 0.4 for 10
+OWN_APERTURE = 0.4
 POINT_ADMITTANCE = 0.93  # of Re(v / F) 2 pi mu c_T / omega^2, all waves together, nu = 1/4
 ALUMINIUM, FILM = 2700.0, 100e-9  # kg/m3, m
 
@@ -89,12 +88,7 @@ def fresnel_ratio(record: Record, x: float, y: float = 0.0) -> float:
 
 
 def slit_ratio(aperture: float, wavelength: float, distance: float, lateral: float = 0.0) -> float:
-    """Return the amplitude behind a uniform aperture over that of a plane wave, by Fresnel's integral.
-
-    Parameters
-    ----------
-    aperture, wavelength, distance, lateral : float
-        m; the last from the axis.
+    """Return the amplitude behind a uniform aperture over that of a plane wave, by Fresnel's integral; all in m.
 
     Examples
     --------

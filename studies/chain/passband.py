@@ -10,13 +10,7 @@ WIDEST = 0.45  # of the middle frequency, for transducers of few fingers
 
 
 def driven_scene(scene: str | Scene) -> Scene:
-    """Return a scene with transducers as resolved.
-
-    Raises
-    ------
-    SceneError
-        If it has no transducer.
-    """
+    """Return a scene as resolved; refuse one without a transducer."""
     loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
     if not loaded.transducer:
         loaded.refuse("transducer", "is missing: the study drives one")

@@ -7,12 +7,13 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from studies.refusal import RunError, SceneError, shown
+from studies.refusal import RunError, SceneError
 from studies.report.answer import labelled, print_json
 from studies.report.files import write_run
 from studies.results import Origin, ResultDirectory, result_directory
 from studies.results.content import write_json
 from studies.scene import Scene, SceneFile, read_table, scene_path, shipped_scenes
+from studies.scene.numbers import Quantity
 from studies.scene.override import toml_value
 from studies.scene.uncertain import parted
 
@@ -161,7 +162,7 @@ def study(arguments: argparse.Namespace) -> int:
     """Run a study, or list them with their questions."""
     from studies.progress import Progress
     from studies.scene.override import axes_given
-    from studies.study import STUDIES, draw_study, module, question, run_study, study_answer
+    from studies.study import STUDIES, draw_study, module, question, run_study
 
     if arguments.name is None:
         print("\n".join(labelled([(name, question(name)) for name in STUDIES], 2 + max(map(len, STUDIES)))))
@@ -192,7 +193,7 @@ def study(arguments: argparse.Namespace) -> int:
         result.commit()
         with _pictures(result):
             draw_study(arguments.name, done, result.folder, progress=progress)
-    print(f"{study_answer(done)}\nresults  {out}")
+    print(f"{done}\nresults  {out}")
     reason = done.shortfall
     _say([*result.notes, *([reason] if reason else [])])
     return 1 if reason else 0
@@ -340,7 +341,4 @@ def _without_bands(table: dict) -> None:
 
 def tolerance(text: str | None) -> float:
     """Return the tolerance of a call, 1e-3 when absent."""
-    value = 1e-3 if text is None else toml_value(text)
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < 1:
-        raise SceneError("--tolerance", f"must be a number above 0 and below 1, got {shown(text)}")
-    return float(value)
+    return Quantity(below=1.0).read("--tolerance", 1e-3 if text is None else toml_value(text))

@@ -42,17 +42,15 @@ def with_bands(record: Record, *, progress: Callable[[str], None] | None = None)
         samples = _answers(predictor, record, _sampled(numbers, options["samples"]))
         low, high = np.percentile(samples, [50 * (1 - LEVEL), 50 * (1 + LEVEL)], axis=0)
     count = len(record.points)
-    block = {
-        "method": options["method"],
-        "level": LEVEL,
-        "tolerances": {each.key: each.half_width for each in numbers},
-    }
+    block = {"method": options["method"], "level": LEVEL}
+    block |= {"tolerances": {each.key: each.half_width for each in numbers}}
     if options["method"] == "sampled":
         block["samples"] = options["samples"]
     top = int(np.argmax([point[record.level] for point in record.points]))
     if np.all(np.isfinite(half[:, top])):
-        shares = {each.key: float(size) for each, size in zip(numbers, half[:, top], strict=True)}
-        block["velocity_half_width_m_per_s"] = shares
+        block["velocity_half_width_m_per_s"] = dict(
+            zip(block["tolerances"], half[:, top].tolist(), strict=True)
+        )
     for k, key in enumerate(KEYS, start=count):
         if key in record.summary and np.isfinite(low[k] + high[k]):
             block[key] = [float(low[k]), float(high[k])]

@@ -15,11 +15,11 @@ import numpy as np
 
 import contact
 from studies.chain import bridge
-from studies.chain.driven_contact import DrivenContact, driven_contact
+from studies.chain.bridge import DrivenContact
 from studies.chain.propagation import reference_speed
 from studies.report.figures import AXES, curve, finished, logarithmic, own
 from studies.scene import Scene
-from studies.study import Panel, StudyRecord, judged, of_record, study
+from studies.study import Panel, StudyRecord, driven_contact, judged, of_record, study
 
 QUICK = {"amplitudes": 8, "preloads": 5, "checked": 2}
 KINDS = ("stick", "slip", "intermittent", "hopping")

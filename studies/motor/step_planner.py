@@ -15,10 +15,10 @@ from collections.abc import Iterator
 import numpy as np
 
 import contact
-from studies.chain.driven_contact import DrivenContact, driven_contact
+from studies.chain.bridge import DrivenContact
 from studies.report.figures import curve, family, finished, logarithmic
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord, judged, of_record, study
+from studies.study import Finding, Panel, StudyRecord, driven_contact, judged, of_record, study
 
 QUICK = {"cycles": (64, 512), "wanted": (2e-8,), "lines": 1}
 CYCLES = tuple(2**k for k in range(3, 13))

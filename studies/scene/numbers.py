@@ -194,7 +194,11 @@ class Listed(Rule):
         try:
             return self.each.read(path, value)
         except SceneError:
-            if isinstance(value, str) and re.fullmatch(r"\s*[\d.]+\s*(\w+\s*)?(-|\.\.|to)\s*[\d.]+.*", value):
+            if (
+                self.ranged
+                and isinstance(value, str)
+                and re.fullmatch(r"\s*[\d.]+\s*(\w+\s*)?(-|\.\.|to)\s*[\d.]+.*", value)
+            ):
                 raise SceneError(path, f"must be START:STOP:N or a list, got {shown(value)}") from None
             raise
 

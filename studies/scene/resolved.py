@@ -14,7 +14,7 @@ from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.block import keys_of
 from studies.scene.blocks import Element, IsotropicSolid, PiezoelectricSolid, Stator, Transducer
-from studies.scene.endless import refuse_endless_burst
+from studies.scene.consistency import refuse_endless_burst
 from studies.scene.keys import tolerances
 from studies.scene.slider import Slider
 
@@ -284,7 +284,7 @@ def _check_layout(scene: Scene) -> None:
     import fem
 
     block, row = stator(scene.stator), transducers(scene)
-    with _refused("transducer"):
+    with _refused("transducer", [each.name for each in row]):
         if not scene.crossed:
             fem.check_layout(block, row)
             return
@@ -309,13 +309,16 @@ def _given(block, *names: str) -> dict:
 
 
 @contextmanager
-def _refused(path: str):
-    """Turn a refusal of fem into the scene's."""
+def _refused(path: str, names=()):
+    """Turn a refusal of fem into the scene's; ``names`` are those of the transducers."""
     try:
         yield
     except ValueError as error:
         text = str(error).splitlines()[0]
-        key, _, rule = text.partition(" ")
+        for index, name in enumerate(names):
+            if text.startswith(f"transducer {name!r} "):
+                text = text.replace(f" {name!r}", f".{index}", 1)
+        key, _, rule = text.replace("transducers ", "transducer ", 1).partition(" ")
         if key.startswith(("stator.", "transducer")):
             raise SceneError(key, rule) from None
         raise SceneError(path, text.removeprefix(f"{path.rpartition('.')[2]} ")) from None

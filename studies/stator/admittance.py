@@ -15,12 +15,11 @@ from studies.scene import Scene, resolved
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"count": 5, "tolerance": 0.1}
-COUNT = 81
 
 
 @study
 def run(
-    scene: str | Scene = "twente", *, count: int = COUNT, tolerance: float = 1e-2, progress=None
+    scene: str | Scene = "twente", *, count: int = 81, tolerance: float = 1e-2, progress=None
 ) -> StudyRecord:
     """Return the admittance against frequency and its estimate.
 

@@ -26,7 +26,6 @@ from studies.scene import Scene, resolved
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"count": 25}
-COUNT = 400
 CLEAR = 0.6  # wavelengths from the fingers where the axis begins
 FINE = 1500  # points of a theory's line
 STEEPEST, FADES = 0.35, 0.25  # of the wavenumber: end of the angular spectrum, and from where it fades out
@@ -36,7 +35,7 @@ SPECTRUM = 400  # lateral wavenumbers on either side
 
 @study
 def run(
-    scene: str | Scene = "twente", *, count: int = COUNT, tolerance: float = 1e-3, progress=None
+    scene: str | Scene = "twente", *, count: int = 400, tolerance: float = 1e-3, progress=None
 ) -> StudyRecord:
     """Return the amplitude on the axis and across the beam.
 

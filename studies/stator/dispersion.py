@@ -17,7 +17,6 @@ from studies.scene import Scene, resolved
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"count": 9}
-COUNT = 60
 LOWEST, HIGHEST = 1 / 12, 1.2  # of the drive frequency
 DECAY = 0.01  # |Im k| over |Re k| below which a mode propagates
 TOLERANCE = 1e-8  # of the modes' wavenumbers
@@ -25,7 +24,7 @@ THICK = 4.0  # wavelengths: above it the faces' waves hardly split
 
 
 @study
-def run(scene: str | Scene = "rayleigh", *, count: int = COUNT, progress=None) -> StudyRecord:
+def run(scene: str | Scene = "rayleigh", *, count: int = 60, progress=None) -> StudyRecord:
     """Return propagating wavenumbers against frequency.
 
     Parameters

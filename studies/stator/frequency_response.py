@@ -19,12 +19,11 @@ from studies.scene import Scene, resolved
 from studies.study import Finding, Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"count": 9, "tolerance": 0.1}
-COUNT = 161
 
 
 @study
 def run(
-    scene: str | Scene = "twente-left", *, count: int = COUNT, tolerance: float = 1e-2, progress=None
+    scene: str | Scene = "twente-left", *, count: int = 161, tolerance: float = 1e-2, progress=None
 ) -> StudyRecord:
     """Return amplitude and group delay against frequency.
 

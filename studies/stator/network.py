@@ -24,7 +24,6 @@ from studies.study import Panel, StudyRecord, judged, of_record, study
 
 OPTIONS = ("band", "z0", "measured")
 QUICK = {"count": 11, "tolerance": 0.3}
-COUNT = 401
 BRANCHES = 5
 PASSIVE, RECIPROCAL = 1e-12, 1e-11
 CIRCLES = (0, 0.2, 0.5, 1, 2, 5)  # of the Smith chart, over the reference
@@ -37,7 +36,7 @@ def run(
     band: str | None = None,
     z0: str | float = 50.0,
     measured: str | None = None,
-    count: int = COUNT,
+    count: int = 401,
     tolerance: float = 1e-3,
     progress=None,
 ) -> StudyRecord:

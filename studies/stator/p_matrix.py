@@ -21,12 +21,11 @@ from studies.scene import Scene, resolved
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"count": 3, "tolerance": 0.2}
-COUNT = 25
 
 
 @study
 def run(
-    scene: str | Scene = "twente", *, count: int = COUNT, tolerance: float = 3e-2, progress=None
+    scene: str | Scene = "twente", *, count: int = 25, tolerance: float = 3e-2, progress=None
 ) -> StudyRecord:
     """Return P-matrices, their cascade and the whole stator.
 

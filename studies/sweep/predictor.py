@@ -23,7 +23,7 @@ from studies.refusal import RunError, SceneError
 from studies.scene import Scene, resolved
 from studies.scene.block import keys_of
 from studies.scene.blocks import Drive, Stator
-from studies.scene.endless import refuse_endless_burst
+from studies.scene.consistency import refuse_endless_burst
 from studies.scene.override import replaced
 
 KEPT = 10_000  # blocks of a kind, and answers of the stator, in memory
@@ -89,18 +89,18 @@ class Predictor:
 
     ``table``: the scene's TOML document; ``tolerance``: of the velocity; ``places``: (x, y) in m for which one solution
     of the stator serves; ``limits``: lowest and highest frequency in Hz where there are enough of them for a band;
-    ``coarse`` takes the stator's coarsest discretisation.
+    ``coarse`` takes the stator's coarsest discretisation; ``slider``: whether the scenes have one.
     """
 
     def __init__(
-        self, table: dict, *, tolerance: float, places=(), limits=(), coarse=False,
+        self, table: dict, *, tolerance: float, places=(), limits=(), coarse=False, slider=True,
         progress: Callable[[str], None] | None = None,
     ):  # fmt: skip
         rules = {name: key.rule for name, key in keys_of(Scene).items()}
         for key in table:
             if key not in rules:
                 raise SceneError(key, "is no key of a scene")
-        self.table, self.tolerance, self.coarse = table, tolerance, coarse
+        self.table, self.tolerance, self.coarse, self.slider = table, tolerance, coarse, slider
         self.places, self.limits, self.progress = tuple(places), limits, progress or _silent
         self.seconds = 0.0  # spent on stators
         self._rules, self._answers, self._latest, self._count = rules, {}, (None, None), 0
@@ -137,29 +137,26 @@ class Predictor:
         block = scene.slider
         places, shared = self._places(scene)
         try:
-            solved = self._answer(stator, shared, step, block is not None)
+            solved = self._answer(stator, shared, step)
         except RunError:  # a place in a node of the wave must not cost the others
             if shared == places:
                 raise
-            solved = self._answer(stator, places, step, block is not None)
+            solved = self._answer(stator, places, step)
         tangential, normal, _, _ = solved.at[places[0]]
         return Driven(
             scene=scene, orbits=() if block is None else solved.orbits(block.places), solved=solved,
             amplitudes=(abs(normal), abs(tangential)), stator_error=max(solved.at[place][2] for place in places),
         )  # fmt: skip
 
-    def motion(self, stator: Scene, places, step: int = 0, slider: bool = True) -> SurfaceMotion:
-        """Return the surface motion of a `stator_alone` at places (x, y) in m; only the latest is kept.
-
-        ``slider``: whether one is to be driven.
-        """
-        asked = stator, places, step, slider
+    def motion(self, stator: Scene, places, step: int = 0) -> SurfaceMotion:
+        """Return the surface motion of a `stator_alone` at places (x, y) in m; only the latest is kept."""
+        asked = stator, places, step
         if self._latest[0] != asked:
             self._count += 1
             self.progress(f"stator {self._count}")
             begun, solve = time.perf_counter(), fem.one_blas_thread(solved_motion)
             try:
-                motion = solve(stator, places, tolerance=self._goal(stator, step, slider), slider=slider)
+                motion = solve(stator, places, tolerance=self._goal(stator, step), slider=self.slider)
             finally:
                 self.seconds += time.perf_counter() - begun
             self._latest = asked, motion
@@ -170,7 +167,7 @@ class Predictor:
         scene, stator = self._resolved({})
         if stator is not None:
             places = self._places(scene)[0]
-            self._answers[stator, places, 0, True] = SolvedStator.of(record.surface_motion, places)
+            self._answers[stator, places, 0] = SolvedStator.of(record.surface_motion, places)
 
     def ring_up(self, driven: Driven) -> RingUp | None:
         """Return how the surface's motion grows and fades in a burst; None with a given wave and under a transducer."""
@@ -187,21 +184,20 @@ class Predictor:
         for changes in many if self.limits else ():
             with suppress(SceneError):  # said when it is its turn
                 scene, stator = self._resolved(changes)
-                slider, places = scene.slider is not None, self._places(scene)[1]
-                if self._in_band(stator, slider) and (stator, places, step, slider) not in self._answers:
+                places = self._places(scene)[1]
+                if self._in_band(stator) and (stator, places, step) not in self._answers:
                     fixed = replace(stator, drive=replace(stator.drive, frequency=self.limits[0]))
-                    groups.setdefault((fixed, places, slider), {})[stator.frequency] = stator
-        for (fixed, places, slider), stators in groups.items():
+                    groups.setdefault((fixed, places), {})[stator.frequency] = stator
+        for (fixed, places), stators in groups.items():
             begun = time.perf_counter()
             # what fails here is tried by itself, and says why
             with suppress(RunError, ValueError, ArithmeticError, fem.ConvergenceError):
-                goal, along = self._goal(fixed, step, slider), tuple(dict.fromkeys(x for x, _ in places))
+                along, goal = tuple(dict.fromkeys(x for x, _ in places)), self._goal(fixed, step)
                 band = self._band(fixed, *self.limits, places=along, tolerance=goal, progress=_silent)
-                for stator, wave in zip(
-                    stators.values(), band.waves(list(stators), resolved.drive(fixed)), strict=True
-                ):
-                    motion = surface_motion(wave, stator.stator, places, slider=slider)
-                    self._answers[stator, places, step, slider] = SolvedStator.of(motion, places)
+                waves = band.waves(list(stators), resolved.drive(fixed))
+                for stator, wave in zip(stators.values(), waves, strict=True):
+                    motion = surface_motion(wave, stator.stator, places, slider=self.slider)
+                    self._answers[stator, places, step] = SolvedStator.of(motion, places)
             self.seconds += time.perf_counter() - begun
 
     def _read(self, name: str, changes: tuple):
@@ -252,16 +248,16 @@ class Predictor:
             raise found.with_traceback(None)
         return found
 
-    def _in_band(self, stator: Scene, slider: bool) -> bool:
+    def _in_band(self, stator: Scene) -> bool:
         """Return whether a stator is solved as one of a band: there are enough, and no finite aperture."""
-        return bool(self.limits) and not stator.crossed and not _spreads(stator.stator, slider)
+        return bool(self.limits) and not stator.crossed and not _spreads(stator.stator, self.slider)
 
-    def _goal(self, stator: Scene, step: int, slider: bool) -> float:
+    def _goal(self, stator: Scene, step: int) -> float:
         """Return the relative error allowed of a stator at a step."""
         if self.coarse:
             return math.inf
-        share = BAND_SHARE if self._in_band(stator, slider) else SHARE
-        return self.tolerance * (share * GAIN**step if slider else 1.0)
+        share = BAND_SHARE if self._in_band(stator) else SHARE
+        return self.tolerance * (share * GAIN**step if self.slider else 1.0)
 
 
 def stator_alone(scene: Scene) -> Scene:

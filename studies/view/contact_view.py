@@ -15,7 +15,7 @@ from matplotlib.animation import FuncAnimation
 from matplotlib.patches import Circle, Patch
 
 import contact
-from studies.chain.driven_contact import DrivenContact
+from studies.chain.bridge import DrivenContact
 from studies.chain.surface_motion import surface_motion
 from studies.record import Record
 from studies.refusal import RunError, SceneError

@@ -123,7 +123,7 @@ def test_a_drive_across_is_refused(chip):
 @pytest.mark.parametrize(
     ("front", "message"),
     [
-        ({"center": ["4 mm", "-2 mm"]}, "transducers 'left' and 'front' must not overlap on the surface"),
+        ({"center": ["4 mm", "-2 mm"]}, "transducer 'left' and 'front' must not overlap on the surface"),
         ({"center": ["9 mm", "-12 mm"]}, "fingers reach from y = -0.01"),
         ({"center": ["1 mm", "-9 mm"]}, "fingers reach from x = -0.00"),
         (

@@ -7,10 +7,10 @@ import contact
 import fem
 from studies import Scene, run, sweep
 from studies.chain import bridge
-from studies.chain.driven_contact import driven_contact
 from studies.chain.surface_motion import surface_motion
 from studies.refusal import SceneError
 from studies.scene import resolved
+from studies.study import driven_contact
 
 BALLS = [["-0.3 mm", "4 mm"], ["-0.2 mm", "-3 mm"], "0.3 mm"]
 TOLERANCE = 1e-2

@@ -135,20 +135,21 @@ def test_orbits_turn_the_way_the_arrows_say():
     assert "2 anticlockwise (blue), 1 clockwise" in figure._suptitle.get_text()
 
 
-def test_amplitude_tells_the_ripple_of_the_standing_wave():
-    """A wave and a tenth of it coming back: largest over smallest 1.1/0.9."""
-    x, wavelength = np.linspace(0, 0.1, 20001), 1e-3
-    k = 2 * np.pi / wavelength
-    normal = np.exp(-1j * k * x) + 0.1 * np.exp(1j * k * x)
-    figure = gallery_pictures.amplitude(
-        x, 0.7j * normal, normal, wavelength=wavelength, covered=[(0.01, 0.02)], focus=("slider", 0.05),
-        title="amplitude",
-    )  # fmt: skip
+def test_amplitude_shows_a_run_s_surface_whole_and_from_near():
+    x, k = np.linspace(0, 0.16, 2001), 2 * np.pi / 1e-3
+    u_z = 3e-10 * (np.exp(-1j * k * x) + 0.1 * np.exp(1j * k * x))
+    wave = {"standing_wave_ratio": 1.1 / 0.9, "frequency_Hz": 2.2e6}
+    columns = {"x_m": x, "u_z_m_per_V": u_z, "u_x_m_per_V": 0.7j * u_z}
+    record = Record(
+        scene=resolved.resolved(Scene.load("twente-left")), tolerance=1e-3, wave=wave, surface=columns
+    )
+    figure = gallery_pictures.amplitude(record, wavelength=1e-3, focus=("slider", 0.08))
     assert_legible(figure)
     assert labelled(figure)
-    assert "|u_z| 1.22 " in figure.axes[1].get_title()
-    for ax in figure.axes:
-        assert max(line.get_ydata().max() for line in ax.lines[:2]) < 0.95 * ax.get_ylim()[1]
+    whole, near = figure.axes
+    assert "|u_z| 1.22 " in near.get_title()
+    assert near.get_xlim() == pytest.approx((76.0, 84.0))
+    assert whole.lines[0].get_ydata().max() == pytest.approx(0.33, rel=1e-3)
 
 
 def test_depth_profile_puts_points_on_lines():
