@@ -156,7 +156,7 @@ class Predictor:
             self.progress(f"stator {self._count}")
             begun, solve = time.perf_counter(), fem.one_blas_thread(solved_motion)
             try:
-                motion = solve(stator, places, tolerance=self._goal(stator, step), slider=self.slider)
+                motion = solve(stator, places, tolerance=self._goal(stator, places, step), slider=self.slider)
             finally:
                 self.seconds += time.perf_counter() - begun
             self._latest = asked, motion
@@ -185,14 +185,14 @@ class Predictor:
             with suppress(SceneError):  # said when it is its turn
                 scene, stator = self._resolved(changes)
                 places = self._places(scene)[1]
-                if self._in_band(stator) and (stator, places, step) not in self._answers:
+                if self._in_band(stator, places) and (stator, places, step) not in self._answers:
                     fixed = replace(stator, drive=replace(stator.drive, frequency=self.limits[0]))
                     groups.setdefault((fixed, places), {})[stator.frequency] = stator
         for (fixed, places), stators in groups.items():
             begun = time.perf_counter()
             # what fails here is tried by itself, and says why
             with suppress(RunError, ValueError, ArithmeticError, fem.ConvergenceError):
-                along, goal = tuple(dict.fromkeys(x for x, _ in places)), self._goal(fixed, step)
+                along, goal = tuple(dict.fromkeys(x for x, _ in places)), self._goal(fixed, places, step)
                 band = self._band(fixed, *self.limits, places=along, tolerance=goal, progress=_silent)
                 waves = band.waves(list(stators), resolved.drive(fixed))
                 for stator, wave in zip(stators.values(), waves, strict=True):
@@ -248,15 +248,15 @@ class Predictor:
             raise found.with_traceback(None)
         return found
 
-    def _in_band(self, stator: Scene) -> bool:
+    def _in_band(self, stator: Scene, places) -> bool:
         """Return whether a stator is solved as one of a band: there are enough, and no finite aperture."""
-        return bool(self.limits) and not stator.crossed and not _spreads(stator.stator, self.slider)
+        return bool(self.limits) and not stator.crossed and not _spreads(stator.stator, places, self.slider)
 
-    def _goal(self, stator: Scene, step: int) -> float:
+    def _goal(self, stator: Scene, places, step: int) -> float:
         """Return the relative error allowed of a stator at a step."""
         if self.coarse:
             return math.inf
-        share = BAND_SHARE if self._in_band(stator) else SHARE
+        share = BAND_SHARE if self._in_band(stator, places) else SHARE
         return self.tolerance * (share * GAIN**step if self.slider else 1.0)
 
 
@@ -275,10 +275,10 @@ def _resolved_stator(stator: Stator, transducer: tuple, drive: Drive) -> Scene:
 
 
 @lru_cache(64)
-def _spreads(stator: Stator, slider: bool) -> bool:
+def _spreads(stator: Stator, places, slider: bool) -> bool:
     """Return whether the finite aperture may be computed, which no band does."""
     wanted = wanted_diffraction(stator.diffraction, slider)
-    return bool(wanted) or (wanted is None and not resolved.default_refusal(resolved.stator(stator)))
+    return bool(wanted) or (wanted is None and not resolved.default_refusal(resolved.stator(stator), places))
 
 
 def _silent(text: str) -> None:
