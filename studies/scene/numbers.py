@@ -207,7 +207,7 @@ class Listed(Rule):
 
     def _several(self, each):
         if self.distinct:
-            return f"a list, all different, each {each}"
+            return f"a list of different ones, each: {each}"
         return f'{each}; one, a list, or "START:STOP:N" (:log)' if self.ranged else f"{each}; one or a list"
 
     def schema(self):
