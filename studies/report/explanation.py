@@ -131,7 +131,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
         sum(sorted(sizes[k].block_bytes for k in planned)[-2:]),
     )
     diffraction = wanted_diffraction(scene.stator.diffraction, slider is not None)
-    refusal = resolved.default_refusal(stator) if diffraction is None else ""
+    refusal = resolved.default_refusal(stator, slider.places) if diffraction is None else ""
     spreads = diffraction is not False and not refusal
     if spreads:
         how = "guided modes at every wavenumber across the aperture, under the slider"
