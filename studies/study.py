@@ -43,11 +43,11 @@ class Finding:
     quantity: str  # what was computed, with its unit
     expected: str  # the number or the range that confirms it
     found: float  # the number
-    confirmed: bool  # whether it does
+    confirmed: bool | None  # whether it does; None where the statement does not apply
     remark: str = ""  # what to know about it
 
     def __str__(self):
-        verdict = "confirmed" if self.confirmed else "contradicted"
+        verdict = {True: "confirmed", False: "contradicted", None: "not judged"}[self.confirmed]
         remark = f"\n    {self.remark}" if self.remark else ""
         numbers = f"{self.quantity}: {self.found:.6g}, expected {self.expected}: {verdict}"
         return f"{self.statement}\n    {numbers}{remark}"
@@ -56,13 +56,16 @@ class Finding:
 def judged(
     statement, quantity, found, *, low=-math.inf, high=math.inf, holds=True, expected="", remark=""
 ) -> Finding:
-    """Return the finding that a number lies between two others, both excluded, and something else holds too."""
+    """Return the finding that a number lies between two others, both excluded, and something else holds too.
+
+    With None for ``holds`` the number is told but not judged.
+    """
     bounds = f"below {high:g}" if low == -math.inf else f"above {low:g}"
     if math.isfinite(low) and math.isfinite(high):
         bounds = f"between {low:g} and {high:g}"
     return Finding(
         statement=statement, quantity=quantity, expected=expected or bounds, found=float(found),
-        confirmed=bool(low < found < high and holds), remark=remark,
+        confirmed=None if holds is None else bool(low < found < high and holds), remark=remark,
     )  # fmt: skip
 
 
@@ -96,7 +99,7 @@ class StudyRecord:
     @property
     def shortfall(self) -> str:
         """Why the answer is not what was expected; empty where it is."""
-        against = [finding for finding in self.findings if not finding.confirmed]
+        against = [finding for finding in self.findings if finding.confirmed is False]
         if not against:
             return ""
         first = f"{against[0].quantity} is {against[0].found:.6g}, expected {against[0].expected}"

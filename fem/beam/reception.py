@@ -23,10 +23,11 @@ from itertools import combinations
 import numpy as np
 
 from fem.beam.lateral import evanescent, lateral_rule
-from fem.beam.line_source import isotropic_about_normal, line_source
+from fem.beam.line_source import line_source
 from fem.beam.own_aperture import finger_coupling, polarisability
 from fem.condense.transducer import finger_ports
 from fem.geometry import Stator, Transducer
+from fem.materials import isotropic_about_normal
 from fem.waveguide.network import Network, PortSolution, Scatterer
 from fem.waveguide.port_fields import PortFields, Solve, connected
 

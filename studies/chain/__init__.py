@@ -91,7 +91,8 @@ def _run(scene: Scene, tolerance: float, progress: Callable[[str], None] | None)
         from studies.inverse.uncertainty import with_bands
 
         record = with_bands(record, progress=say)
-    return replace(record, model_error=model_error(record), warnings=warnings_of(record))
+    record = replace(record, model_error=model_error(record))
+    return replace(record, warnings=warnings_of(record))
 
 
 def _given(scene: Scene, tolerance: float, say) -> Record:

@@ -152,7 +152,8 @@ def surface_motion(wave, block: Stator, places, *, slider: bool = True) -> Surfa
     diffraction = wanted_diffraction(block.diffraction, slider)
     if diffraction is False:
         return SurfaceMotion(wave=wave)
-    refusal = resolved.default_refusal(wave.solution.fields.stator) if diffraction is None else ""
+    stator = wave.solution.fields.stator
+    refusal = resolved.default_refusal(stator, places) if diffraction is None else ""
     if refusal:
         return SurfaceMotion(wave=wave, reason=refusal)
     found = SurfaceMotion(wave=wave, beam=fem.surface_beam(wave, mirror_width=block.mirror_width))

@@ -7,6 +7,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
+from studies.progress import Progress
 from studies.refusal import RunError, SceneError
 from studies.report.answer import labelled, print_json
 from studies.report.files import write_run
@@ -14,14 +15,13 @@ from studies.results import Origin, ResultDirectory, result_directory
 from studies.results.content import write_json
 from studies.scene import Scene, SceneFile, read_table, scene_path, shipped_scenes
 from studies.scene.numbers import Quantity
-from studies.scene.override import toml_value
+from studies.scene.override import axes_given, toml_value
 from studies.scene.uncertain import parted
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the chain of a scene; print its answer and leave its files."""
     from studies.chain import run as run_chain
-    from studies.progress import Progress
     from studies.report.answer import answer
     from studies.report.drawing import Drawing
     from studies.report.explanation import explanation, plan
@@ -125,7 +125,6 @@ def _warn(warnings) -> None:
 
 def datasheet(arguments: argparse.Namespace) -> int:
     """Compute a motor's datasheet; print its table and leave its page and numbers."""
-    from studies.progress import Progress
     from studies.report.datasheet import datasheet as computed
     from studies.report.datasheet_page import page, table
 
@@ -160,8 +159,6 @@ def wave(arguments: argparse.Namespace) -> int:
 
 def study(arguments: argparse.Namespace) -> int:
     """Run a study, or list them with their questions."""
-    from studies.progress import Progress
-    from studies.scene.override import axes_given
     from studies.study import STUDIES, draw_study, module, question, run_study
 
     if arguments.name is None:
@@ -201,7 +198,6 @@ def study(arguments: argparse.Namespace) -> int:
 
 def view(arguments: argparse.Namespace) -> int:
     """Show a run in a window, or draw it into files and name them."""
-    from studies.progress import Progress
     from studies.view import view as show
     from studies.view.options import Wanted
 
@@ -251,7 +247,6 @@ def check(arguments: argparse.Namespace) -> int:
 
 def sweep(arguments: argparse.Namespace) -> int:
     """Compute what is missing of a sweep's points, and say what they came to."""
-    from studies.scene.override import axes_given
     from studies.sweep.answer import run_sweep
 
     table = changed_file(arguments).table
@@ -265,7 +260,6 @@ def fit(arguments: argparse.Namespace) -> int:
     from studies.inverse import fit as fitted
     from studies.inverse import read_measurement, read_parameter
     from studies.inverse.fit_report import draw_fit, fit_answer, write_fit
-    from studies.progress import Progress
 
     wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
     measurements = [read_measurement(file, tuple(settings)) for file, *settings in arguments.data]
@@ -288,7 +282,6 @@ def design(arguments: argparse.Namespace) -> int:
     from studies.inverse.design import design as search
     from studies.inverse.design_report import design_answer, draw_design, write_design
     from studies.inverse.goals import read_constraint, read_variable
-    from studies.progress import Progress
 
     wanted = tolerance(arguments.tolerance or "3e-2")
     table = changed_scene(arguments).to_table()

@@ -58,6 +58,7 @@ def run(
     factors = np.tile(at, (loads.size, 1))
     found = contact.steady_sweep(loaded, [per_metre], which=which, factors=factors, wave_errors=[0.0])
     kind = np.where((found.regime == "intermittent") & (found.height < 0.0), "hopping", found.regime)
+    kind[found.held] = "stick"  # the slider stays where some of its balls slip, on orbits that are not alike
     shares = sum(abs(orbit.normal) ** 1.5 for orbit in per_metre)
     lines = {
         "threshold": np.array([contact.threshold_factor(s, per_metre) for s in loaded]),

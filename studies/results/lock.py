@@ -20,18 +20,18 @@ def locked(file: Path) -> sqlite3.Connection:
     Raises DirectoryInUseError if another process holds it, OSError if the file cannot be written.
     """
     while True:
-        with file.open("ab") as mine:
-            before = os.fstat(mine.fileno())
-        connection = sqlite3.connect(file, timeout=0, isolation_level=None)
-        try:
-            connection.execute("pragma journal_mode = memory")  # nothing is ever written: no journal file
-            connection.execute("begin exclusive")
-        except sqlite3.Error as error:
-            connection.close()
-            if "locked" in str(error):
-                raise DirectoryInUseError(str(file)) from None
-            raise OSError(0, str(error), str(file)) from None
+        file.touch()  # never opened here: to close a second handle would drop this process's lock (POSIX)
         with suppress(FileNotFoundError):
-            if os.path.samestat(before, file.stat()):
+            before = file.stat()
+            connection = sqlite3.connect(file, timeout=0, isolation_level=None)
+            try:
+                connection.execute("pragma journal_mode = memory")  # nothing is ever written: no journal file
+                connection.execute("begin exclusive")
+            except sqlite3.Error as error:
+                connection.close()
+                if "locked" in str(error):
+                    raise DirectoryInUseError(str(file)) from None
+                raise OSError(0, str(error), str(file)) from None
+            if file.exists() and os.path.samestat(before, file.stat()):
                 return connection
-        connection.close()  # a former holder has deleted the file before it was locked
+            connection.close()  # a former holder has deleted the file between touch and lock

@@ -22,7 +22,8 @@ def rule_at(key: str):
         if isinstance(holder, Blocks):
             index, *parts = parts
             if not index.isdigit() or not parts:
-                raise SceneError(done, f"is a list: say which one, as in {done}.0")
+                first = next(iter(keys_of(*holder.kinds)))
+                raise SceneError(done, f"is a list: say which one and its key, as in {done}.0.{first}")
             done = f"{done}.{index}"
         name, *parts = parts
         known = {name: one for kind in holder.kinds for name, one in keys_of(kind).items()}

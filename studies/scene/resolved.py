@@ -160,20 +160,23 @@ def _ladder(match: str | tuple) -> tuple:
 
 def diffracts(scene: Scene) -> bool:
     """Return whether a scene's transducers have finite apertures: asked for, or under a slider by default."""
-    given = scene.stator.diffraction
+    given, slider = scene.stator.diffraction, scene.slider
     return bool(given) or (
-        given is None and scene.slider is not None and not default_refusal(stator(scene.stator))
+        given is None and slider is not None and not default_refusal(stator(scene.stator), slider.places)
     )
 
 
-def default_refusal(stator) -> str:
-    """Return why the section stands for a `fem.Stator` where a scene does not decide, a sentence; or nothing."""
+def default_refusal(stator, places) -> str:
+    """Return why the section stands for a `fem.Stator` where a scene does not decide, a sentence; or nothing.
+
+    Contacts beside the axis, among the ``places`` (x, y), are on the beam's slopes, which the section does not know.
+    """
     import fem
 
     if fem.beam_refusal(stator):
         return fem.beam_refusal(stator)
     reflects, turns = stator.ends != "absorbing", fem.isotropic_about_normal(stator.solid)
-    if turns and not reflects:
+    if (turns and not reflects) or any(y for _, y in places):
         return ""
     where, times = ("between reflecting ends", "2 to 4") if turns else ("in this cut", "1.4 to 2")
     return (

@@ -26,7 +26,8 @@ from studies.scene.blocks import Drive, Stator
 from studies.scene.consistency import refuse_endless_burst
 from studies.scene.override import replaced
 
-KEPT = 10_000  # blocks of a kind, and answers of the stator, in memory
+KEPT = 10_000  # blocks of a kind in memory
+MAX_KEPT = 1_000_000  # places of solved stators in memory, about 300 MB
 SHARE, GAIN = 0.25, 0.1  # of the tolerance at first, and of the step before
 BAND_SHARE = 0.1  # a band a level finer costs half as much again, two bands twice as much
 STEPS = 3
@@ -156,7 +157,7 @@ class Predictor:
             self.progress(f"stator {self._count}")
             begun, solve = time.perf_counter(), fem.one_blas_thread(solved_motion)
             try:
-                motion = solve(stator, places, tolerance=self._goal(stator, step), slider=self.slider)
+                motion = solve(stator, places, tolerance=self._goal(stator, places, step), slider=self.slider)
             finally:
                 self.seconds += time.perf_counter() - begun
             self._latest = asked, motion
@@ -180,19 +181,21 @@ class Predictor:
 
     def solve_together(self, many: Iterable[dict], step: int) -> None:
         """Solve the frequencies of one geometry side by side, where they make a band."""
+        if len(self._answers) * max(1, len(self.places)) > MAX_KEPT:
+            self._answers.clear()
         groups = {}
         for changes in many if self.limits else ():
             with suppress(SceneError):  # said when it is its turn
                 scene, stator = self._resolved(changes)
                 places = self._places(scene)[1]
-                if self._in_band(stator) and (stator, places, step) not in self._answers:
+                if self._in_band(stator, places) and (stator, places, step) not in self._answers:
                     fixed = replace(stator, drive=replace(stator.drive, frequency=self.limits[0]))
                     groups.setdefault((fixed, places), {})[stator.frequency] = stator
         for (fixed, places), stators in groups.items():
             begun = time.perf_counter()
             # what fails here is tried by itself, and says why
             with suppress(RunError, ValueError, ArithmeticError, fem.ConvergenceError):
-                along, goal = tuple(dict.fromkeys(x for x, _ in places)), self._goal(fixed, step)
+                along, goal = tuple(dict.fromkeys(x for x, _ in places)), self._goal(fixed, places, step)
                 band = self._band(fixed, *self.limits, places=along, tolerance=goal, progress=_silent)
                 waves = band.waves(list(stators), resolved.drive(fixed))
                 for stator, wave in zip(stators.values(), waves, strict=True):
@@ -237,8 +240,6 @@ class Predictor:
     def _answer(self, *asked) -> SolvedStator:
         """Return what is kept of a stator solved as `motion` does, or raise why there is none."""
         if asked not in self._answers:
-            if len(self._answers) > KEPT:
-                self._answers.clear()
             try:
                 self._answers[asked] = SolvedStator.of(self.motion(*asked), asked[1], coarse=self.coarse)
             except Exception as error:
@@ -248,15 +249,15 @@ class Predictor:
             raise found.with_traceback(None)
         return found
 
-    def _in_band(self, stator: Scene) -> bool:
+    def _in_band(self, stator: Scene, places) -> bool:
         """Return whether a stator is solved as one of a band: there are enough, and no finite aperture."""
-        return bool(self.limits) and not stator.crossed and not _spreads(stator.stator, self.slider)
+        return bool(self.limits) and not stator.crossed and not _spreads(stator.stator, places, self.slider)
 
-    def _goal(self, stator: Scene, step: int) -> float:
+    def _goal(self, stator: Scene, places, step: int) -> float:
         """Return the relative error allowed of a stator at a step."""
         if self.coarse:
             return math.inf
-        share = BAND_SHARE if self._in_band(stator) else SHARE
+        share = BAND_SHARE if self._in_band(stator, places) else SHARE
         return self.tolerance * (share * GAIN**step if self.slider else 1.0)
 
 
@@ -275,10 +276,10 @@ def _resolved_stator(stator: Stator, transducer: tuple, drive: Drive) -> Scene:
 
 
 @lru_cache(64)
-def _spreads(stator: Stator, slider: bool) -> bool:
+def _spreads(stator: Stator, places, slider: bool) -> bool:
     """Return whether the finite aperture may be computed, which no band does."""
     wanted = wanted_diffraction(stator.diffraction, slider)
-    return bool(wanted) or (wanted is None and not resolved.default_refusal(resolved.stator(stator)))
+    return bool(wanted) or (wanted is None and not resolved.default_refusal(resolved.stator(stator), places))
 
 
 def _silent(text: str) -> None:
