@@ -26,7 +26,8 @@ from studies.scene.blocks import Drive, Stator
 from studies.scene.consistency import refuse_endless_burst
 from studies.scene.override import replaced
 
-KEPT = 10_000  # blocks of a kind, and answers of the stator, in memory
+KEPT = 10_000  # blocks of a kind in memory
+MAX_KEPT = 1_000_000  # places of solved stators in memory, about 300 MB
 SHARE, GAIN = 0.25, 0.1  # of the tolerance at first, and of the step before
 BAND_SHARE = 0.1  # a band a level finer costs half as much again, two bands twice as much
 STEPS = 3
@@ -180,6 +181,8 @@ class Predictor:
 
     def solve_together(self, many: Iterable[dict], step: int) -> None:
         """Solve the frequencies of one geometry side by side, where they make a band."""
+        if len(self._answers) * max(1, len(self.places)) > MAX_KEPT:
+            self._answers.clear()
         groups = {}
         for changes in many if self.limits else ():
             with suppress(SceneError):  # said when it is its turn
@@ -237,8 +240,6 @@ class Predictor:
     def _answer(self, *asked) -> SolvedStator:
         """Return what is kept of a stator solved as `motion` does, or raise why there is none."""
         if asked not in self._answers:
-            if len(self._answers) > KEPT:
-                self._answers.clear()
             try:
                 self._answers[asked] = SolvedStator.of(self.motion(*asked), asked[1], coarse=self.coarse)
             except Exception as error:
