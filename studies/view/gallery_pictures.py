@@ -32,7 +32,7 @@ from studies.view import movie
 from studies.view.contact_view import film_contact, strip
 from studies.view.picture import Picture
 from studies.view.quantities import DIVERGING, palette
-from studies.view.section import chosen_views, views
+from studies.view.views import chosen_views, views
 
 __all__ = [
     "amplitude", "anticlockwise", "bars", "depth_profile", "depth_weights", "draw_all", "ledger_rows",
@@ -137,14 +137,15 @@ def anticlockwise(tangential, normal) -> np.ndarray:
 
 def amplitude(record, *, wavelength: float, focus: tuple[str, float]):
     """Draw |u_x| and |u_z| along the surface of a run, and within 4 wavelengths (m) of a place with its name."""
-    figure, (whole, near) = new_figure(7.2, 5.2, rows=2)
+    figure, (whole, near) = new_figure(7.2, 5.6, rows=2)
     name, place = focus
+    size = abs(record.surface["u_z_m_per_V"][abs(record.surface["x_m"] - place) <= wavelength])
     for ax in (whole, near):
         surface(record, ax)
     whole.get_legend().remove()
     titled(whole, f"{record.scene.title}\namplitude along the surface (grey: transducers)")
     near.set_xlim((place - 4 * wavelength) * MM, (place + 4 * wavelength) * MM)
-    ripple = f"largest over smallest |u_z| {record.wave['standing_wave_ratio']:.3g} within one"
+    ripple = f"largest over smallest |u_z| {size.max() / size.min():.3g} within one"
     titled(near, f"within 4 wavelengths of the {name}: {ripple}")
     return figure
 
