@@ -38,9 +38,7 @@ def page(sheet: Datasheet) -> str:
             for group, title in GROUPS.items()
         },
         pictures=[{"data": as_uri(draw, size=PICTURE), "caption": caption} for draw, caption in drawn],
-        warnings=record.warnings,
         model_error=sentences(record),
-        tolerance=f"{record.tolerance:g}",
         version=provenance()["version"],
     )
 
