@@ -13,12 +13,13 @@ from importlib import import_module
 # Public names by the module that defines them, in the order of the method.
 _PUBLIC = {
     "materials": "anisotropic catalogue fields isotropic material rotated Solid VACUUM_PERMITTIVITY",
-    "materials.rotation": "rotation_matrix",
+    "materials.rotation": "isotropic_about_normal rotation_matrix",
     "materials.medium": "medium",
     "materials.christoffel": "slowest_wavelength",
     "materials.strength": "Strength strength",
     "geometry": "check_layout check_plan covers outer_gaps Stator Transducer",
     "analytic.half_space": "automatic_period coupling HalfSpaceWave rayleigh surface_named",
+    "analytic.slowness": "Slowness",
     "analytic.point_load": "point_load PointLoad",
     "analytic.quasistatic": "surface_permittivity transducer_estimate TransducerEstimate",
     "analytic.coupled_modes": "relative_amplitude",
@@ -50,7 +51,6 @@ _PUBLIC = {
     "beam.surface_beam": "beam_refusal BeamError surface_beam SurfaceBeam",
     "beam.crossed_beam": "crossed_beam CrossedBeam",
     "beam.rows": "rows_of",
-    "beam.line_source": "isotropic_about_normal",
     "direct": "direct_solution sparse_solution",
     "convergence": "ConvergenceError",
     "threads": "blas_on_one_thread one_blas_thread set_workers side_by_side",

@@ -255,9 +255,15 @@ class Record:
         RunError
             If the directory holds no run.
         """
-        from studies.report.reading import read_run
+        from studies.report.files import read_run
 
         return cls(**read_run(Path(folder)))
+
+    def __str__(self):
+        """Return what `sawmotor run` prints."""
+        from studies.report.answer import answer
+
+        return answer(self)
 
     def __repr__(self):
         """Return title, size and range of the answer on one line."""

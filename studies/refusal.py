@@ -53,37 +53,6 @@ class RunError(RuntimeError):
     """A run of a sound scene that could not give an answer; the text says why and what to try."""
 
 
-class Refusals:
-    """Collects the faults of a scene, so that all of them are said at once.
-
-    Examples
-    --------
-    >>> refusals = Refusals()
-    >>> with refusals:
-    ...     raise SceneError("slider.mass", "is required and missing")
-    >>> refusals.raise_all()
-    Traceback (most recent call last):
-    studies.refusal.SceneError: slider.mass is required and missing
-    """
-
-    def __init__(self):
-        self.problems: list[SceneError] = []
-
-    def __enter__(self) -> "Refusals":
-        return self
-
-    def __exit__(self, kind, error, trace) -> bool:
-        if isinstance(error, SceneError):
-            self.problems += error.problems
-            return True
-        return False
-
-    def raise_all(self) -> None:
-        """Raise what was collected, if anything."""
-        if self.problems:
-            raise SceneError.together(self.problems)
-
-
 def _on_one_line(text: str) -> str:
     """Return a sentence in which what does not print, as in the name of a key, is written out."""
     return "".join(sign if sign.isprintable() else ascii(sign)[1:-1] for sign in text)

@@ -7,16 +7,19 @@ time; ``run(...)`` returns a record; ``figure(record, ax)`` draws the record, or
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import wraps
 from importlib import import_module
 from inspect import cleandoc, signature
 from pathlib import Path
 
+from studies.chain import run as run_chain
+from studies.chain.bridge import DrivenContact
 from studies.record import Record
 from studies.refusal import SceneError, nearest
 from studies.results.content import plain, provenance, write_json
 from studies.scene import Scene
+from studies.scene.resolved import resolved
 
 COMMON_ARGUMENTS = """\
 ``scene`` is a path, a shipped name or a `Scene` that has what the study asks about; ``progress`` is a callable that is
@@ -40,11 +43,11 @@ class Finding:
     quantity: str  # what was computed, with its unit
     expected: str  # the number or the range that confirms it
     found: float  # the number
-    confirmed: bool  # whether it does
+    confirmed: bool | None  # whether it does; None where the statement does not apply
     remark: str = ""  # what to know about it
 
     def __str__(self):
-        verdict = "confirmed" if self.confirmed else "contradicted"
+        verdict = {True: "confirmed", False: "contradicted", None: "not judged"}[self.confirmed]
         remark = f"\n    {self.remark}" if self.remark else ""
         numbers = f"{self.quantity}: {self.found:.6g}, expected {self.expected}: {verdict}"
         return f"{self.statement}\n    {numbers}{remark}"
@@ -53,13 +56,16 @@ class Finding:
 def judged(
     statement, quantity, found, *, low=-math.inf, high=math.inf, holds=True, expected="", remark=""
 ) -> Finding:
-    """Return the finding that a number lies between two others, both excluded, and something else holds too."""
+    """Return the finding that a number lies between two others, both excluded, and something else holds too.
+
+    With None for ``holds`` the number is told but not judged.
+    """
     bounds = f"below {high:g}" if low == -math.inf else f"above {low:g}"
     if math.isfinite(low) and math.isfinite(high):
         bounds = f"between {low:g} and {high:g}"
     return Finding(
         statement=statement, quantity=quantity, expected=expected or bounds, found=float(found),
-        confirmed=bool(low < found < high and holds), remark=remark,
+        confirmed=None if holds is None else bool(low < found < high and holds), remark=remark,
     )  # fmt: skip
 
 
@@ -93,7 +99,7 @@ class StudyRecord:
     @property
     def shortfall(self) -> str:
         """Why the answer is not what was expected; empty where it is."""
-        against = [finding for finding in self.findings if not finding.confirmed]
+        against = [finding for finding in self.findings if finding.confirmed is False]
         if not against:
             return ""
         first = f"{against[0].quantity} is {against[0].found:.6g}, expected {against[0].expected}"
@@ -114,14 +120,33 @@ class StudyRecord:
         return "\n".join([*lines, "", f"seconds  {self.seconds:.1f}"])
 
 
-def module(name: str):
-    """Return the module of a study.
+def driven_contact(
+    scene: str | Scene, *, tolerance: float = 1e-3, progress: Callable[[str], None] | None = None
+) -> DrivenContact:
+    """Return the contact of a scene with a slider, its stator solved at the largest voltage and without a burst.
 
-    Raises
-    ------
-    SceneError
-        If there is none of that name.
+    ``tolerance``: of the slider velocity there; it sets how finely the stator is solved.
+
+    Examples
+    --------
+    >>> driven_contact("twente-contact").named(1e-8)
+    '10 nm'
     """
+    chosen = resolved(scene if isinstance(scene, Scene) else Scene.load(scene))
+    if chosen.slider is None:
+        chosen.refuse("slider", "is missing: this study needs a slider")
+    if chosen.wave is not None:
+        return DrivenContact.given(chosen)
+    if not chosen.transducer:
+        chosen.refuse("transducer", "is missing: this study needs a driven stator or a given [wave]")
+    drive = replace(chosen.drive, voltage=(max(chosen.levels),), burst=None)
+    record = run_chain(replace(chosen, drive=drive, uncertain=None), tolerance=tolerance, progress=progress)
+    found = DrivenContact.of_run(record)
+    return replace(found, scene=replace(chosen, drive=replace(chosen.drive, frequency=found.scene.frequency)))
+
+
+def module(name: str):
+    """Return the module of a study; refuse a name that no study has."""
     if name not in STUDIES:
         raise SceneError("study", f"{name!r} does not exist{nearest(name, STUDIES)}")
     return import_module(f"studies.{STUDIES[name]}.{name}")
@@ -199,17 +224,15 @@ def run_study(
     small version, with the arguments in the module's ``QUICK``.
     """
     chosen = module(name)
-    taken = signature(chosen.run).parameters
-    if over and "over" not in taken:
-        raise SceneError("--over", f"is not taken by the study {name}")
-    for option in options or {}:
-        if option not in getattr(chosen, "OPTIONS", ()):
+    taken, asked = signature(chosen.run).parameters, (options or {}) | ({"over": over} if over else {})
+    for option in asked:
+        if option not in taken:
             raise SceneError(f"--{option}", f"is not taken by the study {name}")
-    if scene is not None and "scene" not in taken:
-        raise SceneError("study", f"{name} has its own scenes and takes none")
-    given = ({} if scene is None else {"scene": scene}) | ({"over": over} if over else {})
-    given |= (getattr(chosen, "QUICK", {}) if quick else {}) | (options or {})
-    record = chosen.run(progress=progress, **given)
+    if scene is not None:
+        if "scene" not in taken:
+            raise SceneError("study", f"{name} has its own scenes and takes none")
+        asked["scene"] = scene
+    record = chosen.run(progress=progress, **(chosen.QUICK if quick else {}) | asked)
     if isinstance(record, Record):
         from studies.report.files import write_run
 
@@ -235,12 +258,3 @@ def draw_study(
     panels = {name: record} if isinstance(record, Record) else {each.name: each for each in record.panels}
     for file, panel in panels.items():
         saved(folder / f"{file}.png", lambda ax, panel=panel: chosen.figure(panel, ax))
-
-
-def study_answer(record: StudyRecord | Record) -> str:
-    """Return what a study answers, as text."""
-    if isinstance(record, Record):
-        from studies.report.answer import answer
-
-        return answer(record)
-    return str(record)

@@ -5,10 +5,13 @@ kernels of the contact take about a minute of two processors.  Two processes of 
 are busy with the tests of the field, which need none.
 """
 
+import gc
 import os
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -21,6 +24,7 @@ ORDER = (
     "",
 )  # folders, the documentation's examples of the product last
 COMPILERS: list[subprocess.Popen] = []
+gc.disable()  # while the tests are collected: what is made then stays
 
 
 def pytest_configure(config):
@@ -32,11 +36,40 @@ def pytest_configure(config):
             COMPILERS.append(subprocess.Popen([sys.executable, "-m", "tests.kernels", part], cwd=ROOT))
 
 
+@pytest.fixture(autouse=True, scope="session")
+def _small_pictures():
+    """Files of pictures are 40 dots to the inch and not laid out: a third of the time.
+
+    What a picture looks like is asked of its figure (`tests/studies/legible.py`), which is laid out.
+    """
+    from studies.report import figures
+
+    whole = figures.new_figure
+
+    def hasty(*given, **options):
+        from matplotlib.layout_engine import PlaceHolderLayoutEngine
+
+        figure, axes = whole(*given, **options)
+        figure.set_layout_engine(PlaceHolderLayoutEngine(adjust_compatible=True, colorbar_gridspec=False))
+        return figure, axes
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(figures, "new_figure", hasty)
+        patch.setattr(figures, "DPI", 40)
+        yield
+
+
 def pytest_unconfigure(config):
     """End the compilers, which a complete run has outlived."""
     for each in COMPILERS:
         each.kill()
         each.wait()
+
+
+def pytest_collection_finish():
+    """Collect garbage again, but not among the modules and tests that have come together."""
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_collection_modifyitems(items):

@@ -6,6 +6,7 @@ outside follows from the sum over the nodes of charge times the response of the 
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,6 +15,42 @@ from fem.results.evaluation import column_fields
 from fem.results.solution import Solution
 
 SAME_NODE = 1e-9  # length units: nodes of neighbouring columns that are nearer are one
+MAX_PHASE, TERMS = 3.0, 28  # across half a finger, and of the Taylor series then: rounding
+
+
+class Fingers(NamedTuple):
+    """Places of fingers, half of the widest, and the moments of their charges about their middles over its powers."""
+
+    first: np.ndarray
+    last: np.ndarray
+    half_width: float
+    moments: np.ndarray  # shape (fingers, TERMS)
+
+    @classmethod
+    def of(cls, x: np.ndarray, charge: np.ndarray, finger: np.ndarray) -> "Fingers":
+        """Of nodes from left to right and the numbers of their fingers."""
+        starts = np.flatnonzero(np.diff(finger, prepend=finger[0] - 1))
+        stops = np.append(starts[1:], len(x))
+        first, last = x[starts], x[stops - 1]
+        half = float((last - first).max()) / 2 or np.finfo(float).tiny  # of lines
+        local = (x - np.repeat((first + last) / 2, stops - starts)) / half
+        moments = np.add.reduceat(charge[:, None] * np.vander(local, TERMS, increasing=True), starts)
+        return cls(first, last, half, moments)
+
+    @property
+    def middles(self) -> np.ndarray:
+        """Of the fingers, m."""
+        return (self.first + self.last) / 2
+
+    def phase(self, wavenumbers: np.ndarray) -> np.ndarray:
+        """Of waves over half a finger, rad: below MAX_PHASE the series of `sums` serve."""
+        return abs(wavenumbers) * self.half_width
+
+    def sums(self, wavenumbers: np.ndarray) -> np.ndarray:
+        """sum_j q_j exp(i k (x_j - middle)) of each finger, by the Taylor series: (fingers, *shape of k)."""
+        growth = np.multiply.outer(1j * self.half_width / np.arange(1, TERMS), wavenumbers)
+        series = np.cumprod(np.concatenate([np.ones((1, *wavenumbers.shape)), growth]), axis=0)
+        return np.tensordot(self.moments, series, axes=1)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,8 +73,13 @@ class ElectrodeCharges:
 
     def transform(self, wavenumbers: np.ndarray, origin: float) -> np.ndarray:
         """T(k) = sum_j q_j exp(i k (x_j - x_0)) in C/m per V, for k in rad/m of any shape and x_0 = ``origin`` in m."""
-        k = np.asarray(wavenumbers)
-        return np.exp(1j * np.multiply.outer(k, self.x - origin)) @ self.charge
+        k, fingers = np.asarray(wavenumbers), Fingers.of(self.x, self.charge, self.finger)
+        out = np.empty(k.shape, dtype=complex)
+        slow = fingers.phase(k) < MAX_PHASE
+        phases = np.exp(1j * np.multiply.outer(fingers.middles - origin, k[slow]))
+        out[slow] = np.sum(fingers.sums(k[slow]) * phases, axis=0)
+        out[~slow] = np.exp(1j * np.multiply.outer(k[~slow], self.x - origin)) @ self.charge
+        return out
 
     @cached_property
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:

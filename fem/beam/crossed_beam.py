@@ -15,13 +15,13 @@ from functools import cached_property
 import numpy as np
 
 from fem.beam.charges import ElectrodeCharges, electrode_charges
-from fem.beam.line_source import isotropic_about_normal
 from fem.beam.mutual_admittance import mutual_admittance
 from fem.beam.reception import with_apertures
 from fem.beam.rows import Row, driven_names, rows_of
 from fem.beam.surface_beam import BeamError, SurfaceBeam, aperture_beam
 from fem.circuit import Circuit, Drive, as_drive, solve_circuit
 from fem.geometry import Stator, Transducer, check_plan, turn
+from fem.materials import isotropic_about_normal
 from fem.results.power_balance import PowerBalance, power_balance
 from fem.results.solution import Solution
 from fem.results.surface_wave import SurfaceWave, surface_wave
@@ -287,12 +287,13 @@ def _part(circuit: Circuit, names: tuple[str, ...], row: Row) -> Circuit:
 
 def _admittances(transducers, rows, waves, fields, frequency) -> tuple[np.ndarray, tuple[str, ...]]:
     """Admittance matrix of all ports in S, and their names."""
-    from scipy.linalg import block_diag
-
-    out = block_diag(*(each.admittances for each in fields)).astype(complex)
+    first = np.cumsum([0, *(len(each.names) for each in fields)])
+    out = np.zeros((first[-1],) * 2, dtype=complex)
+    for start, each in zip(first, fields, strict=False):
+        own = slice(start, start + len(each.names))
+        out[own, own] = each.admittances
     plan = {each.name: each for each in transducers}
     charges = [_unit_charges(wave, own) for wave, own in zip(waves, fields, strict=True)]
-    first = np.cumsum([0, *(len(each.names) for each in fields)])
     for one in range(len(rows)):
         for other in range(one):
             for i, senders in enumerate(charges[one]):

@@ -22,15 +22,12 @@ from typing import NamedTuple
 import numpy as np
 
 from fem.beam.lateral import LateralRule, evanescent, lateral_rule
-from fem.materials import Solid, rotated
 from fem.materials.medium import Medium
 from fem.waveguide.modes import GuidedModes
 
-SYMMETRY = 1e-9  # of the moduli, to which a solid must be isotropic about z
 LOCAL = 12.0  # exponent over a wavelength by which a mode decays that nothing sideways reaches
 KEPT = 1e-12  # share of a mode's amplitude that must be left at the nearest point for it to count
 SIGNS = ((1, np.ones(3)), (-1, np.array([1, -1, 1])))  # of k_y, where y -> -y is a symmetry
-GENERIC_TURN = 33.0  # degrees; no crystal class has such an axis
 
 
 class Branch(NamedTuple):
@@ -144,15 +141,6 @@ def _both_sides(rule: LateralRule, along, motion) -> Iterator[Branch]:
     """Waves to the right and, mirrored, to the left; u_y turns its sign with k_y."""
     yield Branch(1, rule, along, motion, SIGNS)
     yield Branch(-1, rule, along, motion * np.array([-1, 1, 1])[:, None, None], SIGNS)
-
-
-def isotropic_about_normal(solid: Solid) -> bool:
-    """Whether a turn about z changes none of a solid's moduli (by more than 1e-9)."""
-    turned = rotated(solid, (GENERIC_TURN, 0.0, 0.0))
-    pairs = (
-        (getattr(turned, name), getattr(solid, name)) for name in ("stiffness", "coupling", "permittivity")
-    )
-    return all(abs(after - before).max() <= SYMMETRY * abs(before).max() for after, before in pairs)
 
 
 @lru_cache(maxsize=2)

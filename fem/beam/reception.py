@@ -17,15 +17,19 @@ wave along its length is the section's.
 """
 
 from dataclasses import replace
+from functools import partial
+from itertools import combinations
 
 import numpy as np
 
 from fem.beam.lateral import evanescent, lateral_rule
-from fem.beam.line_source import isotropic_about_normal, line_source
+from fem.beam.line_source import line_source
 from fem.beam.own_aperture import finger_coupling, polarisability
 from fem.condense.transducer import finger_ports
-from fem.waveguide.network import PortSolution, Scatterer
-from fem.waveguide.port_fields import PortFields, connected
+from fem.geometry import Stator, Transducer
+from fem.materials import isotropic_about_normal
+from fem.waveguide.network import Network, PortSolution, Scatterer
+from fem.waveguide.port_fields import PortFields, Solve, connected
 
 
 def aperture_coupling(
@@ -88,18 +92,34 @@ def with_apertures(fields: PortFields, mirror_width: float | None = None) -> Por
         the potential of every finger that would make its charge in the section.  Beyond the limits above the fields as
         they are.
     """
-    if fields.stator.ends != "absorbing" or not isotropic_about_normal(fields.stator.solid):
+    solve = aperture_solver(fields.stator, mirror_width)
+    if solve is None:
         return fields
-    network, section = fields.network, fields.section
+    network, solution = solve(fields.network, fields.transducers)
+    return connected(fields.stator, fields.transducers, network, solution, resolution=fields.resolution)
+
+
+def aperture_solver(stator: Stator, mirror_width: float | None = None) -> Solve | None:
+    """What solves a stator's network for finite apertures; None beyond the limits above."""
+    if stator.ends != "absorbing" or not isotropic_about_normal(stator.solid):
+        return None
+    return partial(_solved, mirror_width=mirror_width)
+
+
+def _solved(
+    network: Network, transducers: tuple[Transducer, ...], mirror_width: float | None
+) -> tuple[Network, PortSolution]:
+    """The network with a potential for every finger, and the fields of its ports."""
+    section = network.modes.section
     segments = network.segments[1:-1]
     kept = network.survivors(float(np.diff(segments, axis=1).min())) if len(segments) else np.empty(0, int)
     m = len(kept)
-    travel = _travel(fields, kept, mirror_width)
-    source = line_source(fields.modes)
+    travel = _travel(network, transducers, kept, mirror_width)
+    source = line_source(network.modes)
     # V per C/m, over charge and charge, charge and dipole, dipole and dipole, to scaled ones
     units = section.solid.stress_unit / section.solid.potential_unit**2 * section.length_unit ** np.arange(3)
     scatterers, responses, done = [], [], {}
-    for plain, transducer in zip(network.scatterers, fields.transducers, strict=True):
+    for plain, transducer in zip(network.scatterers, transducers, strict=True):
         if id(plain) not in done:
             done[id(plain)] = _by_fingers(plain, transducer.signs)
         scatterer, dipoles = done[id(plain)]
@@ -136,10 +156,9 @@ def with_apertures(fields: PortFields, mirror_width: float | None = None) -> Por
         coupling=coupling,
         waves=np.tile(kept, 2 * len(responses)),
         dipoles=tuple(dipoles),
+        own_apertures=True,
     )
-    return connected(
-        fields.stator, fields.transducers, network, solution, resolution=fields.resolution, own_apertures=True
-    )
+    return network, solution
 
 
 def _by_fingers(scatterer: Scatterer, signs: str) -> tuple[Scatterer, np.ndarray]:
@@ -150,33 +169,34 @@ def _by_fingers(scatterer: Scatterer, signs: str) -> tuple[Scatterer, np.ndarray
     return Scatterer(superelement=superelement, modes=scatterer.modes, potentials=own), dipoles
 
 
-def _travel(fields: PortFields, kept: np.ndarray, mirror_width) -> np.ndarray:
+def _travel(
+    network: Network, transducers: tuple[Transducer, ...], kept: np.ndarray, mirror_width
+) -> np.ndarray:
     """Amplitudes that arrive from those that are sent: of each transducer, to the right, then to the left."""
-    network, modes, unit, m = fields.network, fields.modes, fields.section.length_unit, len(kept)
+    modes, unit, m = network.modes, network.modes.section.length_unit, len(kept)
     edges = [
         (place, place + each.superelement.width)
         for place, each in zip(network.places, network.scatterers, strict=True)
     ]
     out = np.zeros((2 * m * len(edges), 2 * m * len(edges)), dtype=complex)
-    for sender, (first, last) in enumerate(edges):
-        for receiver, (left, right) in enumerate(edges):
-            if sender == receiver:
-                continue
-            shares = aperture_coupling(
-                modes.wavenumbers[kept] / unit,
-                fields.transducers[sender].aperture,
-                fields.transducers[receiver].aperture,
-                abs(left + right - first - last) / 2 * unit,
-                mirror_width,
-                fields.transducers[receiver].center_y - fields.transducers[sender].center_y,
+    for one, other in combinations(range(len(edges)), 2):
+        (first, last), (left, right), pair = edges[one], edges[other], (transducers[one], transducers[other])
+        to_other = aperture_coupling(
+            modes.wavenumbers[kept] / unit,
+            pair[0].aperture,
+            pair[1].aperture,
+            (left + right - first - last) / 2 * unit,
+            mirror_width,
+            pair[1].center_y - pair[0].center_y,
+        )
+        to_one = to_other * (pair[1].aperture / pair[0].aperture)
+        for sender, receiver, shares, phase in (
+            (one, other, to_other, modes.wavenumbers[kept] * (left - last)),
+            (other, one, to_one, modes.backwards[kept] * (last - left)),
+        ):
+            rows, columns = (
+                np.arange(m) + m * (2 * each + (sender > receiver)) for each in (receiver, sender)
             )
-            leftward = sender > receiver
-            phase = (
-                modes.backwards[kept] * (right - first)
-                if leftward
-                else modes.wavenumbers[kept] * (left - last)
-            )
-            rows, columns = (np.arange(m) + m * (2 * each + leftward) for each in (receiver, sender))
             out[rows, columns] = shares * np.exp(-1j * phase)
     return out
 

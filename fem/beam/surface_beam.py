@@ -25,13 +25,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fem.beam.charges import ElectrodeCharges, electrode_charges
+from fem.beam.charges import MAX_PHASE, ElectrodeCharges, Fingers, electrode_charges
 from fem.beam.cut_source import CutSource, cut_source
 from fem.beam.faces import Faces, faces
-from fem.beam.line_source import Branch, LineSource, isotropic_about_normal, line_source
+from fem.beam.line_source import Branch, LineSource, line_source
 from fem.beam.reception import with_apertures
 from fem.circuit import Circuit
 from fem.geometry import Stator
+from fem.materials import isotropic_about_normal
 from fem.results.power_balance import PowerBalance, power_balance
 from fem.results.solution import Solution, driven_solution
 from fem.results.surface_wave import SurfaceWave
@@ -46,7 +47,6 @@ UNLIKE = (
 RULE_GAIN = 1.5  # power of the coarse rule's error that bounds the fine one's; 1.8 measured, 2 in theory
 CHUNK = 2000  # points at a time whose distances to all fingers, or whose spectra, are tabulated
 FULL_GRID = 4  # points of the grid of all x and y per point asked for, up to which the whole grid is computed
-MAX_PHASE, TERMS = 3.0, 28  # across half a finger, and of the Taylor series then: rounding
 SAME_STEP = 1e-15  # m: steps from node to node that differ by less share their phases
 
 
@@ -406,21 +406,16 @@ def _sources_beside(nodes: _Nodes, places, along) -> tuple[np.ndarray, np.ndarra
 
     A finger on which no place lies counts as one, by the exponentials' Taylor series about its middle.
     """
-    starts = np.flatnonzero(np.diff(nodes.finger, prepend=-1))
-    first, last = nodes.x[starts], nodes.x[np.append(starts[1:], len(nodes.x)) - 1]
-    middles, half = (first + last) / 2, float((last - first).max()) / 2
+    fingers = Fingers.of(nodes.x, nodes.charge, nodes.finger)
     ordered = np.sort(places)
-    whole = np.searchsorted(ordered, first) == np.searchsorted(ordered, last, side="right")
-    whole &= abs(along).max() * half < MAX_PHASE
+    whole = np.searchsorted(ordered, fingers.first) == np.searchsorted(ordered, fingers.last, side="right")
+    whole &= fingers.phase(along).max() < MAX_PHASE
     single = ~whole[nodes.finger]
-    within = np.vander((nodes.x - middles[nodes.finger]) / half, TERMS, increasing=True)
-    moments = np.add.reduceat(nodes.charge[:, None] * within, starts)[whole]
-    growth = 1j * half * along / np.arange(1, TERMS)[:, None, None]
-    series = np.cumprod(np.concatenate([np.ones((1, *along.shape)), growth]), axis=0)
+    owners = nodes.owner[np.searchsorted(nodes.finger, np.flatnonzero(whole))]
     return (
-        np.append(middles[whole], nodes.x[single]),
-        np.append(nodes.owner[starts][whole], nodes.owner[single]),
-        [*np.tensordot(moments, series, axes=1), *nodes.charge[single]],
+        np.append(fingers.middles[whole], nodes.x[single]),
+        np.append(owners, nodes.owner[single]),
+        [*fingers._replace(moments=fingers.moments[whole]).sums(along), *nodes.charge[single]],
     )
 
 

@@ -3,7 +3,7 @@
 Voigt order 11 22 33 23 13 12, engineering shear; stress-charge form T = c^E S - e^T E, D = e S + eps^S E.
 """
 
-from fem.materials.rotation import ORIENTATIONS, fields, rotated, rotation_matrix
+from fem.materials.rotation import ORIENTATIONS, fields, isotropic_about_normal, rotated, rotation_matrix
 from fem.materials.solids import VACUUM_PERMITTIVITY, Solid, anisotropic, isotropic
 from fem.materials.tables import catalogue, material
 
@@ -15,6 +15,7 @@ __all__ = [
     "catalogue",
     "fields",
     "isotropic",
+    "isotropic_about_normal",
     "material",
     "rotated",
     "rotation_matrix",

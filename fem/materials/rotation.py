@@ -25,6 +25,8 @@ ORIENTATIONS: dict[str, tuple[float, float, float]] = {
 }
 Orientation = str | Sequence[float]
 
+_SYMMETRY = 1e-9  # of the moduli, to which a solid must be isotropic about z
+_GENERIC_TURN = 33.0  # degrees; no crystal class has such an axis
 _NOISE = 1e-10  # relative size below which a rotated entry is rounding: it would change v by 1e-20
 _PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 _SAGITTAL, _TRANSVERSE = [0, 2, 4], [3, 5]  # Voigt strains of (ux, uz) and of uy where d/dy = 0
@@ -99,6 +101,15 @@ def fields(solid: Solid) -> tuple[str, ...]:
     transverse, electric = transverse or (electric and between), electric or (transverse and between)
     present = {"ux": True, "uy": transverse, "uz": True, "phi": electric}
     return tuple(field for field, kept in present.items() if kept)
+
+
+def isotropic_about_normal(solid: Solid) -> bool:
+    """Whether a turn about z changes none of a solid's moduli (by more than 1e-9)."""
+    turned = rotated(solid, (_GENERIC_TURN, 0.0, 0.0))
+    pairs = (
+        (getattr(turned, name), getattr(solid, name)) for name in ("stiffness", "coupling", "permittivity")
+    )
+    return all(abs(after - before).max() <= _SYMMETRY * abs(before).max() for after, before in pairs)
 
 
 def _about_z(degrees: float) -> np.ndarray:

@@ -24,7 +24,7 @@ from fem.reduce.basis import WALL_WIDTH, ReducedSection, even_rows
 from fem.results.solution import Solution, driven_solution
 from fem.waveguide.ends import EndPieces, Walls, end_pieces
 from fem.waveguide.modes import guided_modes
-from fem.waveguide.port_fields import PortFields, joined_fields
+from fem.waveguide.port_fields import PortFields, Solve, joined_fields
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,8 +81,11 @@ class ReducedModel:
     # projected end pieces at the nodes, shape (nodes, 2, r, r); None for absorbing ends
     walls: np.ndarray | None = field(repr=False)
 
-    def port_fields(self, frequency: float) -> PortFields:
-        """Solve for unit voltage at every port at a frequency of the band (Hz); a ValueError outside it."""
+    def port_fields(self, frequency: float, solve: Solve | None = None) -> PortFields:
+        """Solve for unit voltage at every port at a frequency of the band (Hz); a ValueError outside it.
+
+        ``solve``: as of `joined_fields`.
+        """
         low, high = self.limits
         if not low <= frequency <= high:
             raise ValueError(f"frequency must lie in the band, {low:g} to {high:g} Hz, got {frequency!r} Hz")
@@ -101,6 +104,7 @@ class ReducedModel:
             modes=guided_modes(self.section, frequency),
             resolution=self.resolution,
             walls=walls,
+            solve=solve,
         )
 
     def solution(self, frequency: float, drive: str | Drive) -> Solution:

@@ -6,7 +6,6 @@ small errors have 1 / |1 - mu| times the effect, mu an eigenvalue of the segment
 what is seen at the frequencies of the check is scaled to the sharpest resonance that the band can hold.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -22,7 +21,7 @@ from fem.results.solution import Solution, driven_solution
 from fem.results.surface_wave import SurfaceWave, surface_wave
 from fem.solve.harmonic import check_driven, driven_wave, solution_differences
 from fem.threads import one_blas_thread, side_by_side
-from fem.waveguide.port_fields import PortFields, solve_ports
+from fem.waveguide.port_fields import Solve, solve_ports
 
 # Shares of the tolerance below which a singular value of the lines' fields is left out: at first, at last, and from
 # one attempt to the next.
@@ -79,23 +78,24 @@ class Band:
         """Surface motion at many frequencies of the band (Hz), in their order, side by side."""
         return side_by_side(lambda frequency: self.wave(float(frequency), drive), frequencies)
 
-    def admittances(
-        self, frequencies: np.ndarray, adapted: Callable[[PortFields], PortFields] | None = None
-    ) -> np.ndarray:
+    def admittances(self, frequencies: np.ndarray, solve: Solve | None = None) -> np.ndarray:
         """Admittance matrix of all ports in S at frequencies of the band (Hz), shape (frequencies, ports, ports).
 
-        ``adapted`` is what is done with the section's fields before, for instance `fem.beam.reception.with_apertures`.
+        ``solve``: what solves the section's network, for instance `fem.beam.reception.aperture_solver`'s.
         """
+        model = self.model
 
         def at(frequency: float) -> np.ndarray:
-            model = self.model
             try:
-                found = model.port_fields(float(frequency))
+                return model.port_fields(float(frequency), solve).admittances
             except ConvergenceError:  # too few reduced lines to close the ends with, at this frequency
-                found = solve_ports(
-                    model.stator, model.transducers, frequency=float(frequency), resolution=model.resolution
-                )
-            return (adapted(found) if adapted else found).admittances
+                return solve_ports(
+                    model.stator,
+                    model.transducers,
+                    frequency=float(frequency),
+                    resolution=model.resolution,
+                    solve=solve,
+                ).admittances
 
         return np.array(side_by_side(at, frequencies))
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from fem.beam.reception import with_apertures
+from fem.beam.reception import aperture_solver
 from fem.circuit import Drive
 from fem.convergence import ConvergenceError
 from fem.discretize.refinement import refine_stator
@@ -93,17 +93,16 @@ def port_admittance(
     (('left',), (1, 1), True)
     """
     at = np.asarray(frequency, dtype=float)
-
-    def adapted(fields: PortFields) -> PortFields:
-        return with_apertures(fields, mirror_width) if finite_apertures else fields
-
+    solve = aperture_solver(stator, mirror_width) if finite_apertures else None
     if at.size > 1:
-        return _over_band(stator, transducers, at, tolerance, adapted)
+        return _over_band(stator, transducers, at, tolerance, solve)
     check_driven(stator, transducers, float(at.item()), tolerance)
     _check_ports(transducers)
 
     def at_level(resolution) -> PortFields:
-        return adapted(solve_ports(stator, transducers, frequency=float(at.item()), resolution=resolution))
+        return solve_ports(
+            stator, transducers, frequency=float(at.item()), resolution=resolution, solve=solve
+        )
 
     refined = refine_stator(stator, at_level, differences=_difference, tolerance=tolerance)
     fields, error = refined.answer, refined.errors[0]
@@ -129,7 +128,7 @@ def _check_ports(transducers: tuple[Transducer, ...]) -> tuple[str, ...]:
     return names
 
 
-def _over_band(stator, transducers, at: np.ndarray, tolerance: float, adapted) -> PortAdmittance:
+def _over_band(stator, transducers, at: np.ndarray, tolerance: float, solve) -> PortAdmittance:
     drive = Drive(sources=dict.fromkeys(_check_ports(transducers), 1.0))
     goal, limits = tolerance, {"lowest": float(at.min()), "highest": float(at.max())}
     for _ in range(BAND_ROUNDS):  # a band promises its motion; the admittances may ask for more
@@ -140,7 +139,7 @@ def _over_band(stator, transducers, at: np.ndarray, tolerance: float, adapted) -
     found = PortAdmittance(
         names=band.port_names,
         frequency=at,
-        matrix=band.admittances(at.reshape(-1), adapted).reshape(*at.shape, len(band.port_names), -1),
+        matrix=band.admittances(at.reshape(-1), solve).reshape(*at.shape, len(band.port_names), -1),
         relative_error=band.admittance_error,
     )
     if band.admittance_error > tolerance:

@@ -226,3 +226,5 @@ class PortSolution:
     waves: np.ndarray = field(repr=False)  # shape (waves,): number of the mode of each of these amplitudes
     # shape (fingers, ports): of each scatterer: first moments of the reactions that its lines do not have
     dipoles: tuple[np.ndarray, ...] = field(default=(), repr=False)
+    # each transducer's charge is that of its whole aperture, not of the shared beam
+    own_apertures: bool = False

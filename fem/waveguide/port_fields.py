@@ -12,6 +12,7 @@ With Q the charge of the positive electrode per metre of aperture, I = i omega Q
 aperture share the narrower beam.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -30,6 +31,8 @@ from fem.waveguide.modes import GuidedModes, guided_modes
 from fem.waveguide.network import Network, PortSolution, Scatterer
 
 CUT_OFF = 1e-3  # rad per slowest wavelength: a mode's wavenumber below which its square, all that is known, is rounding
+# From a network and its transducers to the network whose ports were solved (perhaps with other ports), and its fields
+Solve = Callable[[Network, tuple[Transducer, ...]], tuple[Network, PortSolution]]
 MAX_COLUMNS = 150_000  # finger-edge element columns of all transducers; about 1 min of condensation
 
 
@@ -106,10 +109,16 @@ def electrode_potentials(transducer: Transducer, floating: bool) -> np.ndarray:
 
 
 def solve_ports(
-    stator: Stator, transducers: tuple[Transducer, ...], *, frequency: float, resolution: Resolution
+    stator: Stator,
+    transducers: tuple[Transducer, ...],
+    *,
+    frequency: float,
+    resolution: Resolution,
+    solve: Solve | None = None,
 ) -> PortFields:
     """Solve a stator on one discretisation for unit voltage at every port, at a frequency in Hz.
 
+    ``solve``: as of `joined_fields`.
     A ConvergenceError says that there are too many fingers, or that a mode is at its cut-off.
     """
     transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
@@ -131,7 +140,7 @@ def solve_ports(
             f"a mode of the section is at its cut-off at {frequency:.12g} Hz, where the last digits decide: "
             "change the frequency by a part in 100000, or give the solid a mechanical_quality"
         )
-    return joined_fields(stator, transducers, superelements, modes=modes, resolution=resolution)
+    return joined_fields(stator, transducers, superelements, modes=modes, resolution=resolution, solve=solve)
 
 
 def joined_fields(
@@ -142,11 +151,12 @@ def joined_fields(
     modes: GuidedModes,
     resolution: Resolution,
     walls: Walls | None = None,
+    solve: Solve | None = None,
 ) -> PortFields:
     """Tie superelements, uniform segments and ends together.
 
     ``superelements``: one for each transducer from left to right, the same object for equal ones, from the outer gap's
-    beginning to its end; ``walls``: the stator's ends as superelements.
+    beginning to its end; ``walls``: the stator's ends as superelements; ``solve``: by default `Network.solve`.
     """
     section = modes.section
     unit = section.length_unit
@@ -165,7 +175,8 @@ def joined_fields(
         stop=stator.length / unit - inset,
         ends=walls or stator.ends,
     )
-    return connected(stator, transducers, network, network.solve(), resolution=resolution)
+    network, solution = (network, network.solve()) if solve is None else solve(network, transducers)
+    return connected(stator, transducers, network, solution, resolution=resolution)
 
 
 def connected(
@@ -175,7 +186,6 @@ def connected(
     solution: PortSolution,
     *,
     resolution: Resolution,
-    own_apertures: bool = False,
 ) -> PortFields:
     """Fields per volt at the ports from those per unit of potential: no transducer carries a net charge."""
     section, modes = network.modes.section, network.modes
@@ -184,7 +194,7 @@ def connected(
     counts = [own.shape[1] for own in potentials]
     owners = np.repeat(np.arange(len(transducers)), counts)
     apertures = np.array([transducer.aperture for transducer in transducers])[owners]
-    widths = apertures[:, None] if own_apertures else np.minimum.outer(apertures, apertures)
+    widths = apertures[:, None] if solution.own_apertures else np.minimum.outer(apertures, apertures)
     charge_unit = medium.stress_unit / medium.potential_unit**2
     admittances = charge_admittances(solution.charges * charge_unit, widths, modes.frequency)
     voltage = np.concatenate([own.sum(axis=0) == 0 for own in potentials])  # +1/2 and -1/2; a mean has 1s
@@ -202,7 +212,7 @@ def connected(
         admittances=(admittances @ uncharged)[voltage],
         coupling=solution.coupling,
         waves=solution.waves,
-        own_apertures=own_apertures,
+        own_apertures=solution.own_apertures,
         dipoles=tuple(each @ volts for each in solution.dipoles),
     )
 

@@ -27,9 +27,8 @@ from studies.scene import Scene, resolved
 __all__ = ["SHARE", "run"]
 
 SHARE = 0.25  # of the tolerance, for the stator at first and for the contact
-STALLED = (
-    0.7  # of the motion's error: what is left then is the beam's own, which no finer section makes smaller
-)
+# of the motion's error: what is left then is the beam's own, which no finer section makes smaller
+STALLED = 0.7
 HOPELESS = 3  # tolerances of the beam's own error at the best point, beyond which no finer section is tried
 ROUNDS = 3  # of the stator, each with the tolerance that the one before found to be needed
 
@@ -92,7 +91,8 @@ def _run(scene: Scene, tolerance: float, progress: Callable[[str], None] | None)
         from studies.inverse.uncertainty import with_bands
 
         record = with_bands(record, progress=say)
-    return replace(record, model_error=model_error(record), warnings=warnings_of(record))
+    record = replace(record, model_error=model_error(record))
+    return replace(record, warnings=warnings_of(record))
 
 
 def _given(scene: Scene, tolerance: float, say) -> Record:

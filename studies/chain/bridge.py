@@ -148,21 +148,13 @@ class DrivenContact:
         return f"{level * 1e9:.4g} nm" if self.scene.wave is not None else f"{level:.4g} V"
 
     def above(self, factor: float) -> tuple[float, ...]:
-        """Return the levels above a multiple of the threshold, at which the slider starts to move.
-
-        Raises
-        ------
-        SceneError
-            If there is none.
-        """
+        """Return the levels above a multiple of the threshold, where the slider starts to move; refuse if none is."""
         threshold = factor * contact.threshold_factor(self.slider, self.orbits)
         moving = tuple(level for level in self.levels if level > threshold)
         if not moving:
             what = "the threshold" if factor == 1.0 else f"{factor:g} times the threshold"
-            self.scene.refuse(
-                self.level_key,
-                f"must hold a value above {what}, {self.named(threshold)}: nothing moves below",
-            )
+            rule = f"must hold a value above {what}, {self.named(threshold)}: nothing moves below"
+            self.scene.refuse(self.level_key, rule)
         return moving
 
     def spread(self, factor: float, count: int) -> list[float]:

@@ -17,17 +17,9 @@ def left_out(
 ) -> tuple[str, ...]:
     """Return what is left out of the answer to a resolved scene.
 
-    Parameters
-    ----------
-    scene : Scene
-    beam : bool
-        Whether the motion of the surface is that of the finite apertures.
-    reason : str
-        Why it is not, where the scene leaves that open.
-    ringing : RingUp, optional
-        Of a burst under a slider; None where the slider stands over a transducer.
-    trajectories : sequence of (level, contact.Trajectory)
-        Of the bursts.
+    ``beam``: whether the motion of the surface is that of the finite apertures; ``reason``: why it is not, where the
+    scene leaves that open; ``ringing``: of a burst, None where the slider stands over a transducer; ``trajectories``:
+    levels and `contact.Trajectory` of the bursts.
     """
     rows: list[tuple[bool, str]] = []
     if scene.wave is not None:

@@ -4,15 +4,17 @@ Each function takes the record of a run and yields effect, quantity, size and so
 not arise or is not neglected.
 A size is a share of the quantity named with it, unless that has a unit.  Estimates hold to a factor of about 2.
 
-Sources: side faces: `fem.surface_beam`; finite aperture: Fresnel's integral of a slit (Goodman, Introduction to Fourier
-Optics, 3rd ed. 2005, section 4.5).  Load of a contact on the wave, mass of the electrodes: reciprocity with the surface
-wave and perturbation (Auld, Acoustic Fields and Waves in Solids, vol. 2, 1973, chapters 10 and 12).
+Sources: side faces: `fem.surface_beam`; finite aperture: `fem.Slowness`, the angular spectrum of a slit.  Load of a
+contact on the wave, mass of the electrodes: reciprocity with the surface wave and perturbation (Auld, Acoustic Fields
+and Waves in Solids, vol. 2, 1973, chapters 10 and 12).
 Radiation of a contact: load on a half-space (Miller and Pursey, Proc. R. Soc. A 223 (1954) 521, nu = 1/4).
 """
 
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+
+import numpy as np
 
 import fem
 from studies.chain import bridge
@@ -22,9 +24,8 @@ from studies.scene import resolved
 FINGER_END = 0.0745  # periods that each end adds to the aperture: static, endless comb, no busbar
 # of it, what charges that are uniform along y have: fem.beam.own_aperture, 20 and 40 weakly coupled pairs, extrapolated
 UNIFORM_END = 0.049
-OWN_APERTURE = (
-    0.4  # wavelengths over the aperture, of the power that given charges lose: 0.3 for 3 pairs, 0.4 for 10
-)
+# wavelengths over the aperture, of the power that given charges lose: 0.3 for 3 pairs, 0.4 for 10
+OWN_APERTURE = 0.4
 POINT_ADMITTANCE = 0.93  # of Re(v / F) 2 pi mu c_T / omega^2, all waves together, nu = 1/4
 ALUMINIUM, FILM = 2700.0, 100e-9  # kg/m3, m
 
@@ -56,8 +57,13 @@ def _aperture(record: Record) -> Rows:
     if any(motion.covered(place) for place in places):
         return
     if motion.beam is None:
-        worst = max((fresnel_ratio(record, *place) - 1 for place in places), key=abs)
-        yield "finite aperture", "u_z", worst, "Fresnel's integral of the driven aperture"
+        worst = max(_spread(record, *zip(*places, strict=True)) - 1, key=abs)
+        yield (
+            "finite aperture",
+            "u_z",
+            float(worst),
+            "angular spectrum of the driven aperture, on the cut's slowness curve",
+        )
         return
     if record.scene.crossed:
         yield from _crossed(record, places)
@@ -82,32 +88,15 @@ def _crossed(record: Record, places) -> Rows:
     yield "metal of the transducers in the way of crossing beams", "u_z", turned, how
 
 
-def fresnel_ratio(record: Record, x: float, y: float = 0.0) -> float:
-    """Return `slit_ratio` of the driven transducer at a place: m from the stator's left end, and from its axis."""
-    driven = record.scene.driven_transducer
-    return slit_ratio(driven.aperture, _wavelength(record), abs(x - driven.place[0]), y)
-
-
-def slit_ratio(aperture: float, wavelength: float, distance: float, lateral: float = 0.0) -> float:
-    """Return the amplitude behind a uniform aperture over that of a plane wave, by Fresnel's integral.
-
-    Parameters
-    ----------
-    aperture, wavelength, distance, lateral : float
-        m; the last from the axis.
-
-    Examples
-    --------
-    >>> round(slit_ratio(20e-3, 0.99e-3, 1e-6), 2)  # at the aperture
-    1.0
-    """
-    from scipy.special import fresnel
-
-    scale = math.sqrt(2 / (wavelength * distance))
-    (below_sine, below_cosine), (above_sine, above_cosine) = (
-        fresnel(scale * (edge - lateral)) for edge in (-aperture / 2, aperture / 2)
-    )
-    return math.hypot(above_sine - below_sine, above_cosine - below_cosine) / math.sqrt(2)
+def _spread(record: Record, x, y) -> np.ndarray:
+    """Return the amplitude of the driven aperture over that of a plane wave: m from the stator's left end and axis."""
+    driven, stator, wave = record.scene.driven_transducer, record.scene.stator, record.wave
+    surface, frequency = "open" if stator.above == "none" else "vacuum", wave["frequency_Hz"]
+    try:
+        curve = fem.Slowness.of_half_space(resolved.solid(stator), frequency, surface)
+    except fem.ConvergenceError:  # no surface wave in some directions: as if it were as fast in all of them
+        curve = fem.Slowness.circle(2 * math.pi * frequency / wave["phase_velocity_m_per_s"])
+    return curve.spectrum(driven.aperture, np.subtract(x, driven.place[0]), y)
 
 
 def _finger_ends(record: Record) -> Rows:
@@ -199,5 +188,7 @@ def _travel(record: Record) -> Rows:
 
 
 def _power(record: Record) -> Rows:
-    power = record.electrical["power_W_per_V2"] * max(record.scene.levels, default=0.0) ** 2
-    yield "heating of the stator", "power taken in at the highest voltage, in W", power, "admittance"
+    highest = max(record.scene.levels, default=0.0)
+    power = record.electrical["power_W_per_V2"] * highest**2
+    effect = f"heating of the stator, by up to the whole power taken in at {highest:g} V"
+    yield effect, "power taken in at the highest voltage, in W", power, "admittance"

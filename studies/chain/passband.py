@@ -7,16 +7,11 @@ from studies.scene import Scene, resolved
 
 LOBES = 1.5  # bandwidths 1/N either side of the middle: the main lobe and half of its neighbours
 WIDEST = 0.45  # of the middle frequency, for transducers of few fingers
+MOST = 2000  # frequencies that a study chooses
 
 
 def driven_scene(scene: str | Scene) -> Scene:
-    """Return a scene with transducers as resolved.
-
-    Raises
-    ------
-    SceneError
-        If it has no transducer.
-    """
+    """Return a scene as resolved; refuse one without a transducer."""
     loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
     if not loaded.transducer:
         loaded.refuse("transducer", "is missing: the study drives one")
@@ -28,11 +23,23 @@ def place(scene: Scene) -> tuple[float, float]:
     return (scene.stator.length / 2, 0.0) if scene.slider is None else scene.slider.center
 
 
-def frequencies(scene: Scene, count: int):
-    """Return frequencies in Hz, evenly spaced about v / period of the driven transducer."""
+def waves_return(scene: Scene) -> bool:
+    """Return whether transducers or ends send waves back to the driven transducer."""
+    return len(scene.transducer) > 1 or scene.stator.ends != "absorbing"
+
+
+def frequencies(scene: Scene, count: int | None, least: int = 2):
+    """Return frequencies in Hz, evenly spaced about v / period of the driven transducer.
+
+    Without a count they are at least so many, and follow the ripple of waves that return: 4 in v / (2 length).
+    """
     driven = scene.driven_transducer
-    middle = fem.rayleigh(resolved.solid(scene.stator), "open").velocity / driven.period
+    velocity = fem.rayleigh(resolved.solid(scene.stator), "open").velocity
+    middle = velocity / driven.period
     half = middle * min(LOBES / driven.finger_pairs, WIDEST)
+    if count is None:
+        ripples = 2 * half / (velocity / (2 * scene.stator.length)) if waves_return(scene) else 0.0
+        count = int(np.clip(np.ceil(4 * ripples) + 1, least, max(least, MOST)))
     return np.linspace(middle - half, middle + half, count)
 
 

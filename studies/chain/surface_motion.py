@@ -15,9 +15,8 @@ from studies.refusal import RunError
 from studies.scene import Scene, resolved
 from studies.scene.blocks import Stator
 
-PER_WAVELENGTH = (
-    24  # places where the beam's standing wave is looked at; a minimum between them is missed by 1 %
-)
+# places where the beam's standing wave is looked at; a minimum between them is missed by 1 %
+PER_WAVELENGTH = 24
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,12 +54,6 @@ class SurfaceMotion:
     def relative_error(self, places) -> float:
         """Return the largest of these errors."""
         return float(max(self.errors(places)))
-
-    def change(self, places) -> float:
-        """Return by how much the motion differs from the section's, over max(|u_x|, |u_z|), the largest at places."""
-        here = self.at(places)[[0, 2]]
-        there = self.wave.motion(np.array([self.in_section(place) for place in places]))
-        return float((abs(here - there).max(axis=0) / abs(here).max(axis=0)).max())
 
     def in_section(self, place: tuple[float, float]) -> float:
         """Return where a place (x, y) lies on the line of the section, m."""
@@ -159,12 +152,15 @@ def surface_motion(wave, block: Stator, places, *, slider: bool = True) -> Surfa
     diffraction = wanted_diffraction(block.diffraction, slider)
     if diffraction is False:
         return SurfaceMotion(wave=wave)
-    refusal = resolved.default_refusal(wave.solution.fields.stator) if diffraction is None else ""
+    stator = wave.solution.fields.stator
+    refusal = resolved.default_refusal(stator, places) if diffraction is None else ""
     if refusal:
         return SurfaceMotion(wave=wave, reason=refusal)
     found = SurfaceMotion(wave=wave, beam=fem.surface_beam(wave, mirror_width=block.mirror_width))
     if diffraction is None:
-        added, changed = found.relative_error(places) - wave.relative_error, found.change(places)
+        here, there = found.at(places)[[0, 2]], wave.motion(np.array([x for x, _ in places]))
+        changed = float((abs(here - there).max(axis=0) / abs(here).max(axis=0)).max())
+        added = found.relative_error(places) - wave.relative_error
         if added > changed:
             reason = f"the beam's own error, {added:.1e}, would exceed what it changes, {changed:.1e}"
             return SurfaceMotion(

@@ -19,9 +19,8 @@ import contact
 
 LEAST_TRAVEL = 0.1  # wavelengths from which the travel counts
 PER_WAVELENGTH = 12  # places of the table; the standing wave has a period of half a wavelength
-SPEEDS = (
-    129  # of the table, from rest past the surface's own speed: the force has kinks there; 33 leave 2e-3 of v
-)
+# of the table, from rest past the surface's own speed: the force has kinks there; 33 leave 2e-3 of v
+SPEEDS = 129
 STEP = 0.05  # wavelengths of travel in a step of time, at the surface's own speed
 MIN_STEPS = 400
 MARGIN = 1.3  # the table's reach over the travel at one place, at first
@@ -125,12 +124,8 @@ def _followed(table: _Table, duration: float, steps: int, moves: bool, reach) ->
 def travelled(slider, wave: WaveAlong, level: float, duration: float, expected: float) -> Travel:
     """Return the motion of a slider along the field during a burst from rest.
 
-    ``level``: V; ``duration``: s; ``expected``: travel in m at one place, with its sign.
-
-    Raises
-    ------
-    contact.ConvergenceError
-        Where averaging does not apply.
+    ``level``: V; ``duration``: s; ``expected``: travel in m at one place, with its sign.  Raises
+    contact.ConvergenceError where averaging does not apply.
     """
     span = MARGIN * abs(expected) + 2 * wave.wavelength
     while True:

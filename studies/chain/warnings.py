@@ -21,6 +21,8 @@ PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # 1/(Pa m), V/(Pa m), 
 AIR = 101325.0  # Pa
 SIDEWAYS = 0.1  # |u_y| over |u_x| from which it is said
 CREEP = 0.01  # of the surface's own speed along x
+SPREADS = 0.1  # of u_z that the finite aperture changes, from which it is said that the section leaves it out
+LIFTED = 0.999  # of the weight: a preload below it does not hold the slider against gravity alone
 MAX_USUAL_LENGTH = 1.0  # m of a stator: a longer one is probably a mistaken unit
 
 
@@ -50,6 +52,13 @@ def scene_warnings(scene: Scene) -> Iterator[str]:
             continue
         if abs(slider.center[0] - each.place[0]) < half:
             yield f"the slider lies over the fingers of transducer {each.name}: its balls would rub on the metal"
+    weight = slider.mass * slider.gravity
+    if isinstance(slider.preload, float) and 0.0 < slider.preload < LIFTED * weight:
+        yield (
+            f"slider.preload, {slider.preload * 1e3:.4g} mN, is less than the weight of the slider's "
+            f"{slider.mass * 1e3:.4g} g, {weight * 1e3:.4g} mN, which it includes: something lifts the slider, or a "
+            "unit is mistaken"
+        )
     if isinstance(slider.contacts, int) and slider.contacts > 1:
         yield (
             f"contacts = {slider.contacts} means {slider.contacts} balls at one place, moved by the same wave: "
@@ -133,7 +142,14 @@ def _off_resonance(record: Record) -> Iterator[str]:
 
 
 def _section(record: Record) -> Iterator[str]:
-    """Yield warnings where nothing takes power out of a wave that the ends send back, or the plate is too thin."""
+    """Yield warnings where the section leaves out much, reflecting ends meet no loss, or the plate is too thin."""
+    for each in record.model_error:
+        if each["effect"] == "finite aperture" and abs(each["size"]) > SPREADS:
+            refused = fem.beam_refusal(resolved.stator(record.scene.stator))
+            yield (
+                f"the plane section leaves out that the aperture is finite, about {100 * each['size']:+.0f} % of u_z: "
+                + (refused or "stator.diffraction = true takes it in")
+            )
     stator, wave, frequency = record.scene.stator, record.surface_wave, record.scene.frequency
     if stator.ends != "absorbing" and math.isinf(resolved.solid(stator).mechanical_quality):
         yield (
@@ -162,6 +178,8 @@ def _contact(record: Record, driven: DrivenContact) -> Iterator[str]:
     ratio = record.wave.get("largest_lateral_ratio", 0.0)
     if ratio > SIDEWAYS:
         nearer = "keep the balls nearer to the middle of the beam"
+        if not any(across for _, across in record.scene.slider.offsets):
+            nearer = "in this cut the wave has u_y on its axis, and counts most where a standing wave's u_x is small"
         yield (
             f"the surface moves sideways under a ball, |u_y/u_x| = {ratio:.2g}, but the contact follows it along "
             f"x alone: {'drive less across' if record.scene.crossed else nearer}"

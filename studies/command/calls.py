@@ -7,20 +7,21 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from studies.refusal import RunError, SceneError, shown
+from studies.progress import Progress
+from studies.refusal import RunError, SceneError
 from studies.report.answer import labelled, print_json
 from studies.report.files import write_run
 from studies.results import Origin, ResultDirectory, result_directory
 from studies.results.content import write_json
 from studies.scene import Scene, SceneFile, read_table, scene_path, shipped_scenes
-from studies.scene.override import toml_value
+from studies.scene.numbers import Quantity
+from studies.scene.override import axes_given, toml_value
 from studies.scene.uncertain import parted
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the chain of a scene; print its answer and leave its files."""
     from studies.chain import run as run_chain
-    from studies.progress import Progress
     from studies.report.answer import answer
     from studies.report.drawing import Drawing
     from studies.report.explanation import explanation, plan
@@ -124,7 +125,6 @@ def _warn(warnings) -> None:
 
 def datasheet(arguments: argparse.Namespace) -> int:
     """Compute a motor's datasheet; print its table and leave its page and numbers."""
-    from studies.progress import Progress
     from studies.report.datasheet import datasheet as computed
     from studies.report.datasheet_page import page, table
 
@@ -159,9 +159,7 @@ def wave(arguments: argparse.Namespace) -> int:
 
 def study(arguments: argparse.Namespace) -> int:
     """Run a study, or list them with their questions."""
-    from studies.progress import Progress
-    from studies.scene.override import axes_given
-    from studies.study import STUDIES, draw_study, module, question, run_study, study_answer
+    from studies.study import STUDIES, draw_study, module, question, run_study
 
     if arguments.name is None:
         print("\n".join(labelled([(name, question(name)) for name in STUDIES], 2 + max(map(len, STUDIES)))))
@@ -192,7 +190,7 @@ def study(arguments: argparse.Namespace) -> int:
         result.commit()
         with _pictures(result):
             draw_study(arguments.name, done, result.folder, progress=progress)
-    print(f"{study_answer(done)}\nresults  {out}")
+    print(f"{done}\nresults  {out}")
     reason = done.shortfall
     _say([*result.notes, *([reason] if reason else [])])
     return 1 if reason else 0
@@ -200,7 +198,6 @@ def study(arguments: argparse.Namespace) -> int:
 
 def view(arguments: argparse.Namespace) -> int:
     """Show a run in a window, or draw it into files and name them."""
-    from studies.progress import Progress
     from studies.view import view as show
     from studies.view.options import Wanted
 
@@ -250,7 +247,6 @@ def check(arguments: argparse.Namespace) -> int:
 
 def sweep(arguments: argparse.Namespace) -> int:
     """Compute what is missing of a sweep's points, and say what they came to."""
-    from studies.scene.override import axes_given
     from studies.sweep.answer import run_sweep
 
     table = changed_file(arguments).table
@@ -264,7 +260,6 @@ def fit(arguments: argparse.Namespace) -> int:
     from studies.inverse import fit as fitted
     from studies.inverse import read_measurement, read_parameter
     from studies.inverse.fit_report import draw_fit, fit_answer, write_fit
-    from studies.progress import Progress
 
     wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
     measurements = [read_measurement(file, tuple(settings)) for file, *settings in arguments.data]
@@ -287,7 +282,6 @@ def design(arguments: argparse.Namespace) -> int:
     from studies.inverse.design import design as search
     from studies.inverse.design_report import design_answer, draw_design, write_design
     from studies.inverse.goals import read_constraint, read_variable
-    from studies.progress import Progress
 
     wanted = tolerance(arguments.tolerance or "3e-2")
     table = changed_scene(arguments).to_table()
@@ -340,7 +334,4 @@ def _without_bands(table: dict) -> None:
 
 def tolerance(text: str | None) -> float:
     """Return the tolerance of a call, 1e-3 when absent."""
-    value = 1e-3 if text is None else toml_value(text)
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 < value < 1:
-        raise SceneError("--tolerance", f"must be a number above 0 and below 1, got {shown(text)}")
-    return float(value)
+    return Quantity(below=1.0).read("--tolerance", 1e-3 if text is None else toml_value(text))

@@ -30,7 +30,7 @@ HELD = math.pi / 10.0  # phase: a twentieth of a cycle
 SCIPY, CVODE = ("RK45", "DOP853", "LSODA", "Radau"), ("Adams", "BDF")
 LIMIT = 15.0  # s for one run of a peer
 OURS = ("exact", "stepped", "averaged")  # which state their error: `contact.burst` makes two runs for it
-QUICK = {"amplitudes": (10e-9,), "cycles": 12, "peers": ("DOP853",), "tolerances": (1e-6, 1e-9)}
+QUICK = {"amplitudes": (10e-9,), "cycles": 6, "peers": ("DOP853",), "tolerances": (1e-6, 1e-9)}
 WRONG = 1e-3  # an error above it, without a complaint, is a silent failure
 
 

@@ -21,7 +21,7 @@ MESHES = {1: (4, 8, 16), 2: (2, 4, 8, 16), 3: (1, 2, 4, 8), 4: (1, 2, 4), 6: (1,
 LAYERS_PER_COLUMN = 4
 FLOOR = 1e-12  # rounding: below it nothing converges any more
 REPEATS = 3
-QUICK = {"meshes": {2: (2, 4), 8: (1, 2)}, "repeats": 1}
+QUICK = {"meshes": {2: (2, 4), 8: (1,)}, "repeats": 1}
 DEPTHS = tuple(k / 50 for k in range(101))  # wavelengths
 
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from studies.inverse.evaluations import Evaluations, Options
+from studies.inverse.evaluations import Evaluations, Options, planned
 from studies.inverse.goals import GOALS, Constraint
 from studies.inverse.parameters import Parameter
 from studies.inverse.search import UNKNOWN, Search
@@ -88,18 +88,15 @@ def design(
         raise SceneError("--over", "is required: KEY=LOW:HIGH")
     if budget < 4 * len(variables) + 8:
         raise SceneError("--evaluations", f"must be at least {4 * len(variables) + 8}, got {budget}")
-    also = tuple(
-        sorted({word for goal in goals if (word := GOALS[goal][1])} | {c.also for c in constraints if c.also})
-    )
+    also = {GOALS[goal][1] for goal in goals} | {each.also for each in constraints}
+    plan = planned(table, variables, also=tuple(sorted(also - {""})), tolerance=options.tolerance)
     search = {"goals": goals, "subject": [each.text for each in constraints], "evaluations": budget,
               "seed": options.seed, "ranges": [[each.key, each.low, each.high] for each in variables]}  # fmt: skip
-    say = progress or (lambda text: None)
-    given = {"also": also, "search": search, "options": options, "progress": say}
+    given = plan, search, options, progress or (lambda text: None)
     with ExitStack() as stack:
-        ask = stack.enter_context(Evaluations(table, tuple(variables), **given))
-        coarse = None
-        if ask.question.stator_keys:  # of the stator, or the slider's place
-            coarse = stack.enter_context(Evaluations(table, tuple(variables), coarse=True, **given))
+        ask, coarse = stack.enter_context(Evaluations(*given)), None
+        if plan.question.stator_keys:  # of the stator, or the slider's place
+            coarse = stack.enter_context(Evaluations(*given, coarse=True))
         searcher = Search(ask, coarse, tuple(variables), tuple(constraints), tuple(goals), options.seed)
         scale = [
             searcher.run([1.0 if k == j else 0.0 for k in range(len(goals))], budget)
@@ -128,15 +125,10 @@ def design(
 
 def _front(feasible: list[dict], searcher: Search) -> list[dict]:
     """Return the points that no other beats: of one goal the best."""
-    values = np.array([[searcher.goal(row, goal) for goal in searcher.goals] for row in feasible])
-    if values.shape[1] == 1:
-        return [feasible[int(np.argmax(values[:, 0]))]]
-    order, highest, found = np.lexsort((-values[:, 1], -values[:, 0])), -np.inf, []
-    for k in order:
-        if values[k, 1] > highest:
-            highest = values[k, 1]
-            found.append(feasible[k])
-    return found
+    rows = {tuple(searcher.goal(row, goal) for goal in searcher.goals): row for row in reversed(feasible)}
+    values = np.array(list(rows))
+    beaten = {each: np.any(np.all(values >= each, axis=1) & np.any(values > each, axis=1)) for each in rows}
+    return [rows[each] for each in sorted(rows, reverse=True) if not beaten[each]]
 
 
 def _robustness(searcher: Search, optimum: dict) -> dict:
@@ -145,10 +137,9 @@ def _robustness(searcher: Search, optimum: dict) -> dict:
     base, found = searcher.goal(optimum, goal), {}
     own = [optimum[each.key] for each in searcher.variables]
     for k, each in enumerate(searcher.variables):
-        ends = (
-            (own[k] - 1, own[k] + 1) if each.counted else (own[k] * (1.0 - CHANGE), own[k] * (1.0 + CHANGE))
-        )
-        rows = searcher.ask([(*own[:k], end, *own[k + 1 :]) for end in ends if end > 0])
+        change = 1 if each.counted else CHANGE * own[k]
+        ends = [end for end in (own[k] - change, own[k] + change) if end > 0]
+        rows = searcher.ask([(*own[:k], end, *own[k + 1 :]) for end in ends])
         broken = [searcher.broken(row) for row in rows]
         left = [
             searcher.goal(row, goal) / base if size < UNKNOWN else 0.0
@@ -163,9 +154,5 @@ def _robustness(searcher: Search, optimum: dict) -> dict:
 
 def _closest(searcher: Search, rows: list[dict]) -> str:
     row = min(rows, key=searcher.broken)
-    if searcher.broken(row) >= UNKNOWN:
-        return row["status"]
-    return (
-        ", ".join(each.text for each in searcher.constraints if each.excess(row) > 0.0)
-        + " is broken by the closest"
-    )
+    broken = ", ".join(each.text for each in searcher.constraints if each.excess(row) > 0.0)
+    return row["status"] if searcher.broken(row) >= UNKNOWN else f"{broken} is broken by the closest"

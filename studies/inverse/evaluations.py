@@ -10,9 +10,10 @@ from pathlib import Path
 
 from studies.inverse.parameters import Parameter
 from studies.refusal import RunError
-from studies.scene.override import replaced
+from studies.scene.override import replaced, value_at
 from studies.sweep.axes import Axis, level_key
-from studies.sweep.design import Design, designed
+from studies.sweep.design import Design as SweepDesign
+from studies.sweep.design import designed
 from studies.sweep.driver import Driver
 from studies.sweep.predictor import PLACE_KEYS
 from studies.sweep.store import Store
@@ -30,42 +31,33 @@ class Options:
     workers: int = 1  # processes
 
 
-class Evaluations:
-    """Answers of one scene at values of some keys; a context manager, which holds the store.
+def planned(table: dict, parameters: tuple[Parameter, ...], *, also, tolerance: float) -> SweepDesign:
+    """Return the sweep whose points a search asks for; of several voltages or amplitudes the largest counts."""
+    level, keys = level_key(table), [each.key for each in parameters]
+    if level is not None and level not in keys:
+        levels = value_at(table, level)
+        table = replaced(table, level, max(levels) if isinstance(levels, (list, tuple)) else levels)
+    plan = designed(
+        table, {each.key: [each.low, each.high] for each in parameters}, tolerance=tolerance, also=also
+    )
+    moved = any(key in PLACE_KEYS for key in keys)  # each point has its own places
+    return replace(plan, question=replace(plan.question, places=())) if moved else plan
 
-    Of several voltages or amplitudes of the scene's table the largest counts.  ``also`` is what is asked beside the
-    velocity, as in a sweep; ``search`` everything else that decides which points are asked for: goals, constraints,
-    budget, seed; ``coarse`` takes the stator's coarsest discretisation.
+
+class Evaluations:
+    """Answers at the points of a search; a context manager, which holds the store.
+
+    ``search`` is everything beside the sweep that decides which points are asked for: goals, constraints, budget, seed;
+    ``coarse`` takes the stator's coarsest discretisation.
     """
 
-    def __init__(
-        self,
-        table,
-        parameters: tuple[Parameter, ...],
-        *,
-        also,
-        search,
-        options: Options,
-        progress,
-        coarse=False,
-    ):
-        level, keys = level_key(table), [each.key for each in parameters]
-        if level is not None and level not in keys:
-            block, name = level.split(".")
-            levels = table.get(block, {}).get(name)
-            table = replaced(table, level, max(levels) if isinstance(levels, (list, tuple)) else levels)
-        ends = {each.key: [each.low, each.high] for each in parameters}
-        plan = designed(table, ends, tolerance=options.tolerance, also=also)
-        moved = any(key in PLACE_KEYS for key in keys)  # each point has its own places
-        self.question = replace(plan.question, coarse=coarse, places=() if moved else plan.question.places)
-        self.fixed = tuple(
-            column[0] for axis in plan.axes if axis.keys[0] not in keys for column in axis.columns
-        )
-        self.progress, self.rows = progress, []
+    def __init__(self, plan: SweepDesign, search: dict, options: Options, progress, *, coarse: bool = False):
+        self.question, self.progress, self.rows = replace(plan.question, coarse=coarse), progress, []
+        self.fixed = tuple(column[0] for axis in plan.axes if len(axis) == 1 for column in axis.columns)
         identity = plan.identity | {"search": json.dumps(search | {"coarse": coarse}, sort_keys=True)}
-        # a design that grows: the points asked for so far, as the sweep's driver and store see it
-        columns = tuple([] for _ in self.question.keys)
-        self.asked, self.known = Design(question=self.question, axes=(Axis(self.question.keys, columns),)), {}
+        # a sweep that grows: the points asked for so far
+        axis, self.known = Axis(self.question.keys, tuple([] for _ in self.question.keys)), {}
+        self.asked = SweepDesign(question=self.question, axes=(axis,))
         folder = None if options.out is None else Path(options.out)
         self.store = Store(folder / "coarse" if coarse and folder else folder, self.asked, identity)
         self.workers = chosen_workers(options.workers)

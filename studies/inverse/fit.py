@@ -73,11 +73,8 @@ def fit(
     predictor = MeasurementPredictor(loaded, tolerance=tolerance, progress=say)
     _refuse(predictor, measurements, parameters)
     measurements, estimated = _weighted(measurements)
-    problem = Problem(
-        predictor=predictor, parameters=tuple(parameters), measurements=tuple(measurements),
-        signs=(1.0,) * len(measurements),
-    )  # fmt: skip
-    problem = replace(problem, signs=_signs(problem))
+    problem = Problem(predictor=predictor, parameters=tuple(parameters), measurements=tuple(measurements))
+    problem = replace(problem, measurements=_signed(problem))
     degrees = problem.points - len(parameters)
     if degrees < (1 if estimated else 0):
         raise SceneError(
@@ -97,16 +94,18 @@ def fit(
 
 def _explored(problem, minima, degrees, estimated, say) -> Fit:
     """Return the fit about its least minimum: directions, profiles, next measurements."""
+    if estimated:
+        scale = math.sqrt(minima[0][1] / degrees) or 1e-9
+        problem = replace(problem, measurements=tuple(each.scattered(scale) for each in problem.measurements))
+        minima = [(x, squares / scale**2) for x, squares in minima]
     (best, least), *others = minima
-    variance = least / degrees if estimated else 1.0
-    scale = math.sqrt(variance) or 1e-300
-    slopes = problem.jacobian(best) / scale
+    slopes = problem.jacobian(best)
     directions = undetermined(slopes, problem.parameters, problem.half_width)
     best = _nearest(problem, best, least, directions)
     lost = {key for each in directions for key in each.components}
     information = slopes.T @ slopes + np.diag(problem.half_width**-2.0)
     covariance = np.linalg.inv(information)
-    allowed = allowed_excess(variance, degrees if estimated else None)
+    allowed = allowed_excess(degrees if estimated else None)
     rivals = [(x, squares) for x, squares in others if squares - least < allowed]
     ends = {}
     for j, parameter in enumerate(problem.parameters):
@@ -122,11 +121,11 @@ def _explored(problem, minima, degrees, estimated, say) -> Fit:
     say("fit: next measurements")
     sizes, count = np.sqrt(np.diag(covariance)), len(problem.parameters)
     return Fit(
-        problem=problem, best=best, chi2=least if not estimated else float(degrees), degrees_of_freedom=degrees,
-        deviation=scale * problem.measurements[0].deviations[0] if estimated else None, ends=ends,
+        problem=problem, best=best, chi2=least, degrees_of_freedom=degrees, ends=ends,
+        deviation=problem.measurements[0].deviations[0] if estimated else None,
         directions=tuple(directions), correlation=(covariance / np.outer(sizes, sizes))[:count, :count],
         rivals=tuple(problem.numbers(x) for x, _ in rivals), covariance=covariance,
-        candidates=tuple(ranked(problem, best, information, _spread(problem, scale))),
+        candidates=tuple(ranked(problem, best, information)),
     )  # fmt: skip
 
 
@@ -199,25 +198,15 @@ def _weighted(measurements) -> tuple[list[Measurement], bool]:
     size = float(np.sqrt(np.mean(np.square(np.concatenate([each.values for each in measurements])))))
     if size == 0.0:
         raise SceneError("--data", "holds nothing but zeros, and no standard deviations")
-    return [replace(each, deviations=(0.01 * size,) * len(each.values)) for each in measurements], True
+    alike = [replace(each, deviations=(1.0,) * len(each.values)) for each in measurements]
+    return [each.scattered(0.01 * size) for each in alike], True
 
 
-def _signs(problem: Problem) -> tuple[float, ...]:
-    """Return the sign of each measurement: speeds without a sign take the prediction's."""
-    starts = problem._starts()[:8]
-    predicted = problem.predictions(starts)
-    found = []
+def _signed(problem: Problem) -> tuple[Measurement, ...]:
+    """Return the measurements; speeds without a sign take the prediction's."""
+    predicted, found = problem.predictions(problem.starts()[:8]), []
     for k, each in enumerate(problem.measurements):
         total = np.nansum([values[k] for values in predicted])
         unsigned = each.quantity != "amplitude" and min(each.values) >= 0.0 and total < 0.0
-        found.append(-1.0 if unsigned else 1.0)
+        found.append(replace(each, values=tuple(-value for value in each.values)) if unsigned else each)
     return tuple(found)
-
-
-def _spread(problem: Problem, scale: float) -> float:
-    """Return the typical relative deviation of the velocities in the data."""
-    shares = [
-        scale * np.array(each.deviations) / max(np.max(np.abs(each.values)), 1e-300)
-        for each in problem.measurements
-    ]
-    return float(np.median(np.concatenate(shares)))

@@ -7,7 +7,7 @@ import numpy as np
 
 from studies.inverse.result import Fit
 from studies.report.answer import labelled, table
-from studies.report.figures import COLOURS, new_figure
+from studies.report.figures import COLOURS, finished, new_figure
 from studies.report.measured import UNITS, Measurement
 from studies.results.content import write_json
 from studies.scene.toml import document
@@ -83,58 +83,38 @@ def draw_fit(fit: Fit, path: Path) -> None:
     figure, axes = new_figure(
         6.4 * count, 6.0, rows=2, columns=count, squeeze=False, height_ratios=(2.5, 1.0), sharex="col"
     )
-    residuals = problem.residuals([fit.best])[0]
-    first = 0
+    ends = np.cumsum([len(each.values) for each in problem.measurements])
+    residuals = np.split(problem.residuals([fit.best])[0], ends)  # those of systematic errors come last
     for k, measurement in enumerate(problem.measurements):
-        count = len(measurement.values)
-        _draw_curve(fit, measurement, problem.signs[k], axes[0, k])
-        _draw_residuals(fit, measurement, residuals[first : first + count], axes[1, k])
-        first += count
+        _draw(fit, measurement, residuals[k], axes[0, k], axes[1, k])
     figure.savefig(path, dpi=150)
 
 
-def _places(measurement: Measurement) -> tuple[list[float], float, str]:
-    """Return where the values stand on the horizontal axis, the factor to its unit, and its label."""
+def _draw(fit: Fit, measurement: Measurement, residuals, upper, lower) -> None:
+    """Draw one measurement with band and curve into Axes, its residuals into others below."""
+    at, scale, label = measurement.levels, 1e9, "normal amplitude (nm)"
     if measurement.time:
-        return list(measurement.time), 1e3, "time (ms)"
-    if measurement.level_key == "voltage_V":
-        return list(measurement.levels), 1.0, "drive voltage, peak (V)"
-    return list(measurement.levels), 1e9, "normal amplitude (nm)"
-
-
-def _draw_curve(fit: Fit, measurement: Measurement, sign: float, ax) -> None:
-    at, scale, _ = _places(measurement)
+        at, scale, label = measurement.time, 1e3, "time (ms)"
+    elif measurement.level_key == "voltage_V":
+        scale, label = 1.0, "drive voltage, peak (V)"
     _, factor, unit = UNITS[measurement.quantity]
     where, best, low, high = fit.band(measurement)
-    ax.fill_between(where * scale, low * factor, high * factor, color=COLOURS["slip"], alpha=0.25, linewidth=0,
-                    label="95 % of the fitted motors")  # fmt: skip
-    ax.plot(where * scale, best * factor, color=COLOURS["slip"], linewidth=1.2, label="best fit")
-    scatter = _deviations(fit, measurement)
-    ax.errorbar(
-        np.array(at) * scale, np.array(measurement.values) * sign * factor, yerr=scatter * factor, fmt="o",
-        color=COLOURS["line"], markersize=3.5, linewidth=0.8, capsize=2, label="measured, 1 standard deviation",
+    upper.fill_between(where * scale, low * factor, high * factor, color=COLOURS["slip"], alpha=0.25, linewidth=0,
+                       label="95 % of the fitted motors")  # fmt: skip
+    upper.plot(where * scale, best * factor, color=COLOURS["slip"], linewidth=1.2, label="best fit")
+    values, scatter = np.array([measurement.values, measurement.deviations]) * factor
+    upper.errorbar(
+        np.array(at) * scale, values, yerr=scatter, fmt="o", color=COLOURS["line"], markersize=3.5, linewidth=0.8,
+        capsize=2, label="measured, 1 standard deviation",
     )  # fmt: skip
     quantity = "normal amplitude" if measurement.quantity == "amplitude" else "slider velocity"
-    ax.set_ylabel(f"{quantity} ({unit})")
-    fixed = ", ".join(f"{key} = {value:g}" for key, value in measurement.settings.items()
-                      if isinstance(value, (int, float)))  # fmt: skip
-    ax.set_title(" ".join(filter(None, (measurement.name, f"({fixed})" if fixed else ""))), fontsize="medium",
-                 parse_math=False)  # fmt: skip
-    ax.grid(alpha=0.3)
-    ax.legend(frameon=False, fontsize="small", loc="best")
-
-
-def _draw_residuals(fit: Fit, measurement: Measurement, residuals, ax) -> None:
-    at, scale, label = _places(measurement)
-    variance = 1.0 if fit.deviation is None else fit.deviation / measurement.deviations[0]
-    ax.axhspan(-2.0, 2.0, color=COLOURS["stick"], alpha=0.2, linewidth=0)
-    ax.axhline(0.0, color=COLOURS["line"], linewidth=0.8)
-    ax.plot(np.array(at) * scale, residuals / variance, "o", color=COLOURS["line"], markersize=3.5)
-    ax.set_xlabel(label)
-    ax.set_ylabel("residual (std. deviations)")
-    ax.grid(alpha=0.3)
-
-
-def _deviations(fit: Fit, measurement: Measurement):
-    own = np.array(measurement.deviations)
-    return own if fit.deviation is None else np.full(len(own), fit.deviation)
+    fixed = [
+        f"{key} = {value:g}" for key, value in measurement.settings.items() if isinstance(value, (int, float))
+    ]
+    title = " ".join([measurement.name, *([f"({', '.join(fixed)})"] if fixed else [])])
+    finished(upper, "", f"{quantity} ({unit})", title, columns=0)
+    upper.legend(frameon=False, fontsize="small", loc="best")
+    lower.axhspan(-2.0, 2.0, color=COLOURS["stick"], alpha=0.2, linewidth=0)
+    lower.axhline(0.0, color=COLOURS["line"], linewidth=0.8)
+    lower.plot(np.array(at) * scale, residuals, "o", color=COLOURS["line"], markersize=3.5)
+    finished(lower, label, "residual (std. deviations)", "", columns=0)

@@ -31,7 +31,6 @@ class Problem:
     predictor: MeasurementPredictor = field(repr=False)
     parameters: tuple[Parameter, ...]
     measurements: tuple[Measurement, ...]  # with deviations
-    signs: tuple[float, ...]  # -1 for a measurement of speeds without a sign of a motor that runs towards -x
 
     @property
     def systematic(self) -> list[int]:
@@ -76,11 +75,9 @@ class Problem:
         for x, predicted in zip(xs, self.predictions(xs), strict=True):
             shared = dict(zip(self.systematic, x[len(self.parameters) :], strict=True))
             parts = [
-                (np.array(each.values) * sign - np.nan_to_num(values) * (1.0 + shared.get(k, 0.0)))
+                (np.array(each.values) - np.nan_to_num(values) * (1.0 + shared.get(k, 0.0)))
                 / np.array(each.deviations)
-                for k, (each, sign, values) in enumerate(
-                    zip(self.measurements, self.signs, predicted, strict=True)
-                )
+                for k, (each, values) in enumerate(zip(self.measurements, predicted, strict=True))
             ]
             parts += [[shift / self.measurements[k].systematic] for k, shift in shared.items()]
             rows.append(np.concatenate(parts))
@@ -125,7 +122,7 @@ class Problem:
 
     def minima(self) -> list[tuple[np.ndarray, float]]:
         """Return (x, sum of squares) of the distinct minima found from several starts, the least first."""
-        starts = self._starts()
+        starts = self.starts()
         squares = np.sum(self.residuals(starts) ** 2, axis=1)
         found = [self.minimum(starts[0])]
         for k in [k for k in np.argsort(squares)[:MAX_LOOKED_AT] if k > 0]:
@@ -152,13 +149,13 @@ class Problem:
         squares = np.sum(self.residuals([one + share * (other - one) for share in shares]) ** 2, axis=1)
         return bool(np.max(squares) > highest + 0.1)
 
-    def _starts(self) -> list[np.ndarray]:
+    def starts(self) -> list[np.ndarray]:
+        """Return where minima are looked for: the scene's own values, then a Latin hypercube where that is cheap."""
         own = [p.start(self.predictor.value(p.key)) for p in self.parameters]
         shared = [0.0] * len(self.systematic)
         starts = [np.array([*own, *shared])]
-        if any(self.predictor.needs_stator(p.key) for p in self.parameters):
-            return starts
-        if any(each.quantity == "burst" for each in self.measurements):
+        slow = any(self.predictor.needs_stator(p.key) for p in self.parameters)
+        if slow or any(each.quantity == "burst" for each in self.measurements):
             return starts
         count = len(self.parameters)
         for point in qmc.LatinHypercube(count, rng=np.random.default_rng(0)).random(SAMPLES):

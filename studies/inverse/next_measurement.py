@@ -64,12 +64,15 @@ def candidates(problem: Problem) -> list[Measurement]:
     return found
 
 
-def ranked(problem: Problem, best: np.ndarray, information: np.ndarray, spread: float) -> list[Candidate]:
+def ranked(problem: Problem, best: np.ndarray, information: np.ndarray) -> list[Candidate]:
     """Return the candidates, each with the number that it narrows most, the most useful first.
 
-    ``information``: Fisher information of the data and the ranges, over x; ``spread``: relative standard deviation of
-    a velocity in the data.
+    ``information``: Fisher information of the data and the ranges, over x.
     """
+    shares = [
+        np.array(each.deviations) / (np.max(np.abs(each.values)) or 1e-300) for each in problem.measurements
+    ]
+    spread = float(np.median(np.concatenate(shares)))  # typical relative deviation in the data
     before, found = np.sqrt(np.diag(np.linalg.inv(information))), []
     for each in candidates(problem):
         slopes = _slopes(problem, best, each, spread)

@@ -1,7 +1,7 @@
 """Profile likelihood intervals: each number fixed in turn, all others fitted again.
 
 An end of the interval is where the sum of squares exceeds its minimum by the quantile of chi^2 with one degree of
-freedom (of F, times the estimated variance, where the standard deviations come from the residuals themselves).  The
+freedom (of F, where the standard deviations come from the residuals themselves).  The
 square root of the excess is nearly linear in the number: a few refits find the end.  An end is open where the range
 ends before, and where another number has come to an end of its range: the range would then make the interval, not the
 data.
@@ -39,11 +39,9 @@ class BetterMinimumError(Exception):
         self.x = x
 
 
-def allowed_excess(variance: float, degrees: int | None) -> float:
-    """Return the excess of the sum of squares at an end; `degrees` of freedom where the variance is estimated."""
-    if degrees is None:
-        return float(chi2.ppf(LEVEL, 1))
-    return variance * float(f.ppf(LEVEL, 1, degrees))
+def allowed_excess(degrees: int | None) -> float:
+    """Return the excess of the sum of squares at an end; `degrees` of freedom where the deviations are estimated."""
+    return float(chi2.ppf(LEVEL, 1) if degrees is None else f.ppf(LEVEL, 1, degrees))
 
 
 def profile(

@@ -59,11 +59,14 @@ class Fit:
 
     def to_dict(self) -> dict:
         """Return what fit.json holds."""
-        values, intervals = self.values, self.intervals
+        parameters = {}
+        for key, interval in self.intervals.items():
+            parameters[key] = {"value": self.values[key], "interval95": list(interval)}
+            reasons = [end.because for end in self.ends[key] if end is not None and not end.closed]
+            if reasons:
+                parameters[key]["open_because"] = reasons
         whole = {
-            "parameters": {
-                key: {"value": values[key], "interval95": list(intervals[key])} for key in values
-            },
+            "parameters": parameters,
             "undetermined": [
                 {"direction": each.components, "sentence": each.sentence} for each in self.directions
             ],
@@ -76,20 +79,9 @@ class Fit:
                 for each in self.candidates
             ],
         }  # fmt: skip
-        if self.rivals:
-            whole["other_minima"] = list(self.rivals)
-        if self.probability is not None:
-            whole["probability"] = self.probability
-        if self.deviation is not None:
-            whole["estimated_standard_deviation"] = self.deviation
-        reasons = {
-            key: [end.because for end in ends if end is not None and not end.closed]
-            for key, ends in self.ends.items()
-        }
-        for key, why in reasons.items():
-            if why:
-                whole["parameters"][key]["open_because"] = why
-        return whole
+        more = {"other_minima": list(self.rivals), "probability": self.probability,
+                "estimated_standard_deviation": self.deviation}  # fmt: skip
+        return whole | {key: value for key, value in more.items() if value not in (None, [])}
 
     def scene(self) -> Scene:
         """Return the scene with the estimates in place; the two names that are no keys are left out."""
@@ -111,8 +103,8 @@ class Fit:
             problem.predictor.needs_stator(p.key) for p in problem.parameters
         )
         if slow:
-            steps = np.sqrt(np.linalg.eigh(self.covariance)[0].clip(0.0)) * np.linalg.eigh(self.covariance)[1]
-            moved = [np.clip(self.best + step, problem.low, problem.high) for step in steps.T]
+            steps = np.linalg.cholesky(self.covariance).T
+            moved = [np.clip(self.best + step, problem.low, problem.high) for step in steps]
             shifts = [found[0] - best for found in problem.predictions(moved, (imagined,))]
             width = 1.96 * np.sqrt(np.nansum(np.square(shifts), axis=0))
             return at, best, best - width, best + width

@@ -11,9 +11,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import norm, qmc, truncnorm
 
-from studies.inverse.prediction import MeasurementPredictor
+from studies.inverse.prediction import MeasurementPredictor, steady_velocities
 from studies.record import Record
-from studies.report.measured import Measurement
 from studies.scene.keys import LEVELS, tolerances
 from studies.scene.uncertain import DEFAULTS
 
@@ -42,17 +41,15 @@ def with_bands(record: Record, *, progress: Callable[[str], None] | None = None)
         samples = _answers(predictor, record, _sampled(numbers, options["samples"]))
         low, high = np.percentile(samples, [50 * (1 - LEVEL), 50 * (1 + LEVEL)], axis=0)
     count = len(record.points)
-    block = {
-        "method": options["method"],
-        "level": LEVEL,
-        "tolerances": {each.key: each.half_width for each in numbers},
-    }
+    block = {"method": options["method"], "level": LEVEL}
+    block |= {"tolerances": {each.key: each.half_width for each in numbers}}
     if options["method"] == "sampled":
         block["samples"] = options["samples"]
     top = int(np.argmax([point[record.level] for point in record.points]))
     if np.all(np.isfinite(half[:, top])):
-        shares = {each.key: float(size) for each, size in zip(numbers, half[:, top], strict=True)}
-        block["velocity_half_width_m_per_s"] = shares
+        block["velocity_half_width_m_per_s"] = dict(
+            zip(block["tolerances"], half[:, top].tolist(), strict=True)
+        )
     for k, key in enumerate(KEYS, start=count):
         if key in record.summary and np.isfinite(low[k] + high[k]):
             block[key] = [float(low[k]), float(high[k])]
@@ -93,14 +90,11 @@ def _answers(predictor: MeasurementPredictor, record: Record, changes: list[dict
         level = np.prod([changed.get(key, 1.0) for key in LEVELS]) ** (
             0.5 if "drive.power" in changed else 1.0
         )
-        own = {key: value for key, value in changed.items() if key not in LEVELS}
-        driven = predictor.contact(own)
-        curve = Measurement(
-            name="", quantity="velocity", level_key=record.level, levels=tuple(levels * level)
-        )
-        asked.append((curve, own))
+        driven = predictor.contact({key: value for key, value in changed.items() if key not in LEVELS})
+        asked += [(driven, each * level) for each in levels.tolist()]
         factors = [getattr(contact, f"{name}_factor")(driven.slider, driven.orbits) for name in LIMITS]
         limits.append(
             [*(factor * driven.amplitude for factor in factors), *(factor / level for factor in factors)]
         )
-    return np.column_stack([np.array(predictor.predict(asked)), np.array(limits)])
+    velocities = steady_velocities(asked).reshape(len(changes), len(levels))
+    return np.column_stack([velocities, np.array(limits)])

@@ -18,7 +18,7 @@ from matplotlib.ticker import MaxNLocator
 
 from studies.refusal import RunError, SceneError
 from studies.report.figures import finished, logarithmic, own
-from studies.report.intermediate import prefixed
+from studies.report.intermediate import prefixed, si
 from studies.scene import Scene
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import replaced, value_at
@@ -27,8 +27,7 @@ from studies.study import Panel, StudyRecord, judged, of_record, study
 from studies.sweep import sweep
 from studies.sweep.axes import axis, level_key
 
-COUNTS = 28, 22  # of levels and of preloads, where no axes are given
-QUICK = {"counts": (4, 3)}
+QUICK = {"counts": (3, 3)}
 SMALLEST = 100.0  # largest value of a map over the smallest that has a colour of its own
 PANELS = {
     "velocity": ("velocity_m_per_s", "slider velocity (mm/s)", 1e3),
@@ -43,7 +42,7 @@ def run(
     scene: str | Scene = "twente-contact",
     *,
     over: dict | None = None,
-    counts: tuple[int, int] = COUNTS,
+    counts: tuple[int, int] = (28, 22),
     progress=None,
 ) -> StudyRecord:
     """Return the maps, their lines and the scene's own point.
@@ -85,7 +84,10 @@ def run(
         raise RunError(f"the map is empty: {failed}, {columns['status'][0]}")
     factors = {f"{name}_factor": _plain(grid[f"{name}_factor"]) for name in ("threshold", "release")}
     shared = {"x_key": x_key, "x": x, "y_key": y_key, "y": y, **own, **factors}
-    title = chosen.title if moved else f"{chosen.title}, {_words(level, max(chosen.levels))}"
+    title = chosen.title
+    if not moved:
+        name = level.rpartition(".")[2].replace("_", " ")
+        title += f", {name} {si(max(chosen.levels), unit_of(rule_at(level)))}"
     panels = [
         Panel(
             name=name, title=title, data=shared | {"value": _plain(grid[key]), "label": label, "scale": scale}
@@ -166,7 +168,7 @@ def _levels(values) -> list[float]:
 
 def _plain(values) -> list:
     """Return an array as lists, None where it is not finite."""
-    return [[each if math.isfinite(each) else None for each in row] for row in values.tolist()]
+    return np.where(np.isfinite(values), values.astype(object), None).tolist()
 
 
 def _usual(scene: Scene, level: str, counts: tuple[int, int]) -> dict:
@@ -217,11 +219,6 @@ def _scaled(key: str, values):
         power, letter = prefixed(largest)
         unit, factor = letter + unit, factor * 10.0**-power
     return (values * factor, factor), f"{name} ({unit})" if unit else name
-
-
-def _words(key: str, value: float) -> str:
-    (scaled, _), label = _scaled(key, [value])
-    return f"{label.split(' (')[0]} {scaled[0]:g} {label.split('(')[-1].rstrip(')')}"
 
 
 def _even_in_logarithm(values) -> bool:

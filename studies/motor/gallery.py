@@ -14,7 +14,7 @@ from pathlib import Path
 
 import contact
 from studies.chain import run as run_chain
-from studies.chain.driven_contact import DrivenContact
+from studies.chain.bridge import DrivenContact
 from studies.motor import regime_map
 from studies.record import Record
 from studies.report.figures import velocity

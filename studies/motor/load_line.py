@@ -10,10 +10,9 @@ and the stator's.
 import numpy as np
 
 import contact
-from studies.chain.driven_contact import driven_contact
 from studies.report.figures import curve, family, finished
 from studies.scene import Scene
-from studies.study import Panel, StudyRecord, judged, of_record, study
+from studies.study import Panel, StudyRecord, driven_contact, judged, of_record, study
 
 QUICK = {"points": 3}
 LINES = 4

@@ -17,11 +17,10 @@ from collections.abc import Iterator
 import numpy as np
 
 import contact
-from studies.chain.driven_contact import driven_contact
 from studies.chain.steps import Steps
 from studies.report.figures import COLOURS, curve, family, finished, logarithmic
 from studies.scene import Scene
-from studies.study import Finding, Panel, StudyRecord, judged, of_record, study
+from studies.study import Finding, Panel, StudyRecord, driven_contact, judged, of_record, study
 
 QUICK = {"cycles": (64, 512), "wanted": (2e-8,), "lines": 1}
 CYCLES = tuple(2**k for k in range(3, 13))

@@ -12,22 +12,21 @@ import numpy as np
 
 import contact
 from studies.chain import bridge
-from studies.chain.driven_contact import driven_contact
 from studies.chain.points import averaged
 from studies.chain.travel import travelled
 from studies.report.figures import AXES, COLOURS, curve, family, finished, lines
 from studies.scene import Scene, resolved
-from studies.study import Panel, StudyRecord, judged, of_record, study
+from studies.study import Panel, StudyRecord, driven_contact, judged, of_record, study
 
 QUICK = {"count": 10, "duration": 2e-3}
-LINES, COUNT = 3, 240
+LINES = 3
 WITHIN = 4  # points of half a wavelength about each place
 CLEAR = 0.5  # wavelengths from the fingers
 
 
 @study
 def run(
-    scene: str | Scene = "twente", *, count: int = COUNT, duration: float = 0.3, progress=None
+    scene: str | Scene = "twente", *, count: int = 240, duration: float = 0.3, progress=None
 ) -> StudyRecord:
     """Return amplitude and steady velocity against the slider's place, and the motion of a slider that travels.
 

@@ -13,7 +13,7 @@ import numpy as np
 
 import contact
 from studies.chain import run
-from studies.chain.driven_contact import DrivenContact
+from studies.chain.bridge import DrivenContact
 from studies.chain.steps import Steps
 from studies.record import Record
 from studies.refusal import RunError

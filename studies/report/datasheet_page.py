@@ -1,12 +1,9 @@
 """A motor's datasheet as one self-contained page, A4 when printed: table, characteristics, limits."""
 
-import numpy as np
-
 from studies.report.answer import sentences
 from studies.report.datasheet import SETTLED, Datasheet, Row
 from studies.report.figures import COLOURS, as_uri, curve, family, finished, velocity
 from studies.report.intermediate import si
-from studies.report.limits import model_limits
 from studies.report.page import rendered
 from studies.results.content import provenance
 
@@ -35,16 +32,13 @@ def page(sheet: Datasheet) -> str:
         TEMPLATE,
         title=record.scene.title or "A motor",
         rated=sheet.driven.named(sheet.rated),
-        conditions=_conditions(sheet),
+        record=record,
         groups={
             title: [_written(row) for row in sheet.rows if row.group == group]
             for group, title in GROUPS.items()
         },
         pictures=[{"data": as_uri(draw, size=PICTURE), "caption": caption} for draw, caption in drawn],
-        limits=(*(f"{each[0].upper()}{each[1:]}." for each in record.left_out), *model_limits(record.scene)),
-        warnings=record.warnings,
         model_error=sentences(record),
-        tolerance=f"{record.tolerance:g}",
         version=provenance()["version"],
     )
 
@@ -108,26 +102,3 @@ def _written(row: Row) -> dict:
         "" if row.error is None else f"\u00b1 {100 * row.error:.1g} %" if row.error > 5e-7 else "< 0.0001 %"
     )
     return {"name": row.name, "value": value, "error": error, "condition": row.condition}
-
-
-def _conditions(sheet: Datasheet) -> str:
-    """Return what the motor is, in two sentences."""
-    scene, slider = sheet.record.scene, sheet.record.scene.slider
-    balls = len(slider.offsets)
-    foot, more = {"sphere": ("ball", "s"), "punch": ("flat punch", "es")}[slider.shape]
-    at = si(scene.frequency, "Hz", 6)
-    text = f"Given wave at {at}. "
-    if scene.stator is not None:
-        driven, material = scene.driven_transducer, scene.stator.material
-        name = material if isinstance(material, str) else getattr(material, "name", None) or "own material"
-        size = f"{scene.stator.length * 1e3:g} mm long"
-        text = f"Stator of {name}, {size}, {driven.finger_pairs} finger pairs driven at {at}. "
-    text += (
-        f"Slider of {si(1e3 * slider.mass, 'g', 4)} on {balls} {foot}{more * (balls > 1)} of radius "
-        f"{si(slider.radius, 'm', 4)}, preload {si(slider.preload, 'N', 4)}, friction coefficient "
-        f"{slider.friction_coefficient:g}, {slider.law} contact law"
-        f"{', contacts of different height' if slider.heights else ''}."
-    )
-    if slider.load and np.isfinite(slider.load):
-        text += f" The scene's load of {si(slider.load, 'N', 4)} is part of the speed above."
-    return text

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from studies.chain import SHARE
-from studies.chain.driven_contact import DrivenContact
+from studies.chain.bridge import DrivenContact
 from studies.chain.points import STEADY_METHODS
 from studies.record import Record
 

@@ -21,7 +21,7 @@ __all__ = ["MEMORY_WITHIN", "TIME_WITHIN", "explanation", "plan"]
 
 TIME_WITHIN, MEMORY_WITHIN = 3.0, 2.0  # factors within which the predictions have been seen to hold
 SPEED = 2.5e10  # real operations per second of the stator's algebra: one core of an x86_64 machine of 2026
-START, COMPILE = 0.5, 15.0  # s: imports and the contact's points; its kernels when they are not there yet
+START, COMPILE = 0.3, 15.0  # s: imports and the contact's points; its kernels when they are not there yet
 JOIN, MODES = 51, 100  # real operations over n^3 of joining two pieces, and of n guided modes
 BEAM, CUT_BEAM = 1.5e10, 1e11  # operations of the beam under the slider; where the lateral direction matters
 BAND = 10  # solutions that a band of frequencies is worth
@@ -131,7 +131,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
         sum(sorted(sizes[k].block_bytes for k in planned)[-2:]),
     )
     diffraction = wanted_diffraction(scene.stator.diffraction, slider is not None)
-    refusal = resolved.default_refusal(stator) if diffraction is None else ""
+    refusal = resolved.default_refusal(stator, slider.places) if diffraction is None else ""
     spreads = diffraction is not False and not refusal
     if spreads:
         how = "guided modes at every wavenumber across the aperture, under the slider"

@@ -9,7 +9,7 @@ too.  Other columns are ignored, so that a run's own velocity.csv may be compare
 
 import csv
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -69,6 +69,10 @@ class Measurement:
     deviations: tuple[float, ...] | None = None
     systematic: float = 0.0
     settings: dict = field(default_factory=dict)
+
+    def scattered(self, factor: float) -> "Measurement":
+        """Return the same measurement, its standard deviations multiplied."""
+        return replace(self, deviations=tuple(factor * each for each in self.deviations))
 
 
 @dataclass(frozen=True, kw_only=True)

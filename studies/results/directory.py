@@ -8,7 +8,7 @@ that has one is whole.
 
 import shutil
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -51,27 +51,25 @@ class ResultDirectory:
         new = {name: digest(self.folder / name) for name in files_below(self.folder)}
         replaced, foreign = self._in_the_way(new, manifest.get("files", {}))
         about = {"program": "sawmotor", **self.origin.described(self.target), "files": self._written | new}
-        moves: list[tuple[Path, Path]] = []
         renamed = {}
-        try:
+        with ExitStack() as undo:  # what an exception leaves, last thing first
+            undo.callback(_recover, self.target)
+            undo.callback(write_manifest, self.target, manifest)
             for name in sorted(replaced, key=lambda each: (each not in MARKS, each)):
-                _move(self.target / name, self.target / FORMER / name, moves)
+                _move(self.target / name, self.target / FORMER / name, undo)
             for name in foreign:
                 kept = free_name(self.target / name)
-                _move(self.target / name, kept, moves)
+                _move(self.target / name, kept, undo)
                 renamed[name] = kept.name
             write_manifest(self.target, about)
             for name in sorted(new, key=lambda each: (each in MARKS, each)):
-                _move(self.folder / name, self.target / name, moves)
-        except BaseException:
-            _move_back(moves)
-            write_manifest(self.target, manifest)
-            if not files_below(self.target / FORMER):
-                shutil.rmtree(self.target / FORMER, ignore_errors=True)
-            raise
+                _move(self.folder / name, self.target / name, undo)
+            undo.pop_all()
         shutil.rmtree(self.target / FORMER, ignore_errors=True)
         for name in replaced:
-            _remove_empty((self.target / name).parent, self.target)
+            with suppress(OSError):  # a folder that is not empty stays
+                for folder in list(Path(name).parents)[:-1]:
+                    (self.target / folder).rmdir()
         self._note(manifest, about, replaced, renamed)
         self._written |= new
 
@@ -121,6 +119,7 @@ def result_directory(path: str | Path, origin: Origin, *, chosen: bool = True) -
             target.mkdir(parents=True, exist_ok=True)
             lock = locked(target / LOCK)
             _recover(target)
+            shutil.rmtree(target / WORK, ignore_errors=True)
             (target / WORK).mkdir()
             yield ResultDirectory(folder=target / WORK, target=target, origin=origin)
         except DirectoryInUseError:
@@ -162,8 +161,7 @@ def _refuse_others(target: Path, origin: Origin, *, chosen: bool) -> None:
 
 
 def _recover(target: Path) -> None:
-    """Put back what a process that died during a commit had moved away, and clear its work folder."""
-    shutil.rmtree(target / WORK, ignore_errors=True)
+    """Put back what a commit that did not end had moved away."""
     for name in files_below(target / FORMER):
         place = target / name
         if place.exists() or place.is_symlink():
@@ -173,25 +171,14 @@ def _recover(target: Path) -> None:
     shutil.rmtree(target / FORMER, ignore_errors=True)
 
 
-def _move(source: Path, place: Path, moves: list[tuple[Path, Path]]) -> None:
-    place.parent.mkdir(parents=True, exist_ok=True)
-    moves.append((source, place))  # before the move: an interrupt between the two must find it
-    source.rename(place)
-
-
-def _move_back(moves: list[tuple[Path, Path]]) -> None:
-    for source, place in reversed(moves):
+def _move(source: Path, place: Path, undo: ExitStack) -> None:
+    def back() -> None:
         if not source.exists() and not source.is_symlink():
             place.rename(source)
 
-
-def _remove_empty(folder: Path, root: Path) -> None:
-    while folder != root:
-        try:
-            folder.rmdir()
-        except OSError:
-            return
-        folder = folder.parent
+    place.parent.mkdir(parents=True, exist_ok=True)
+    undo.callback(back)  # before the move: an interrupt between the two must find it
+    source.rename(place)
 
 
 def _listed(names: list[str]) -> str:

@@ -4,7 +4,9 @@ The lock is an exclusive transaction on a small SQLite file in the directory.  T
 process ends, however it ends, so a stale file blocks nobody; SQLite does this on every platform.
 """
 
+import os
 import sqlite3
+from contextlib import suppress
 from pathlib import Path
 
 
@@ -18,25 +20,18 @@ def locked(file: Path) -> sqlite3.Connection:
     Raises DirectoryInUseError if another process holds it, OSError if the file cannot be written.
     """
     while True:
-        file.touch()
-        before = _identity(file)
-        connection = sqlite3.connect(file, timeout=0, isolation_level=None)
-        try:
-            connection.execute("pragma journal_mode = memory")  # nothing is ever written: no journal file
-            connection.execute("begin exclusive")
-        except sqlite3.Error as error:
-            connection.close()
-            if "locked" in str(error):
-                raise DirectoryInUseError(str(file)) from None
-            raise OSError(0, str(error), str(file)) from None
-        if before is not None and before == _identity(file):
-            return connection
-        connection.close()  # a former holder has deleted the file between touch and lock
-
-
-def _identity(file: Path) -> tuple[int, int] | None:
-    try:
-        found = file.stat()
-    except FileNotFoundError:
-        return None
-    return found.st_dev, found.st_ino
+        file.touch()  # never opened here: to close a second handle would drop this process's lock (POSIX)
+        with suppress(FileNotFoundError):
+            before = file.stat()
+            connection = sqlite3.connect(file, timeout=0, isolation_level=None)
+            try:
+                connection.execute("pragma journal_mode = memory")  # nothing is ever written: no journal file
+                connection.execute("begin exclusive")
+            except sqlite3.Error as error:
+                connection.close()
+                if "locked" in str(error):
+                    raise DirectoryInUseError(str(file)) from None
+                raise OSError(0, str(error), str(file)) from None
+            if file.exists() and os.path.samestat(before, file.stat()):
+                return connection
+            connection.close()  # a former holder has deleted the file between touch and lock

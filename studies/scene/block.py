@@ -12,7 +12,7 @@ from dataclasses import MISSING, dataclass, fields
 from functools import cache
 from typing import ClassVar, Self
 
-from studies.refusal import Refusals, SceneError, nearest, shown, suggestion
+from studies.refusal import SceneError, nearest, shown, suggestion
 from studies.scene.rule import Rule, read_each
 from studies.scene.synonyms import meant
 from studies.scene.uncertain import stated_schema
@@ -113,25 +113,24 @@ class Block:
         """
         if not isinstance(table, dict):
             raise SceneError(path, f"must be a block of keys, got {shown(table)}")
-        known, refusals, at = keys_of(cls), Refusals(), f"{path}." if path else ""
+        known, problems, at = keys_of(cls), [], f"{path}." if path else ""
         misspelt = set()
         for word in (word for word in table if word not in known):
             key, hint = _meant(word, cls)
             misspelt.add(key)
-            refusals.problems.append(SceneError(f"{at}{word}", f"is no key of a scene{hint}"))
+            problems.append(SceneError(f"{at}{word}", f"is no key of a scene{hint}"))
         absent = [name for name, key in known.items() if key.required and name not in table]
         for name in absent:
             if name not in misspelt:  # else said already, with the word that stands for it
                 rule = f"is required and missing: give {known[name].rule.expected}"
-                refusals.problems.append(SceneError(f"{at}{name}", rule))
+                problems.append(SceneError(f"{at}{name}", rule))
         given = {name: table[name] for name in known if name in table} | {name: Unread() for name in absent}
-        block = None
-        with refusals:
-            try:
-                block = cls(**given)
-            except SceneError as error:
-                raise error.moved(cls.block, path) from None
-        refusals.raise_all()
+        try:
+            block = cls(**given)
+        except SceneError as error:
+            problems.append(error.moved(cls.block, path))
+        if problems:
+            raise SceneError.together(problems)
         return block
 
     def to_table(self) -> dict:
@@ -199,7 +198,7 @@ class Blocks(Rule):
     """A list of blocks of one kind, of at least some length."""
 
     def __init__(self, kind: type[Block], least: int = 0):
-        self.kind, self.least = kind, least
+        self.kinds, self.least = (kind,), least
 
     def takes(self, value):
         return isinstance(value, (list, tuple)) and len(value) >= self.least
@@ -207,12 +206,12 @@ class Blocks(Rule):
     def read(self, path, value):
         if not self.takes(value):
             raise SceneError(path, f"must be a list of blocks, written [[{path}]], got {shown(value)}")
-        return read_each([Within(self.kind)] * len(value), path, value)
+        return read_each([Within(*self.kinds)] * len(value), path, value)
 
     @property
     def expected(self):
-        return f"one or more blocks [[{self.kind.block}]]"
+        return f"one or more blocks [[{self.kinds[0].block}]]"
 
     def schema(self):
         sizes = {"minItems": self.least} if self.least else {}
-        return {"type": "array", "items": block_schema(self.kind), **sizes}
+        return {"type": "array", "items": block_schema(*self.kinds), **sizes}

@@ -2,11 +2,13 @@
 
 import math
 from collections.abc import Iterator
-from itertools import pairwise
 
-from studies.refusal import nearest, shown
+from studies.refusal import SceneError, nearest, shown
 
 ALONG = 0.7  # cosine of the angle from x up to which a driven transducer may stand alone
+MAX_SECONDS = 3600.0  # s of one burst on one processor
+# Seconds per cycle of the wave, measured on a 2-core x86_64 machine.
+CYCLE = {"hysteretic": 6e-4, "exact": 1.4e-4, "stepped": 4.5e-6, "averaged": 5e-7}
 NOT_DRIVEN = "must be absent without a [[transducer]]: nothing is driven"
 Refused = Iterator[tuple[str, str]]
 
@@ -71,9 +73,6 @@ def check_drive(scene) -> Refused:
             rule = f"must name one of the transducers, got {shown(name)}"
             yield f"drive.{source}", rule + nearest(name, names)
     for index, each in enumerate(scene.transducer):
-        if each.name in drive.driven and not each.has_two_combs:
-            rule = f"must have + and - fingers on the driven transducer, got {shown(each.pattern)}"
-            yield f"transducer.{index}.pattern", rule
         if drive.frequency == "center" and isinstance(each.period, str):
             rule = f'must be a length in m where drive.frequency is "center", got {shown(each.period)}'
             yield f"transducer.{index}.period", rule
@@ -90,41 +89,25 @@ def check_recovery(scene) -> Refused:
         yield "drive.recovery.receiver", rule + nearest(recovery.receiver, others)
         return
     index = names.index(recovery.receiver)
-    receiver = scene.transducer[index]
-    if not receiver.has_two_combs:
-        rule = f"must have + and - fingers on the receiving transducer, got {shown(receiver.pattern)}"
-        yield f"transducer.{index}.pattern", rule
-    if receiver.termination not in ("open", recovery.load):
+    if scene.transducer[index].termination not in ("open", recovery.load):
         rule = "must be absent on the receiving transducer: drive.recovery has its load"
         yield f"transducer.{index}.termination", rule
 
 
 def check_transducers(scene) -> Refused:
-    """Keep the fingers on the stator, apart and of different names."""
+    """Keep transducers of different names on the stator; where their fingers reach, ``fem`` checks."""
     if scene.wave is not None or scene.stator is None:
         return
-    names, placed, stator = [each.name for each in scene.transducer], [], scene.stator
+    names, stator = [each.name for each in scene.transducer], scene.stator
     for index, each in enumerate(scene.transducer):
-        at = f"transducer.{index}"
+        at, x = f"transducer.{index}", each.place[0]
         if each.name in names[:index]:
             yield f"{at}.name", f"must differ from the others, got {shown(each.name)} twice"
         if each.aperture > stator.width:
             rule = f"must be at most stator.width, {stator.width:g} m, got {each.aperture:g} m"
             yield f"{at}.aperture", rule
-        if each.turned:
-            continue  # seen from above: studies/scene/resolved.py
-        known = 0.0 if isinstance(each.period, str) else each.period
-        gap = (1 - each.metallisation) * each.finger_pairs / each.fingers
-        half, center = known * (each.finger_pairs - gap) / 2, each.place[0]
-        left, right = center - half, center + half
-        if left <= 0 or right >= stator.length:
-            rule = f"must keep the fingers on the stator, 0 to {stator.length:g} m, got {center:g} m"
-            yield f"{at}.center", f"{rule} with fingers from {left:g} to {right:g} m"
-        placed.append((left, right, each.name))
-    for (_, end, first), (start, _, second) in pairwise(sorted(placed)):
-        if end >= start:
-            rule = f"must not overlap: {first!r} ends at {end:g} m, {second!r} begins at {start:g} m"
-            yield "transducer", rule
+        if not 0 < x < stator.length:
+            yield f"{at}.center", f"must be on the stator, 0 to {stator.length:g} m, got {x:g} m"
 
 
 def check_turned(scene) -> Refused:
@@ -137,10 +120,23 @@ def check_turned(scene) -> Refused:
             yield f"stator.{key}", f"must be absorbing {what}, got {shown(getattr(stator, key))}"
     if stator.diffraction is False:
         yield "stator.diffraction", f"must be true or absent {what}: a plane section has no y"
+
+
+def check_combs(scene) -> Refused:
+    """Ask for fingers of both combs where a voltage stands between them."""
+    if scene.drive is None:
+        return
+    driven, recovery = scene.drive.driven, scene.drive.recovery
     for index, each in enumerate(scene.transducer):
-        if not each.has_two_combs:
-            rule = f"must have + and - fingers {what}, got {shown(each.pattern)}"
-            yield f"transducer.{index}.pattern", rule
+        receives = recovery is not None and each.name == recovery.receiver
+        if not each.has_two_combs and (each.name in driven or receives or scene.crossed):
+            where = "where a transducer is turned or stands beside the middle line"
+            if each.name in driven or receives:
+                where = f"on the {'driven' if each.name in driven else 'receiving'} transducer"
+            yield (
+                f"transducer.{index}.pattern",
+                f"must have + and - fingers {where}, got {shown(each.pattern)}",
+            )
 
 
 def check_direction(scene) -> Refused:
@@ -176,3 +172,19 @@ def check_slider(scene) -> Refused:
     if abs(beside) > half:
         rule = f"must keep the contacts on the stator, y from -{half:g} to {half:g} m"
         yield "slider.position", f"{rule}, got a contact at y = {beside:g} m"
+
+
+def refuse_endless_burst(scene, frequency: float) -> None:
+    """Refuse a burst that takes longer than an hour to follow, naming the longest that is; ``frequency``: Hz."""
+    slider = scene.slider
+    every_event = slider.law != "elastic" or slider.reciprocal or slider.stick_band > 0
+    method = slider.method if slider.method in CYCLE else "averaged" if scene.wave is not None else "stepped"
+    if every_event and method != "stepped":
+        method = "hysteretic" if slider.law == "hysteretic" else "exact"
+    longest = MAX_SECONDS / CYCLE[method] / frequency
+    if scene.burst > longest:
+        block = "wave" if scene.wave is not None else "drive"
+        cycles = scene.burst * frequency
+        hours = cycles * CYCLE[method] / 3600
+        rule = f"must be at most {longest:.3g} s: {cycles:.3g} cycles would take {hours:.3g} hours"
+        raise SceneError(f"{block}.burst", f"{rule}, got {scene.burst:g} s; the steady state needs no burst")

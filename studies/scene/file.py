@@ -53,18 +53,14 @@ class SceneFile:
         try:
             yield
         except SceneError as error:
-            problems = [(self._line(problem), problem) for problem in error.problems]
-            problems.sort(key=lambda pair: pair[0] or 0)
-            raise SceneError.together(self._placed(*pair) for pair in problems) from None
-
-    def _line(self, problem: SceneError) -> int | None:
-        inside = any(f"{problem.path}.".startswith(f"{key}.") for key in self.changed)
-        return None if problem.place or inside else line_of(problem.path, self.lines)
-
-    def _placed(self, line: int | None, problem: SceneError) -> SceneError:
-        if line is None:
-            return problem
-        return SceneError(problem.path, problem.rule, f"{self.path}, line {line}")
+            placed = []
+            for problem in error.problems:
+                inside = any(f"{problem.path}.".startswith(f"{key}.") for key in self.changed)
+                line = None if problem.place or inside else line_of(problem.path, self.lines)
+                place = problem.place if line is None else f"{self.path}, line {line}"
+                placed.append((line or 0, SceneError(problem.path, problem.rule, place)))
+            placed.sort(key=lambda pair: pair[0])
+            raise SceneError.together(problem for _, problem in placed) from None
 
 
 def shipped_scenes() -> dict[str, Path]:

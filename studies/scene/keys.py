@@ -12,31 +12,28 @@ LEVELS = ("drive.voltage", "drive.power", "wave.normal_amplitude")
 
 def rule_at(key: str):
     """Return the rule of a scene's key, its lists of blocks numbered from 0; SceneError if there is none."""
-    kinds, done, parts = (Scene,), "", key.split(".")
+    rule, done, parts = Within(Scene), "", key.split(".")
     while parts:
-        name = parts.pop(0)
-        here = f"{done}.{name}" if done else name
-        known = {name: one for kind in kinds for name, one in keys_of(kind).items()}
-        if name not in known:
-            raise SceneError(here, f"is no key of a scene{nearest(name, known)}")
-        rule = known[name].rule
-        inner = next(
-            (part for part in getattr(rule, "rules", (rule,)) if isinstance(part, (Blocks, Within))), None
+        holder = next(
+            (each for each in getattr(rule, "rules", (rule,)) if isinstance(each, (Blocks, Within))), None
         )
-        if isinstance(inner, Blocks) and (parts or inner is rule):
-            if not parts or not parts[0].isdigit():
-                raise SceneError(here, f"is a list: say which one, as in {here}.0")
-            here, kinds = f"{here}.{parts.pop(0)}", (inner.kind,)
-        elif inner is not None and (parts or inner is rule):
-            kinds = inner.kinds
-        elif parts:
-            raise SceneError(key, f"is no key of a scene: {here} holds no keys")
-        else:
-            return rule
-        if not parts:
-            raise SceneError(here, f"is a block: name one of its keys{nearest('', ())}")
-        done = here
-    raise SceneError(key, "is no key of a scene")
+        if holder is None:
+            raise SceneError(key, f"is no key of a scene: {done} holds no keys")
+        if isinstance(holder, Blocks):
+            index, *parts = parts
+            if not index.isdigit() or not parts:
+                first = next(iter(keys_of(*holder.kinds)))
+                raise SceneError(done, f"is a list: say which one and its key, as in {done}.0.{first}")
+            done = f"{done}.{index}"
+        name, *parts = parts
+        known = {name: one for kind in holder.kinds for name, one in keys_of(kind).items()}
+        done = f"{done}.{name}" if done else name
+        if name not in known:
+            raise SceneError(done, f"is no key of a scene{nearest(name, known)}")
+        rule = known[name].rule
+    if isinstance(rule, (Blocks, Within)):
+        raise SceneError(done, "is a block: name one of its keys")
+    return rule
 
 
 def unit_of(rule) -> str | None:

@@ -93,24 +93,24 @@ def units(unit: str) -> str:
 class Row(Rule):
     """A list of a fixed length, each entry with a rule of its own."""
 
-    rules_of: tuple[Rule, ...]
+    parts: tuple[Rule, ...]
     expected: str
     into: Callable = lambda *entries: entries
 
     def takes(self, value):
         entries = entries_of(value)
-        return entries is not None and len(entries) == len(self.rules_of)
+        return entries is not None and len(entries) == len(self.parts)
 
     def read(self, path, value):
         if not self.takes(value):
             raise self.refusal(path, value)
-        return self.into(*read_each(self.rules_of, path, entries_of(value)))
+        return self.into(*read_each(self.parts, path, entries_of(value)))
 
     def schema(self):
-        size = {"minItems": len(self.rules_of), "maxItems": len(self.rules_of)}
-        if len(set(self.rules_of)) == 1:
-            return {"type": "array", "items": self.rules_of[0].schema(), **size}
-        return {"type": "array", "prefixItems": [rule.schema() for rule in self.rules_of], **size}
+        size = {"minItems": len(self.parts), "maxItems": len(self.parts)}
+        if len(set(self.parts)) == 1:
+            return {"type": "array", "items": self.parts[0].schema(), **size}
+        return {"type": "array", "prefixItems": [rule.schema() for rule in self.parts], **size}
 
 
 def matrix(rows: int, columns: int) -> Rule:
@@ -194,7 +194,11 @@ class Listed(Rule):
         try:
             return self.each.read(path, value)
         except SceneError:
-            if isinstance(value, str) and re.fullmatch(r"\s*[\d.]+\s*(\w+\s*)?(-|\.\.|to)\s*[\d.]+.*", value):
+            if (
+                self.ranged
+                and isinstance(value, str)
+                and re.fullmatch(r"\s*[\d.]+\s*(\w+\s*)?(-|\.\.|to)\s*[\d.]+.*", value)
+            ):
                 raise SceneError(path, f"must be START:STOP:N or a list, got {shown(value)}") from None
             raise
 
@@ -203,7 +207,7 @@ class Listed(Rule):
 
     def _several(self, each):
         if self.distinct:
-            return f"a list, all different, each {each}"
+            return f"a list of different ones, each: {each}"
         return f'{each}; one, a list, or "START:STOP:N" (:log)' if self.ranged else f"{each}; one or a list"
 
     def schema(self):

@@ -3,7 +3,7 @@
 import tomllib
 from collections.abc import Iterator
 
-from studies.refusal import SceneError, shown
+from studies.refusal import SceneError, nearest, shown
 
 
 def toml_value(text: str):
@@ -48,6 +48,21 @@ def replaced(holder, key: str, value, done: str = ""):
     if isinstance(holder, dict):
         return holder | {key: replaced(holder.get(key, {}), rest, value, here) if dot else value}
     raise SceneError(here, f"cannot be set: {done} is {shown(holder)} and holds no keys")
+
+
+def merged(holder, changes):
+    """Return a scene's table with changes: key by key, of a list the blocks of a name; what becomes None is removed."""
+    if isinstance(changes, dict) and isinstance(holder, dict):
+        whole = holder | {key: merged(holder.get(key), value) for key, value in changes.items()}
+        return {key: value for key, value in whole.items() if value is not None}
+    named = isinstance(holder, list) and all(isinstance(each, dict) and "name" in each for each in holder)
+    if not (isinstance(changes, dict) and named):
+        return changes
+    names = [each["name"] for each in holder]
+    for name in changes:
+        if name not in names:
+            raise SceneError("transducer", f"has none of the name {shown(name)}{nearest(name, names)}")
+    return [merged(each, changes.get(each["name"], {})) for each in holder]
 
 
 def value_at(table: dict, key: str):

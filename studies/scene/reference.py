@@ -6,7 +6,7 @@
 import json
 
 from studies.scene import blocks, slider
-from studies.scene.block import Block, Blocks, Within, keys_of
+from studies.scene.block import Block, keys_of
 from studies.scene.file import SCHEMA, SHIPPED, shipped_scenes
 from studies.scene.scene import Scene
 from studies.scene.schema import schema_text
@@ -44,14 +44,8 @@ def _keys(kind: type[Block]) -> str:
     rows = [("key", "unit", "default", "allowed", "meaning")]
     for name, key in keys_of(kind).items():
         default = "required" if key.required else _written(key.rule, key.default)
-        rows.append((f"`{name}`", key.rule.unit or "-", default, _allowed(key.rule), key.meaning))
+        rows.append((f"`{name}`", key.rule.unit or "-", default, key.rule.range, key.meaning))
     return _table(rows)
-
-
-def _allowed(rule) -> str:
-    if isinstance(rule, (Within, Blocks)):
-        return "a block" if isinstance(rule, Within) else "blocks"
-    return rule.range
 
 
 def _written(rule, default) -> str:

@@ -14,7 +14,7 @@ from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.block import keys_of
 from studies.scene.blocks import Element, IsotropicSolid, PiezoelectricSolid, Stator, Transducer
-from studies.scene.endless import refuse_endless_burst
+from studies.scene.consistency import refuse_endless_burst
 from studies.scene.keys import tolerances
 from studies.scene.slider import Slider
 
@@ -160,20 +160,23 @@ def _ladder(match: str | tuple) -> tuple:
 
 def diffracts(scene: Scene) -> bool:
     """Return whether a scene's transducers have finite apertures: asked for, or under a slider by default."""
-    given = scene.stator.diffraction
+    given, slider = scene.stator.diffraction, scene.slider
     return bool(given) or (
-        given is None and scene.slider is not None and not default_refusal(stator(scene.stator))
+        given is None and slider is not None and not default_refusal(stator(scene.stator), slider.places)
     )
 
 
-def default_refusal(stator) -> str:
-    """Return why the section stands for a `fem.Stator` where a scene does not decide, a sentence; or nothing."""
+def default_refusal(stator, places) -> str:
+    """Return why the section stands for a `fem.Stator` where a scene does not decide, a sentence; or nothing.
+
+    Contacts beside the axis, among the ``places`` (x, y), are on the beam's slopes, which the section does not know.
+    """
     import fem
 
     if fem.beam_refusal(stator):
         return fem.beam_refusal(stator)
     reflects, turns = stator.ends != "absorbing", fem.isotropic_about_normal(stator.solid)
-    if turns and not reflects:
+    if (turns and not reflects) or any(y for _, y in places):
         return ""
     where, times = ("between reflecting ends", "2 to 4") if turns else ("in this cut", "1.4 to 2")
     return (
@@ -284,7 +287,7 @@ def _check_layout(scene: Scene) -> None:
     import fem
 
     block, row = stator(scene.stator), transducers(scene)
-    with _refused("transducer"):
+    with _refused("transducer", [each.name for each in row]):
         if not scene.crossed:
             fem.check_layout(block, row)
             return
@@ -309,13 +312,16 @@ def _given(block, *names: str) -> dict:
 
 
 @contextmanager
-def _refused(path: str):
-    """Turn a refusal of fem into the scene's."""
+def _refused(path: str, names=()):
+    """Turn a refusal of fem into the scene's; ``names`` are those of the transducers."""
     try:
         yield
     except ValueError as error:
         text = str(error).splitlines()[0]
-        key, _, rule = text.partition(" ")
+        for index, name in enumerate(names):
+            if text.startswith(f"transducer {name!r} "):
+                text = text.replace(f" {name!r}", f".{index}", 1)
+        key, _, rule = text.replace("transducers ", "transducer ", 1).partition(" ")
         if key.startswith(("stator.", "transducer")):
             raise SceneError(key, rule) from None
         raise SceneError(path, text.removeprefix(f"{path.rpartition('.')[2]} ")) from None

@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from studies.refusal import Refusals, SceneError, resembling, shown
+from studies.refusal import SceneError, resembling, shown
 
 
 class Rule:
@@ -168,9 +168,12 @@ def entries_of(value) -> list | None:
 
 def read_each(rules, path: str, values, names=None) -> tuple:
     """Return the entries of a list, or of a table with names, as rules read them; every fault is said."""
-    refusals, entries = Refusals(), []
+    problems, entries = [], []
     for name, rule, value in zip(names or range(len(rules)), rules, values, strict=True):
-        with refusals:
+        try:
             entries.append(rule.read(f"{path}.{name}", value))
-    refusals.raise_all()
+        except SceneError as error:
+            problems.append(error)
+    if problems:
+        raise SceneError.together(problems)
     return tuple(entries)

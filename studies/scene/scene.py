@@ -5,11 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, ClassVar, Self
 
-from studies.refusal import SceneError, nearest, shown
+from studies.refusal import SceneError
 from studies.scene import consistency
 from studies.scene.block import Block, Blocks, Within
 from studies.scene.blocks import Drive, Stator, Transducer
 from studies.scene.file import SceneFile
+from studies.scene.override import merged
 from studies.scene.rule import TEXT
 from studies.scene.slider import Slider, Wave
 from studies.scene.uncertain import Uncertain, parted
@@ -73,17 +74,7 @@ class Scene(Block):
         >>> Scene.load("twente").replace(slider=None).slider is None
         True
         """
-        table = self.to_table()
-        for name, changes in blocks.items():
-            if changes is None:
-                table.pop(name, None)
-            elif name == "transducer" and isinstance(changes, dict):
-                table[name] = _changed_transducers(table.get(name, []), changes)
-            elif isinstance(changes, dict):
-                table[name] = _changed(table.get(name, {}), changes)
-            else:
-                table[name] = changes
-        return type(self).from_table("", table)
+        return type(self).from_table("", merged(self.to_table(), blocks))
 
     @classmethod
     def from_file(cls, file: SceneFile) -> Self:
@@ -104,6 +95,7 @@ class Scene(Block):
     check_drive = consistency.check_drive
     check_recovery = consistency.check_recovery
     check_transducers = consistency.check_transducers
+    check_combs = consistency.check_combs
     check_turned = consistency.check_turned
     check_direction = consistency.check_direction
     check_slider = consistency.check_slider
@@ -138,24 +130,6 @@ class Scene(Block):
     def burst(self) -> float | None:
         """Length of the driven interval in s; None for the steady state alone."""
         return (self.wave or self.drive).burst
-
-
-def _changed(table: dict, changes: dict) -> dict:
-    """Return a block's table with some keys changed, those of a block within it one by one."""
-    nested = {
-        key: _changed(table[key], value)
-        for key, value in changes.items()
-        if isinstance(value, dict) and isinstance(table.get(key), dict)
-    }
-    return table | changes | nested
-
-
-def _changed_transducers(tables: list[dict], changes: dict[str, dict]) -> list[dict]:
-    names = [each["name"] for each in tables]
-    for name in changes:
-        if name not in names:
-            raise SceneError("transducer", f"has none of the name {shown(name)}{nearest(name, names)}")
-    return [_changed(each, changes.get(each["name"], {})) for each in tables]
 
 
 def _unknown_solids(table: dict) -> Iterator[SceneError]:

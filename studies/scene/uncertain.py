@@ -13,6 +13,7 @@ from studies.refusal import SceneError, shown
 from studies.scene.numbers import DIGITS, Quantity, units
 from studies.scene.override import replaced, walk
 from studies.scene.quantity import NUMBER, si_value
+from studies.scene.ranges import is_number
 from studies.scene.rule import Count, Rule, choice
 
 OPTIONS = {"method": choice("linear", "sampled"), "samples": Count(100_000)}
@@ -78,7 +79,7 @@ def half_width(path: str, given: float | str, value: float, unit: str) -> float:
     if isinstance(text, str) and text.endswith("%"):
         size = si_value(path, _number(text[:-1].strip()), "") / 100 * abs(value)
     else:
-        size = si_value(path, _number(text) if not unit else text, unit)
+        size = si_value(path, text if unit else _number(text), unit)
     if size <= 0:
         raise SceneError(path, f"must be positive, got {shown(given)} of {value:g} {unit}".rstrip())
     return size
@@ -124,7 +125,4 @@ def parted(table: dict) -> dict:
 
 
 def _number(text):
-    try:
-        return float(text)
-    except (TypeError, ValueError):
-        return text
+    return float(text) if is_number(text) else text

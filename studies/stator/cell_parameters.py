@@ -17,14 +17,13 @@ from studies.report.figures import AXES, COLOURS, curve, finished, legend_below,
 from studies.scene import Scene, resolved
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
-QUICK = {"count": 13, "tolerance": 0.5}
-COUNT = 61
+QUICK = {"count": 8, "tolerance": 0.5}
 REACH = 2.0  # widths of the stop bands shown on either side
 
 
 @study
 def run(
-    scene: str | Scene = "twente-left", *, count: int = COUNT, tolerance: float = 1e-2, progress=None
+    scene: str | Scene = "twente-left", *, count: int = 61, tolerance: float = 1e-2, progress=None
 ) -> StudyRecord:
     """Return the cells' numbers and the gratings' Bloch waves.
 

@@ -7,8 +7,6 @@ the section's surface wave has the half-space's velocity to 1e-4 if the plate is
 plate: no such thing).  Run time: about 5 s.
 """
 
-import math
-
 import numpy as np
 
 import fem
@@ -17,7 +15,6 @@ from studies.scene import Scene, resolved
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"count": 9}
-COUNT = 60
 LOWEST, HIGHEST = 1 / 12, 1.2  # of the drive frequency
 DECAY = 0.01  # |Im k| over |Re k| below which a mode propagates
 TOLERANCE = 1e-8  # of the modes' wavenumbers
@@ -25,7 +22,7 @@ THICK = 4.0  # wavelengths: above it the faces' waves hardly split
 
 
 @study
-def run(scene: str | Scene = "rayleigh", *, count: int = COUNT, progress=None) -> StudyRecord:
+def run(scene: str | Scene = "rayleigh", *, count: int = 60, progress=None) -> StudyRecord:
     """Return propagating wavenumbers against frequency.
 
     Parameters
@@ -46,7 +43,8 @@ def run(scene: str | Scene = "rayleigh", *, count: int = COUNT, progress=None) -
     finding = judged(
         "The surface wave of a thick section is the half-space's.",
         f"relative difference of velocities at {drive / 1e6:g} MHz, {thickness:.3g} wavelengths thick",
-        abs(free.velocity / half_space - 1), high=1e-4 if stator.absorbs_below or thickness > THICK else math.inf,
+        abs(free.velocity / half_space - 1), high=1e-4,
+        holds=True if stator.absorbs_below or thickness > THICK else None,
         expected=f"below 1e-4 from {THICK:g} wavelengths on",
     )  # fmt: skip
     panel = Panel(name="section", title=f"{scene.title}: {len(at)} propagating modes", data={

@@ -57,7 +57,7 @@ def _predictor(question: Question) -> Predictor:
     """Return the predictor of a question, the same for all batches that a process is given."""
     return Predictor(
         question.table, tolerance=question.tolerance, places=question.places, limits=question.frequencies,
-        coarse=question.coarse,
+        coarse=question.coarse, slider=question.has_slider,
     )  # fmt: skip
 
 

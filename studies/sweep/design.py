@@ -52,6 +52,12 @@ class Question:
         return "driven" if self.table.get("transducer") else "free"
 
     @property
+    def has_slider(self) -> bool:
+        """Whether a velocity is asked for."""
+        slides = any(key.startswith("slider.") for key in self.keys)
+        return self.kind != "free" and ("slider" in self.table or slides)
+
+    @property
     def stator_keys(self) -> tuple[str, ...]:
         """Those keys for each of whose values a stator is solved."""
         own = (key for key in self.keys if of_stator(key) or (key in PLACE_KEYS and not self.places))
@@ -63,9 +69,7 @@ class Question:
         names = list(FREE) if self.kind == "free" else [*AMPLITUDES]
         if self.kind == "driven":
             names += ELECTRICAL
-        if self.kind != "free" and (
-            "slider" in self.table or any(key.startswith("slider.") for key in self.keys)
-        ):
+        if self.has_slider:
             burst = "burst" in self.table.get("wave" if self.kind == "given" else "drive", {})
             burst = burst or any(key.endswith(".burst") for key in self.keys)
             names += ["velocity_m_per_s", *(["velocity_at_burst_end_m_per_s"] if burst else []), "regime"]

@@ -23,10 +23,11 @@ from studies.refusal import RunError, SceneError
 from studies.scene import Scene, resolved
 from studies.scene.block import keys_of
 from studies.scene.blocks import Drive, Stator
-from studies.scene.endless import refuse_endless_burst
+from studies.scene.consistency import refuse_endless_burst
 from studies.scene.override import replaced
 
-KEPT = 10_000  # blocks of a kind, and answers of the stator, in memory
+KEPT = 10_000  # blocks of a kind in memory
+MAX_KEPT = 1_000_000  # places of solved stators in memory, about 300 MB
 SHARE, GAIN = 0.25, 0.1  # of the tolerance at first, and of the step before
 BAND_SHARE = 0.1  # a band a level finer costs half as much again, two bands twice as much
 STEPS = 3
@@ -89,18 +90,18 @@ class Predictor:
 
     ``table``: the scene's TOML document; ``tolerance``: of the velocity; ``places``: (x, y) in m for which one solution
     of the stator serves; ``limits``: lowest and highest frequency in Hz where there are enough of them for a band;
-    ``coarse`` takes the stator's coarsest discretisation.
+    ``coarse`` takes the stator's coarsest discretisation; ``slider``: whether the scenes have one.
     """
 
     def __init__(
-        self, table: dict, *, tolerance: float, places=(), limits=(), coarse=False,
+        self, table: dict, *, tolerance: float, places=(), limits=(), coarse=False, slider=True,
         progress: Callable[[str], None] | None = None,
     ):  # fmt: skip
         rules = {name: key.rule for name, key in keys_of(Scene).items()}
         for key in table:
             if key not in rules:
                 raise SceneError(key, "is no key of a scene")
-        self.table, self.tolerance, self.coarse = table, tolerance, coarse
+        self.table, self.tolerance, self.coarse, self.slider = table, tolerance, coarse, slider
         self.places, self.limits, self.progress = tuple(places), limits, progress or _silent
         self.seconds = 0.0  # spent on stators
         self._rules, self._answers, self._latest, self._count = rules, {}, (None, None), 0
@@ -137,29 +138,26 @@ class Predictor:
         block = scene.slider
         places, shared = self._places(scene)
         try:
-            solved = self._answer(stator, shared, step, block is not None)
+            solved = self._answer(stator, shared, step)
         except RunError:  # a place in a node of the wave must not cost the others
             if shared == places:
                 raise
-            solved = self._answer(stator, places, step, block is not None)
+            solved = self._answer(stator, places, step)
         tangential, normal, _, _ = solved.at[places[0]]
         return Driven(
             scene=scene, orbits=() if block is None else solved.orbits(block.places), solved=solved,
             amplitudes=(abs(normal), abs(tangential)), stator_error=max(solved.at[place][2] for place in places),
         )  # fmt: skip
 
-    def motion(self, stator: Scene, places, step: int = 0, slider: bool = True) -> SurfaceMotion:
-        """Return the surface motion of a `stator_alone` at places (x, y) in m; only the latest is kept.
-
-        ``slider``: whether one is to be driven.
-        """
-        asked = stator, places, step, slider
+    def motion(self, stator: Scene, places, step: int = 0) -> SurfaceMotion:
+        """Return the surface motion of a `stator_alone` at places (x, y) in m; only the latest is kept."""
+        asked = stator, places, step
         if self._latest[0] != asked:
             self._count += 1
             self.progress(f"stator {self._count}")
             begun, solve = time.perf_counter(), fem.one_blas_thread(solved_motion)
             try:
-                motion = solve(stator, places, tolerance=self._goal(stator, step, slider), slider=slider)
+                motion = solve(stator, places, tolerance=self._goal(stator, places, step), slider=self.slider)
             finally:
                 self.seconds += time.perf_counter() - begun
             self._latest = asked, motion
@@ -170,7 +168,7 @@ class Predictor:
         scene, stator = self._resolved({})
         if stator is not None:
             places = self._places(scene)[0]
-            self._answers[stator, places, 0, True] = SolvedStator.of(record.surface_motion, places)
+            self._answers[stator, places, 0] = SolvedStator.of(record.surface_motion, places)
 
     def ring_up(self, driven: Driven) -> RingUp | None:
         """Return how the surface's motion grows and fades in a burst; None with a given wave and under a transducer."""
@@ -183,25 +181,26 @@ class Predictor:
 
     def solve_together(self, many: Iterable[dict], step: int) -> None:
         """Solve the frequencies of one geometry side by side, where they make a band."""
+        if len(self._answers) * max(1, len(self.places)) > MAX_KEPT:
+            self._answers.clear()
         groups = {}
         for changes in many if self.limits else ():
             with suppress(SceneError):  # said when it is its turn
                 scene, stator = self._resolved(changes)
-                slider, places = scene.slider is not None, self._places(scene)[1]
-                if self._in_band(stator, slider) and (stator, places, step, slider) not in self._answers:
+                places = self._places(scene)[1]
+                if self._in_band(stator, places) and (stator, places, step) not in self._answers:
                     fixed = replace(stator, drive=replace(stator.drive, frequency=self.limits[0]))
-                    groups.setdefault((fixed, places, slider), {})[stator.frequency] = stator
-        for (fixed, places, slider), stators in groups.items():
+                    groups.setdefault((fixed, places), {})[stator.frequency] = stator
+        for (fixed, places), stators in groups.items():
             begun = time.perf_counter()
             # what fails here is tried by itself, and says why
             with suppress(RunError, ValueError, ArithmeticError, fem.ConvergenceError):
-                goal, along = self._goal(fixed, step, slider), tuple(dict.fromkeys(x for x, _ in places))
+                along, goal = tuple(dict.fromkeys(x for x, _ in places)), self._goal(fixed, places, step)
                 band = self._band(fixed, *self.limits, places=along, tolerance=goal, progress=_silent)
-                for stator, wave in zip(
-                    stators.values(), band.waves(list(stators), resolved.drive(fixed)), strict=True
-                ):
-                    motion = surface_motion(wave, stator.stator, places, slider=slider)
-                    self._answers[stator, places, step, slider] = SolvedStator.of(motion, places)
+                waves = band.waves(list(stators), resolved.drive(fixed))
+                for stator, wave in zip(stators.values(), waves, strict=True):
+                    motion = surface_motion(wave, stator.stator, places, slider=self.slider)
+                    self._answers[stator, places, step] = SolvedStator.of(motion, places)
             self.seconds += time.perf_counter() - begun
 
     def _read(self, name: str, changes: tuple):
@@ -241,8 +240,6 @@ class Predictor:
     def _answer(self, *asked) -> SolvedStator:
         """Return what is kept of a stator solved as `motion` does, or raise why there is none."""
         if asked not in self._answers:
-            if len(self._answers) > KEPT:
-                self._answers.clear()
             try:
                 self._answers[asked] = SolvedStator.of(self.motion(*asked), asked[1], coarse=self.coarse)
             except Exception as error:
@@ -252,16 +249,16 @@ class Predictor:
             raise found.with_traceback(None)
         return found
 
-    def _in_band(self, stator: Scene, slider: bool) -> bool:
+    def _in_band(self, stator: Scene, places) -> bool:
         """Return whether a stator is solved as one of a band: there are enough, and no finite aperture."""
-        return bool(self.limits) and not stator.crossed and not _spreads(stator.stator, slider)
+        return bool(self.limits) and not stator.crossed and not _spreads(stator.stator, places, self.slider)
 
-    def _goal(self, stator: Scene, step: int, slider: bool) -> float:
+    def _goal(self, stator: Scene, places, step: int) -> float:
         """Return the relative error allowed of a stator at a step."""
         if self.coarse:
             return math.inf
-        share = BAND_SHARE if self._in_band(stator, slider) else SHARE
-        return self.tolerance * (share * GAIN**step if slider else 1.0)
+        share = BAND_SHARE if self._in_band(stator, places) else SHARE
+        return self.tolerance * (share * GAIN**step if self.slider else 1.0)
 
 
 def stator_alone(scene: Scene) -> Scene:
@@ -279,10 +276,10 @@ def _resolved_stator(stator: Stator, transducer: tuple, drive: Drive) -> Scene:
 
 
 @lru_cache(64)
-def _spreads(stator: Stator, slider: bool) -> bool:
+def _spreads(stator: Stator, places, slider: bool) -> bool:
     """Return whether the finite aperture may be computed, which no band does."""
     wanted = wanted_diffraction(stator.diffraction, slider)
-    return bool(wanted) or (wanted is None and not resolved.default_refusal(resolved.stator(stator)))
+    return bool(wanted) or (wanted is None and not resolved.default_refusal(resolved.stator(stator), places))
 
 
 def _silent(text: str) -> None:

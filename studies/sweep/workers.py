@@ -8,14 +8,11 @@ of a BLAS do.  A worker that vanishes costs its batches, which are given out aga
 import logging
 import multiprocessing.connection
 import os
-import re
 import signal
 import threading
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
 
-from studies.refusal import RunError, SceneError, shown
-
-ADDRESS = re.compile(r"((tcp|tls|ucx|ws|wss)://)?[^\s/:]+:\d{1,5}|(tcp|tls)://\[[0-9a-fA-F:]+\]:\d{1,5}")
+from studies.refusal import RunError, SceneError
 
 
 class Workers:
@@ -91,10 +88,6 @@ class OnDask(Workers):
     threads = 1
 
     def __init__(self, address: str):
-        if not ADDRESS.fullmatch(address):
-            raise SceneError(
-                "--scheduler", f"must be an address such as tcp://127.0.0.1:8786, got {shown(address)}"
-            )
         try:
             from distributed import Client
             from distributed.scheduler import KilledWorker
@@ -108,7 +101,8 @@ class OnDask(Workers):
             self._client = Client(address, timeout=10, set_as_default=False)
         except (OSError, ValueError) as error:
             text = " ".join(str(error).split())
-            raise RunError(f"no Dask scheduler answers at {address!r}: {text}") from None
+            rule = f"no Dask scheduler answers at {address!r}, which must be such as tcp://127.0.0.1:8786: {text}"
+            raise RunError(rule) from None
         self._executor: Executor = self._client.get_executor(pure=False)
 
     @property

@@ -15,6 +15,7 @@ import fem
 from studies.record import Record
 from studies.refusal import RunError, SceneError
 from studies.report import figures
+from studies.report.page import rendered
 from studies.report.surface_map import draw_surface_map, pixels
 from studies.view import field_data, movie, wave_page
 from studies.view.contact_view import contact_writers
@@ -22,7 +23,7 @@ from studies.view.options import Wanted
 from studies.view.picture import Picture
 from studies.view.quantities import palette, quantity
 from studies.view.run_field import NO_STATOR, left_run, motion_again, run_field
-from studies.view.section import chosen_views, limits, near, views
+from studies.view.views import chosen_views, limits, near, views
 from studies.view.window import open_window
 
 __all__ = ["view"]
@@ -142,8 +143,12 @@ def _beam_writers(record: Record, wanted: Wanted, progress) -> dict[str, Callabl
         figures.saved(file, draw, size=size)
 
     def page(file) -> None:
-        shown = movie.image(figures.as_uri(draw, size=size, kind="png"), "size of u_z over the surface")
-        Path(file).write_text(movie.page(f"{scene.title}: beam", [shown]), encoding="utf-8")
+        shown = {
+            "data": figures.as_uri(draw, size=size, kind="png"),
+            "caption": "size of u_z over the surface",
+        }
+        text = rendered("pictures.html", title=f"{scene.title}: beam", pictures=[shown])
+        Path(file).write_text(text, encoding="utf-8")
 
     return {"screenshot": still, "html": page, "window": lambda: figures.show(draw)}
 

@@ -15,12 +15,13 @@ from matplotlib.animation import FuncAnimation
 from matplotlib.patches import Circle, Patch
 
 import contact
-from studies.chain.driven_contact import DrivenContact
+from studies.chain.bridge import DrivenContact
 from studies.chain.surface_motion import surface_motion
 from studies.record import Record
 from studies.refusal import RunError, SceneError
 from studies.report.figures import COLOURS, arrow, curve, data_uri, new_figure, refuse_without_toolkit
 from studies.report.files import write_columns
+from studies.report.page import rendered
 from studies.view import movie
 from studies.view.run_field import motion_again
 
@@ -69,12 +70,12 @@ def contact_writers(record: Record, wanted, progress: Callable[[str], None]) -> 
 
     def page(file) -> None:
         with tempfile.TemporaryDirectory() as folder:
-            images = []
+            pictures = []
             for kind, write in (("gif", film), ("png", still)):
                 picture = Path(folder) / f"contact.{kind}"
                 write(picture)
-                images.append(movie.image(data_uri(picture.read_bytes(), kind), title))
-        Path(file).write_text(movie.page(title, images), encoding="utf-8")
+                pictures.append({"data": data_uri(picture.read_bytes(), kind), "caption": title})
+        Path(file).write_text(rendered("pictures.html", title=title, pictures=pictures), encoding="utf-8")
 
     return {
         "screenshot": still,

@@ -23,6 +23,8 @@ from studies.report.figures import (
     new_figure,
     saved,
     shaded,
+    surface,
+    titled,
     velocity,
 )
 from studies.scene import resolved
@@ -30,7 +32,7 @@ from studies.view import movie
 from studies.view.contact_view import film_contact, strip
 from studies.view.picture import Picture
 from studies.view.quantities import DIVERGING, palette
-from studies.view.section import chosen_views, views
+from studies.view.views import chosen_views, views
 
 __all__ = [
     "amplitude", "anticlockwise", "bars", "depth_profile", "depth_weights", "draw_all", "ledger_rows",
@@ -52,7 +54,7 @@ GIVEN = ("wave_normal", "wave_tangential")
 def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
     """Draw the pictures of a gallery into a directory, and tell what is being done."""
     found, record = gallery.found, gallery.record
-    title, top, (name, place) = record.scene.title, found.field.displacement[:, -1].T, found.focus
+    title = record.scene.title
     places = (np.arange(ORBITS) + 0.5) / ORBITS * found.length
     energies = found.with_energies
     passing = (
@@ -62,8 +64,7 @@ def draw_all(gallery, folder: Path, *, progress: Callable[[str], None]) -> None:
     ledger, balance = ledger_rows(gallery.ledger)
     for picture, figure in (
         ("orbits", orbits(places, *np.array([found.surface(x) for x in places]).T, title=title)),
-        ("amplitude", amplitude(found.field.x, top[0], top[2], wavelength=found.wavelength, covered=found.spans,
-                                focus=(name, place), title=title)),
+        ("amplitude", amplitude(record, wavelength=found.wavelength, focus=found.focus)),
         ("depth", _depth(found)),
         ("contact", strip(gallery.contact[0], title=gallery.contact[1])),
         ("start_stop", start_and_stop(gallery.bursts, acceleration=gallery.acceleration, title=title)),
@@ -134,22 +135,18 @@ def anticlockwise(tangential, normal) -> np.ndarray:
     return np.imag(np.asarray(tangential) * np.conj(normal)) > 0
 
 
-def amplitude(x, tangential, normal, *, wavelength: float, covered, focus: tuple[str, float], title: str):
-    """Draw |u_x| and |u_z| (m per V) along the surface (m), and within 4 wavelengths of a place with its name."""
-    figure, (whole, near) = new_figure(7.2, 5.2, rows=2)
+def amplitude(record, *, wavelength: float, focus: tuple[str, float]):
+    """Draw |u_x| and |u_z| along the surface of a run, and within 4 wavelengths (m) of a place with its name."""
+    figure, (whole, near) = new_figure(7.2, 5.6, rows=2)
     name, place = focus
-    for ax, chosen in ((whole, x == x), (near, abs(x - place) <= 4 * wavelength)):
-        curve(ax, x[chosen] * MM, abs(normal[chosen]) * NM, "-", "slip", "|u_z|")
-        curve(ax, x[chosen] * MM, abs(tangential[chosen]) * NM, "-", "intermittent", "|u_x|")
-        ax.axvline(place * MM, color=COLOURS["line"], linestyle=":", linewidth=1.2, label=name)
-        ax.set_ylim(0.0, 1.12 * NM * abs(np.array([tangential, normal])[:, chosen]).max())
-    for span in covered:
-        shaded(whole, *np.multiply(span, MM))
-    size = abs(normal[abs(x - place) <= wavelength])
+    size = abs(record.surface["u_z_m_per_V"][abs(record.surface["x_m"] - place) <= wavelength])
+    for ax in (whole, near):
+        surface(record, ax)
+    whole.get_legend().remove()
+    titled(whole, f"{record.scene.title}\namplitude along the surface (grey: transducers)")
+    near.set_xlim((place - 4 * wavelength) * MM, (place + 4 * wavelength) * MM)
     ripple = f"largest over smallest |u_z| {size.max() / size.min():.3g} within one"
-    across, up = "x along the surface (mm)", "amplitude, peak (nm per V)"
-    finished(whole, across, up, f"{title}\namplitude along the surface (grey: transducers)", columns=0)
-    finished(near, across, up, f"within 4 wavelengths of the {name}: {ripple}")
+    titled(near, f"within 4 wavelengths of the {name}: {ripple}")
     return figure
 
 

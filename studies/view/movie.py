@@ -1,9 +1,8 @@
-"""Moving pictures, GIF by Pillow, which every installation has, MP4 by ffmpeg; pages that hold pictures."""
+"""Moving pictures, GIF by Pillow, which every installation has, MP4 by ffmpeg."""
 
 import shutil
 import subprocess
 from collections.abc import Callable
-from html import escape
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,7 @@ from PIL import Image
 
 from studies.refusal import RunError
 
-__all__ = ["ffmpeg", "image", "page", "save"]
+__all__ = ["ffmpeg", "save"]
 
 COLOURS = 128  # of a GIF whose palette is found in its pictures
 
@@ -38,18 +37,6 @@ def save(
         _gif(pictures, file, rate, palette)
     else:
         _mp4(pictures, file, rate)
-
-
-def image(uri: str, words: str) -> str:
-    """Return a data URI of a picture as an element of HTML, with words for who cannot see it."""
-    return f'<img alt="{escape(words)}" src="{uri}" style="max-width: 100%">'
-
-
-def page(title: str, images: list[str]) -> str:
-    """Return an HTML page that holds pictures."""
-    head = f'<meta charset="utf-8"><link rel="icon" href="data:,"><title>{escape(title)}</title>'
-    shown = "\n".join(f"<p>{each}</p>" for each in images)
-    return f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n<body>\n{shown}\n</body></html>\n'
 
 
 def _gif(pictures, file, rate: float, palette) -> None:

@@ -14,26 +14,21 @@ from typing import NamedTuple
 
 import numpy as np
 from matplotlib.ticker import MaxNLocator
-from scipy.interpolate import RegularGridInterpolator
 
-from studies.refusal import SceneError, needed
+from studies.refusal import needed
 from studies.scene import resolved
 from studies.view import description
-from studies.view.quantities import QUANTITIES, shade, shade_of
+from studies.view.quantities import shade
 from studies.view.run_field import RunField
-from studies.view.section import View, magnification, piece
+from studies.view.section import Piece, Sheet, beam_sheet, magnification, piece, sheets, strips
+from studies.view.views import Frame, frames
 
-__all__ = ["MOTIONS", "Picture"]
+__all__ = ["Picture"]
 
 MM = 1e3
 BARE, EDGE = "#D9D9D9", "#606060"
 LINES = 24  # per wavelength, of what is drawn of a solid
-BEAM_LINES, ACROSS = 12, 81  # of the surface of a beam: per wavelength along x, and across the width
-CROSSED_LINES = 8  # per wavelength along both, where beams cross
-MOTIONS = ("u_x", "u_y", "u_z")
-LEFT, RIGHT, ABOVE, BELOW = 80, 130, 30, 50  # pixels round a view, for letters and colour bar
 LETTERS = 13  # pixels
-BALL_SHARE = 0.35  # of a view's height that a ball takes at most
 
 
 class _Moving(NamedTuple):
@@ -44,20 +39,6 @@ class _Moving(NamedTuple):
     displacement: np.ndarray
     mean: np.ndarray | None = None
     amplitude: np.ndarray | None = None
-
-
-class Frame(NamedTuple):
-    """Where the solid or a view is drawn: left, low, right, high in pixels; of a view m per pixel and the top's z."""
-
-    box: tuple[float, float, float, float]
-    view: View | None = None
-    pixel: float = 0.0
-    top: float = 0.0
-
-    @property
-    def bottom(self) -> float:
-        """Lowest z that is seen, m."""
-        return self.top - (self.box[3] - self.box[1]) * self.pixel
 
 
 class Picture:
@@ -81,7 +62,7 @@ class Picture:
         self.factor = magnification(found) if factor is None else factor
         self.spreads = self.solid and found.beam is not None
         self._length = found.scene.stator.length if self.spreads else found.length
-        self.frames = self._frames(views)
+        self.frames = frames(found, views, size=size, framed=framed)
         # the first renderer holds words and rulers, in pixels; without frames it holds the field too
         shape = 1 + framed * len(self.frames), 1
         self.plotter = self.pyvista.Plotter(
@@ -100,28 +81,6 @@ class Picture:
                 self._look_along(frame)
         self._write()
 
-    def _frames(self, views) -> tuple[Frame, ...]:
-        """Return where the views lie, from the top down; one takes no more than its share, or what it needs."""
-        found, (width, upper) = self.found, self.size
-        if not self.framed:
-            pixel = (views[0].stop - views[0].start) / width if views else 0.0
-            return (Frame((0, 0, width, upper), *views, *([pixel, 0.35 * upper * pixel] if views else ())),)
-        right, frames = max(width - RIGHT, 0.4 * width), []
-        if self.solid:
-            return (Frame((0, 0, right, max(upper - 4 * ABOVE, 0.4 * upper))),)
-        weights = sum(view.weight for view in views)
-        for view in views:
-            pixel, share = (view.stop - view.start) / (right - LEFT), upper * view.weight / weights
-            visible = pixel * max(share - ABOVE - BELOW, 0.3 * share)
-            carries = any(view.start <= ball.place <= view.stop for ball in description.balls(found))
-            room = 0.15 * min(visible, 2 * found.wavelength)
-            top = min(2.1 * found.radius, BALL_SHARE * visible) if carries else room
-            high = upper - ABOVE
-            low = high - (top - max(float(found.field.z[0]), top - visible)) / pixel
-            frames.append(Frame((LEFT, low, right, high), view, pixel, top))
-            upper, weights = low - BELOW, weights - view.weight
-        return tuple(frames)
-
     def _go_to(self, number: int) -> None:
         """Make the renderer of a frame the one that is drawn into."""
         self.plotter.subplot(number + self.framed, 0)
@@ -133,7 +92,16 @@ class Picture:
             self.shade = shade(self.found, name)
         for number, frame in enumerate(self.frames):
             self._go_to(number)
-            self._add_electrodes(self._lay_beam(name) if self.spreads else self._lay_section(frame))
+            if self.spreads:
+                self.shade, sheet, motion = beam_sheet(self.found, name)
+                self._lay(sheet)
+            else:
+                drawn = self._piece(frame)
+                self.pieces.append(drawn)
+                for sheet in sheets(self.found, drawn, solid=self.solid):
+                    self._lay(sheet)
+                motion = drawn.surface
+            self._add_electrodes(motion)
         self.plotter.subplot(0, 0)
         for former in list(self.plotter.scalar_bars.keys()):
             self.plotter.remove_scalar_bar(former)
@@ -174,7 +142,7 @@ class Picture:
         """Add the strips of the electrodes, which move as a function of (x, y) in m says."""
         lift = 0.02 * self.found.wavelength if self.solid else 0.0
         for electrode in description.electrodes(self.found):
-            corners = self._strips(electrode)
+            corners = strips(self.found, electrode, spreads=self.spreads)
             rest = np.insert(corners, 2, lift, axis=-1)
             mesh = self.pyvista.PolyData.from_regular_faces(MM * rest, np.arange(len(corners)).reshape(-1, 4))
             self.plotter.add_mesh(
@@ -184,26 +152,13 @@ class Picture:
             )  # fmt: skip
             self._moving.append(_Moving(mesh, rest, motion(corners)))
 
-    def _strips(self, electrode) -> np.ndarray:
-        """Return the corners (x, y) of an electrode's strips in m, shape (4 n, 2), as they are or in the section."""
-        if self.spreads:
-            rows = resolved.transducers(self.found.scene)
-            corners = np.concatenate([each.on_surface(each.strips(electrode.sign)) for each in rows])
-            return corners.reshape(-1, 2)
-        x = np.array(electrode.strips)[:, [0, 1, 1, 0]].ravel()
-        return np.stack([x, np.resize(0.5 * self.found.aperture * np.array([-1, -1, 1, 1]), len(x))], axis=-1)
-
-    def _lay_section(self, frame: Frame) -> Callable:
-        """Add the section, and of the solid its surface and right end; return the surface's motion over (x, y) in m."""
+    def _piece(self, frame: Frame) -> Piece:
+        """Return the points of the section that a view, or the solid, needs."""
         found, span, bottom = self.found, (0.0, self.found.length), self.found.field.z[0]
-        spacing, edges = found.wavelength / LINES, np.array([-0.5, 0.5]) * found.aperture
-        solid = (
-            ("surface", slice(None), slice(-1, None), edges),
-            ("end", slice(-1, None), slice(None), edges),
-        )
+        spacing = found.wavelength / LINES
         if frame.view is not None:
             start, stop = frame.view.start, frame.view.stop
-            spare, solid, edges = 2 * (stop - start), (), np.zeros(2)
+            spare = 2 * (stop - start)
             if self.framed:
                 # moves into the view from beyond its edges, which cut it
                 spare = min(self.factor * float(abs(found.field.displacement).max()), spare)
@@ -213,49 +168,19 @@ class Picture:
             else:
                 spare = found.length
             span = max(start - spare, 0.0), min(stop + spare, found.length)
-        drawn = piece(found, self.shade, span=span, bottom=bottom, spacing=spacing)
-        self.pieces.append(drawn)
-        moved = np.insert(drawn.displacement, 1, 0.0, axis=-1)
-        for part, lines, rows, y in (("section", slice(None), slice(None), edges[:1]), *solid):
-            places = np.meshgrid(drawn.x[lines], drawn.z[rows], y, indexing="ij")
-            rest = np.stack(places, axis=-1)[..., [0, 2, 1]]
-            values = (each[lines, rows, None] for each in (drawn.mean, drawn.amplitude))
-            self._lay(part, rest, moved[lines, rows, None], *values)
-        return lambda at: np.stack([np.interp(at[:, 0], drawn.x, each) for each in moved[:, -1].T], axis=-1)
+        return piece(found, self.shade, span=span, bottom=bottom, spacing=spacing)
 
-    def _lay_beam(self, name: str) -> Callable:
-        """Add the surface that the beam moves; return its motion over (x, y) in m."""
-        found = self.found
-        if name not in MOTIONS:
-            raise SceneError(
-                "--quantity",
-                f"must be one of {', '.join(MOTIONS)} on the surface of the beam, got {name!r}: --show field has it in "
-                "the section",
-            )
-        crossed, stator = found.scene.crossed, found.scene.stator
-        lines = (CROSSED_LINES if crossed else BEAM_LINES) / found.wavelength
-        x, half = np.linspace(0.0, stator.length, int(stator.length * lines) + 1), stator.width / 2
-        y = np.linspace(-half, half, int(stator.width * lines) + 1 if crossed else ACROSS)
-        moved = found.beam.motion(x[:, None], y)
-        size = moved[MOTIONS.index(name), ..., None]
-        self.shade = shade_of(QUANTITIES[name], abs(size), free=False)
-        rest, amplitude = np.stack(np.meshgrid(x, y, 0.0, indexing="ij"), axis=-1), size * self.shade.scale
-        self._lay("surface", rest, np.moveaxis(moved, 0, -1)[:, :, None], 0.0 * amplitude.real, amplitude)
-        return RegularGridInterpolator((x, y), np.moveaxis(moved, 0, -1))
-
-    def _lay(self, name: str, rest, displacement, mean, amplitude) -> None:
-        """Add a structured grid of points (n, m, copies, 3) and its shade."""
-        grid = self.pyvista.StructuredGrid(*np.moveaxis(MM * rest, -1, 0))
-
-        def flat(values, *last):
-            return np.broadcast_to(values, (*rest.shape[:3], *last)).reshape(-1, *last, order="F")
-
+    def _lay(self, sheet: Sheet) -> None:
+        """Add a sheet of points."""
+        shape, grid = sheet.rest.shape, self.pyvista.StructuredGrid(*np.moveaxis(MM * sheet.rest, -1, 0))
         grid["shade"] = np.zeros(grid.n_points)
         self._mapper = self.plotter.add_mesh(
             grid, scalars="shade", cmap=self.shade.colour_map, clim=self.shade.limits, lighting=False,
-            show_scalar_bar=False, copy_mesh=False, name=name, reset_camera=False,
+            show_scalar_bar=False, copy_mesh=False, name=sheet.name, reset_camera=False,
         ).mapper  # fmt: skip
-        self._moving.append(_Moving(grid, flat(rest, 3), flat(displacement, 3), flat(mean), flat(amplitude)))
+        vectors = (np.broadcast_to(each, shape).reshape(-1, 3, order="F") for each in sheet[1:3])
+        values = (np.broadcast_to(each, shape[:3]).ravel(order="F") for each in sheet[3:])
+        self._moving.append(_Moving(grid, *vectors, *values))
 
     def _bare(self) -> None:
         """Draw the parts of the solid that carry no field: beside the aperture, or below the surface of a beam."""

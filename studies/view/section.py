@@ -1,86 +1,29 @@
-"""What is shown of the section: its stretches one above the other, and the points of the field that are drawn.
+"""The points of a field that are drawn, at rest, and how they move: of the section, of a solid, of a beam's surface.
 
 Field points are nodes: those nearer to the one before than a pixel are passed over, and where nodes are far apart the
 modes and the elements' polynomials give points between them.  Nothing is averaged.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import RegularGridInterpolator
 
 from studies.refusal import SceneError
-from studies.view.quantities import Shade
+from studies.scene import resolved
+from studies.view.quantities import QUANTITIES, Shade, shade_of
 from studies.view.run_field import LINES, RunField
 
-__all__ = ["View", "chosen_views", "limits", "magnification", "near", "piece", "thinned", "views"]
+__all__ = ["MOTIONS", "Piece", "Sheet", "beam_sheet", "magnification", "piece", "sheets", "strips", "thinned"]
 
-MM = 1e3
 AMPLITUDE = 0.08  # of a wavelength: as large as the largest displacement is drawn
-CLOSE = 7.0  # wavelengths either side, in the close views
-NARROWEST = 0.05  # wavelengths
 FACET = 4.0  # largest distance of drawn points over the smallest
-
-
-@dataclass(frozen=True, kw_only=True)
-class View:
-    """A stretch of the section from start to stop (m), and its share of the picture's height."""
-
-    name: str
-    start: float
-    stop: float
-    weight: float
-
-
-def limits(found: RunField, span) -> tuple[float, float] | None:
-    """Return the stretch (m) that "whole", "slider", "wavelength" or two places mean; refuse one off the stator."""
-    if span is None:
-        return None
-    if span == "whole":
-        return 0.0, found.length
-    if isinstance(span, str):
-        half = (0.5 if span == "wavelength" else CLOSE) * found.wavelength
-        return max(found.focus[1] - half, 0.0), min(found.focus[1] + half, found.length)
-    if not 0 <= span[0] < span[1] <= found.length * (1 + 1e-9):
-        rule = f"must lie on the stator, 0:{found.length * 1e3:g} mm"
-        raise SceneError("--span", f"{rule}, got {span[0] * 1e3:g}:{span[1] * 1e3:g} mm")
-    least = NARROWEST * found.wavelength
-    if span[1] - span[0] < least:
-        rule = f"must be at least {least * 1e3:.3g} mm long, a twentieth of a wavelength"
-        raise SceneError("--span", f"{rule}, got {(span[1] - span[0]) * 1e3:.3g} mm")
-    return span
-
-
-def near(found: RunField) -> tuple[float, float]:
-    """Return the two wavelengths (m) about what is to be looked at from near."""
-    return found.focus[1] - found.wavelength, found.focus[1] + found.wavelength
-
-
-def views(found: RunField) -> tuple[View, ...]:
-    """Return what is shown unless something else is asked for: the whole, the driven transducer, the slider."""
-    if found.free:
-        return chosen_views(found, (0.0, found.length))
-    driven, reach = found.scene.driven_transducer, CLOSE * found.wavelength
-    whole = View(name="the whole section", start=0.0, stop=found.length, weight=0.17)
-    return whole, *(
-        View(name=name, start=max(place - reach, 0.0), stop=min(place + reach, found.length), weight=0.4)
-        for name, place in (
-            (f"driven transducer {driven.name!r}", found.in_section(driven.place)),
-            found.focus,
-        )
-    )
-
-
-def chosen_views(found: RunField, span: tuple[float, float] | None) -> tuple[View, ...]:
-    """Return the whole section and below it a stretch (m), what lies about the slider if None."""
-    start, stop = span or limits(found, "slider")
-    count = (stop - start) / found.wavelength
-    name = "1 wavelength" if abs(count - 1) < 5e-4 else f"{count:.3g} wavelengths"
-    if stop - start > 0.99 * found.length:
-        return (View(name=name, start=start, stop=stop, weight=1.0),)
-    whole = View(name="the whole section", start=0.0, stop=found.length, weight=0.3)
-    name = f"{name}, {start * MM:.4g} to {stop * MM:.4g} mm"
-    return whole, View(name=name, start=start, stop=stop, weight=0.7)
+BEAM_LINES, ACROSS = 12, 81  # of the surface of a beam: per wavelength along x, and across the width
+CROSSED_LINES = 8  # per wavelength along both, where beams cross
+MOTIONS = ("u_x", "u_y", "u_z")
 
 
 def magnification(found: RunField) -> float:
@@ -95,6 +38,21 @@ class Piece:
 
     x: np.ndarray
     z: np.ndarray
+    displacement: np.ndarray
+    mean: np.ndarray
+    amplitude: np.ndarray
+
+    def surface(self, at: np.ndarray) -> np.ndarray:
+        """Return the displacement of the surface at places (x, y) in m, shape (k, 3)."""
+        u_x, u_z = (np.interp(at[:, 0], self.x, each) for each in self.displacement[:, -1].T)
+        return np.stack([u_x, 0.0 * u_x, u_z], axis=-1)
+
+
+class Sheet(NamedTuple):
+    """Points at rest (n, m, copies, 3) in m; what broadcasts to them: complex displacement, parts of a shade."""
+
+    name: str
+    rest: np.ndarray
     displacement: np.ndarray
     mean: np.ndarray
     amplitude: np.ndarray
@@ -124,6 +82,49 @@ def piece(
         for values in (field.displacement[..., [0, 2]], *shading.parts(field))
     )
     return Piece(x=field.x[lines], z=z, displacement=displacement, mean=mean, amplitude=amplitude)
+
+
+def sheets(found: RunField, drawn: Piece, *, solid: bool) -> list[Sheet]:
+    """Return the section, and of a solid the surface and the right end of the aperture's width."""
+    moved = np.insert(drawn.displacement, 1, 0.0, axis=-1)
+    edges = np.array([-0.5, 0.5]) * found.aperture if solid else np.zeros(1)
+    whole, last = slice(None), slice(-1, None)
+    parts = [("section", whole, whole, edges[:1])]
+    if solid:
+        parts += [("surface", whole, last, edges), ("end", last, whole, edges)]
+    listed = []
+    for name, lines, rows, y in parts:
+        places = np.meshgrid(drawn.x[lines], drawn.z[rows], y, indexing="ij")
+        values = (each[lines, rows, None] for each in (moved, drawn.mean, drawn.amplitude))
+        listed.append(Sheet(name, np.stack(places, axis=-1)[..., [0, 2, 1]], *values))
+    return listed
+
+
+def beam_sheet(found: RunField, name: str) -> tuple[Shade, Sheet, Callable]:
+    """Return the surface that the beam moves, coloured by a quantity, and its motion over (x, y) in m."""
+    if name not in MOTIONS:
+        rule = f"must be one of {', '.join(MOTIONS)} on the surface of the beam, got {name!r}"
+        raise SceneError("--quantity", f"{rule}: --show field has it in the section")
+    crossed, stator = found.scene.crossed, found.scene.stator
+    lines = (CROSSED_LINES if crossed else BEAM_LINES) / found.wavelength
+    x, half = np.linspace(0.0, stator.length, int(stator.length * lines) + 1), stator.width / 2
+    y = np.linspace(-half, half, int(stator.width * lines) + 1 if crossed else ACROSS)
+    moved = np.moveaxis(found.beam.motion(x[:, None], y), 0, -1)
+    size = moved[..., MOTIONS.index(name), None]
+    shading = shade_of(QUANTITIES[name], abs(size), free=False)
+    rest, amplitude = np.stack(np.meshgrid(x, y, 0.0, indexing="ij"), axis=-1), size * shading.scale
+    sheet = Sheet("surface", rest, moved[:, :, None], 0.0 * amplitude.real, amplitude)
+    return shading, sheet, RegularGridInterpolator((x, y), moved)
+
+
+def strips(found: RunField, electrode, *, spreads: bool) -> np.ndarray:
+    """Return the corners (x, y) of an electrode's strips in m, shape (4 n, 2), as they are or in the section."""
+    if spreads:
+        rows = resolved.transducers(found.scene)
+        corners = np.concatenate([each.on_surface(each.strips(electrode.sign)) for each in rows])
+        return corners.reshape(-1, 2)
+    x = np.array(electrode.strips)[:, [0, 1, 1, 0]].ravel()
+    return np.stack([x, np.resize(0.5 * found.aperture * np.array([-1, -1, 1, 1]), len(x))], axis=-1)
 
 
 def thinned(places: np.ndarray, spacing: float, start: float, stop: float) -> np.ndarray:

@@ -16,7 +16,6 @@ import numpy as np
 from studies.report.figures import DPI, as_uri
 from studies.report.surface_map import draw_surface_map, pixels
 from studies.view import description
-from studies.view.movie import image
 from studies.view.quantities import Shade, present, shade
 from studies.view.run_field import RunField
 from studies.view.section import magnification, thinned
@@ -89,7 +88,7 @@ def _beam(found: RunField) -> str:
     uri = as_uri(draw, size=tuple(each / DPI for each in pixels(found.scene.stator)), kind="png")
     return (
         "<p>The moving field is that of the plane section, which does not spread; over the whole surface the finite "
-        f"apertures give:</p>\n{image(uri, 'size of u_z over the surface')}"
+        f'apertures give:</p>\n<img alt="size of u_z over the surface" src="{uri}" style="max-width: 100%">'
     )
 
 

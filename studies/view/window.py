@@ -4,8 +4,9 @@ import time
 
 import numpy as np
 
-from studies.view.picture import MOTIONS, Picture
+from studies.view.picture import Picture
 from studies.view.quantities import present
+from studies.view.section import MOTIONS
 
 __all__ = ["Controls", "open_window"]
 

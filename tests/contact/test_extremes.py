@@ -26,18 +26,18 @@ def outcome(varied, value):
 @pytest.mark.parametrize(
     ("varied", "value", "verdict"),
     [
-        ("mass", 1.0, "right"),
+        pytest.param("mass", 1.0, "right", marks=pytest.mark.slow),
         ("mass", 1e-8, "right"),
         ("mass", 1e-12, "refused"),
         ("preload", 1e3, "right"),
         ("amplitude", 1e-5, "right"),
         ("friction_coefficient", 0.0, "right"),
-        ("friction_coefficient", 5.0, "right"),
+        pytest.param("friction_coefficient", 5.0, "right", marks=pytest.mark.slow),
         ("radius", 1e-9, "right"),
         ("frequency", 1.0, "right"),
         ("frequency", 1e10, "right"),
         ("load", 1e3, "right"),
-        ("normal_damping", 1e6, "right"),
+        pytest.param("normal_damping", 1e6, "right", marks=pytest.mark.slow),
     ],
 )
 def test_an_extreme_is_answered_within_its_error_or_refused(varied, value, verdict):
@@ -124,7 +124,12 @@ def test_a_load_opposes_the_unloaded_motion_in_a_burst_as_in_the_steady_state(me
 
 
 @pytest.mark.parametrize(
-    "changed", [{"law": "hysteretic"}, {"reciprocal": True}, {"law": "hysteretic", "load": 1e-5}]
+    "changed",
+    [
+        pytest.param({"law": "hysteretic"}, marks=pytest.mark.slow),
+        {"reciprocal": True},
+        {"law": "hysteretic", "load": 1e-5},
+    ],
 )
 def test_the_slider_starts_at_the_threshold_of_its_law(changed):
     s = slider(**changed)

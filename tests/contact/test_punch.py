@@ -70,7 +70,7 @@ def test_three_punches_move_as_rows_of_springs_do(changed):
     assert found.velocity_at_burst_end == pytest.approx(springs, rel=1e-5)
 
 
-@pytest.mark.parametrize("A", [1e-9, 3e-9, 10e-9])
+@pytest.mark.parametrize("A", [3e-9, *(pytest.param(each, marks=pytest.mark.slow) for each in (1e-9, 10e-9))])
 def test_a_long_run_settles_at_the_steady_velocity(A):
     found = steady(slider(**PUNCH), trio(A), tolerance=1e-6)
     assert found.status == "ok"

@@ -19,10 +19,17 @@ GENERAL = (17.0, 31.0, 49.0)
 @pytest.mark.parametrize(
     ("solid", "rest", "layers"),
     [
-        (cut("PZT-8", "Z"), {"ends": "free"}, 1),
-        (cut("PZT-8", "X"), {"ends": "absorbing", "bottom": "grounded"}, 0),
+        pytest.param(cut("PZT-8", "Z"), {"ends": "free"}, 1, marks=pytest.mark.slow),
+        pytest.param(
+            cut("PZT-8", "X"), {"ends": "absorbing", "bottom": "grounded"}, 0, marks=pytest.mark.slow
+        ),
         (lossless("LiNbO3 (Kovacs)", "128YX"), {"ends": "absorbing"}, 0),
-        (lossless("LiNbO3 (Warner)", "YZ"), {"ends": "clamped", "bottom": "clamped"}, 0),
+        pytest.param(
+            lossless("LiNbO3 (Warner)", "YZ"),
+            {"ends": "clamped", "bottom": "clamped"},
+            0,
+            marks=pytest.mark.slow,
+        ),
         (cut("LiNbO3 (Ogi)", GENERAL, quality=300.0), {"ends": "free", "bottom": "grounded"}, 0),
     ],
     ids=["PZT free", "X-poled grounded", "128YX absorbing", "YZ clamped", "general free"],
@@ -104,7 +111,7 @@ TWO_ROWS = (
     (cut("PZT-8", "Z"), {"bottom": "grounded", "ends": "free"}),
     (cut("PZT-8", "Z"), {"bottom": "free"}),
     (cut("PZT-8", "Z"), {"bottom": "absorbing"}),
-    (cut("LiNbO3 (Kovacs)", "128YX"), {"bottom": "absorbing"}),
+    pytest.param(cut("LiNbO3 (Kovacs)", "128YX"), {"bottom": "absorbing"}, marks=pytest.mark.slow),
 )
 
 

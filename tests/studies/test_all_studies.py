@@ -25,7 +25,7 @@ def test_a_study_runs_through_its_command(studied, name):
     record = done.record
     assert record["question"] == question(name)
     assert record["panels"]
-    contradicted = [finding for finding in record["findings"] if not finding["confirmed"]]
+    contradicted = [finding for finding in record["findings"] if finding["confirmed"] is False]
     assert bool(contradicted) is (done.status == 1)
     assert json.dumps(record, allow_nan=False)
 

@@ -146,6 +146,9 @@ def chip():
         "transducer.1.center=19 mm",
         "transducer.0.finger_pairs=3",
         "transducer.1.finger_pairs=3",
+        "transducer.0.period=0.98 mm",
+        "transducer.1.period=0.98 mm",
+        "stator.diffraction=false",
         "slider.position=12 mm",
         "drive.voltage=[0, 60, 120, 180]",
     ]

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from studies.chain import run
+from studies.chain.bridge import DrivenContact
 from studies.motor import load_line, regime_map, step_planner
 from studies.refusal import SceneError
 from studies.report.figures import new_figure
 from studies.scene import Scene, read_table
 from studies.scene.override import assigned
+from studies.scene.resolved import resolved
 from tests.studies.legible import assert_legible
 
 
@@ -23,6 +25,8 @@ def motor():
         "stator.thickness=2 mm",
         "transducer.0.center=5 mm",
         "transducer.0.finger_pairs=3",
+        "transducer.0.period=0.98 mm",
+        "stator.diffraction=false",
     ]
     settings += ["slider.position=14.123 mm", 'slider.contacts=["0 mm", "0.35 mm"]', "drive.voltage=[40, 80]"]
     for setting in settings:
@@ -76,6 +80,14 @@ def test_regime_map_lies_on_its_lines():
     assert_legible(ax.figure)
     assert "nm" in ax.get_xlabel()
     assert "mN" in ax.get_ylabel()
+
+
+def test_a_slider_sticks_while_some_of_its_balls_slip(monkeypatch):
+    """Balls on unlike orbits slip one after the other; the threshold is where the slider starts."""
+    driven = DrivenContact.given(resolved(Scene.load("twente-contact")))
+    unlike = replace(driven, orbits=(driven.orbits[0], driven.orbits[0].scaled(0.5)))
+    monkeypatch.setattr(regime_map, "driven_contact", lambda scene, progress: unlike)
+    assert regime_map.run(amplitudes=24, preloads=3, checked=1).findings[0].confirmed
 
 
 def test_load_line_stalls_and_is_below_one():

@@ -10,6 +10,7 @@ from studies import Scene, run
 from studies.refusal import SceneError
 from studies.report.surface_map import draw_surface_map
 from studies.scene import resolved
+from studies.stator import beam
 
 ACROSS = {
     "name": "front", "center": ["9 mm", "-9 mm"], "angle": "90 deg", "finger_pairs": 2, "period": "1 mm",
@@ -123,7 +124,7 @@ def test_a_drive_across_is_refused(chip):
 @pytest.mark.parametrize(
     ("front", "message"),
     [
-        ({"center": ["4 mm", "-2 mm"]}, "transducers 'left' and 'front' must not overlap on the surface"),
+        ({"center": ["4 mm", "-2 mm"]}, "transducer 'left' and 'front' must not overlap on the surface"),
         ({"center": ["9 mm", "-12 mm"]}, "fingers reach from y = -0.01"),
         ({"center": ["1 mm", "-9 mm"]}, "fingers reach from x = -0.00"),
         (
@@ -135,3 +136,15 @@ def test_a_drive_across_is_refused(chip):
 )
 def test_refused_layouts(chip, front, message):
     assert message in refused(chip, transducer={"front": front})
+
+
+@pytest.mark.slow
+def test_the_study_of_a_beam_looks_at_the_row_whose_waves_run_nearest_to_x():
+    """Two like rows cross at the slider of the shipped scene: each spreads as if it were alone."""
+    record = beam.run("crossed", count=9)
+    assert all(finding.confirmed for finding in record.findings)
+    alone = {"transducer": "left", "sources": None, "voltage": [20.0]}
+    single = beam.run(Scene.load("crossed").replace(drive=alone), count=9)
+    ratio = [each.panel("across").data["beam_m_per_V"][4] / each.panel("across").data["section_m_per_V"][750]
+             for each in (record, single)]  # fmt: skip
+    assert ratio[0] == pytest.approx(ratio[1], rel=1e-2)

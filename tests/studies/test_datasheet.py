@@ -27,7 +27,8 @@ from tests.studies.legible import assert_legible
 
 CHROMIUM = shutil.which("chromium")
 MOTOR = ("stator.length=24 mm", "stator.thickness=1 mm", "transducer.0.center=9 mm", "transducer.0.finger_pairs=10",
-         "slider.position=18 mm", "slider.contacts=2", "drive.voltage=[20, 60, 90]")  # fmt: skip
+         "transducer.0.period=0.98 mm", "slider.position=18 mm", "slider.contacts=2",
+         "drive.voltage=[20, 60, 90]")  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -98,14 +99,14 @@ def test_the_smallest_step_is_one_cycle_too_long_to_be_shorter(sheet):
 
 def test_a_step_is_what_a_burst_of_as_many_cycles_moves(motor, sheet):
     """The chain's own burst, ring-up and ring-down included; at full size from the first cycle it is another."""
-    step = sheet.steps[1]
+    step = sheet.steps[2]  # against 1e-2 of it the ring, at which the trajectory ends somewhere, is small
     burst = step.cycles / sheet.driven.scene.frequency
     (point,) = run(
         replace(motor, drive=replace(motor.drive, burst=burst, voltage=(90.0,))), tolerance=1e-2
     ).points
     assert point["displacement_m"] == pytest.approx(step.displacement, rel=1e-2)
     sudden = contact.step(sheet.driven.slider, sheet.driven.at(90.0), cycles=step.cycles)
-    assert abs(sudden.displacement / step.displacement - 1.0) > 0.05
+    assert abs(sudden.displacement / step.displacement - 1.0) > 0.02
 
 
 @pytest.mark.parametrize(

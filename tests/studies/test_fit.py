@@ -44,7 +44,7 @@ def explored(model, parameters, monkeypatch, **own):
     monkeypatch.setattr(import_module("studies.inverse.fit"), "ranked", lambda *given: [])
     data = Measurement(name="m", quantity="velocity", level_key="voltage_V", levels=LEVELS,
                        values=tuple(model.formula(np.array(LEVELS), **model.own)), **own)  # fmt: skip
-    problem = Problem(predictor=model, parameters=parameters, measurements=(data,), signs=(1.0,))
+    problem = Problem(predictor=model, parameters=parameters, measurements=(data,))
     return _explored(problem, problem.minima(), problem.points - len(parameters), False, lambda text: None)
 
 

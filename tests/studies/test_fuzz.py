@@ -90,14 +90,14 @@ def checked(tmp_path, capsys, monkeypatch):
 
 
 @seed(1)
-@settings(max_examples=15, **QUIET)
+@settings(max_examples=8, **QUIET)
 @given(mutant=mutants())
 def test_a_few_spoilt_scenes_are_refused_in_a_sentence(checked, mutant):
     checked(mutant)
 
 
 @seed(2)
-@settings(max_examples=15, **QUIET)
+@settings(max_examples=8, **QUIET)
 @given(table=extreme_tables(bases()))
 def test_a_few_extreme_scenes_are_checked(checked, table):
     checked(Mutant(document(table)))

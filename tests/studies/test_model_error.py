@@ -9,7 +9,7 @@ import pytest
 
 import fem
 from studies import Record, Scene, run
-from studies.chain.model_error import fresnel_ratio, model_error
+from studies.chain.model_error import model_error
 from studies.report.answer import sentences
 
 # Scalar angular spectrum of the seed's 20 mm aperture: mm from the transducer's centre, amplitude on the axis over that
@@ -29,9 +29,8 @@ def effect(record: Record, name: str) -> dict:
 
 @pytest.mark.parametrize(("distance", "ratio"), SPECTRUM.items())
 def test_aperture_against_the_scalar_angular_spectrum(motor, distance, ratio):
-    """Fresnel's integral leaves out wide angles, the scalar spectrum the plate's other modes."""
+    """The scalar spectrum leaves out the plate's other modes."""
     place = 0.015 + distance * 1e-3
-    assert fresnel_ratio(motor, place) == pytest.approx(ratio, abs=0.05)
     wave = motor.surface_wave
     beam = fem.surface_beam(wave).motion(place)
     assert abs(beam[2] / wave.motion(place)[1]) == pytest.approx(ratio, abs=0.05)
@@ -76,7 +75,7 @@ def test_closed_forms_of_the_seed(motor):
     assert effect(motor, "vacuum above the surface")["size"] == pytest.approx(1e-3, rel=0.5)
     ends = effect(motor, "charge at the finger ends")["size"]
     assert ends == pytest.approx(2 * 0.0745 * motor.scene.transducer[0].period / 0.02)
-    power = effect(motor, "heating of the stator")["size"]
+    power = effect(motor, "heating of the stator, by up to the whole power taken in at 30 V")["size"]
     assert power == pytest.approx(0.5 * motor.electrical["admittance_S"].real * 30.0**2)
 
 

@@ -86,10 +86,9 @@ def test_slow_motion_shows_the_instant(found):
 
 def test_a_strip_has_eight_snapshots_over_five_traces(found):
     figure = strip(found[1], title="strip")
-    figure.canvas.draw()
+    assert_legible(figure)
     assert len(figure.axes) == 13
     assert labelled(figure)
-    assert_legible(figure)
     labels = [ax.get_ylabel() for ax in figure.axes[8:]]
     assert labels == ["z (nm)", "x (nm)", "P (mN)", "Q (mN)", "v (mm/s)"]
     words = " ".join(text.get_text() for text in figure.findobj(Text))
@@ -106,9 +105,8 @@ def test_a_strip_has_eight_snapshots_over_five_traces(found):
 def test_start_and_stop_end_on_the_slope_of_friction():
     motion = burst(SLIDER, ORBIT, duration=4e-3, after=8e-3, tolerance=1e-2, samples=200)
     figure = start_and_stop([("8 nm", motion)], acceleration=0.08 * 9.81, title="start")
-    figure.canvas.draw()
-    assert labelled(figure)
     assert_legible(figure)
+    assert labelled(figure)
     end = figure.axes[1]
     slopes = {line.get_label(): line.get_xydata() for line in end.lines}
     theory = slopes["mu preload / m (theory)"]
@@ -137,21 +135,23 @@ def test_orbits_turn_the_way_the_arrows_say():
     assert "2 anticlockwise (blue), 1 clockwise" in figure._suptitle.get_text()
 
 
-def test_amplitude_tells_the_ripple_of_the_standing_wave():
-    """A wave and a tenth of it coming back: largest over smallest 1.1/0.9."""
-    x, wavelength = np.linspace(0, 0.1, 20001), 1e-3
-    k = 2 * np.pi / wavelength
-    normal = np.exp(-1j * k * x) + 0.1 * np.exp(1j * k * x)
-    figure = gallery_pictures.amplitude(
-        x, 0.7j * normal, normal, wavelength=wavelength, covered=[(0.01, 0.02)], focus=("slider", 0.05),
-        title="amplitude",
-    )  # fmt: skip
-    figure.canvas.draw()
-    assert labelled(figure)
+def test_amplitude_shows_a_run_s_surface_whole_and_from_near():
+    x, k = np.linspace(0, 0.16, 20001), 2 * np.pi / 1e-3
+    u_z = 3e-10 * (np.exp(-1j * k * x) + 0.1 * np.exp(1j * k * x))
+    columns = {"x_m": x, "u_z_m_per_V": u_z, "u_x_m_per_V": 0.7j * u_z}
+    record = Record(
+        scene=resolved.resolved(Scene.load("twente-left")),
+        tolerance=1e-3,
+        wave={"frequency_Hz": 2.2e6},
+        surface=columns,
+    )
+    figure = gallery_pictures.amplitude(record, wavelength=1e-3, focus=("slider", 0.08))
     assert_legible(figure)
-    assert "|u_z| 1.22 " in figure.axes[1].get_title()
-    for ax in figure.axes:
-        assert max(line.get_ydata().max() for line in ax.lines[:2]) < 0.95 * ax.get_ylim()[1]
+    assert labelled(figure)
+    whole, near = figure.axes
+    assert "|u_z| 1.22 " in near.get_title()
+    assert near.get_xlim() == pytest.approx((76.0, 84.0))
+    assert whole.lines[0].get_ydata().max() == pytest.approx(0.33, rel=1e-3)
 
 
 def test_depth_profile_puts_points_on_lines():
@@ -159,9 +159,8 @@ def test_depth_profile_puts_points_on_lines():
     theory = {"Re u_z": np.exp(-depth), "Im u_x": -np.exp(-2 * depth)}
     points = {"Re u_z": np.exp(-depth[::5]), "Im u_x": -np.exp(-2 * depth[::5])}
     figure = gallery_pictures.depth_profile(depth, theory, {"section": (depth[::5], points)}, title="depth")
-    figure.canvas.draw()
-    assert labelled(figure)
     assert_legible(figure)
+    assert labelled(figure)
     for line, dots in ((0, 2), (1, 3)):
         drawn, marks = figure.axes[0].lines[line].get_xydata(), figure.axes[0].lines[dots].get_xydata()
         np.testing.assert_allclose(np.interp(marks[:, 0], *drawn.T), marks[:, 1], atol=1e-12)
@@ -196,9 +195,8 @@ def test_bars_are_as_long_as_the_powers_and_energies():
 def test_power_along_the_stator_is_drawn_in_milliwatt():
     x = np.linspace(0, 0.1, 11)
     figure = gallery_pictures.power_along(x, 1e-3 * x, covered=[(0.01, 0.02)], given=2e-3, title="flow")
-    figure.canvas.draw()
-    assert labelled(figure)
     assert_legible(figure)
+    assert labelled(figure)
     assert figure.axes[0].lines[0].get_ydata()[-1] == pytest.approx(0.1)
 
 

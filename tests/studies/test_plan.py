@@ -53,7 +53,9 @@ def check(name, tolerance, *settings):
     assert 1 / TIME_WITHIN < slowness < TIME_WITHIN
     assert 1 / MEMORY_WITHIN < used["bytes"] / planned["expected"]["bytes"] < MEMORY_WITHIN
     # only the run knows whether the beam is good enough
-    assert list(planned.left_out) == [each for each in used["left_out"] if "the beam's own error" not in each]
+    assert list(planned["left_out"]) == [
+        each for each in used["left_out"] if "the beam's own error" not in each
+    ]
     if used["unknowns"] is not None:
         levels = [level for part in planned["parts"] for level in part.get("levels", ())]
         at_its_order = [level["unknowns"] for level in levels if level["order"] == used["order"]]

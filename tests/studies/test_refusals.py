@@ -156,8 +156,18 @@ def test_transducers_that_overlap_are_refused():
     table = read_table("twente")
     for transducer, center in zip(table["transducer"], ("15 mm", "20 mm"), strict=True):
         transducer |= {"period": "1 mm", "center": center}
-    with pytest.raises(SceneError, match=r"transducer must not overlap: 'left' ends at 0\.01\d+ m"):
-        Scene.from_table("", table)
+    with pytest.raises(
+        SceneError, match=r"^transducer 'left' and 'right' must not overlap: the first ends at 0\.01"
+    ):
+        resolved(Scene.from_table("", table))
+
+
+def test_fingers_that_leave_the_stator_are_refused():
+    table = assigned(assigned(read_table("twente"), "transducer.1.center=158 mm"), "transducer.1.period=1 mm")
+    with pytest.raises(
+        SceneError, match=r"^transducer\.1 must lie on the stator, 0 to 0\.16 m, .* to 0\.16\d+ m"
+    ):
+        resolved(Scene.from_table("", table))
 
 
 @pytest.mark.parametrize("key", ["voltage"])

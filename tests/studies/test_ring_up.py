@@ -19,6 +19,7 @@ def chip(*settings):
         "stator.length=30 mm",
         "stator.thickness=3 mm",
         "transducer.0.center=7 mm",
+        "transducer.0.period=0.98 mm",
         "transducer.0.finger_pairs=8",
         "slider.position=18 mm",
         "drive.voltage=[0, 150]",

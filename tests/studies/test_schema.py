@@ -81,7 +81,7 @@ def keys_with_paths(kind=Scene, at=""):
         if isinstance(key.rule, Within):
             yield from keys_with_paths(key.rule.kinds[0], path)
         elif isinstance(key.rule, Blocks):
-            yield from keys_with_paths(key.rule.kind, f"{path}.0")
+            yield from keys_with_paths(key.rule.kinds[0], f"{path}.0")
 
 
 PATHS = dict(keys_with_paths())

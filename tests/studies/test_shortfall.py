@@ -19,7 +19,7 @@ def two_levels(monkeypatch):
 def table():
     table = read_table("twente-left")
     table["stator"] |= {"length": "40 mm", "thickness": "1.5 mm"}
-    table["transducer"][0] |= {"center": "6 mm", "finger_pairs": 3}
+    table["transducer"][0] |= {"center": "6 mm", "finger_pairs": 3, "period": "0.98 mm"}
     table["drive"]["voltage"] = ["60 V"]
     table["slider"]["position"] = "25 mm"
     return table

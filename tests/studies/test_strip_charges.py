@@ -80,12 +80,12 @@ def test_terms_and_paths_change_nothing(monkeypatch):
 
 
 def test_the_structured_solver_agrees():
-    """Two methods that share the constants alone; level 3 errs by 1.5e-5 on the seed's stator."""
+    """Two methods that share the constants alone; level 2 errs by some 1e-4 on the seed's stator."""
     posed = small_problem()
     admittance, motion = truth()
-    found, moved, _ = CURVES["structured"][0](posed, level=3)()
-    assert found == pytest.approx(admittance, rel=4e-5)
-    assert moved == pytest.approx(np.array(motion), rel=4e-5)
+    found, moved, _ = CURVES["structured"][0](posed, level=2)()
+    assert found == pytest.approx(admittance, rel=4e-4)
+    assert moved == pytest.approx(np.array(motion), rel=4e-4)
 
 
 @pytest.mark.parametrize("thickness", [0.525e-3, 0.535e-3])

@@ -18,9 +18,10 @@ from studies.chain import run
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.scene.override import replaced
-from studies.sweep import driver, sweep
+from studies.sweep import driver, predictor, sweep
 from studies.sweep.axes import axis
 from studies.sweep.design import designed
+from studies.sweep.predictor import Predictor
 from studies.sweep.store import FILE, Store
 from studies.sweep.workers import Workers
 
@@ -37,6 +38,9 @@ SMALL = {
         "damping": {"normal": 0.5, "tangential": 1e-4},
     },
 }  # fmt: skip
+
+
+PLANE = SMALL | {"stator": SMALL["stator"] | {"diffraction": False}}
 
 
 @pytest.fixture(scope="module")
@@ -185,8 +189,6 @@ def test_every_bad_point_is_a_row_with_its_reason():
 
 def counted(monkeypatch):
     """Return a list that fills with frequency and tolerance of every stator that is solved."""
-    from studies.sweep import predictor
-
     solved, solve = [], predictor.solved_motion
 
     def noted(scene, *rest, tolerance, **options):
@@ -227,13 +229,12 @@ def test_the_stator_is_solved_once_for_each_frequency_and_geometry(tmp_path, mon
 
 def test_many_frequencies_of_a_plane_section_are_a_band():
     """A band gives what a run gives at each frequency by itself."""
-    section = SMALL | {"stator": SMALL["stator"] | {"diffraction": False}}
     found = sweep(
-        section, {"drive.frequency": "2.17 MHz:2.22 MHz:6", "slider.position": [6.5e-3, 7e-3]}, tolerance=2e-2
+        PLANE, {"drive.frequency": "2.17 MHz:2.22 MHz:6", "slider.position": [6.5e-3, 7e-3]}, tolerance=2e-2
     )
     assert found.counts == {"ok": 12}
     columns = found.columns()
-    table = section
+    table = PLANE
     for key in ("drive.frequency", "slider.position"):
         table = replaced(table, key, columns[key][5])
     (expected,) = run(Scene.from_table("", table), tolerance=2e-2).points
@@ -269,17 +270,52 @@ def test_a_point_near_the_threshold_gets_a_better_stator(tmp_path, monkeypatch):
     monkeypatch.setattr("studies.sweep.predictor.SHARE", 1.0)
     solved = counted(monkeypatch)
     voltages = [5.0, 11.2, 40.0]
-    section = SMALL | {"stator": SMALL["stator"] | {"diffraction": False}}
-    found = sweep(section, {"drive.voltage": voltages}, tolerance=2.5e-4, out=tmp_path / "s")
+    found = sweep(PLANE, {"drive.voltage": voltages}, tolerance=2.5e-4, out=tmp_path / "s")
     columns = found.columns()
     assert [tolerance for _, tolerance in solved] == pytest.approx([2.5e-4, 2.5e-5])
     assert columns["status"] == ["ok"] * 3
     assert columns["relative_error"][1] < 2.5e-4
     # which stator a point uses is its own matter: alone it has the same row
-    alone = [sweep(section, {"drive.voltage": [each]}, tolerance=2.5e-4).columns() for each in voltages]
-    assert columns["velocity_m_per_s"] == [each["velocity_m_per_s"][0] for each in alone]
+    alone = sweep(PLANE, {"drive.voltage": [voltages[1]]}, tolerance=2.5e-4).columns()
+    assert columns["velocity_m_per_s"][1] == alone["velocity_m_per_s"][0]
     amplitudes = np.array(columns["normal_amplitude_m"]) / voltages
     assert amplitudes[0] != amplitudes[1]
+
+
+# --- the predictor
+
+
+def test_a_stator_is_solved_for_each_change_that_concerns_it_and_for_no_other(monkeypatch):
+    solved, motors = counted(monkeypatch), Predictor(PLANE, tolerance=3e-2, coarse=True)
+    own = motors.contact({})
+    for changes in ({"slider.mass": 1e-4}, {"drive.voltage": 50.0}, {"slider.preload": 2e-3}, {}):
+        other = motors.contact(changes)
+        assert other.solved is own.solved
+        assert (other.slider == own.slider) == (not any("slider" in key for key in changes))
+    assert len(solved) == 1
+    thick = motors.contact({"stator.thickness": 0.8e-3})
+    assert len(solved) == 2
+    assert thick.amplitude != own.amplitude
+    assert motors.contact({"stator.thickness": 0.8e-3, "slider.radius": 2e-3}).orbits == thick.orbits
+    assert len(solved) == 2
+    moved = motors.contact({"slider.position": 6.5e-3})
+    assert moved.solved.admittance == pytest.approx(own.solved.admittance, rel=0.05)
+    assert len(solved) == 3
+
+
+def test_what_has_no_answer_is_said_each_time_and_tried_once(monkeypatch):
+    def failing(*given, **options):
+        tried.append(given)
+        raise RunError("its error stays large")
+
+    tried, motors = [], Predictor(PLANE, tolerance=3e-2, coarse=True)
+    monkeypatch.setattr(predictor, "solved_motion", failing)
+    for _ in range(2):
+        with pytest.raises(RunError, match="stays large"):
+            motors.contact({"slider.mass": 1e-4})
+    assert len(tried) == 1
+    with pytest.raises(SceneError, match=r"slider\.mass must be positive"):
+        motors.contact({"slider.mass": -1.0})
 
 
 # --- stores
@@ -351,7 +387,8 @@ def test_a_driver_that_is_killed_loses_nothing_that_it_reported(tmp_path):
     assert 0 < len(reported) < 3000
     assert rows(tmp_path / "s")[: len(reported)] == reported
     found = sweep("twente-contact", over, out=tmp_path / "s")
-    assert found.columns() == sweep("twente-contact", over).columns()
+    assert found.counts == {"ok": 3000}
+    assert rows(tmp_path / "s")[: len(reported)] == reported
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGXFSZ"), reason="this system has no limit of file sizes")
@@ -376,7 +413,6 @@ def test_a_full_disk_is_said_and_costs_nothing_that_was_kept(tmp_path):
     assert [row[3:] for row in kept] == [
         tuple(columns[name][row[0]] for name in list(columns)[3:]) for row in kept
     ]
-    assert columns == sweep("twente-contact", over).columns()
 
 
 class Poisoned(Workers):

@@ -31,7 +31,8 @@ from studies.view.options import Wanted
 from studies.view.picture import Picture
 from studies.view.quantities import shade
 from studies.view.run_field import run_field
-from studies.view.section import View, chosen_views, limits, magnification, near, views
+from studies.view.section import magnification, piece
+from studies.view.views import View, chosen_views, limits, near, views
 
 MM = 1e3
 CHROMIUM = shutil.which("chromium")
@@ -73,7 +74,12 @@ def folder(tmp_path_factory):
     """A small driven motor that has been run."""
     table = read_table("twente-left")
     settings = ["stator.length=24 mm", "stator.thickness=3 mm", "transducer.0.center=5 mm"]
-    settings += ["transducer.0.finger_pairs=3", "slider.position=14.123 mm", "drive.voltage=60"]
+    settings += [
+        "transducer.0.period=0.98 mm",
+        "transducer.0.finger_pairs=3",
+        "slider.position=14.123 mm",
+        "drive.voltage=60",
+    ]
     for setting in settings:
         table = assigned(table, setting)
     folder = tmp_path_factory.mktemp("run")
@@ -98,7 +104,8 @@ def long(tmp_path_factory):
     """Seventy wavelengths of the seed's stator beside a transducer, absorbing ends, without a slider."""
     table = read_table("twente-left")
     del table["slider"]
-    table = assigned(assigned(table, "stator.length=95 mm"), "drive.voltage=1")
+    for setting in ("stator.length=95 mm", "transducer.0.period=0.98 mm", "drive.voltage=1"):
+        table = assigned(table, setting)
     folder = tmp_path_factory.mktemp("long")
     write_run(run(Scene.from_table("", table), tolerance=1e-2), folder, field=False)
     return run_field(folder, progress=quiet)
@@ -196,8 +203,6 @@ def test_colours_reach_from_end_to_end_of_the_field_and_say_it(found):
 
 
 def test_far_away_nodes_are_passed_over_and_none_is_averaged(found):
-    from studies.view.section import piece
-
     far = piece(found, shade(found, "u_z"), span=(0.0, found.length), bottom=-3e-3, spacing=0.1e-3)
     field = found.field
     lines, rows = np.searchsorted(field.x, far.x), np.abs(field.z[:, None] - far.z).argmin(axis=0)
@@ -211,8 +216,6 @@ def test_far_away_nodes_are_passed_over_and_none_is_averaged(found):
 
 def test_from_near_the_modes_give_the_lines_between(found):
     """Within one wavelength hundreds of lines, on the stator's own motion."""
-    from studies.view.section import piece
-
     start, stop = 14e-3, 15e-3
     near = piece(found, shade(found, "u_z"), span=(start, stop), bottom=-0.4e-3, spacing=1e-6)
     assert len(near.x) > 150

@@ -5,6 +5,7 @@ The stator's part of the records is made up where only numbers enter; the formul
 
 import json
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -246,4 +247,21 @@ def test_a_second_steady_motion_is_said_with_both_velocities():
     only(warnings_of(found), "goes on for ever", here, other, "slider.damping.normal")
     assert not any(
         "bounce" in text for text in warnings_of(run(scene("twente-contact", "wave.normal_amplitude=10 nm")))
+    )
+
+
+def test_a_preload_below_the_weight_is_said():
+    """0.2 kg for 0.2 g: the preload includes the weight."""
+    only(warnings_of(record("twente", "slider.preload=30 mN", "slider.mass=0.2")), "weight", "1962 mN")
+    assert warnings_of(record("twente", "slider.preload=weight", "slider.mass=0.01")) == ()
+
+
+def test_a_finite_aperture_that_the_section_leaves_out_is_said():
+    """From a tenth of u_z."""
+    small, large = ({"effect": "finite aperture", "quantity": "u_z", "size": size} for size in (-0.09, -0.11))
+    assert warnings_of(replace(record("twente"), model_error=(small,))) == ()
+    only(
+        warnings_of(replace(record("twente"), model_error=(large,))),
+        "-11 % of u_z",
+        "stator.diffraction = true",
     )

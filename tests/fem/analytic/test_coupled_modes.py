@@ -29,7 +29,9 @@ def test_the_edges_of_the_stop_band_by_legendre_functions(metallisation):
     assert stop_band_edges(metallisation) == pytest.approx(((1 - cos) / 2, even), rel=1e-12)
 
 
-@pytest.mark.parametrize("metallisation", [0.3, 0.5, 0.7])
+@pytest.mark.parametrize(
+    "metallisation", [0.3, *(pytest.param(each, marks=pytest.mark.slow) for each in (0.5, 0.7))]
+)
 def test_the_stop_band_is_that_of_a_meshed_grating(metallisation):
     """The closed form is of first order in dv/v, 2.4 % here."""
     solid = fem.rotated(fem.material("LiNbO3 (Warner)"), "YZ")

@@ -69,7 +69,7 @@ CUTS = {
 }
 
 
-@pytest.mark.parametrize("name", ["128YX", "ST-X"])
+@pytest.mark.parametrize("name", ["128YX", pytest.param("ST-X", marks=pytest.mark.slow)])
 def test_followed_modes_are_interpolated(name):
     """Against the solution at every node; at ST-X, whose wave changes fast with the angle, by that solution."""
     beam = beam_in(lossless(*CUTS[name]), thickness=np.inf, length=14.0, pairs=1, order=4)

@@ -31,7 +31,9 @@ def lossy():
     return beam_of(cut("PZT-8", "Z", quality=60.0))
 
 
-@pytest.mark.parametrize("bottom", ["free", "grounded", pytest.param("clamped", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "bottom", ["free", *(pytest.param(each, marks=pytest.mark.slow) for each in ("grounded", "clamped"))]
+)
 def test_infinite_aperture_is_the_section(bottom):
     """Charges, line source and modes at k_y = 0 on both sides, next to the fingers and far away."""
     beam = section_charges(beam_of(cut("PZT-8", "Z", quality=60.0), bottom=bottom, aperture=1.0, layers=0))
@@ -147,6 +149,7 @@ def test_error_estimate_covers_the_rule(lossy, monkeypatch):
     assert np.all(abs(after - before).max(axis=0) <= np.maximum(stated, 1e-12) * abs(after).max(axis=0))
 
 
+@pytest.mark.slow
 def test_between_and_under_the_fingers():
     """With a wide aperture the field of the charges is the section's there too."""
     stator = plate(cut("PZT-8", "Z", quality=60.0), length=24.0, thickness=1.3, bottom="grounded")
@@ -161,7 +164,7 @@ def test_between_and_under_the_fingers():
     np.testing.assert_allclose(beam.motion(x)[[0, 2]], section, atol=1e-7 * abs(section).max())
 
 
-@pytest.mark.parametrize("width", [None, 7e-3])
+@pytest.mark.parametrize("width", [None, pytest.param(7e-3, marks=pytest.mark.slow)])
 def test_surface_mode_is_a_sum_of_hankel_functions(lossy, width):
     """The transform of k exp(-i kappa x) / kappa is k H0(k r) / 2: charges and images in both side faces."""
     mode = surface_beam(lossy.wave, mirror_width=width).surface_mode

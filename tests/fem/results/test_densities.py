@@ -27,7 +27,12 @@ def depth_integral(values, depth, order):
 
 
 @pytest.mark.parametrize(
-    ("name", "orientation"), [("PZT-8", "Z"), ("PZT-5H", "X"), ("LiNbO3 (Ogi)", (17.0, 31.0, 49.0))]
+    ("name", "orientation"),
+    [
+        pytest.param("PZT-8", "Z", marks=pytest.mark.slow),
+        pytest.param("PZT-5H", "X", marks=pytest.mark.slow),
+        ("LiNbO3 (Ogi)", (17.0, 31.0, 49.0)),
+    ],
 )
 def test_power_sent_out_is_what_the_audit_says(name, orientation):
     """Poynting's vector over the depth on both sides of the transducer against the modes' amplitudes."""
@@ -42,7 +47,7 @@ def test_power_sent_out_is_what_the_audit_says(name, orientation):
     assert flux[0] < 0 < flux[-1]
 
 
-@pytest.mark.parametrize("name", ["glass", "PZT-8", "LiNbO3 (Warner)"])
+@pytest.mark.parametrize("name", ["glass", "PZT-8", pytest.param("LiNbO3 (Warner)", marks=pytest.mark.slow)])
 def test_a_lossless_wave_carries_twice_its_kinetic_energy_at_its_velocity(name):
     """Half-space: no dispersion, so power = v (kinetic + stored), equal shares; glass stores in strain alone."""
     if name == "glass":

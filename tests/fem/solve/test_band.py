@@ -34,7 +34,9 @@ def made(case):
     return block, pair, middle
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    "case", [name if "absorbing" in name else pytest.param(name, marks=pytest.mark.slow) for name in CASES]
+)
 def test_band_follows_the_full_solution(case):
     """Reduced and interpolated against solved afresh on the same discretisation, within the tolerance."""
     block, pair, middle = made(case)
@@ -87,7 +89,7 @@ def test_the_reduction_takes_what_the_discretisation_leaves(monkeypatch, of_leve
 
 
 STATED = {
-    "absorbing ends": (plate(cut("PZT-8", "Z"), length=10.0, thickness=0.7), 1e-3),
+    "absorbing ends": (plate(cut("PZT-8", "Z"), length=6.0, thickness=0.5), 1e-3),
     "resonant, free ends": (
         plate(cut("PZT-8", "Z", quality=5000.0, loss=1e-3), length=20.0, thickness=1.0, ends="free"),
         1e-2,
@@ -99,7 +101,7 @@ STATED = {
     "name", ["absorbing ends", pytest.param("resonant, free ends", marks=pytest.mark.slow)]
 )
 def test_stated_errors_hold_at_the_worst_frequency(name):
-    """Against a finer level at five frequencies of an 8 % band: at most twice the stated error, nor far below it."""
+    """Against a finer level at three frequencies of an 8 % band: at most twice the stated error, nor far below it."""
     stator, tolerance = STATED[name]
     row, at = (comb(stator, "a", 2.0, finger_pairs=3, period=1.02),), np.array([0.7 * stator.length])
     low, high = 0.96 * FREQUENCY, 1.04 * FREQUENCY
@@ -108,7 +110,7 @@ def test_stated_errors_hold_at_the_worst_frequency(name):
     )
     finer = LEVELS[LEVELS.index(band.model.resolution) + 1]
     errors = []
-    for frequency in np.linspace(low, high, 5):
+    for frequency in np.linspace(low, high, 3):
         full = solve_driven(stator, row, frequency=frequency, drive="a", resolution=finer)
         wave = band.wave(frequency, "a")
         motion = motion_difference(wave.motion(at), surface_of(full).motion(at))
@@ -136,7 +138,7 @@ def test_a_band_that_misses_its_tolerance_says_so(monkeypatch):
     assert said.value.reached.wave(FREQUENCY, "a").relative_error == said.value.reached.relative_error
 
 
-@pytest.fixture(scope="module", params=["free", "clamped"])
+@pytest.fixture(scope="module", params=["free", pytest.param("clamped", marks=pytest.mark.slow)])
 def central(request):
     """A band of a stator whose transducer stands in its middle, made without places; the full solution inside it."""
     stator = plate(cut("PZT-8", "Z", quality=100.0), length=6.0, thickness=0.6, ends=request.param)

@@ -33,7 +33,9 @@ def answer(name):
     return stator, transducer, place, wave
 
 
-@pytest.mark.parametrize("name", STATORS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * name.startswith("X")) for name in STATORS]
+)
 def test_stated_error_bounds_the_true_one(name):
     stator, transducer, place, wave = answer(name)
     level = LEVELS.index(wave.solution.fields.resolution)

@@ -14,7 +14,7 @@ from tests.fem.stators import FREQUENCY, cut, lossless, plate
     [
         ("PZT-8", "Z"),
         ("PZT-5H", "X"),
-        ("LiNbO3 (Warner)", "YZ"),
+        pytest.param("LiNbO3 (Warner)", "YZ", marks=pytest.mark.slow),
         pytest.param("LiNbO3 (Kovacs)", "128YX", marks=pytest.mark.slow),
         pytest.param("quartz (Bechmann)", "ST-X", marks=pytest.mark.slow),
         ("steel", "Z"),

@@ -83,12 +83,13 @@ def test_weakly_coupled_fingers_reflect_as_strips_of_charge(metallisation):
 def test_capacitance_is_that_of_conformal_mapping():
     permittivity = surface_permittivity(lossless("PZT-8", "Z"), "open")
     for metallisation in (0.25, 0.6):
-        made = cells("PZT-8", "Z", metallisation=metallisation, level=1)
+        made = cells("PZT-8", "Z", metallisation=metallisation)
         k = np.sin(np.pi * metallisation / 2) ** 2
         expected = permittivity * ellipk(k) / ellipk(1 - k)
         assert made.capacitance() == pytest.approx(expected, rel=4e-3)  # the level's own error
 
 
+@pytest.mark.slow
 def test_narrow_fingers_leave_the_free_wave_and_wide_ones_the_metallised():
     solid = lossless("PZT-8", "Z")
     free, metal = (rayleigh(solid, surface).velocity for surface in ("open", "metallised"))
@@ -110,7 +111,7 @@ def test_vacuum_above_slows_the_wave():
     assert 0.2 * most < 1 - vacuum.velocity / none.velocity < most
 
 
-@pytest.mark.parametrize("sign", ["o", "+"])
+@pytest.mark.parametrize("sign", [pytest.param("o", marks=pytest.mark.slow), "+"])
 def test_a_finite_reflector_sends_back_tanh_of_its_fingers(sign):
     """|R| = tanh(N |r|) at the middle of the stop band (coupled modes), but for the end fingers: 8 % of 24."""
     solid = lossless("LiNbO3 (Kovacs)", "128YX")

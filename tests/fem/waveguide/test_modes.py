@@ -152,8 +152,8 @@ def test_absorber_does_not_turn_the_surface_wave_round(name, orientation, order)
     [
         ("PZT-4", "Z"),
         ("PZT-5H", "X"),
-        ("LiNbO3 (Warner)", "YZ"),
-        ("LiNbO3 (Kovacs)", "128YX"),
+        pytest.param("LiNbO3 (Warner)", "YZ", marks=pytest.mark.slow),
+        pytest.param("LiNbO3 (Kovacs)", "128YX", marks=pytest.mark.slow),
         ("quartz (Bechmann)", "ST-X"),
         ("steel", "Z"),
     ],

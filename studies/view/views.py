@@ -1,0 +1,117 @@
+"""Which stretches of the section are shown, and where they lie in a picture."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from studies.refusal import SceneError
+from studies.view import description
+from studies.view.run_field import RunField
+
+__all__ = ["Frame", "View", "chosen_views", "frames", "limits", "near", "views"]
+
+MM = 1e3
+CLOSE = 7.0  # wavelengths either side, in the close views
+NARROWEST = 0.05  # wavelengths
+LEFT, RIGHT, ABOVE, BELOW = 80, 130, 30, 50  # pixels round a view, for letters and colour bar
+BALL_SHARE = 0.35  # of a view's height that a ball takes at most
+
+
+@dataclass(frozen=True, kw_only=True)
+class View:
+    """A stretch of the section from start to stop (m), and its share of the picture's height."""
+
+    name: str
+    start: float
+    stop: float
+    weight: float
+
+
+class Frame(NamedTuple):
+    """Where the solid or a view is drawn: left, low, right, high in pixels; of a view m per pixel and the top's z."""
+
+    box: tuple[float, float, float, float]
+    view: View | None = None
+    pixel: float = 0.0
+    top: float = 0.0
+
+    @property
+    def bottom(self) -> float:
+        """Lowest z that is seen, m."""
+        return self.top - (self.box[3] - self.box[1]) * self.pixel
+
+
+def limits(found: RunField, span) -> tuple[float, float] | None:
+    """Return the stretch (m) that "whole", "slider", "wavelength" or two places mean; refuse one off the stator."""
+    if span is None:
+        return None
+    if span == "whole":
+        return 0.0, found.length
+    if isinstance(span, str):
+        half = (0.5 if span == "wavelength" else CLOSE) * found.wavelength
+        return max(found.focus[1] - half, 0.0), min(found.focus[1] + half, found.length)
+    if not 0 <= span[0] < span[1] <= found.length * (1 + 1e-9):
+        rule = f"must lie on the stator, 0:{found.length * 1e3:g} mm"
+        raise SceneError("--span", f"{rule}, got {span[0] * 1e3:g}:{span[1] * 1e3:g} mm")
+    least = NARROWEST * found.wavelength
+    if span[1] - span[0] < least:
+        rule = f"must be at least {least * 1e3:.3g} mm long, a twentieth of a wavelength"
+        raise SceneError("--span", f"{rule}, got {(span[1] - span[0]) * 1e3:.3g} mm")
+    return span
+
+
+def near(found: RunField) -> tuple[float, float]:
+    """Return the two wavelengths (m) about what is to be looked at from near."""
+    return found.focus[1] - found.wavelength, found.focus[1] + found.wavelength
+
+
+def views(found: RunField) -> tuple[View, ...]:
+    """Return what is shown unless something else is asked for: the whole, the driven transducer, the slider."""
+    if found.free:
+        return chosen_views(found, (0.0, found.length))
+    driven, reach = found.scene.driven_transducer, CLOSE * found.wavelength
+    whole = View(name="the whole section", start=0.0, stop=found.length, weight=0.17)
+    return whole, *(
+        View(name=name, start=max(place - reach, 0.0), stop=min(place + reach, found.length), weight=0.4)
+        for name, place in (
+            (f"driven transducer {driven.name!r}", found.in_section(driven.place)),
+            found.focus,
+        )
+    )
+
+
+def chosen_views(found: RunField, span: tuple[float, float] | None) -> tuple[View, ...]:
+    """Return the whole section and below it a stretch (m), what lies about the slider if None."""
+    start, stop = span or limits(found, "slider")
+    count = (stop - start) / found.wavelength
+    name = "1 wavelength" if abs(count - 1) < 5e-4 else f"{count:.3g} wavelengths"
+    if stop - start > 0.99 * found.length:
+        return (View(name=name, start=start, stop=stop, weight=1.0),)
+    whole = View(name="the whole section", start=0.0, stop=found.length, weight=0.3)
+    name = f"{name}, {start * MM:.4g} to {stop * MM:.4g} mm"
+    return whole, View(name=name, start=start, stop=stop, weight=0.7)
+
+
+def frames(found: RunField, views, *, size: tuple[int, int], framed: bool) -> tuple[Frame, ...]:
+    """Return where the views lie, from the top down; one takes no more than its share, or what it needs.
+
+    Without views it is the frame of the solid; a view that is not ``framed`` fills the picture.
+    """
+    width, upper = size
+    if not framed:
+        pixel = (views[0].stop - views[0].start) / width if views else 0.0
+        return (Frame((0, 0, width, upper), *views, *([pixel, 0.35 * upper * pixel] if views else ())),)
+    right, listed = max(width - RIGHT, 0.4 * width), []
+    if not views:
+        return (Frame((0, 0, right, max(upper - 4 * ABOVE, 0.4 * upper))),)
+    weights = sum(view.weight for view in views)
+    for view in views:
+        pixel, share = (view.stop - view.start) / (right - LEFT), upper * view.weight / weights
+        visible = pixel * max(share - ABOVE - BELOW, 0.3 * share)
+        carries = any(view.start <= ball.place <= view.stop for ball in description.balls(found))
+        room = 0.15 * min(visible, 2 * found.wavelength)
+        top = min(2.1 * found.radius, BALL_SHARE * visible) if carries else room
+        high = upper - ABOVE
+        low = high - (top - max(float(found.field.z[0]), top - visible)) / pixel
+        listed.append(Frame((LEFT, low, right, high), view, pixel, top))
+        upper, weights = low - BELOW, weights - view.weight
+    return tuple(listed)
