@@ -22,9 +22,11 @@ of the potential adds to the dipoles is, to the first order, that of a strip on 
 from functools import cache
 
 import numpy as np
+from numpy.polynomial.chebyshev import chebvander
 
 from fem.analytic.hankel import scaled_hankel
 from fem.beam.line_source import LineSource
+from fem.discretize.spectral import chebyshev_nodes
 from fem.geometry import Transducer
 
 ACROSS = (
@@ -32,6 +34,7 @@ ACROSS = (
 )
 NODES = 12  # of Laguerre's rule along the path of steepest descent from y = W
 WIDEST, SLOW = 16.0, 4.0  # over the largest wavenumber: k_y of mirrors, and modes that reach them
+PLACES, MAX_STRETCH = 16, 2.0  # nodes of an interpolation in R, and R / W up to which they leave 1e-13
 DECAYED = 45.0  # exponent beyond which a Hankel function is nothing
 
 laguerre_rule = cache(np.polynomial.laguerre.laggauss)
@@ -87,16 +90,32 @@ def mode_change(wavenumbers: np.ndarray, aperture: float, distances: np.ndarray)
     near[there] = here * np.exp(-1j * of * here) * scaled_hankel(1, of * here) / of
     out = near / width
     lasting = -wavenumbers.imag * width < DECAYED
-    k = k[lasting]
-    out[lasting] -= reach * np.exp(-1j * k * reach) * scaled_hankel(1, k * reach) / (k * width)
+    k, farthest = k[lasting], reach.max() / width
+    if len(x) > PLACES and farthest < MAX_STRETCH:  # a smooth function of log R
+        places, coefficients = _interpolation()
+        terms = chebvander(2 * np.log(reach / width) / np.log(farthest) - 1, PLACES - 1)
+        beyond = _beyond(k, width, width * farthest ** ((places + 1) / 2)) @ (terms @ coefficients).T
+    else:
+        beyond = _beyond(k, width, reach)
+    out[lasting] -= np.exp(-1j * k * reach) * beyond
+    return out * wavenumbers[:, None]
+
+
+@cache
+def _interpolation() -> tuple[np.ndarray, np.ndarray]:
+    """Chebyshev nodes in [-1, 1], and the matrix from values there to coefficients of Chebyshev polynomials."""
+    nodes = chebyshev_nodes(-1.0, 1.0, PLACES)
+    return nodes, np.linalg.inv(chebvander(nodes, PLACES - 1))
+
+
+def _beyond(k: np.ndarray, width: float, reach: np.ndarray) -> np.ndarray:
+    """R H_1(k R) / (k W) + int_W^oo H_0(k r) dy, times exp(i k R), shape (modes, n); k of shape (modes, 1)."""
     # from y = W on along exp(-i k y) falling; r leaves no branch cut on the way
     s, weights = laguerre_rule(NODES)
     path = -1j * (reach / width)[:, None] * s / k[..., None]
-    r = np.sqrt(x[:, None] ** 2 + (width + path) ** 2)
-    z = k[..., None] * r
-    value = scaled_hankel(0, z) * np.exp(s - 1j * z)
-    out[lasting] -= -1j / k * (reach / width) * (value @ weights)
-    return out * wavenumbers[:, None]
+    z = k[..., None] * np.sqrt(reach[:, None] ** 2 + path * (2 * width + path))
+    value = scaled_hankel(0, z) * np.exp(s - 1j * (z - (k * reach)[..., None]))
+    return reach * scaled_hankel(1, k * reach) / (k * width) - 1j / k * (reach / width) * (value @ weights)
 
 
 def static_change(aperture: float, distances: np.ndarray) -> np.ndarray:

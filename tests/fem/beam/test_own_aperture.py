@@ -32,6 +32,12 @@ def test_a_mode_is_a_double_integral_of_a_hankel_function(k):
         assert found[-1] == pytest.approx((coupling - 1) * np.exp(-1j * k * x[-1]), rel=1e-5)
 
 
+def test_many_distances_are_interpolated():
+    k, x = np.array([6300 - 1j, -5000 - 3j, 900 - 4000j]), np.linspace(0.5e-3, 6e-3, 40)
+    few = np.hstack([mode_change(k, APERTURE, each) for each in np.split(x, 4)])
+    np.testing.assert_allclose(mode_change(k, APERTURE, x), few, atol=1e-11 * abs(few).max())
+
+
 def test_the_static_pole_is_a_double_integral_of_a_logarithm():
     x = np.array([0.0, 0.3e-3, 2e-3, 6e-3])
     mean = [over_the_aperture(lambda y, x=each: np.log(np.hypot(x, y)) / np.pi).real for each in x]
