@@ -224,17 +224,15 @@ def run_study(
     small version, with the arguments in the module's ``QUICK``.
     """
     chosen = module(name)
-    taken = signature(chosen.run).parameters
-    if over and "over" not in taken:
-        raise SceneError("--over", f"is not taken by the study {name}")
-    for option in options or {}:
-        if option not in getattr(chosen, "OPTIONS", ()):
+    taken, asked = signature(chosen.run).parameters, (options or {}) | ({"over": over} if over else {})
+    for option in asked:
+        if option not in taken:
             raise SceneError(f"--{option}", f"is not taken by the study {name}")
-    if scene is not None and "scene" not in taken:
-        raise SceneError("study", f"{name} has its own scenes and takes none")
-    given = ({} if scene is None else {"scene": scene}) | ({"over": over} if over else {})
-    given |= (getattr(chosen, "QUICK", {}) if quick else {}) | (options or {})
-    record = chosen.run(progress=progress, **given)
+    if scene is not None:
+        if "scene" not in taken:
+            raise SceneError("study", f"{name} has its own scenes and takes none")
+        asked["scene"] = scene
+    record = chosen.run(progress=progress, **(chosen.QUICK if quick else {}) | asked)
     if isinstance(record, Record):
         from studies.report.files import write_run
 

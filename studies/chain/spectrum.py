@@ -25,9 +25,8 @@ class Response:
     """A driven stator that answers at any frequency of a range; what ``fem.burst`` asks of a band."""
 
     limits: tuple[float, float]  # Hz
-    bands: tuple = field(
-        repr=False
-    )  # fem.Band, from low to high; empty where every frequency is solved by itself
+    # fem.Band, from low to high; empty where every frequency is solved by itself
+    bands: tuple = field(repr=False)
     alone: Callable = field(repr=False)  # frequency -> fem.SurfaceWave, for that case
 
     def wave(self, frequency: float, drive):

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from studies.chain.bridge import DrivenContact
 from studies.chain.points import averaged
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
 from studies.refusal import RunError, SceneError
@@ -60,26 +61,22 @@ class MeasurementPredictor(Predictor):
 
     def predict(self, asked: list[tuple[Measurement, dict]]) -> list[np.ndarray]:
         """Return the values of measurements, each with its own numbers; NaN where there is no answer."""
-        answers, states = [None] * len(asked), []
-        for k, (measurement, numbers) in enumerate(asked):
+        answers, states = [], []
+        for measurement, numbers in asked:
             numbers = numbers | measurement.settings
             contact = self.contact(numbers)
             factors = self._factors(measurement, numbers, contact)
             if measurement.quantity == "velocity":
-                states.append((k, contact, factors))
+                answers.append(slice(len(states), len(states) + len(factors)))
+                states += [(contact, float(factor)) for factor in factors]
             elif measurement.quantity == "amplitude":
-                answers[k] = factors * contact.amplitude
+                answers.append(factors * contact.amplitude)
             elif measurement.quantity == "burst":
-                answers[k] = self._burst(measurement, contact, float(factors[0]))
+                answers.append(self._burst(measurement, contact, float(factors[0])))
             else:
-                answers[k] = np.array([contact.slider.tangential_resonance(len(contact.orbits))])
-        asked = [
-            (contact.slider, contact.orbits, 0.0, float(f)) for _, contact, factors in states for f in factors
-        ]
-        rows = iter(averaged(asked))
-        for k, contact, factors in states:
-            answers[k] = np.array([_steady(contact, float(f), *next(rows)) for f in factors])
-        return answers
+                answers.append(np.array([contact.slider.tangential_resonance(len(contact.orbits))]))
+        speeds = steady_velocities(states)
+        return [speeds[each] if isinstance(each, slice) else each for each in answers]
 
     def _factors(self, measurement: Measurement, numbers: dict, contact: Driven) -> np.ndarray:
         """Return the factors on the contact's orbits at the levels of a measurement."""
@@ -119,16 +116,22 @@ class MeasurementPredictor(Predictor):
         return np.interp(measurement.time, found.time, found.velocity)
 
 
-def _steady(contact: Driven, factor: float, velocity: float, regime: str, error: float, *_) -> float:
-    """Return an averaged velocity that is good enough, or that of the motion itself."""
+def steady_velocities(asked: list[tuple[DrivenContact, float]]) -> np.ndarray:
+    """Return the steady velocity of each contact at a factor on its orbits, m/s; NaN where there is none.
+
+    An averaged velocity that is good enough is taken, else that of the motion itself.
+    """
     import contact as library
 
-    if regime != "unknown" and error < TRUSTED:
-        return velocity
-    try:
-        found = library.steady(contact.slider, contact.at(factor), tolerance=ALONE)
-    except library.ConvergenceError:
-        return math.nan
-    except ValueError as error:
-        raise RunError(str(error)) from None
-    return float(found.velocity)
+    found = []
+    rows = averaged([(contact.slider, contact.orbits, 0.0, factor) for contact, factor in asked])
+    for (contact, factor), (velocity, regime, error, *_) in zip(asked, rows, strict=True):
+        if regime == "unknown" or error >= TRUSTED:
+            try:
+                velocity = library.steady(contact.slider, contact.at(factor), tolerance=ALONE).velocity
+            except library.ConvergenceError:
+                velocity = math.nan
+            except ValueError as error:
+                raise RunError(str(error)) from None
+        found.append(float(velocity))
+    return np.array(found)

@@ -6,7 +6,6 @@ points are evaluated again at the tolerance, and COBYQA goes on there from the b
 
 import numpy as np
 from scipy.optimize import differential_evolution, minimize
-from scipy.stats import qmc
 
 from studies.inverse.evaluations import Evaluations
 from studies.inverse.goals import GOALS
@@ -29,16 +28,15 @@ class Search:
     def run(self, weights: list[float], budget: int) -> float:
         """Search with weights of the goals; return the largest value of the first that has weight."""
         count = len(self.variables)
-        size = max(5, min(CROWD * count, int(GLOBAL_SHARE * budget) // 4))
+        each = max(1, min(CROWD, int(GLOBAL_SHARE * budget) // (4 * count)))
+        size = max(5, each * count)  # of a generation
         turns = max(1, int(GLOBAL_SHARE * budget) // size - 1)
 
         def values(xs):
             return np.array([self.value(row, weights) for row in self.rows(xs.T, self.coarse)])
 
-        first = qmc.LatinHypercube(count, rng=np.random.default_rng(self.seed)).random(size)
         found = differential_evolution(
-            values, [(0.0, 1.0)] * count,
-            popsize=max(1, size // count), maxiter=turns, init=first, rng=np.random.default_rng(self.seed),
+            values, [(0.0, 1.0)] * count, popsize=each, maxiter=turns, rng=np.random.default_rng(self.seed),
             vectorized=True, updating="deferred", polish=False, tol=0.0,
         )  # fmt: skip
         start, left = found.x, budget - size * (turns + 1)

@@ -11,9 +11,8 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import norm, qmc, truncnorm
 
-from studies.inverse.prediction import MeasurementPredictor
+from studies.inverse.prediction import MeasurementPredictor, steady_velocities
 from studies.record import Record
-from studies.report.measured import Measurement
 from studies.scene.keys import LEVELS, tolerances
 from studies.scene.uncertain import DEFAULTS
 
@@ -91,14 +90,11 @@ def _answers(predictor: MeasurementPredictor, record: Record, changes: list[dict
         level = np.prod([changed.get(key, 1.0) for key in LEVELS]) ** (
             0.5 if "drive.power" in changed else 1.0
         )
-        own = {key: value for key, value in changed.items() if key not in LEVELS}
-        driven = predictor.contact(own)
-        curve = Measurement(
-            name="", quantity="velocity", level_key=record.level, levels=tuple(levels * level)
-        )
-        asked.append((curve, own))
+        driven = predictor.contact({key: value for key, value in changed.items() if key not in LEVELS})
+        asked += [(driven, each * level) for each in levels.tolist()]
         factors = [getattr(contact, f"{name}_factor")(driven.slider, driven.orbits) for name in LIMITS]
         limits.append(
             [*(factor * driven.amplitude for factor in factors), *(factor / level for factor in factors)]
         )
-    return np.column_stack([np.array(predictor.predict(asked)), np.array(limits)])
+    velocities = steady_velocities(asked).reshape(len(changes), len(levels))
+    return np.column_stack([velocities, np.array(limits)])

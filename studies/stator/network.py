@@ -22,7 +22,6 @@ from studies.scene.quantity import si_value
 from studies.scene.ranges import is_number, read_range
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
-OPTIONS = ("band", "z0", "measured")
 QUICK = {"count": 11, "tolerance": 0.3}
 BRANCHES = 5
 CLOSE = 0.1  # error of a circuit that may stand for the transducer, over the largest admittance

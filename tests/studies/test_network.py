@@ -12,7 +12,7 @@ from studies.refusal import SceneError
 from studies.scene import read_table
 from studies.scene.resolved import resolved, stator, transducers
 from studies.stator import network
-from studies.study import module, run_study
+from studies.study import run_study
 
 
 def chip(**transducer) -> Scene:
@@ -119,7 +119,6 @@ def test_impossible_options_are_refused(options, words):
 def test_other_studies_take_no_such_options(tmp_path):
     with pytest.raises(SceneError, match="--z0 is not taken by the study admittance"):
         run_study("admittance", None, tmp_path, progress=print, options={"z0": "50"})
-    assert module("network").OPTIONS == ("band", "z0", "measured")
 
 
 def test_the_command_hands_its_options_on(capsys):
