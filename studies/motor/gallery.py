@@ -23,7 +23,7 @@ from studies.stator import admittance
 from studies.study import Panel, StudyRecord
 from studies.view.contact_view import contact_moments
 from studies.view.gallery_pictures import draw_all
-from studies.view.run_field import of_record
+from studies.view.run_field import run_field
 
 QUICK = {"films": False, "maps": False}
 CONTACT, BURSTS = 0.5, (0.2, 0.4, 0.8)  # of the largest voltage: the scene's nearest ones are drawn
@@ -72,7 +72,7 @@ def run(
         chosen.refuse("transducer", "and slider are needed: the gallery shows a whole motor")
     say("running the scene")
     record = run_chain(replace(chosen, drive=replace(chosen.drive, burst=None)), tolerance=1e-3, progress=say)
-    found, driven = of_record(record, progress=say), DrivenContact.of_run(record)
+    found, driven = run_field(record, progress=say), DrivenContact.of_run(record)
     moving = driven.above(1.0)
     voltage, *voltages = (
         min(moving, key=lambda level: abs(level - share * moving[-1])) for share in (CONTACT, *BURSTS)

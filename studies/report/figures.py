@@ -152,10 +152,10 @@ def curve(ax, x, y, style: str, colour: str, label: str | None = None, *, size: 
     ax.plot(x, y, style, color=COLOURS[colour], linewidth=1, markersize=size, label=label)
 
 
-def arrow(ax, tail, head, colour: str, *, width: float = 1.6, **given) -> None:
+def arrow(ax, tail, head, colour: str, *, width: float = 1.6) -> None:
     """Draw an arrow between two points (x, y) in a colour of matplotlib."""
     drawn = {"arrowstyle": "-|>", "color": colour, "linewidth": width, "shrinkA": 0, "shrinkB": 0}
-    ax.annotate("", head, tail, arrowprops=drawn, **given)
+    ax.annotate("", head, tail, arrowprops=drawn)
 
 
 def own(ax, x, y, label: str) -> None:

@@ -72,7 +72,7 @@ def view(
     elif show == "beam":
         writers = _beam_writers(record, wanted, progress)
     else:
-        writers = _field_writers(folder, wanted, show, progress, note)
+        writers = _field_writers(record, wanted, show, progress, note)
     for option, file in wanted.files.items():
         progress(f"writing {file}")
         try:
@@ -85,9 +85,9 @@ def view(
         note(f"{NO_STATOR}; this is its contact")
 
 
-def _field_writers(folder, wanted: Wanted, show: str, progress, note) -> dict[str, Callable]:
+def _field_writers(record: Record, wanted: Wanted, show: str, progress, note) -> dict[str, Callable]:
     """Return what writes each option's file of a run's field, and what opens its window."""
-    found = run_field(folder, progress=progress)
+    found = run_field(record, progress=progress)
     span = limits(found, wanted.span)
     most = -float(found.field.z[0]) / (float(abs(found.field.displacement).max()) or 1.0)
     if wanted.factor is not None and wanted.factor > most:

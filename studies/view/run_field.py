@@ -9,13 +9,13 @@ import numpy as np
 
 import fem
 from fem import LEVELS, one_blas_thread, solve_driven, surface_beam, surface_wave
-from studies.chain import run
+from studies.chain import run as run_chain
 from studies.chain.surface_motion import SurfaceMotion, crossed_motion
 from studies.record import Record
 from studies.refusal import RunError, SceneError, shown
 from studies.scene import Scene, resolved
 
-__all__ = ["NO_STATOR", "RunField", "left_run", "motion_again", "of_record", "run_field"]
+__all__ = ["NO_STATOR", "RunField", "left_run", "motion_again", "run_field"]
 
 LINES = 16  # per wavelength in the stretches of a driven stator
 FREE_WAVELENGTHS = 10  # of a free wave are shown
@@ -118,13 +118,13 @@ def left_run(folder: str | Path) -> Record:
         raise SceneError("", f"{shown(str(folder))} is no directory that sawmotor run left") from None
 
 
-def run_field(folder: str | Path, *, progress: Callable[[str], None]) -> RunField:
-    """Return the field of a run.
+def run_field(run: str | Path | Record, *, progress: Callable[[str], None]) -> RunField:
+    """Return the field of a run, computed anew.
 
     Parameters
     ----------
-    folder : str or Path
-        What ``sawmotor run`` left.
+    run : str, Path or Record
+        What ``sawmotor run`` left, or its record.
     progress : callable
         Told what is being done.
 
@@ -133,14 +133,9 @@ def run_field(folder: str | Path, *, progress: Callable[[str], None]) -> RunFiel
     SceneError
         If the directory holds no run, or the run has no stator.
     """
-    record = left_run(folder)
+    record = run if isinstance(run, Record) else left_run(run)
     if record.scene.stator is None:
-        raise SceneError("", f"{shown(str(folder))}: {NO_STATOR}")
-    return of_record(record, progress=progress)
-
-
-def of_record(record: Record, *, progress: Callable[[str], None]) -> RunField:
-    """Return the field of a run with a stator that is at hand."""
+        raise SceneError("", NO_STATOR)
     progress("computing the field")
     return _driven(record, progress) if record.scene.transducer else _free(record)
 
@@ -174,7 +169,7 @@ def motion_again(record: Record, *, progress) -> SurfaceMotion:
     level = [each for each in LEVELS if named == f"order {each.order}, {each.edge_layers} edge layers"]
     if not level:
         bare = replace(scene, slider=None)
-        found = run(bare, tolerance=record.tolerance, progress=progress).surface_motion
+        found = run_chain(bare, tolerance=record.tolerance, progress=progress).surface_motion
         return found if scene.crossed else SurfaceMotion(wave=found.wave)
 
     def solve(stator, row, drive, _places=()):
