@@ -100,7 +100,12 @@ def needed(module: str, what: str):
 def shown(value) -> str:
     """Return a value as an error quotes it: on one line and short."""
     try:
-        text = repr(value)
+        # the only values without a literal of Python's are TOML's dates and times
+        text = (
+            repr(value)
+            if type(value).__module__ != "datetime"
+            else f"the date or time {value} (quotes are missing)"
+        )
     except (
         ValueError,
         RecursionError,

@@ -176,11 +176,11 @@ def test_a_shipped_scene_is_checked_and_planned(name):
     assert main(["run", name, "--explain"]) == 0
 
 
-# README.md runs twente and tests/studies/test_warnings.py asks for its warnings; test_crossed.py runs crossing beams
+# README.md runs twente, test_warnings.py asks for its warnings, test_crossed.py runs crossing beams
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=[pytest.mark.slow] * (name in ("twente", "crossed")))
+        pytest.param(name, marks=[pytest.mark.slow] * (name in ("twente", "twente-left", "crossed")))
         for name in shipped_scenes()
     ],
 )

@@ -85,7 +85,7 @@ class ElectrodeCharges:
     def pairs(self) -> tuple[np.ndarray, np.ndarray]:
         """Places (m) and charges of two lumps per finger with its charge, dipole and spread: for static fields."""
         places, charges = [], []
-        for number in np.unique(self.finger):
+        for number in dict.fromkeys(self.finger.tolist()):
             x, charge = (each[self.finger == number] for each in (self.x, self.charge))
             middle = 0.5 * (x[0] + x[-1])
             total, dipole, spread = (np.sum(charge * (x - middle) ** power) for power in range(3))

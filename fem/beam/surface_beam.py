@@ -197,7 +197,7 @@ class SurfaceBeam:
         distance = self._distances(x)
         group = np.searchsorted(np.divide(GROUPS, GROUPS[0]) * self._resolved, distance)
         total = np.empty((2, 3, len(x)), dtype=complex)
-        for number in np.unique(group):
+        for number in set(group.tolist()):
             some = group == number
             total[..., some] = self._modal(x[some], y[some], float(distance[some].min()))
             if self.complete and number == 0:

@@ -48,7 +48,7 @@ def discretise(
     if unknowns > MAX_UNKNOWNS and not stator.absorbs_below:
         minutes = MINUTES_AT_MAX * (unknowns / MAX_UNKNOWNS) ** 3
         raise ConvergenceError(
-            f"a section of {stator.thickness / unit:.3g} wavelengths of thickness, {stator.thickness:g} m, has "
+            f"stator.thickness, {stator.thickness:g} m, is {stator.thickness / unit:.3g} wavelengths: its section has "
             f"about {unknowns:.3g} unknowns on a line, takes {minutes:.2g} minutes "
             'or more and is not begun: take a thinner one, or bottom = "absorbing" where the bottom does not matter'
         )

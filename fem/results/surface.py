@@ -177,7 +177,7 @@ class Surface:
         out = np.zeros((2, flat.size), dtype=complex)
         starts = np.array([piece.start for piece in self.pieces[1:]])
         owner = np.searchsorted(starts, flat, side="right")
-        for index in np.unique(owner):
+        for index in set(owner.tolist()):
             here = owner == index
             out[:, here] = part(self.pieces[index], flat[here])
         largest = abs(out).max(initial=0.0)

@@ -2,6 +2,7 @@
 
 import tomllib
 from collections.abc import Iterator
+from datetime import date, time
 
 from studies.refusal import SceneError, nearest, shown
 
@@ -13,12 +14,16 @@ def toml_value(text: str):
     --------
     >>> toml_value("1e-4"), toml_value("[1, 2]"), toml_value("900 mm")
     (0.0001, [1, 2], '900 mm')
+    >>> toml_value("10:50:20")
+    '10:50:20'
     """
     try:
         document = tomllib.loads(f"value = {text}")
     except (tomllib.TOMLDecodeError, RecursionError, ValueError):
         return text
-    return document["value"] if list(document) == ["value"] else text
+    value = document.get("value") if list(document) == ["value"] else text
+    # 10:50:20 is a time of day to TOML, and to everybody else START:STOP:N
+    return text if isinstance(value, date | time) else value
 
 
 def setting_of(text: str) -> tuple[str, object]:

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache
 
-from studies.refusal import SceneError
+from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.scene.block import keys_of
 from studies.scene.blocks import Element, IsotropicSolid, PiezoelectricSolid, Stator, Transducer
@@ -210,7 +210,8 @@ def _with_circuit(scene: Scene) -> Scene:
     matched = recovery is not None and recovery.rectifier is None and recovery.load == "matched"
     if not matched and given.match != "auto":
         return _with_load(scene)
-    ports = port_admittance(scene, scene.frequency, MATCH_TOLERANCE)
+    with _refused("drive.match"):
+        ports = port_admittance(scene, scene.frequency, MATCH_TOLERANCE)
     about = (ports.matrix, ports.names)
     if recovery is not None:
         load = None
@@ -313,9 +314,13 @@ def _given(block, *names: str) -> dict:
 
 @contextmanager
 def _refused(path: str, names=()):
-    """Turn a refusal of fem into the scene's; ``names`` are those of the transducers."""
+    """Turn a refusal of fem into the scene's, and no answer into the run's; ``names`` are those of the transducers."""
+    from fem import ConvergenceError
+
     try:
         yield
+    except ConvergenceError as error:
+        raise RunError(str(error)) from None
     except ValueError as error:
         text = str(error).splitlines()[0]
         for index, name in enumerate(names):

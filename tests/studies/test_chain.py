@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from studies import Scene, SceneError, Wave, chain
+from studies.__main__ import main
 from studies.chain import _needed, bridge, run
 from studies.chain.points import SliderAnswer
 from studies.refusal import RunError
@@ -111,7 +112,7 @@ def test_a_given_wave_drives_towards_plus_x():
     [
         (["stator.material=PZT8"], "PZT-8"),
         (["stator.material=steel"], "not piezoelectric"),
-        (["transducer.0.center=2 mm"], r"transducer\.0\.center"),
+        (["transducer.0.center=2 mm"], r"transducer\.0"),
         (["transducer.0.center=136 mm"], "overlap"),
         (["transducer.0.finger_pairs=500"], "stator"),
     ],
@@ -243,3 +244,10 @@ def test_a_finer_stator_is_asked_for_only_where_it_helps():
     assert needed((5.2e-3, 0.0), ringing=5e-3) is None  # the ringing alone is too much
     assert needed((1.9e-3, 0.0), ringing=1e-4) == pytest.approx(1e-4 * 0.4e-3 / 1.8e-3, rel=1e-12, abs=0)
     assert needed((3e-4, 9e-4)) is None  # the contact limits
+
+
+def test_a_stator_too_thick_to_solve_is_no_defect_of_the_program(capsys):
+    """Found while the automatic period is: the sentence names the key."""
+    auto = ("lithium-niobate-128yx", "--set", "transducer.0.period=auto", "--set", "stator.thickness=1 m")
+    assert main(["run", *auto, "--no-plot"]) == 1
+    assert capsys.readouterr().err.splitlines()[-1].startswith("sawmotor: stator.thickness, 1 m, is ")

@@ -5,7 +5,7 @@ import pytest
 from studies.command.calls import changed_scene
 from studies.command.parser import parser
 from studies.refusal import SceneError
-from studies.scene import read_table
+from studies.scene import Scene, read_table
 from studies.scene.keys import rule_at
 from studies.scene.override import assigned, toml_value
 
@@ -102,3 +102,10 @@ def test_voltages_of_a_call(text, values):
 def test_voltages_that_make_no_list_are_refused(text):
     with pytest.raises(SceneError, match=r"^drive\.voltage"):
         changed_scene(parser().parse_args(["run", "twente", f"--voltage={text}"]))
+
+
+def test_voltages_that_look_like_a_time_of_day_are_a_range():
+    """TOML reads 12:28:17 as a time."""
+    motor = Scene.from_table("", assigned(read_table("twente-contact"), "wave.normal_amplitude=10:50:20"))
+    assert len(motor.levels) == 20
+    assert toml_value("2026-11-22") == "2026-11-22"

@@ -86,7 +86,7 @@ def test_the_load_works_against_the_drive():
 
 
 def test_a_run_says_how_far_it_went(small):
-    scene = small.replace(drive={"burst": "2 ms", "voltage": "120 V"}, slider={"travel": True})
+    scene = small.replace(drive={"burst": "1 ms", "voltage": "120 V"}, slider={"travel": True})
     moved, still = (run(each, tolerance=0.05) for each in (scene, scene.replace(slider={"travel": False})))
     travel = moved.points[0]["travel_m"]
     _, trajectory = still.trajectories[0]
@@ -97,5 +97,5 @@ def test_a_run_says_how_far_it_went(small):
     )
     assert "travel_m" not in still.points[0]
     assert any("slider.travel is false" in each for each in still.left_out)
-    absent = run(small.replace(drive={"burst": "2 ms", "voltage": "120 V"}), tolerance=0.05)
+    absent = run(small.replace(drive={"burst": "1 ms", "voltage": "120 V"}), tolerance=0.05)
     assert absent.points == still.points  # less than a tenth of a wavelength: bit-equal
