@@ -99,10 +99,11 @@ class OnDask(Workers):
                 logging.getLogger(name).setLevel(logging.CRITICAL + 1)
         try:
             self._client = Client(address, timeout=10, set_as_default=False)
-        except (OSError, ValueError) as error:
+        except ValueError as error:
+            raise SceneError("--scheduler", f"must be such as tcp://127.0.0.1:8786: {error}") from None
+        except OSError as error:
             text = " ".join(str(error).split())
-            rule = f"no Dask scheduler answers at {address!r}, which must be such as tcp://127.0.0.1:8786: {text}"
-            raise RunError(rule) from None
+            raise RunError(f"no Dask scheduler answers at {address!r}: {text}") from None
         self._executor: Executor = self._client.get_executor(pure=False)
 
     @property
