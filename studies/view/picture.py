@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 from matplotlib.ticker import MaxNLocator
+from PIL import Image
 
 from studies.refusal import needed
 from studies.scene import resolved
@@ -135,7 +136,7 @@ class Picture:
 
     def save(self, file: str | Path) -> None:
         """Write the picture as it is and give it up."""
-        self.plotter.screenshot(file)
+        Image.fromarray(self.plotter.screenshot(return_img=True)).save(file)
         self.plotter.close()
 
     def _add_electrodes(self, motion: Callable) -> None:
@@ -222,7 +223,7 @@ class Picture:
         x, z = MM * 0.5 * (frame.view.start + frame.view.stop), MM * 0.5 * (frame.top + frame.bottom)
         camera.up, camera.focal_point, camera.parallel_scale = (0, 0, 1), (x, 0, z), 0.5 * MM * height
         camera.position = x, -10 * MM * self.found.length, z
-        if self.framed and height > 100 * frame.pixel:
+        if self.framed and height > 140 * frame.pixel:
             self._add_crystal_axes(frame)
         self.plotter.reset_camera_clipping_range()
         if self.framed:
@@ -262,10 +263,13 @@ class Picture:
         else:
             ticks[1] = np.array([0.0, ends[1, 0]])
         for axis, (title, values) in enumerate(zip(("x (mm)", ""), ticks, strict=True)):
+            # as many decimals for all: the axis leaves room for the width of the last
+            decimals = int(np.ceil(-np.log10(abs(np.diff(values)).max(initial=1e-6))))
+            written = f"%.{max(decimals, 0)}f" if axis == 0 or high - low > 80 else "%.3g"
             places = np.tile([left, low, 0.0], (2, 1))
             places[:, axis] += (values[[0, -1]] - ends[axis, 0]) / MM / frame.pixel
             ruler = self.plotter.add_ruler(
-                *places, number_labels=len(values), label_format="%.5g", title=title
+                *places, number_labels=len(values), label_format=written, title=title
             )
             ruler.SetRange(*values[[0, -1]])
             ruler.UseFontSizeFromPropertyOn()

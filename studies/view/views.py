@@ -13,6 +13,7 @@ MM = 1e3
 CLOSE = 7.0  # wavelengths either side, in the close views
 NARROWEST = 0.05  # wavelengths
 LEFT, RIGHT, ABOVE, BELOW = 80, 130, 30, 50  # pixels round a view, for letters and colour bar
+NARROW = 140  # pixels of height for each view, below which there is less room round it
 BALL_SHARE = 0.35  # of a view's height that a ball takes at most
 
 
@@ -100,18 +101,19 @@ def frames(found: RunField, views, *, size: tuple[int, int], framed: bool) -> tu
     if not framed:
         pixel = (views[0].stop - views[0].start) / width if views else 0.0
         return (Frame((0, 0, width, upper), *views, *([pixel, 0.35 * upper * pixel] if views else ())),)
-    right, listed = max(width - RIGHT, 0.4 * width), []
+    right, listed = max(width - RIGHT, LEFT + 0.3 * width), []
     if not views:
         return (Frame((0, 0, right, max(upper - 4 * ABOVE, 0.4 * upper))),)
-    weights = sum(view.weight for view in views)
+    weights, narrow = sum(view.weight for view in views), min(1.0, upper / (NARROW * len(views)))
+    above, below = narrow * ABOVE, narrow * BELOW
     for view in views:
         pixel, share = (view.stop - view.start) / (right - LEFT), upper * view.weight / weights
-        visible = pixel * max(share - ABOVE - BELOW, 0.3 * share)
+        visible = pixel * max(share - above - below, 0.3 * share)
         carries = any(view.start <= ball.place <= view.stop for ball in description.balls(found))
         room = 0.15 * min(visible, 2 * found.wavelength)
         top = min(2.1 * found.radius, BALL_SHARE * visible) if carries else room
-        high = upper - ABOVE
+        high = upper - above
         low = high - (top - max(float(found.field.z[0]), top - visible)) / pixel
         listed.append(Frame((LEFT, low, right, high), view, pixel, top))
-        upper, weights = low - BELOW, weights - view.weight
+        upper, weights = low - below, weights - view.weight
     return tuple(listed)

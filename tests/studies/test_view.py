@@ -251,6 +251,15 @@ def test_a_screenshot_shows_section_electrodes_and_slider_where_they_are(found, 
     assert last - first == pytest.approx(2e-3, rel=0.03)
 
 
+@pytest.mark.parametrize("show", ["field", "solid"])
+def test_the_smallest_picture_is_drawn_whatever_the_case_of_its_format(computed, tmp_path, show):
+    wanted = Wanted(screenshot=str(tmp_path / "a.JPEG"), size=(200, 100), show=show)
+    view.view(computed, wanted, progress=quiet)
+    with Image.open(tmp_path / "a.JPEG") as picture:
+        assert picture.size == (200, 100)
+        assert np.asarray(picture).std() > 5
+
+
 @pytest.mark.parametrize(("start", "stop", "whole"), [(0.0, 0.024, True), (0.0138, 0.0144, False)])
 def test_a_view_has_room_for_depth_and_ball(found, start, stop, whole):
     """From far the whole depth and the whole ball, from near a part of both; one scale for lengths and heights."""
