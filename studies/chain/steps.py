@@ -55,7 +55,7 @@ class Steps:
         if not self.reason:
             return ""
         return (
-            f"the wave is taken at full size from the first cycle, for {self.reason}: "
+            f"the wave is taken at full size from the first cycle, because {self.reason}: "
             "a burst shorter than the wave's settling time moves less"
         )
 

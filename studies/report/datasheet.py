@@ -183,7 +183,10 @@ def _positioning(bursts: Steps, rated: float, steps, start_stop):
             f"a burst of {cycles}, {step.cycles / frequency * 1e6:.4g} \u00b5s; rests after "
             f"{step.stopping_time * 1e6:.3g} \u00b5s, then rings by {step.ring * 1e9:.2g} nm"
         )
-        condition += f"; {bursts.sentence}" if bursts.sentence else ""
+        if bursts.sentence:
+            condition += (
+                f"; {bursts.sentence if size == STEPS[0] else 'wave at full size from the first cycle'}"
+            )
         yield Row("positioning", name, abs(step.displacement), "m", error, condition)
     time, speed, last = start_stop.time, abs(start_stop.velocity), abs(start_stop.velocity_at_burst_end)
     grid, reached = float(np.max(np.diff(time))), float(time[np.argmax(speed >= SETTLED * last)])

@@ -63,6 +63,16 @@ def test_a_transducer_far_away_makes_a_trapezoid():
     assert found.settling == pytest.approx(delay + 0.49 * transit, abs=1.5e-6)
 
 
+def test_another_duration_needs_no_other_solution():
+    found = responded(delayed(12e-6, 6e-6))
+    again, direct = found.lasting(25.3e-6), responded(delayed(12e-6, 6e-6), duration=25.3e-6)
+    for name in ("time", "normal", "tangential", "settling", "band_error"):
+        np.testing.assert_allclose(getattr(again, name), getattr(direct, name), rtol=1e-12, atol=1e-12)
+    assert found.lasting(25.3e-6, share=0.5).band_error > 1.3 * again.band_error
+    with pytest.raises(ValueError, match="duration must be positive"):
+        found.lasting(-1.0)
+
+
 def test_a_resonance_rings_up_and_down_exponentially():
     rate = 2.5e5
     found = responded(lambda f: 1 / (1 + 2j * np.pi * (f - F0) / rate), duration=30e-6)
