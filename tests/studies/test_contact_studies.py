@@ -124,7 +124,7 @@ def test_a_step_of_one_cycle_is_planned_and_what_goes_back_is_drawn(monkeypatch,
     monkeypatch.setattr(DrivenContact, "spread", lambda self, factor, count: [1e-8])
     record = step_planner.run(cycles=(8, 256), wanted=(size,), lines=1)
     assert record.findings[0].confirmed
-    assert f"10 nm: {plan}" in record.findings[0].remark
+    assert f"amplitude 10 nm: {plan}" in record.findings[0].remark
     ax = step_planner.figure(record, new_figure(7.0, 4.3)[1])
     curve, *_ = ax.get_lines()
     ((cycles,),) = record.panels[0].data["planned_cycles"].values()
