@@ -32,7 +32,7 @@ from studies.view.picture import Picture
 from studies.view.quantities import shade
 from studies.view.run_field import run_field
 from studies.view.section import magnification, piece
-from studies.view.views import View, chosen_views, limits, near, views
+from studies.view.views import View, chosen_views, fitted, frames, limits, near, views
 
 MM = 1e3
 CHROMIUM = shutil.which("chromium")
@@ -274,6 +274,19 @@ def test_a_view_has_room_for_depth_and_ball(found, start, stop, whole):
     assert (frame.bottom == pytest.approx(found.field.z[0])) == whole
     assert (frame.top > 2 * found.radius) == whole
     assert frame.top > 0
+
+
+def test_the_slider_s_view_holds_all_its_balls_and_no_empty_half(found):
+    """Balls farther apart than the usual 14 wavelengths; the picture ends below the views."""
+    wide = replace(found.scene.slider, contacts=((-0.008, 0.0), (0.008, 0.0)))
+    wider = replace(found, record=replace(found.record, scene=replace(found.scene, slider=wide)))
+    start, stop = limits(wider, "slider")
+    assert stop - start >= 0.016 + 2 * wide.radius
+    assert stop - start > 14.1 * found.wavelength
+    shown = chosen_views(wider, (start, stop))
+    size = fitted(wider, shown, (1600, 1100))
+    assert size[1] < 800
+    assert 0 <= frames(wider, shown, size=size, framed=True)[-1].box[1] <= 60
 
 
 @pytest.mark.parametrize(
