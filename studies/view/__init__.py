@@ -23,7 +23,7 @@ from studies.view.options import Wanted
 from studies.view.picture import Picture
 from studies.view.quantities import palette, quantity
 from studies.view.run_field import NO_STATOR, left_run, motion_again, run_field
-from studies.view.views import chosen_views, fitted, limits, near, views
+from studies.view.views import chosen_views, limits, near, views
 from studies.view.window import open_window
 
 __all__ = ["view"]
@@ -98,9 +98,7 @@ def _field_writers(record: Record, wanted: Wanted, show: str, progress, note) ->
     def still(file) -> None:
         stretches = views(found) if span is None else chosen_views(found, span)
         stretches = () if show == "solid" else stretches
-        Picture(found, stretches, size=wanted.size or fitted(found, stretches, STILL_SIZE), **given).save(
-            file
-        )
+        Picture(found, stretches, size=wanted.size or STILL_SIZE, **given).save(file, whole=bool(wanted.size))
 
     def film(file) -> None:
         drawn = Picture(found, chosen_views(found, span), size=wanted.size or MOVIE_SIZE, **given)

@@ -7,7 +7,7 @@ from studies.refusal import SceneError
 from studies.view import description
 from studies.view.run_field import RunField
 
-__all__ = ["Frame", "View", "chosen_views", "fitted", "frames", "limits", "near", "views"]
+__all__ = ["Frame", "View", "chosen_views", "frames", "limits", "near", "views"]
 
 MM = 1e3
 CLOSE = 7.0  # wavelengths either side, in the close views
@@ -121,11 +121,3 @@ def frames(found: RunField, views, *, size: tuple[int, int], framed: bool) -> tu
         listed.append(Frame((LEFT, low, right, high), view, pixel, top))
         upper, weights = low - below, weights - view.weight
     return tuple(listed)
-
-
-def fitted(found: RunField, views, size: tuple[int, int]) -> tuple[int, int]:
-    """Return the size of a picture without what its views leave empty at the bottom."""
-    if not views:
-        return size
-    bottom = frames(found, views, size=size, framed=True)[-1].box[1]
-    return size[0], size[1] - max(int(bottom) - BELOW, 0)
