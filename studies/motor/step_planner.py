@@ -66,7 +66,8 @@ def run(
     counts = {name: [enough.cycles for _, enough in plans] for name, plans in planned.items()}
     slowest = picked[0]
     steady = contact.mean_motion(driven.slider, driven.at(slowest)).velocity
-    said = [f"{name}: {', '.join(map(_plan, wanted, numbers))}" for name, numbers in counts.items()]
+    what = "amplitude " if driven.scene.wave is not None else ""
+    said = [f"{what}{name}: {', '.join(map(_plan, wanted, numbers))}" for name, numbers in counts.items()]
     findings = [
         judged("The cycles found for a step reach it, and a cycle less does not.", "smallest step that was planned, m",
                min(abs(enough.displacement) for _, _, enough in pairs),

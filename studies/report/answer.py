@@ -21,7 +21,7 @@ COLUMNS = (
     ("95 % from", "velocity_low_m_per_s", lambda value: f"{value * 1e3:.5g}"),
     ("to (mm/s)", "velocity_high_m_per_s", lambda value: f"{value * 1e3:.5g}"),
     ("at burst end (mm/s)", "velocity_at_burst_end_m_per_s", lambda value: f"{value * 1e3:.5g}"),
-    ("moved by (nm)", "displacement_m", lambda value: f"{value * 1e9:.5g}"),
+    ("moved by (um)", "displacement_m", lambda value: f"{value * 1e6:.5g}"),
     ("regime", "regime", str),
     ("rel. error", "relative_error", lambda value: f"{value:.1e}"),
     ("status", "status", str),

@@ -98,7 +98,7 @@ def _written(row: Row) -> dict:
     value = si(row.value, row.unit, 4)
     if row.unit == "1":
         value = f"{100 * row.value:.3g} %" if row.value > 1e-3 else f"{row.value:.3g}"
-    error = (
-        "" if row.error is None else f"\u00b1 {100 * row.error:.1g} %" if row.error > 5e-7 else "< 0.0001 %"
-    )
+    error = "" if row.error is None else "< 0.0001 %"
+    if row.error and row.error > 5e-7:
+        error = f"\u00b1 {float(f'{100 * row.error:.1g}'):g} %"  # 30, not 3e+01
     return {"name": row.name, "value": value, "error": error, "condition": row.condition}

@@ -47,6 +47,6 @@ def test_steady_velocity_is_where_a_long_run_ends():
     # Light slider and strong damper, so that rest is forgotten within 1500 cycles
     light = {"mass": 2e-6, "preload": 2e-4, "normal_damping": 0.2, "tangential_damping": 3e-3}
     p = parameters(**light)
-    y, *_, mean = run(3e-9, p, (-rest_height(p), 0.0, 0.0, 0.0), 1, 1.0, 0.0, 8000 * 100, 100)
+    y, *_, mean = run(3e-9, p, (-rest_height(p), 0.0, 0.0, 0.0), 1, 1.0, 0.0, 14000 * 100, 100)
     y, *_, mean = run(3e-9, p, (*y[:3], 0.0), 0, 1.0, 0.0, 5 * 100, 100)
     assert steady_velocity(3e-9, 100, **light) == pytest.approx(mean, rel=1e-4)  # 100 steps per cycle

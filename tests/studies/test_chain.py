@@ -4,9 +4,11 @@ from dataclasses import replace
 
 import pytest
 
+import contact
 from studies import Scene, SceneError, Wave, chain
 from studies.__main__ import main
 from studies.chain import _needed, bridge, run
+from studies.chain.bridge import DrivenContact
 from studies.chain.points import SliderAnswer
 from studies.refusal import RunError
 from studies.results.content import plain
@@ -72,6 +74,10 @@ def test_a_burst_leaves_its_end_velocity_and_its_trajectory():
     assert level == 5e-9
     assert point["velocity_at_burst_end_m_per_s"] == motion.velocity_at_burst_end
     assert 0 < motion.velocity_at_burst_end < point["velocity_m_per_s"]
+    driven = DrivenContact.of_run(record)
+    step = contact.step(driven.slider, driven.at(5e-9), cycles=motion.cycles)
+    assert point["displacement_m"] == pytest.approx(step.displacement, abs=1.1 * step.ring)
+    assert step.ring < 0.1 * point["displacement_m"]
     assert motion.velocity[0] == 0.0
     assert motion.time[-1] > 0.2e-3
 

@@ -54,7 +54,7 @@ def test_load_line_of_a_motor_on_a_stator_starts_at_the_run_s_velocity(motor):
 
 def test_steps_of_a_motor_on_a_stator(motor):
     """The wave of the left transducer drives to -x; a step is drawn as a distance all the same."""
-    scene, _ = motor
+    scene = replace(motor[0], stator=replace(motor[0].stator, thickness=1e-3))
     record = step_planner.run(scene, cycles=(512, 1024), wanted=(2e-8,), lines=1)
     assert all(finding.confirmed for finding in record.findings)
     assert np.all(record.panels[0].data["distance_m"]["80 V"] > 0.0)
@@ -110,6 +110,28 @@ def test_steps_are_planned_and_grow_as_the_square_of_the_cycles():
     assert (ax.get_xscale(), ax.get_yscale()) == ("log", "log")
     assert len([line for line in ax.get_lines() if len(line.get_xdata())]) == 2
     assert "planned for 2, 20 nm" in [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+@pytest.mark.parametrize(
+    ("degrees", "size", "plan"), [(90, 3e-11, "0.03 nm in 1 cycle"), (300, 1e-8, "10 nm in ")]
+)
+def test_a_step_of_one_cycle_is_planned_and_what_goes_back_is_drawn(monkeypatch, degrees, size, plan):
+    """Two balls on unlike phases: the first cycles strain their springs along the motor's way or against it."""
+    driven = DrivenContact.given(resolved(Scene.load("twente-contact")))
+    (orbit,) = driven.orbits
+    unlike = replace(driven, orbits=(orbit, orbit.scaled(complex(np.exp(1j * np.deg2rad(degrees))))))
+    monkeypatch.setattr(step_planner, "driven_contact", lambda scene, progress: unlike)
+    monkeypatch.setattr(DrivenContact, "spread", lambda self, factor, count: [1e-8])
+    record = step_planner.run(cycles=(8, 256), wanted=(size,), lines=1)
+    assert record.findings[0].confirmed
+    assert f"amplitude 10 nm: {plan}" in record.findings[0].remark
+    ax = step_planner.figure(record, new_figure(7.0, 4.3)[1])
+    curve, *_ = ax.get_lines()
+    ((cycles,),) = record.panels[0].data["planned_cycles"].values()
+    assert sorted([8, cycles, 256]) == list(curve.get_xdata())
+    assert min(curve.get_ydata()) > 0.0
+    back = "against the motor's direction" in [text.get_text() for text in ax.get_legend().get_texts()]
+    assert back == (degrees == 300)
 
 
 def test_error_against_time_names_who_failed_in_silence(studied):

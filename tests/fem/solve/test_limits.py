@@ -73,9 +73,7 @@ def test_a_cut_off_of_the_lossless_plate_is_refused_there_and_only_there():
 
 def test_a_section_of_ten_minutes_is_refused_with_its_time():
     stator = plate(PZT, thickness=300.0)
-    with pytest.raises(
-        ConvergenceError, match=r"300 wavelengths of thickness.*6\.3e\+03 unknowns.*3\.1e\+02 minutes"
-    ):
+    with pytest.raises(ConvergenceError, match=r"300 wavelengths.*6\.3e\+03 unknowns.*3\.1e\+02 minutes"):
         section(stator, order=5)
     deep, less = (plate(PZT, thickness=depth, bottom="absorbing") for depth in (300.0, 8.0))
     assert section(deep, order=5).size == section(less, order=5).size
