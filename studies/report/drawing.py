@@ -5,6 +5,7 @@ never from the working directory (``python -P``).  It reads from stdin what to d
 with the exception that it met, or None.
 """
 
+import os
 import pickle
 import subprocess
 import sys
@@ -74,3 +75,5 @@ def serve() -> None:
     except Exception as error:
         failure = error
     sys.stdout.buffer.write(pickle.dumps(failure))
+    sys.stdout.buffer.flush()
+    os._exit(0)  # the run waits for the end, and to take the plotting library down takes 0.1 s

@@ -215,6 +215,13 @@ def velocity(record: "Record", ax):
             at = [point[record.level] * scale for point in chosen]
             speeds = [point["velocity_m_per_s"] * 1e3 for point in chosen]
             ax.plot(at, speeds, mark, color=COLOURS[regime], label=regime)
+    missed = [point for point in record.points if point.get("relative_error", 0.0) > record.tolerance]
+    if missed:
+        at, speeds = zip(
+            *((p[record.level] * scale, p["velocity_m_per_s"] * 1e3) for p in missed), strict=True
+        )
+        ring = {"markersize": 11, "fillstyle": "none", "color": COLOURS["line"]}
+        ax.plot(at, speeds, "o", label=f"error above {record.tolerance:g}", **ring)
     banded = sorted((p[record.level] * scale, p["velocity_low_m_per_s"] * 1e3, p["velocity_high_m_per_s"] * 1e3)
                     for p in record.points if "velocity_low_m_per_s" in p)  # fmt: skip
     if banded:

@@ -256,7 +256,9 @@ def comparison(block: dict):
     yield "measured", f"{block['compared']} of {len(block['points'])} points of {block['file']} compared"
     yield "", f"deviation {rms:.3g} mm/s rms{share}, mean {mean:+.3g} mm/s"
     if "measured_over_predicted" in block:
-        yield "", f"measured / predicted {block['measured_over_predicted']:.3g} (least squares)"
+        ratio = abs(block["measured_over_predicted"])
+        unit = "" if not any(0.3 < ratio / power < 3 for power in (1e-3, 1e3)) else "; is the file in m/s?"
+        yield "", f"measured / predicted {block['measured_over_predicted']:.3g} (least squares){unit}"
     if "within_one_error" in block:
         within = f"{block['within_one_error']} of {block['compared']} within their error"
         yield "", f"{within}, chi^2 per point {block['chi_square_per_point']:.3g}"

@@ -44,7 +44,9 @@ def run(
     except fem.ConvergenceError as error:
         raise RunError(str(error)) from None
     progress("Bloch waves")
-    cells = fem.grating(solid, period=period, metallisation=m, above=above, resolution=fem.LEVELS[1])
+    cells = fem.grating(
+        solid, period=period, metallisation=m, above=above, resolution=fem.LEVELS[int(tolerance < 0.1)]
+    )
     bands, edges = {"shorted": found.shorted, "open": found.open}, (found.shorted.lower, found.open.upper)
     width = edges[1] - edges[0]
     at = np.linspace(edges[0] - REACH * width, edges[1] + REACH * width, count)

@@ -98,7 +98,7 @@ def _field_writers(record: Record, wanted: Wanted, show: str, progress, note) ->
     def still(file) -> None:
         stretches = views(found) if span is None else chosen_views(found, span)
         stretches = () if show == "solid" else stretches
-        Picture(found, stretches, size=wanted.size or STILL_SIZE, **given).save(file)
+        Picture(found, stretches, size=wanted.size or STILL_SIZE, **given).save(file, whole=bool(wanted.size))
 
     def film(file) -> None:
         drawn = Picture(found, chosen_views(found, span), size=wanted.size or MOVIE_SIZE, **given)

@@ -22,7 +22,7 @@ from studies.view import description
 from studies.view.quantities import shade
 from studies.view.run_field import RunField
 from studies.view.section import Piece, Sheet, beam_sheet, magnification, piece, sheets, strips
-from studies.view.views import Frame, frames
+from studies.view.views import BELOW, Frame, frames
 
 __all__ = ["Picture"]
 
@@ -134,9 +134,11 @@ class Picture:
         self.plotter.render()
         return self.plotter.screenshot(return_img=True)
 
-    def save(self, file: str | Path) -> None:
-        """Write the picture as it is and give it up."""
-        Image.fromarray(self.plotter.screenshot(return_img=True)).save(file)
+    def save(self, file: str | Path, *, whole: bool = True) -> None:
+        """Write the picture as it is, or without what its views leave empty at the bottom, and give it up."""
+        drawn = self.plotter.screenshot(return_img=True)
+        empty = 0 if whole or self.solid else max(int(self.frames[-1].box[1]) - BELOW, 0)
+        Image.fromarray(drawn[: len(drawn) - empty]).save(file)
         self.plotter.close()
 
     def _add_electrodes(self, motion: Callable) -> None:

@@ -48,8 +48,12 @@ def limits(found: RunField, span) -> tuple[float, float] | None:
     if span == "whole":
         return 0.0, found.length
     if isinstance(span, str):
+        focus, slider = found.focus[1], found.scene.slider
         half = (0.5 if span == "wavelength" else CLOSE) * found.wavelength
-        return max(found.focus[1] - half, 0.0), min(found.focus[1] + half, found.length)
+        if span == "slider" and slider is not None:  # all its balls
+            farthest = max(abs(found.in_section(place) - focus) for place in slider.places)
+            half = max(half, farthest + 2 * found.radius)
+        return max(focus - half, 0.0), min(focus + half, found.length)
     if not 0 <= span[0] < span[1] <= found.length * (1 + 1e-9):
         rule = f"must lie on the stator, 0:{found.length * 1e3:g} mm"
         raise SceneError("--span", f"{rule}, got {span[0] * 1e3:g}:{span[1] * 1e3:g} mm")
@@ -69,14 +73,14 @@ def views(found: RunField) -> tuple[View, ...]:
     """Return what is shown unless something else is asked for: the whole, the driven transducer, the slider."""
     if found.free:
         return chosen_views(found, (0.0, found.length))
-    driven, reach = found.scene.driven_transducer, CLOSE * found.wavelength
+    driven, reach = found.in_section(found.scene.driven_transducer.place), CLOSE * found.wavelength
+    start, stop = limits(found, "slider")
     whole = View(name="the whole section", start=0.0, stop=found.length, weight=0.17)
-    return whole, *(
-        View(name=name, start=max(place - reach, 0.0), stop=min(place + reach, found.length), weight=0.4)
-        for name, place in (
-            (f"driven transducer {driven.name!r}", found.in_section(driven.place)),
-            found.focus,
-        )
+    name = f"driven transducer {found.scene.driven_transducer.name!r}"
+    return (
+        whole,
+        View(name=name, start=max(driven - reach, 0.0), stop=min(driven + reach, found.length), weight=0.4),
+        View(name=found.focus[0], start=start, stop=stop, weight=0.4),
     )
 
 

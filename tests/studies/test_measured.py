@@ -124,3 +124,15 @@ def test_a_run_is_compared_with_itself(tmp_path, capsys, monkeypatch):
     assert block["measured_over_predicted"] == 1.0
     assert main([*words, "--out", "third", "--measured", "nowhere.csv"]) == 2
     assert not (tmp_path / "third").exists()
+
+
+def test_a_file_in_another_unit_than_it_says_is_wondered_at(record, measured):
+    """mm/s under a heading in m/s: a thousand times the prediction."""
+    right, wrong = (
+        "voltage_V,velocity_m_per_s\n10,-0.011\n30,-0.027\n",
+        "voltage_V,velocity_m_per_s\n10,-11\n30,-27\n",
+    )
+    said = [
+        "\n".join(line for _, line in comparison(compared(record, measured(text)))) for text in (right, wrong)
+    ]
+    assert ["is the file in m/s?" in each for each in said] == [False, True]

@@ -276,6 +276,20 @@ def test_a_view_has_room_for_depth_and_ball(found, start, stop, whole):
     assert frame.top > 0
 
 
+def test_the_slider_s_view_holds_all_its_balls_and_no_empty_half(found, tmp_path):
+    """Balls farther apart than the usual 14 wavelengths; the picture ends below the views."""
+    wide = replace(found.scene.slider, contacts=((-0.008, 0.0), (0.008, 0.0)))
+    wider = replace(found, record=replace(found.record, scene=replace(found.scene, slider=wide)))
+    start, stop = limits(wider, "slider")
+    assert stop - start >= 0.016 + 2 * wide.radius
+    assert stop - start > 14.1 * found.wavelength
+    drawn = picture_of(wider, chosen_views(wider, (start, stop)), size=(400, 600))
+    low = drawn.frames[-1].box[1]
+    drawn.save(tmp_path / "a.png", whole=False)
+    with Image.open(tmp_path / "a.png") as saved:
+        assert saved.size == (400, 650 - int(low))
+
+
 @pytest.mark.parametrize(
     ("span", "size"), [("wavelength", (1600, 1100)), ("slider", (720, 300)), (None, (1000, 700))]
 )
