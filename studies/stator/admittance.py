@@ -60,11 +60,11 @@ def run(
 
 @of_record
 def figure(record: Panel, ax):
-    """Draw conductance and susceptance, computed points and estimated lines."""
+    """Draw conductance and susceptance, computed points, and estimates dashed."""
     rows = (
-        ("conductance_S", "o", "slip", "Re Y"),
-        ("estimated_conductance_S", "-", "slip", "Re Y, no reflections (estimate)"),
-        ("susceptance_S", "o", "intermittent", "Im Y"),
-        ("capacitive_susceptance_S", "-", "intermittent", "static capacitance (estimate)"),
+        ("conductance_S", ".-", "slip", "Re Y"),
+        ("estimated_conductance_S", "--", "slip", "Re Y, no reflections (estimate)"),
+        ("susceptance_S", ".-", "intermittent", "Im Y"),
+        ("capacitive_susceptance_S", "--", "intermittent", "static capacitance (estimate)"),
     )
     return lines(ax, record, "frequency_Hz", rows, "admittance (mS)", factor=1e3, columns=2)
