@@ -7,20 +7,7 @@ from matplotlib.figure import Figure
 
 from studies.study import STUDIES, Panel, StudyRecord, module, question
 
-# half a minute of pictures, and studies that other tests run and draw
-SLOW = {
-    "gallery": "test_gallery.py",
-    "rayleigh": "test_studies.py",
-    "seed_figures": "test_studies.py",
-    "cell_parameters": "test_cell_parameters.py",
-    "contact_error_vs_time": "test_contact_studies.py",
-    "regime_map": "test_contact_studies.py",
-    "load_line": "test_contact_studies.py",
-    "step_planner": "test_contact_studies.py",
-    "design_map": "test_design_map.py",
-    "frequency_response": "test_passband.py",
-    "network": "test_network.py",
-}
+SLOW = {"gallery"}  # half a minute of pictures; test_gallery.py runs it too
 NAMES = [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in STUDIES]
 
 
