@@ -17,12 +17,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 ROOT = Path(__file__).parents[1]
 KERNEL_PARTS = ("events", "averages")  # of tests/kernels.py
-ORDER = (
-    "tests/fem",
-    "tests/oracles",
-    "tests",
-    "",
-)  # folders, the documentation's examples of the product last
+LONG = ("tests/studies/test_studies.py", "tests/test_documents.py")  # files: begun late, they would end alone
+# folders, the documentation's examples of the product last
+ORDER = ("tests/fem", "tests/oracles", "tests/contact", *LONG, "tests", "")
 COMPILERS: list[subprocess.Popen] = []
 gc.disable()  # while the tests are collected: what is made then stays
 
@@ -73,5 +70,5 @@ def pytest_collection_finish():
 
 
 def pytest_collection_modifyitems(items):
-    """Put the tests of the field first."""
+    """Put the tests of the field first, and long files before short ones."""
     items.sort(key=lambda item: next(k for k, folder in enumerate(ORDER) if item.nodeid.startswith(folder)))

@@ -132,13 +132,3 @@ def test_a_step_of_one_cycle_is_planned_and_what_goes_back_is_drawn(monkeypatch,
     assert min(curve.get_ydata()) > 0.0
     back = "against the motor's direction" in [text.get_text() for text in ax.get_legend().get_texts()]
     assert back == (degrees == 300)
-
-
-def test_error_against_time_names_who_failed_in_silence(studied):
-    (panel,) = studied("contact_error_vs_time").record["panels"].values()
-    rows = {(row["curve"], row["setting"]): row for row in panel["rows"]}
-    assert rows["exact", "12 nodes, 1e-09"]["error"] < 1e-9
-    assert rows["stepped", "256 steps"]["error"] < 1e-5
-    assert rows["fixed steps with DV", "5000 steps"]["silent"]
-    # Oracle: an event solver held to a twentieth of a cycle is an independent computation of the same motion
-    assert rows["solve_ivp DOP853, held steps", "rtol 1e-09"]["error"] < 1e-4

@@ -1,11 +1,15 @@
-"""Studies: each lists, runs, draws and is written; what they must find is found."""
+"""Studies: each is listed, runs through its command and draws; what they must find is found."""
 
+import json
+
+import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from studies.__main__ import main
 from studies.refusal import SceneError
 from studies.results import MANIFEST
-from studies.study import STUDIES, Finding, draw_study, module, question, run_study
+from studies.study import STUDIES, Finding, Panel, StudyRecord, draw_study, module, question, run_study
 
 
 def quiet(text):
@@ -26,6 +30,54 @@ def test_the_list_names_every_study(monkeypatch, capsys):
     assert main() == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == list(STUDIES)
+
+
+SLOW = {"gallery"}  # half a minute of pictures; test_gallery.py runs it too
+NAMES = [pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW)) for name in STUDIES]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_study_runs_through_its_command(studied, name):
+    done = studied(name)
+    assert "a defect of sawmotor" not in done.err
+    assert done.status == (1 if "contradicted" in done.err else 0), done.err
+    assert done.out.splitlines()[-1] == f"results  {done.folder}"
+    names = {path.name for path in done.folder.iterdir()}
+    assert any(name.endswith(".png") for name in names)
+    assert "pictures are missing" not in done.err
+    if "run.json" in names:
+        return
+    record = done.record
+    assert record["question"] == question(name)
+    assert record["panels"]
+    contradicted = [finding for finding in record["findings"] if finding["confirmed"] is False]
+    assert bool(contradicted) is (done.status == 1)
+    assert json.dumps(record, allow_nan=False)
+
+
+def test_every_study_has_a_figure():
+    assert [name for name in STUDIES if not callable(getattr(module(name), "figure", None))] == []
+
+
+def test_every_study_has_a_small_version():
+    assert [name for name in STUDIES if not getattr(module(name), "QUICK", None)] == []
+
+
+def test_a_figure_takes_the_record_and_draws_the_panel_that_is_named():
+    from studies.papers import seed_figures
+
+    panels = tuple(
+        Panel(
+            name=name,
+            title=name,
+            data={"x": [0, 1], "left": {"v": [0.0, 1.0]}, "x_axis": "t (s)", "left_axis": "v (m/s)"},
+        )
+        for name in ("first", "second")
+    )
+    record = StudyRecord(name="seed_figures", panels=panels, findings=(), seconds=0.0)
+    for options, title in (({}, "first"), ({"panel": "second"}, "second")):
+        ax = seed_figures.figure(record, Figure().add_subplot(), **options)
+        assert ax.get_title() == title
 
 
 @pytest.fixture(scope="module")
@@ -103,3 +155,41 @@ def test_a_study_that_cannot_be_is_refused(tmp_path, name, scene, words):
 def test_a_finding_reads_as_a_sentence_with_its_verdict():
     finding = Finding(statement="It moves.", quantity="v (m/s)", expected="> 0", found=-1.0, confirmed=False)
     assert str(finding) == "It moves.\n    v (m/s): -1, expected > 0: contradicted"
+
+
+@pytest.fixture(scope="module")
+def cells(studied):
+    return studied("cell_parameters")
+
+
+def test_the_cells_are_as_expected(cells):
+    assert [finding["confirmed"] for finding in cells.record["findings"]] == [True] * 5
+
+
+def test_the_wave_decays_in_its_stop_band_and_nowhere_else(cells):
+    (data,) = cells.record["panels"].values()
+    data = {key: np.array(value) for key, value in data.items()}
+    at = data["frequency_Hz"]
+    for name in ("shorted", "open"):
+        edge = 0.1 * (data[f"{name}_upper_Hz"] - data[f"{name}_lower_Hz"])
+        inside = (at > data[f"{name}_lower_Hz"] + edge) & (at < data[f"{name}_upper_Hz"] - edge)
+        outside = (at < data[f"{name}_lower_Hz"] - edge) | (at > data[f"{name}_upper_Hz"] + edge)
+        assert inside.any()
+        assert data[f"{name}_decay"][inside].min() > 0.3 * data[f"{name}_reflectivity"]
+        assert data[f"{name}_decay"][outside].max() < 1e-3 * data[f"{name}_reflectivity"]
+        np.testing.assert_allclose(data[f"{name}_phase_rad"][inside], np.pi, atol=1e-5)
+        assert data[f"{name}_phase_rad"][outside].max() < np.pi - 1e-4
+
+
+def test_the_stop_bands_are_drawn(cells):
+    assert (cells.folder / "stop_bands.png").stat().st_size > 10_000
+
+
+def test_error_against_time_names_who_failed_in_silence(studied):
+    (panel,) = studied("contact_error_vs_time").record["panels"].values()
+    rows = {(row["curve"], row["setting"]): row for row in panel["rows"]}
+    assert rows["exact", "12 nodes, 1e-09"]["error"] < 1e-9
+    assert rows["stepped", "256 steps"]["error"] < 1e-5
+    assert rows["fixed steps with DV", "5000 steps"]["silent"]
+    # Oracle: an event solver held to a twentieth of a cycle is an independent computation of the same motion
+    assert rows["solve_ivp DOP853, held steps", "rtol 1e-09"]["error"] < 1e-4
