@@ -13,10 +13,11 @@ from importlib import import_module
 from inspect import cleandoc, signature
 from pathlib import Path
 
+import contact
 from studies.chain import run as run_chain
 from studies.chain.bridge import DrivenContact
 from studies.record import Record
-from studies.refusal import SceneError, nearest
+from studies.refusal import RunError, SceneError, nearest
 from studies.results.content import plain, provenance, write_json
 from studies.scene import Scene
 from studies.scene.resolved import resolved
@@ -198,7 +199,10 @@ def study(run: Callable) -> Callable:
     ) -> StudyRecord:
         begun = time.perf_counter()
         chosen = scene if isinstance(scene, Scene) else Scene.load(scene)
-        panels, findings = run(chosen, progress=progress or (lambda text: None), **given)
+        try:
+            panels, findings = run(chosen, progress=progress or (lambda text: None), **given)
+        except contact.ConvergenceError as error:
+            raise RunError(" ".join(str(error).split())) from None
         return StudyRecord(
             name=run.__module__.rpartition(".")[2], panels=tuple(panels), findings=tuple(findings),
             seconds=time.perf_counter() - begun,

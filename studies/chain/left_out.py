@@ -27,7 +27,7 @@ def left_out(
     elif scene.transducer:
         rows += [*_driven(scene), *_diffraction(scene, beam, reason), *_recovery(scene)]
         if scene.slider is not None and scene.burst is not None:
-            rows += _ring_up(ringing, trajectories)
+            rows += _ring_up(scene.slider, ringing, trajectories)
     else:
         rows += _free(scene)
     rows += _contact(scene)
@@ -93,7 +93,7 @@ def _recovery(scene: Scene) -> Iterator[tuple[bool, str]]:
         )
 
 
-def _ring_up(ringing: RingUp | None, trajectories) -> Iterator[tuple[bool, str]]:
+def _ring_up(slider, ringing: RingUp | None, trajectories) -> Iterator[tuple[bool, str]]:
     if ringing is None:
         yield True, "the burst's ring-up: the slider stands over a transducer"
         return
@@ -104,6 +104,8 @@ def _ring_up(ringing: RingUp | None, trajectories) -> Iterator[tuple[bool, str]]
     yield silent > 0, f"the burst's ring-down: {which}"
     which = f"{plain} of {count} bursts, whose motion takes a steady wave"
     yield plain > 0, f"the burst's ring-up ({ringing.sentence}) in {which}"
+    apart = not isinstance(slider.contacts, int) and len(slider.offsets) > 1
+    yield apart, "the burst's ring-up under each ball: that at the slider's centre is taken for all"
 
 
 def _contact(scene: Scene) -> Iterator[tuple[bool, str]]:

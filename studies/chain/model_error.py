@@ -2,7 +2,8 @@
 
 Each function takes the record of a run and yields effect, quantity, size and source; nothing where the effect does
 not arise or is not neglected.
-A size is a share of the quantity named with it, unless that has a unit.  Estimates hold to a factor of about 2.
+A size is a share of the quantity named with it, unless that has a unit.  Estimates hold to a factor of about 2; that of
+the finite aperture is the size of a ripple, whose sign may be wrong in cuts that hardly spread a beam.
 
 Sources: side faces: `fem.surface_beam`; finite aperture: `fem.Slowness`, the angular spectrum of a slit.  Load of a
 contact on the wave, mass of the electrodes: reciprocity with the surface wave and perturbation (Auld, Acoustic Fields
@@ -190,5 +191,5 @@ def _travel(record: Record) -> Rows:
 def _power(record: Record) -> Rows:
     highest = max(record.scene.levels, default=0.0)
     power = record.electrical["power_W_per_V2"] * highest**2
-    effect = f"heating of the stator, by up to the whole power taken in at {highest:g} V"
-    yield effect, "power taken in at the highest voltage, in W", power, "admittance"
+    quantity = f"the whole power taken in at {highest:g} V, in W"
+    yield "heating of the stator", quantity, power, "admittance"

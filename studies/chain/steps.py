@@ -53,7 +53,8 @@ class Steps:
     def sentence(self) -> str:
         """What a reader of a step must know of the wave; empty where its growth is in the step."""
         if not self.reason:
-            return ""
+            several = self.ringing is not None and len(self.driven.orbits) > 1
+            return "all balls feel the wave's growth at the slider's centre" if several else ""
         return (
             f"the wave is taken at full size from the first cycle, because {self.reason}: "
             "a burst shorter than the wave's settling time moves less"

@@ -98,6 +98,8 @@ def _explored(problem, minima, degrees, estimated, say) -> Fit:
         scale = math.sqrt(minima[0][1] / degrees) or 1e-9
         problem = replace(problem, measurements=tuple(each.scattered(scale) for each in problem.measurements))
         minima = [(x, squares / scale**2) for x, squares in minima]
+        if problem.systematic:  # what is known of them does not scale with the scatter
+            minima = sorted((problem.minimum(x) for x, _ in minima), key=lambda each: each[1])
     (best, least), *others = minima
     slopes = problem.jacobian(best)
     directions = undetermined(slopes, problem.parameters, problem.half_width)

@@ -35,8 +35,11 @@ def candidates(problem: Problem) -> list[Measurement]:
     levels = base.levels or (max(predictor.contact(base.settings).scene.levels),)
     top, found = max(levels), []
 
+    own_levels = "normal_amplitude_m" if predictor.given_wave else "voltage_V"
+
     def think(name, quantity="velocity", at=(top,), settings=base.settings, **given):
-        plain = Measurement(name="", quantity=quantity, level_key=base.level_key, systematic=base.systematic)
+        level_key = base.level_key if base.levels else own_levels
+        plain = Measurement(name="", quantity=quantity, level_key=level_key, systematic=base.systematic)
         found.append(replace(plain, name=name, levels=at, settings=settings, **given))
 
     if base.quantity != "amplitude":

@@ -71,7 +71,8 @@ def run(
 def numbers(predictor: MeasurementPredictor) -> list[str]:
     """Return the keys of a scene's positive numbers that an answer may depend on."""
     known = (".burst", ".gravity", "stator.width", "normal_amplitude", "drive.voltage")
-    return [key for key in _positive(predictor.table) if not key.endswith(known)]
+    table = {name: block for name, block in predictor.table.items() if name != "uncertain"}
+    return [key for key in _positive(table) if not key.endswith(known)]
 
 
 def _positive(value, path: str = "") -> Iterator[str]:

@@ -24,6 +24,7 @@ __all__ = ["Datasheet", "Row", "datasheet"]
 LOADS = 13  # of a load line
 LINES = (0.5, 0.75, 1.0)  # of the rated level: the scene's nearest levels have a load line
 STEPS = (1e-9, 1e-8, 1e-7)  # m
+AT_ONCE = "wave at full size from the first cycle"
 SETTLED = 0.9  # of the steady velocity: the slider has started
 LONG = 8.0  # burst over the time in which friction alone would reach the steady velocity
 CONTACT_TOLERANCE = 1e-4
@@ -184,9 +185,7 @@ def _positioning(bursts: Steps, rated: float, steps, start_stop):
             f"{step.stopping_time * 1e6:.3g} \u00b5s, then rings by {step.ring * 1e9:.2g} nm"
         )
         if bursts.sentence:
-            condition += (
-                f"; {bursts.sentence if size == STEPS[0] else 'wave at full size from the first cycle'}"
-            )
+            condition += f"; {bursts.sentence if size == STEPS[0] or not bursts.reason else AT_ONCE}"
         yield Row("positioning", name, abs(step.displacement), "m", error, condition)
     time, speed, last = start_stop.time, abs(start_stop.velocity), abs(start_stop.velocity_at_burst_end)
     grid, reached = float(np.max(np.diff(time))), float(time[np.argmax(speed >= SETTLED * last)])

@@ -207,7 +207,8 @@ class Element(Block):
     def check_one(self):
         given = [name for name in keys_of(Element) if name != "Q" and getattr(self, name) is not None]
         if len(given) != 1:
-            yield "", f"must be a table of one element, got {', '.join(given) or 'none'}"
+            known = ", ".join(name for name in keys_of(Element) if name != "Q")
+            yield "", f"must be a table of one element, one of {known}, got {', '.join(given) or 'none'}"
         elif given[0].endswith("R") and self.Q is not None:
             yield "Q", "must be absent with a resistance"
 

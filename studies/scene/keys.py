@@ -53,6 +53,8 @@ def tolerances(scene: Scene) -> tuple[Tolerance, ...]:
         except SceneError as error:
             raise error.moved("", "uncertain.") from None
         if key in LEVELS:
+            if getattr(scene, key.split(".")[0]) is None:
+                raise SceneError(path, "must be the key of a level that this scene has")
             if not isinstance(given, str) or not given.rstrip().endswith("%"):
                 raise SceneError(path, f"must be a percentage, common to all levels, got {shown(given)}")
             found.append(Tolerance(key, 1.0, half_width(path, given, 1.0, "")))

@@ -180,7 +180,7 @@ class Listed(Rule):
     def read(self, path, value):
         if self.ranged and isinstance(value, str) and ":" in value:
             value = read_range(path, value, self.unit).values
-        entries = entries_of(value)
+        entries = None if isinstance(value, complex) else entries_of(value)
         if entries is None:
             return (self._alone(path, value),)
         if not entries:

@@ -21,7 +21,7 @@ from studies.scene.slider import Slider
 MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 of the power
 
 
-def resolved(scene: Scene) -> Scene:
+def resolved(scene: Scene, *, spread: bool | None = None) -> Scene:
     """Return the scene with its automatic values found; SceneError if material, moduli or layout are impossible."""
     if scene.stator is not None:
         if scene.transducer:
@@ -30,7 +30,7 @@ def resolved(scene: Scene) -> Scene:
         if scene.crossed:
             scene = replace(scene, stator=replace(scene.stator, diffraction=True))
         if scene.transducer:
-            scene = _with_circuit(scene)
+            scene = _with_circuit(scene, spread)
     if scene.slider is None:
         return scene
     if scene.burst is not None:
@@ -185,7 +185,7 @@ def default_refusal(stator, places) -> str:
     )
 
 
-def port_admittance(scene: Scene, frequency, tolerance: float):
+def port_admittance(scene: Scene, frequency, tolerance: float, *, spread: bool | None = None):
     """Return the `fem.PortAdmittance` of a scene at one or several frequencies in Hz, one for all its answers."""
     import fem
 
@@ -194,12 +194,12 @@ def port_admittance(scene: Scene, frequency, tolerance: float):
         section_row(scene),
         frequency=frequency,
         tolerance=tolerance,
-        finite_apertures=diffracts(scene),
+        finite_apertures=diffracts(scene) if spread is None else spread,
         mirror_width=scene.stator.mirror_width,
     )
 
 
-def _with_circuit(scene: Scene) -> Scene:
+def _with_circuit(scene: Scene, spread: bool | None) -> Scene:
     """Find the voltages of given powers, the receiver's load and the elements of an automatic match."""
     import fem
 
@@ -211,7 +211,7 @@ def _with_circuit(scene: Scene) -> Scene:
     if not matched and given.match != "auto":
         return _with_load(scene)
     with _refused("drive.match"):
-        ports = port_admittance(scene, scene.frequency, MATCH_TOLERANCE)
+        ports = port_admittance(scene, scene.frequency, MATCH_TOLERANCE, spread=spread)
     about = (ports.matrix, ports.names)
     if recovery is not None:
         load = None
@@ -298,6 +298,14 @@ def _check_layout(scene: Scene) -> None:
             "may be turned, or stand beside the middle line, in solids isotropic about z alone; this cut of"
         )
         raise SceneError("transducer", f"{rule} {block.solid.name} is none")
+    refuse_covered(scene)
+
+
+def refuse_covered(scene: Scene) -> None:
+    """Refuse contacts on a turned transducer."""
+    import fem
+
+    row = transducers(scene)
     for place in () if scene.slider is None else scene.slider.places:
         for each, given in zip(row, scene.transducer, strict=True):
             if given.turned and fem.covers(each, place):

@@ -2,7 +2,8 @@
 
 ``sweep("twente", {"slider.preload": "1 mN:100 mN:50", "drive.voltage": "5:60:12"}, out="map")``.  A point is the scene
 with some keys changed; its row is what a run of that scene would find.  What several points share is computed
-once: the stator for each frequency and geometry, then the contact for batches of points (``predictor``).
+once in each worker: the stator for each frequency and geometry, then the contact for batches of points
+(``predictor``).
 A row is written when its batch is done and is durable when it is counted; the same call goes on with what is
 missing, and with points that were lost with their worker.
 """
@@ -20,6 +21,7 @@ import numpy as np
 
 from studies.refusal import RunError, SceneError, needed
 from studies.scene import Scene, read_table
+from studies.scene.numbers import Quantity
 from studies.sweep.axes import Axis
 from studies.sweep.design import Design, designed
 from studies.sweep.driver import Driver
@@ -46,6 +48,10 @@ sys.modules[__name__].__class__ = _Callable
 
 UNITS = {
     "_m_per_s": "m/s",
+    "_per_m": "1/m",
+    "_W": "W",
+    "_S": "S",
+    "_Pa": "Pa",
     "_m": "m",
     "_N": "N",
     "_V": "V",
@@ -168,6 +174,7 @@ def sweep(
         If the store cannot be written, another driver is at work, or the sweep was interrupted.
     """
     begun = perf_counter()
+    tolerance = Quantity(below=1.0).read("tolerance", tolerance)
     design = designed(_table(scene), over, tolerance=tolerance, also=tuple(also))
     _refuse_hopeless(design)
     with closing(Store(None if out is None else Path(out), design)) as store:

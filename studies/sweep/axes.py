@@ -115,8 +115,11 @@ def _entry(rule, value):
 
 def _read(path: Path) -> dict[str, list]:
     table = MeasuredTable.read(path, "--points")
-    if len(set(table.names)) < len(table.names) or {len(row) for row in table.rows} != {len(table.names)}:
-        rule = "must name each key once and hold a value for each of them in every row"
-        raise SceneError("--points", f"{str(path)!r} {rule}")
+    if len(set(table.names)) < len(table.names):
+        raise SceneError("--points", f"{str(path)!r} names a key twice")
+    for number, row in enumerate(table.rows, start=2):
+        if len(row) != len(table.names):
+            rule = f"must have {len(table.names)} values in row {number}, got {len(row)}"
+            raise SceneError("--points", f"{str(path)!r} {rule}")
     columns = zip(*table.rows, strict=True)
     return {key: list(map(toml_value, column)) for key, column in zip(table.names, columns, strict=True)}

@@ -117,9 +117,13 @@ class Predictor:
             if dot:
                 own.setdefault(name, []).append((key, value))
         for name in self.table | own:
-            blocks[name] = self._block(name, tuple(own.get(name, ())))
+            asked = name, tuple(own.get(name, ()))
+            try:
+                blocks[name] = self._block(*asked)
+            except TypeError:  # a table among the values is no key of the memory
+                blocks[name] = self._read(*asked)
             if isinstance(blocks[name], SceneError):
-                raise blocks[name]
+                raise blocks[name].with_traceback(None)
         return Scene(**blocks)
 
     def contact(self, changes: dict, step: int = 0) -> Driven:
@@ -152,7 +156,8 @@ class Predictor:
     def motion(self, stator: Scene, places, step: int = 0) -> SurfaceMotion:
         """Return the surface motion of a `stator_alone` at places (x, y) in m; only the latest is kept."""
         asked = stator, places, step
-        if self._latest[0] != asked:
+        latest, motion = self._latest  # once: a worker may have several threads
+        if latest != asked:
             self._count += 1
             self.progress(f"stator {self._count}")
             begun, solve = time.perf_counter(), fem.one_blas_thread(solved_motion)
@@ -161,7 +166,7 @@ class Predictor:
             finally:
                 self.seconds += time.perf_counter() - begun
             self._latest = asked, motion
-        return self._latest[1]
+        return motion
 
     def take(self, record: Record) -> None:
         """Take the stator's answer from a run of the scene."""
@@ -217,7 +222,11 @@ class Predictor:
         """Return the scene with its automatic values found, and its stator alone at 1 V; None for a given wave."""
         scene, stator, found = self.scene(changes), None, {}
         if scene.stator is not None:
-            stator = self._stator(scene.stator, scene.transducer, _at_one_volt(scene.drive))
+            found_circuit = scene.drive.match == "auto" or scene.drive.recovery is not None
+            spread = found_circuit and resolved.diffracts(scene)
+            stator = self._stator(scene.stator, scene.transducer, _at_one_volt(scene.drive), spread)
+            if scene.crossed:
+                resolved.refuse_covered(replace(scene, transducer=stator.transducer))
             drive = replace(stator.drive, voltage=scene.levels, burst=scene.drive.burst)
             found = {"stator": stator.stator, "transducer": stator.transducer, "drive": drive}
         if scene.slider is not None:
@@ -234,7 +243,9 @@ class Predictor:
             places = ((scene.stator.length / 2, 0.0),)
             return places, places
         places = tuple(dict.fromkeys((scene.slider.center, *scene.slider.places)))
-        shared = tuple(place for place in self.places if 0.0 <= place[0] <= scene.stator.length)
+        # without a ball beside the axis the section may stand for the wave
+        beside, length = any(y for _, y in places), scene.stator.length
+        shared = tuple((x, y) for x, y in self.places if 0.0 <= x <= length and (beside or not y))
         return places, shared if set(places) <= set(shared) else places
 
     def _answer(self, *asked) -> SolvedStator:
@@ -271,8 +282,8 @@ def _at_one_volt(drive: Drive) -> Drive:
     return replace(drive, voltage=(1.0,) if drive.levels else None, power=None, burst=None)
 
 
-def _resolved_stator(stator: Stator, transducer: tuple, drive: Drive) -> Scene:
-    return resolved.resolved(Scene(stator=stator, transducer=transducer, drive=drive))
+def _resolved_stator(stator: Stator, transducer: tuple, drive: Drive, spread: bool) -> Scene:
+    return resolved.resolved(Scene(stator=stator, transducer=transducer, drive=drive), spread=spread)
 
 
 @lru_cache(64)

@@ -8,11 +8,12 @@ of a BLAS do.  A worker that vanishes costs its batches, which are given out aga
 import logging
 import multiprocessing.connection
 import os
+import re
 import signal
 import threading
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
 
-from studies.refusal import RunError, SceneError
+from studies.refusal import RunError, SceneError, shown
 
 
 class Workers:
@@ -88,6 +89,8 @@ class OnDask(Workers):
     threads = 1
 
     def __init__(self, address: str):
+        if not re.fullmatch(r"(\w+://)?(\[[0-9a-fA-F:]+\]|[^\s/:]+):\d{1,5}", address):
+            raise SceneError("--scheduler", f"must be such as tcp://127.0.0.1:8786, got {shown(address)}")
         try:
             from distributed import Client
             from distributed.scheduler import KilledWorker

@@ -234,3 +234,8 @@ def test_every_key_of_a_shipped_scene_has_the_line_where_its_value_stands(name):
                 line = text[file.lines[f"{block}.{key}"] - 1]
                 assert line.startswith(f"{key} = ")
                 assert toml_value(line.partition("= ")[2]) == value
+
+
+def test_a_complex_number_is_no_list_of_levels():
+    with pytest.raises(SceneError, match="voltage"):
+        Scene.load("twente").replace(drive={"voltage": 1 + 2j})

@@ -9,6 +9,8 @@ from matplotlib.figure import Figure
 from studies.__main__ import main
 from studies.refusal import SceneError
 from studies.results import MANIFEST
+from studies.scene import Scene
+from studies.scene.toml import document
 from studies.study import STUDIES, Finding, Panel, StudyRecord, draw_study, module, question, run_study
 
 
@@ -193,3 +195,14 @@ def test_error_against_time_names_who_failed_in_silence(studied):
     assert rows["fixed steps with DV", "5000 steps"]["silent"]
     # Oracle: an event solver held to a twentieth of a cycle is an independent computation of the same motion
     assert rows["solve_ivp DOP853, held steps", "rtol 1e-09"]["error"] < 1e-4
+
+
+def test_what_the_contact_cannot_answer_is_no_defect_of_the_program(tmp_path, capsys):
+    """Without friction no step is planned."""
+    file = tmp_path / "smooth.toml"
+    file.write_text(
+        document(Scene.load("twente-contact").replace(slider={"friction_coefficient": 0.0}).to_table())
+    )
+    assert main(["study", "step_planner", str(file), "--quick", "--out", str(tmp_path / "out")]) == 1
+    assert "defect" not in (said := capsys.readouterr().err)
+    assert "runaway" in said

@@ -16,7 +16,7 @@ import pytest
 
 from studies.chain import run
 from studies.refusal import RunError, SceneError
-from studies.scene import Scene
+from studies.scene import Scene, read_table
 from studies.scene.override import replaced
 from studies.sweep import driver, predictor, sweep
 from studies.sweep.axes import axis
@@ -538,3 +538,27 @@ def test_driven_points_are_those_of_a_run(over):
         for key in (key for key in columns if key.startswith("velocity") or key.endswith("amplitude_m")):
             if key in expected:
                 assert columns[key][point] == pytest.approx(expected[key], rel=error, abs=0), key
+
+
+def test_a_ball_beside_the_axis_changes_no_other_point():
+    """Where all balls lie on the axis the section may stand for the wave, whatever other points ask for."""
+    predictor = Predictor(PLANE, tolerance=1e-2, places=((0.007, 0.0), (0.007, 0.004)))
+    length = predictor.scene({}).stator.length
+    for y, expected in ((0.0, {0.0}), (0.004, {0.0, 0.004})):
+        moved = predictor.scene({"slider.position": [0.007, y], "slider.contacts": 1})
+        assert moved.stator.length == length
+        assert {across for _, across in predictor._places(moved)[1]} == expected
+
+
+def test_a_table_is_a_value_like_others():
+    """It is no key of a memory, and no defect either."""
+    predictor = Predictor(read_table("twente"), tolerance=1e-2)
+    sources = {"left": 1, "right": -1}
+    changed = predictor.scene({"drive.sources": sources, "drive.transducer": None})
+    assert changed.drive.driven.keys() == sources.keys()
+
+
+@pytest.mark.parametrize("tolerance", [2.0, 0.0, float("nan")])
+def test_a_tolerance_that_is_none_is_refused(tolerance):
+    with pytest.raises(SceneError, match="tolerance"):
+        sweep("twente-contact", {"slider.preload": [1e-3]}, tolerance=tolerance)

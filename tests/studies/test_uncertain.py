@@ -12,6 +12,7 @@ from studies.refusal import SceneError
 from studies.report import figures
 from studies.report.answer import answer
 from studies.report.figures import new_figure
+from studies.scene.resolved import resolved
 from studies.scene.toml import document
 
 PRELOAD, MODULUS = 8e-4, 64e9
@@ -143,3 +144,9 @@ def test_what_draws_no_bands_says_so(words, tmp_path, capsys):
     place = 2 if words[0] == "study" else 1
     assert main([*words[:place], str(scene), *words[place:], "--out", str(tmp_path / "out")]) == 0
     assert "[uncertain] is not used here" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("key", ["drive.voltage", "drive.power"])
+def test_a_tolerance_of_a_level_that_the_scene_has_not_is_refused(key):
+    with pytest.raises(SceneError, match="level that this scene has"):
+        resolved(Scene.load("twente-contact").replace(uncertain={key: "5 %"}))

@@ -16,3 +16,11 @@ def test_the_functions_are_those_of_scipy(order, smallest, largest):
     )
     z = np.exp(logarithm)
     np.testing.assert_allclose(scaled_hankel(order, z), hankel2e(order, z), rtol=1e-12)
+
+
+@pytest.mark.parametrize("order", [0, 1])
+@pytest.mark.parametrize("size", [5.0, 25.0])
+def test_a_backward_wave_without_loss_is_that_of_a_vanishing_loss(order, size):
+    """The functions are continuous where arg z is -pi, near and far."""
+    exact, lossy = scaled_hankel(order, np.array([-size + 0j, -size - 1e-13j]))
+    assert exact == pytest.approx(lossy, rel=1e-11)

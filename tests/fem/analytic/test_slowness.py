@@ -8,7 +8,7 @@ import fem
 # Curvature of the free surface: tables of surface-acoustic-wave cuts.  That of YZ falls off within a few degrees.
 CURVATURES = [
     ("128YX", "LiNbO3 (Kovacs)", -0.34, 0.02),
-    ("YZ", "LiNbO3 (Warner)", -1.08, 0.12),
+    ("YZ", "LiNbO3 (Warner)", -1.10, 0.02),
     ("ST-X", "quartz (Bechmann)", 0.378, 0.02),
 ]
 
