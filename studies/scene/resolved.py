@@ -160,9 +160,15 @@ def _ladder(match: str | tuple) -> tuple:
 
 def diffracts(scene: Scene) -> bool:
     """Return whether a scene's transducers have finite apertures: asked for, or under a slider by default."""
-    given, slider = scene.stator.diffraction, scene.slider
+    return spreads(scene.stator, None if scene.slider is None else scene.slider.places)
+
+
+@lru_cache(64)
+def spreads(block: Stator, places: tuple | None) -> bool:
+    """Return whether the finite aperture is computed at places (x, y) of contacts; None without a slider."""
+    given = block.diffraction
     return bool(given) or (
-        given is None and slider is not None and not default_refusal(stator(scene.stator), slider.places)
+        given is None and places is not None and not default_refusal(stator(block), places)
     )
 
 

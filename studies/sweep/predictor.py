@@ -17,7 +17,7 @@ import fem
 from studies.chain.bridge import DrivenContact
 from studies.chain.ring_up import RingUp, ring_up
 from studies.chain.spectrum import response
-from studies.chain.surface_motion import SurfaceMotion, solved_motion, surface_motion, wanted_diffraction
+from studies.chain.surface_motion import SurfaceMotion, solved_motion, surface_motion
 from studies.record import Record
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene, resolved
@@ -262,7 +262,11 @@ class Predictor:
 
     def _in_band(self, stator: Scene, places) -> bool:
         """Return whether a stator is solved as one of a band: there are enough, and no finite aperture."""
-        return bool(self.limits) and not stator.crossed and not _spreads(stator.stator, places, self.slider)
+        return (
+            bool(self.limits)
+            and not stator.crossed
+            and not resolved.spreads(stator.stator, places if self.slider else None)
+        )
 
     def _goal(self, stator: Scene, places, step: int) -> float:
         """Return the relative error allowed of a stator at a step."""
@@ -284,13 +288,6 @@ def _at_one_volt(drive: Drive) -> Drive:
 
 def _resolved_stator(stator: Stator, transducer: tuple, drive: Drive, spread: bool) -> Scene:
     return resolved.resolved(Scene(stator=stator, transducer=transducer, drive=drive), spread=spread)
-
-
-@lru_cache(64)
-def _spreads(stator: Stator, places, slider: bool) -> bool:
-    """Return whether the finite aperture may be computed, which no band does."""
-    wanted = wanted_diffraction(stator.diffraction, slider)
-    return bool(wanted) or (wanted is None and not resolved.default_refusal(resolved.stator(stator), places))
 
 
 def _silent(text: str) -> None:

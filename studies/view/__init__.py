@@ -117,7 +117,7 @@ def _field_writers(record: Record, wanted: Wanted, show: str, progress, note) ->
 
     def window() -> None:
         stretch = () if show == "solid" else chosen_views(found, span or near(found))[-1:]
-        open_window(Picture(found, stretch, size=WINDOW_SIZE, off_screen=False, framed=False, **given))
+        open_window(Picture(found, stretch, size=WINDOW_SIZE, framed=False, **given))
 
     return {"screenshot": still, "movie": film, "html": page, "data": data, "window": window}
 

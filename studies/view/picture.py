@@ -46,16 +46,15 @@ class Picture:
     """A pyvista plotter with the field at any instant: views of the section from the top down, or the whole solid.
 
     ``quantity`` colours the field, ``phase`` is omega t in rad, ``factor`` that of the displacement (`magnification`
-    if None), ``size`` in pixels.  A view that is ``framed`` has rulers; one that is not fills the picture.
+    if None), ``size`` in pixels.  A view that is ``framed`` has rulers and is drawn off screen; one that is not fills a
+    window.
 
     Attributes
     ----------
     plotter : pyvista.Plotter
     """
 
-    def __init__(
-        self, found: RunField, views=(), *, quantity, phase, factor, size, off_screen=True, framed=True
-    ):
+    def __init__(self, found: RunField, views=(), *, quantity, phase, factor, size, framed=True):
         self.pyvista = needed("pyvista", "a picture or a window of the field")
         # without a display VTK says so on stderr before it finds another way
         self.pyvista.vtk_verbosity("off")
@@ -67,7 +66,7 @@ class Picture:
         # the first renderer holds words and rulers, in pixels; without frames it holds the field too
         shape = 1 + framed * len(self.frames), 1
         self.plotter = self.pyvista.Plotter(
-            off_screen=off_screen, window_size=size, shape=shape, border=False
+            off_screen=framed or None, window_size=size, shape=shape, border=False
         )
         self.set_quantity(quantity)
         for number, frame in enumerate(self.frames):

@@ -478,9 +478,10 @@ def test_without_a_toolkit_the_contact_s_window_is_refused_with_what_to_install(
         view.view(given, Wanted(), progress=quiet)
 
 
-def test_the_window_plays_pauses_and_picks(found):
+def test_the_window_plays_pauses_and_picks(found, monkeypatch):
     from studies.view.window import Controls
 
+    monkeypatch.setattr(pyvista, "OFF_SCREEN", True)
     solid = picture_of(found, chosen_views(found, near(found))[-1:], phase=1.0, size=(600, 400), framed=False)
     window = Controls(solid)
     assert window.playing
