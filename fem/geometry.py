@@ -66,6 +66,11 @@ class Stator:
         """Whether nothing comes back from the bottom."""
         return self.bottom == "absorbing" or not np.isfinite(self.thickness)
 
+    @property
+    def bare_surface(self) -> str:
+        """Electrical condition on the surface beside the fingers, as `rayleigh` names it."""
+        return "open" if self.above == "none" else "vacuum"
+
 
 @dataclass(frozen=True, kw_only=True)
 class Transducer:

@@ -126,7 +126,7 @@ def _level(transducer: Transducer):
 
 def _guess(stator: Stator, transducer: Transducer) -> float:
     """Return the product of frequency and period in m/s for a half-space."""
-    solid, surface = stator.solid, "open" if stator.above == "none" else "vacuum"
+    solid, surface = stator.solid, stator.bare_surface
     velocity = automatic_period(solid, 1.0, transducer.metallisation)
     reach = min(1 / transducer.finger_pairs, WIDEST)
     products = velocity * np.linspace(1 - reach, 1 + reach, GRID)

@@ -91,10 +91,10 @@ def _crossed(record: Record, places) -> Rows:
 
 def _spread(record: Record, x, y) -> np.ndarray:
     """Return the amplitude of the driven aperture over that of a plane wave: m from the stator's left end and axis."""
-    driven, stator, wave = record.scene.driven_transducer, record.scene.stator, record.wave
-    surface, frequency = "open" if stator.above == "none" else "vacuum", wave["frequency_Hz"]
+    driven, stator = record.scene.driven_transducer, resolved.stator(record.scene.stator)
+    wave, frequency = record.wave, record.wave["frequency_Hz"]
     try:
-        curve = fem.Slowness.of_half_space(resolved.solid(stator), frequency, surface)
+        curve = fem.Slowness.of_half_space(stator.solid, frequency, stator.bare_surface)
     except fem.ConvergenceError:  # no surface wave in some directions: as if it were as fast in all of them
         curve = fem.Slowness.circle(2 * math.pi * frequency / wave["phase_velocity_m_per_s"])
     return curve.spectrum(driven.aperture, np.subtract(x, driven.place[0]), y)

@@ -62,5 +62,5 @@ def group_delay(at, transfer, way: float):
 
 def expected(scene: Scene):
     """Return the ``fem.TransducerEstimate`` of the driven transducer: no reflections, bulk waves, bottom or ends."""
-    surface = "open" if scene.stator.above == "none" else "vacuum"
-    return fem.transducer_estimate(resolved.solid(scene.stator), resolved.driven(scene), surface)
+    stator = resolved.stator(scene.stator)
+    return fem.transducer_estimate(stator.solid, resolved.driven(scene), stator.bare_surface)

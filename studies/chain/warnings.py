@@ -121,12 +121,13 @@ def _off_resonance(record: Record) -> Iterator[str]:
     scene, driven, drive = record.scene, record.scene.driven_transducer, record.scene.drive
     if driven.pattern is not None or driven.split or drive.source_impedance or drive.match != "none":
         return
-    solid, present = resolved.solid(scene.stator), scene.frequency
-    surface = "open" if scene.stator.above == "none" else "vacuum"
+    stator, present = resolved.stator(scene.stator), scene.frequency
     reach = 2 / max(driven.finger_pairs, 4)
     frequencies = np.append(np.linspace(1 - reach, 1 + reach, 801) * present, present)
     try:
-        sizes = fem.relative_amplitude(solid, resolved.driven(scene), frequencies, surface=surface)
+        sizes = fem.relative_amplitude(
+            stator.solid, resolved.driven(scene), frequencies, surface=stator.bare_surface
+        )
     except fem.ConvergenceError:
         return  # a cut whose half-space has no such wave: there is no estimate
     best = int(np.argmax(sizes))

@@ -37,7 +37,7 @@ def run(scene: str | Scene = "rayleigh", *, count: int = 60, progress=None) -> S
     frequencies = np.linspace(LOWEST, HIGHEST, count) * drive
     progress(f"{count} frequencies of {scene.title}")
     at, wavenumbers, near = _propagating(stator, frequencies)
-    half_space = fem.rayleigh(stator.solid, "open" if stator.above == "none" else "vacuum").velocity
+    half_space = fem.rayleigh(stator.solid, stator.bare_surface).velocity
     free = fem.free_wave(stator, frequency=drive, tolerance=1e-6)
     thickness = stator.thickness * drive / half_space
     finding = judged(
