@@ -28,7 +28,7 @@ class Fingers(NamedTuple):
 
     @classmethod
     def of(cls, x: np.ndarray, charge: np.ndarray, finger: np.ndarray) -> "Fingers":
-        """Of nodes from left to right and the numbers of their fingers."""
+        """Return the fingers of charges at nodes from left to right; ``finger`` numbers the finger of each node."""
         starts = np.flatnonzero(np.diff(finger, prepend=finger[0] - 1))
         stops = np.append(starts[1:], len(x))
         first, last = x[starts], x[stops - 1]
@@ -39,15 +39,15 @@ class Fingers(NamedTuple):
 
     @property
     def middles(self) -> np.ndarray:
-        """Of the fingers, m."""
+        """Return the places of the fingers' middles, m."""
         return (self.first + self.last) / 2
 
     def phase(self, wavenumbers: np.ndarray) -> np.ndarray:
-        """Of waves over half a finger, rad: below MAX_PHASE the series of `sums` serve."""
+        """Return the phase of waves across half a finger, rad; below MAX_PHASE the series of `sums` is accurate."""
         return abs(wavenumbers) * self.half_width
 
     def sums(self, wavenumbers: np.ndarray) -> np.ndarray:
-        """sum_j q_j exp(i k (x_j - middle)) of each finger, by the Taylor series: (fingers, *shape of k)."""
+        """Return sum_j q_j exp(i k (x_j - middle)) of each finger by Taylor series, shape (fingers, *shape of k)."""
         growth = np.multiply.outer(1j * self.half_width / np.arange(1, TERMS), wavenumbers)
         series = np.cumprod(np.concatenate([np.ones((1, *wavenumbers.shape)), growth]), axis=0)
         return np.tensordot(self.moments, series, axes=1)

@@ -90,7 +90,7 @@ def _crossed(record: Record, places) -> Rows:
 
 
 def _spread(record: Record, x, y) -> np.ndarray:
-    """Return the amplitude of the driven aperture over that of a plane wave: m from the stator's left end and axis."""
+    """Return the amplitude of the driven aperture over that of a plane wave at places from left end and axis, m."""
     driven, stator = record.scene.driven_transducer, resolved.stator(record.scene.stator)
     wave, frequency = record.wave, record.wave["frequency_Hz"]
     try:
