@@ -231,7 +231,7 @@ def scenes(arguments: argparse.Namespace) -> int:
 
 def check(arguments: argparse.Namespace) -> int:
     """Check a scene without running it and print what a run would do."""
-    from studies.chain.warnings import scene_warnings
+    from studies.chain.scene_warnings import scene_warnings
     from studies.report.contents import contents
     from studies.scene.resolved import resolved
 
