@@ -40,6 +40,7 @@ AXES = {
 }  # of a column: label of its axis, factor from SI units
 SIZE, DPI = (7.0, 4.3), 150  # inches; dots per inch
 TITLE_COLUMNS = 11  # letters of a title per inch of the figure's width
+LEGEND_WIDTH = 1.6  # inches of an entry of a legend below the axes
 BELOW = 38  # points from the axes to a legend below them: room for ticks and label
 MAX_WAVELENGTHS = 40  # of a surface whose ripple a picture of this width resolves
 WINDOW, WINDOW_ROOM = 12, 2.4  # wavelengths about the slider that are drawn larger; height of the axes for it
@@ -126,7 +127,7 @@ def legend_below(ax, handles=None, *, columns: int = 4) -> None:
         labels = [each.get_label() for each in handles]
         ax.legend(
             handles, labels, loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=below,
-            ncols=min(columns, len(handles)), frameon=False, fontsize="small", borderaxespad=0.0,
+            ncols=min(columns, len(handles), max(int(ax.figure.get_figwidth() / LEGEND_WIDTH), 1)), frameon=False, fontsize="small", borderaxespad=0.0,
         )  # fmt: skip
 
 
