@@ -125,9 +125,11 @@ def legend_below(ax, handles=None, *, columns: int = 4) -> None:
 
         below = ax.transAxes + ScaledTranslation(0.0, -BELOW / 72, ax.figure.dpi_scale_trans)
         labels = [each.get_label() for each in handles]
+        room = max(int(ax.figure.get_figwidth() / LEGEND_WIDTH), 1)
+        columns = min(columns, len(handles), room)
         ax.legend(
             handles, labels, loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=below,
-            ncols=min(columns, len(handles), max(int(ax.figure.get_figwidth() / LEGEND_WIDTH), 1)), frameon=False, fontsize="small", borderaxespad=0.0,
+            ncols=columns, frameon=False, fontsize="small", borderaxespad=0.0,
         )  # fmt: skip
 
 
