@@ -5,6 +5,7 @@ Every function takes and returns an Axes; ``saved`` makes the figure and the fil
 
 import base64
 import io
+import math
 import textwrap
 from collections.abc import Callable
 from functools import partial
@@ -295,18 +296,19 @@ def trajectories(record: "Record", ax):
     return finished(ax, "time (ms)", "slider velocity (mm/s)", record.scene.title)
 
 
-def surface(record: "Record", ax):
+def surface(record: "Record", ax, *, curves: bool = False):
     """Draw |u_z| and |u_x| per volt along the surface, with transducers and slider.
 
     Where the surface is many wavelengths long the ripple of a standing wave cannot be told apart: the range within
-    each wavelength is shaded, and a window shows the curves about the slider (without one, the middle).
+    each wavelength is shaded, and a window shows the curves about the slider (without one, the middle); ``curves``
+    draws these alone.
     """
     columns, scene = record.surface, record.scene
     label, scale = AXES["x_m"]
     x = columns["x_m"] * scale
     what = "y = 0" if scene.driven_obliquely else "plane section"
-    wavelength = record.wave["phase_velocity_m_per_s"] / record.wave["frequency_Hz"] * scale
-    rippled = x[-1] - x[0] > MAX_WAVELENGTHS * wavelength
+    wavelength = scale * record.wave.get("phase_velocity_m_per_s", math.inf) / record.wave["frequency_Hz"]
+    rippled = not curves and x[-1] - x[0] > MAX_WAVELENGTHS * wavelength
     sizes = [abs(columns[f"u_{axis}_m_per_V"]) * 1e9 for axis in "zx"]
     for size, colour, name in zip(sizes, ("slip", "intermittent"), (f"|u_z|, {what}", "|u_x|"), strict=True):
         if rippled:

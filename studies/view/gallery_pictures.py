@@ -140,8 +140,8 @@ def amplitude(record, *, wavelength: float, focus: tuple[str, float]):
     figure, (whole, near) = new_figure(7.2, 5.6, rows=2)
     name, place = focus
     size = abs(record.surface["u_z_m_per_V"][abs(record.surface["x_m"] - place) <= wavelength])
-    for ax in (whole, near):
-        surface(record, ax)
+    surface(record, whole)
+    surface(record, near, curves=True)
     whole.get_legend().remove()
     titled(whole, f"{record.scene.title}\namplitude along the surface (grey: transducers)")
     near.set_xlim((place - 4 * wavelength) * MM, (place + 4 * wavelength) * MM)
