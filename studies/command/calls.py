@@ -208,6 +208,14 @@ def view(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def help(arguments: argparse.Namespace) -> int:
+    """Print what a word of the output means, or the list of the words."""
+    from studies.command.glossary import entries, meaning
+
+    print(", ".join(entries()) if arguments.word is None else meaning(arguments.word))
+    return 0
+
+
 def schema(arguments: argparse.Namespace) -> int:
     """Print the JSON Schema of a scene."""
     from studies.scene.schema import schema_text

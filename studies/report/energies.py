@@ -18,7 +18,7 @@ LEDGER = {
     "normal_damper": "normal damper",
     "tangential_damper": "tangential damper",
     "load": "work against the load",
-    "leak": "leak of the elastic law",
+    "leak": "not conserved by the elastic law",
     "stored": "held by the springs",
     "lifted": "held by the preload",
     "slider": "held by the slider",
