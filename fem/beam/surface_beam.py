@@ -29,7 +29,7 @@ from fem.beam.charges import MAX_PHASE, ElectrodeCharges, Fingers, electrode_cha
 from fem.beam.cut_source import CutSource, cut_source
 from fem.beam.faces import Faces, faces
 from fem.beam.line_source import Branch, LineSource, line_source
-from fem.beam.reception import with_apertures
+from fem.beam.reception import BeamError, refuse_short_apertures, with_apertures
 from fem.circuit import Circuit
 from fem.geometry import Stator
 from fem.materials import isotropic_about_normal
@@ -48,10 +48,6 @@ RULE_GAIN = 1.5  # power of the coarse rule's error that bounds the fine one's; 
 CHUNK = 2000  # points at a time whose distances to all fingers, or whose spectra, are tabulated
 FULL_GRID = 4  # points of the grid of all x and y per point asked for, up to which the whole grid is computed
 SAME_STEP = 1e-15  # m: steps from node to node that differ by less share their phases
-
-
-class BeamError(ValueError):
-    """A stator whose field in three dimensions is not covered, and why."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -323,7 +319,7 @@ class SurfaceBeam:
         if self.source.static == 0:
             return out
         for charges, aperture, center in zip(self.charges, self.apertures, self.centers, strict=True):
-            nodes, charge = charges.pairs
+            nodes, charge = charges.lumps
             for start in range(0, len(x), CHUNK):
                 some = slice(start, start + CHUNK)
                 distance = np.subtract.outer(x[some], nodes)
@@ -440,12 +436,14 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     Raises
     ------
     BeamError
-        For free or clamped ends in cuts that are not isotropic about z, and a width smaller than an aperture.
+        For free or clamped ends in cuts that are not isotropic about z, a width smaller than an aperture, and an
+        aperture below half a wavelength.
     """
     solution = wave.solution
     refusal = beam_refusal(solution.fields.stator)
     if refusal:
         raise BeamError(refusal)
+    refuse_short_apertures(solution.fields.transducers, wave.phase_velocity / wave.frequency)
     apertures = tuple(each.aperture for each in solution.fields.transducers)
     if mirror_width is not None and not max(apertures) <= mirror_width < np.inf:
         raise BeamError(

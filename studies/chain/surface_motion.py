@@ -90,7 +90,9 @@ class SurfaceMotion:
         x, y = place
         if self.beam is None:
             return self.wave.standing_wave_ratio(x)
-        reach = self.wave.phase_velocity / self.wave.frequency * np.linspace(-1, 1, 2 * PER_WAVELENGTH + 1)
+        reach = (
+            abs(self.wave.phase_velocity) / self.wave.frequency * np.linspace(-1, 1, 2 * PER_WAVELENGTH + 1)
+        )
         along = x + reach[(x + reach >= 0) & (x + reach <= self.beam.length)]
         size = abs(self.beam.motion(along, y)[2])
         return float(size.max() / size.min())
@@ -125,7 +127,17 @@ def solved_motion(
     except fem.ConvergenceError as error:
         raise RunError(str(error)) from None
     except fem.BeamError as error:
-        scene.refuse("stator.diffraction", f"must be false or absent: {error}")
+        _refuse(scene, str(error))
+
+
+def _refuse(scene: Scene, sentence: str) -> None:
+    """Refuse the transducer that a beam's sentence begins with, or that the beam is asked for."""
+    for index, each in enumerate(scene.transducer):
+        key, _, rule = sentence.partition(" must ")
+        if rule and key.startswith(f"transducer {each.name!r}."):
+            key = f"transducer.{index}.{key.rpartition('.')[2]}"
+            scene.refuse(key, f"must {rule}; stator.diffraction = false takes the plane section")
+    scene.refuse("stator.diffraction", f"must be false or absent: {sentence}")
 
 
 def crossed_motion(scene, places, solve) -> SurfaceMotion:
