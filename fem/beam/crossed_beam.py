@@ -16,9 +16,9 @@ import numpy as np
 
 from fem.beam.charges import ElectrodeCharges, electrode_charges
 from fem.beam.mutual_admittance import mutual_admittance
-from fem.beam.reception import BeamError, with_apertures
+from fem.beam.reception import with_apertures
 from fem.beam.rows import Row, driven_names, rows_of
-from fem.beam.surface_beam import SurfaceBeam, aperture_beam
+from fem.beam.surface_beam import BeamError, SurfaceBeam, aperture_beam
 from fem.circuit import Circuit, Drive, as_drive, solve_circuit
 from fem.geometry import Stator, Transducer, check_plan, turn
 from fem.materials import isotropic_about_normal
@@ -27,9 +27,9 @@ from fem.results.solution import Solution
 from fem.results.surface_wave import SurfaceWave, surface_wave
 
 # Places in a row at an oblique angle, where each has an s of its own, beyond which a grid in s and t is interpolated by
-# splines of order 5: its lines per wavelength, lines beyond the places, and wavelengths from the fingers' charges, where
-# the field has kinks, within which no place is interpolated.  They leave 3e-5 of the largest amplitude
-# (test_crossed_beam.py).
+# splines of order 5: its lines per wavelength, lines beyond the places, and wavelengths from the fingers' charges
+# within which no place is interpolated, for the field has kinks there.  They leave 3e-5 of the largest amplitude
+# (test_passive_transducers.py).
 FEW, PER_WAVELENGTH, MARGIN, CLEAR = 500, 9, 12, 2.0
 
 Solve = Callable[[Stator, tuple[Transducer, ...], Drive, tuple[float, ...]], SurfaceWave]

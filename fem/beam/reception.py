@@ -27,25 +27,25 @@ from fem.beam.line_source import line_source
 from fem.beam.own_aperture import finger_coupling, polarisability
 from fem.condense.transducer import finger_ports
 from fem.geometry import Stator, Transducer
+from fem.input_error import InputError
 from fem.materials import isotropic_about_normal
 from fem.waveguide.network import Network, PortSolution, Scatterer
 from fem.waveguide.port_fields import PortFields, Solve, connected
 
-
 SHORTEST = 0.5  # aperture over wavelength: shorter fingers are no line sources, and their charges vary all along them
 
 
-class BeamError(ValueError):
-    """A stator whose field in three dimensions is not covered, and why."""
-
-
 def refuse_short_apertures(transducers: tuple[Transducer, ...], wavelength: float) -> None:
-    """Refuse apertures below half a wavelength (m) of the surface wave with a BeamError."""
+    """Refuse apertures below half a wavelength (m) of the surface wave."""
     for each in transducers:
         if each.aperture < SHORTEST * abs(wavelength):
-            raise BeamError(
-                f"transducer {each.name!r}.aperture must be at least half a wavelength, "
-                f"{SHORTEST * abs(wavelength):.4g} m, for its field in three dimensions, got {each.aperture:g} m"
+            raise InputError(
+                "transducer.aperture",
+                f"must be at least half a wavelength, {SHORTEST * abs(wavelength):.4g} m, unless "
+                "stator.diffraction is false",
+                each.aperture,
+                "m",
+                owner=each.name,
             )
 
 

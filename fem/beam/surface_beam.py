@@ -29,7 +29,7 @@ from fem.beam.charges import MAX_PHASE, ElectrodeCharges, Fingers, electrode_cha
 from fem.beam.cut_source import CutSource, cut_source
 from fem.beam.faces import Faces, faces
 from fem.beam.line_source import Branch, LineSource, line_source
-from fem.beam.reception import BeamError, refuse_short_apertures, with_apertures
+from fem.beam.reception import refuse_short_apertures, with_apertures
 from fem.circuit import Circuit
 from fem.geometry import Stator
 from fem.materials import isotropic_about_normal
@@ -48,6 +48,10 @@ RULE_GAIN = 1.5  # power of the coarse rule's error that bounds the fine one's; 
 CHUNK = 2000  # points at a time whose distances to all fingers, or whose spectra, are tabulated
 FULL_GRID = 4  # points of the grid of all x and y per point asked for, up to which the whole grid is computed
 SAME_STEP = 1e-15  # m: steps from node to node that differ by less share their phases
+
+
+class BeamError(ValueError):
+    """A stator whose field in three dimensions is not covered, and why."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -436,8 +440,9 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     Raises
     ------
     BeamError
-        For free or clamped ends in cuts that are not isotropic about z, a width smaller than an aperture, and an
-        aperture below half a wavelength.
+        For free or clamped ends in cuts that are not isotropic about z, and a width smaller than an aperture.
+    InputError
+        For an aperture below half a wavelength.
     """
     solution = wave.solution
     refusal = beam_refusal(solution.fields.stator)

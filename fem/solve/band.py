@@ -14,6 +14,7 @@ from fem.circuit import Drive
 from fem.convergence import ConvergenceError
 from fem.discretize.refinement import LEVELS, first_level
 from fem.geometry import Stator, Transducer, outer_gaps
+from fem.input_error import InputError
 from fem.reduce.model import ReducedModel
 from fem.reduce.projection import BandProblem, NodeSolutions, project, solve_at_nodes
 from fem.results.evaluation import surface_of
@@ -132,16 +133,18 @@ def frequency_band(
         If the tolerance is not met; the band comes with it, with the error that it has.
     """
     if not 0 < lowest < highest < np.inf:
-        raise ValueError(
-            f"the band must run from a lower to a higher frequency, got {lowest!r} to {highest!r} Hz"
+        raise InputError(
+            "band", f"must run from a lower to a higher frequency, got {lowest!r} to {highest!r} Hz"
         )
     check_driven(stator, transducers, highest, tolerance)
     transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
     for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
         if min(gaps) < (1 - 1e-9) * transducer.half_gap:
-            raise ValueError(
-                f"a band takes transducers with half a gap of bare surface on either side, "
-                f"{transducer.half_gap:g} m; {transducer.name!r} has {min(gaps):g} m"
+            raise InputError(
+                "transducer",
+                f"needs in a band half a gap of bare surface on either side, {transducer.half_gap:g} m, and has "
+                f"{min(gaps):g} m",
+                owner=transducer.name,
             )
     problem = BandProblem(
         stator=stator,

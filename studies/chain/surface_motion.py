@@ -127,17 +127,10 @@ def solved_motion(
     except fem.ConvergenceError as error:
         raise RunError(str(error)) from None
     except fem.BeamError as error:
-        _refuse(scene, str(error))
-
-
-def _refuse(scene: Scene, sentence: str) -> None:
-    """Refuse the transducer that a beam's sentence begins with, or that the beam is asked for."""
-    for index, each in enumerate(scene.transducer):
-        key, _, rule = sentence.partition(" must ")
-        if rule and key.startswith(f"transducer {each.name!r}."):
-            key = f"transducer.{index}.{key.rpartition('.')[2]}"
-            scene.refuse(key, f"must {rule}; stator.diffraction = false takes the plane section")
-    scene.refuse("stator.diffraction", f"must be false or absent: {sentence}")
+        scene.refuse("stator.diffraction", f"must be false or absent: {error}")
+    except fem.InputError as error:
+        index = [each.name for each in scene.transducer].index(error.owner)
+        scene.refuse(error.key.replace("transducer", f"transducer.{index}", 1), error.rule)
 
 
 def crossed_motion(scene, places, solve) -> SurfaceMotion:

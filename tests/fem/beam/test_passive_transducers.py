@@ -8,9 +8,10 @@ import pytest
 from fem.beam.charges import ElectrodeCharges
 from fem.beam.crossed_beam import _interpolated
 from fem.beam.reception import aperture_solver
-from fem.beam.surface_beam import BeamError, aperture_beam, surface_beam
+from fem.beam.surface_beam import aperture_beam, surface_beam
 from fem.convergence import ConvergenceError
 from fem.discretize.grading import Resolution
+from fem.input_error import InputError
 from fem.solve.band import Band, frequency_band
 from fem.solve.port_admittance import port_admittance
 from fem.waveguide.port_fields import _refuse_a_source, solve_ports
@@ -28,7 +29,8 @@ def test_lumps_keep_charge_dipole_and_spread_of_any_finger():
     charge[1] -= charge[1].mean()
     both = ElectrodeCharges(x=np.append(x, x + 1e-3), charge=charge.ravel(), finger=np.repeat([3, 5], 7))
     places, lumps = both.lumps
-    assert places.min() > -1e-3 and places.max() < 2e-3
+    assert places.min() > -1e-3
+    assert places.max() < 2e-3
     for power in range(3):
         for near in (places < 6e-4, places > 6e-4):
             mine = both.x < 6e-4 if near[0] else both.x > 6e-4
@@ -55,9 +57,11 @@ def test_an_open_reflector_in_the_beam():
 def test_an_aperture_below_half_a_wavelength_is_refused():
     short = comb(STATOR, "a", 6.0, finger_pairs=2, aperture=0.45e-3)
     wave = wave_of(solution(STATOR, (short,)))
-    with pytest.raises(BeamError, match=r"transducer 'a'.aperture must be at least half a wavelength, 0.000"):
+    with pytest.raises(
+        InputError, match=r"transducer 'a'.aperture must be at least half a wavelength, 0.000"
+    ):
         surface_beam(wave)
-    with pytest.raises(BeamError, match="half a wavelength"):
+    with pytest.raises(InputError, match="half a wavelength"):
         port_admittance(STATOR, (short,), frequency=FREQUENCY, tolerance=0.1, finite_apertures=True)
 
 
