@@ -7,9 +7,10 @@ import pytest
 import contact
 from studies import Scene, SceneError, Wave, chain
 from studies.__main__ import main
-from studies.chain import _needed, bridge, run
+from studies.chain import bridge, run
 from studies.chain.bridge import DrivenContact
 from studies.chain.points import SliderAnswer
+from studies.chain.runs import _needed
 from studies.refusal import RunError
 from studies.results.content import plain
 from studies.scene import read_table
