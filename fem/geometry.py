@@ -9,6 +9,7 @@ weighting), "o" an open strip, at whatever potential leaves it without charge.  
 
 from dataclasses import dataclass
 from itertools import combinations, pairwise
+from numbers import Integral
 from typing import Literal, get_args
 
 import numpy as np
@@ -120,7 +121,7 @@ class Transducer:
         for name, unit in (("center", "m"), ("center_y", "m"), ("angle", "rad")):
             if not np.isfinite(getattr(self, name)):
                 refuse(name, "must be finite", unit)
-        if self.finger_pairs != int(self.finger_pairs) or self.finger_pairs < 1:
+        if not isinstance(self.finger_pairs, Integral) or self.finger_pairs < 1:
             refuse("finger_pairs", "must be an integer of at least 1")
         if not 0 < self.metallisation < 1:
             refuse("metallisation", "must lie between 0 and 1")

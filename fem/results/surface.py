@@ -153,7 +153,7 @@ class Surface:
 
     def standing_wave_ratio(self, x: float) -> float:
         """Largest over smallest |u_z| within one wavelength either side of x."""
-        reach = self.phase_velocity / self.frequency
+        reach = abs(self.phase_velocity) / self.frequency  # of a backward plate mode it is negative
         places = np.linspace(max(0.0, x - reach), min(self.length, x + reach), 401)
         size = abs(self.normal_at(places))
         return float(size.max() / size.min())

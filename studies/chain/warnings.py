@@ -136,7 +136,7 @@ def _section(record: Record) -> Iterator[str]:
         )
     if isinstance(stator.thickness, str) or stator.bottom == "absorbing":
         return
-    thickness = stator.thickness * frequency / wave.phase_velocity
+    thickness = stator.thickness * frequency / abs(wave.phase_velocity)
     if wave.transfer_length < stator.length:
         yield (
             f"the plate is thin, {thickness:.2g} wavelengths: the wave passes to its other face and back, fully after "

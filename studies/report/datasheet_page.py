@@ -17,7 +17,7 @@ GROUPS = {
     "power": "Power and efficiency",
     "resonance": "Resonance",
 }
-PICTURE = (4.6, 3.9)  # inches
+PICTURE = (4.1, 3.4)  # inches
 
 
 def page(sheet: Datasheet) -> str:

@@ -42,6 +42,7 @@ def test_fingers(center, pairs, period, metallisation):
         ({"center": np.inf}, "'left'.center must be finite, got inf m"),
         ({"finger_pairs": 0}, "'left'.finger_pairs must be an integer of at least 1, got 0"),
         ({"finger_pairs": 2.5}, "'left'.finger_pairs must be an integer of at least 1, got 2.5"),
+        ({"finger_pairs": 2.0}, "'left'.finger_pairs must be an integer of at least 1, got 2.0"),
         ({"metallisation": 1.0}, "'left'.metallisation must lie between 0 and 1, got 1.0"),
         ({"metallisation": np.nan}, "'left'.metallisation must lie between 0 and 1, got nan"),
         ({"termination": "closed"}, "'left'.termination must be open, short or an impedance in ohm"),

@@ -10,6 +10,7 @@ import pytest
 import threadpoolctl
 
 from studies import Record, RunError, Scene, SceneError, run, sweep
+from studies.chain import runs
 from studies.results import MANIFEST
 
 LEVELS = (0.5e-9, 3e-9, 10e-9)
