@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from studies.chain import SHARE
 from studies.chain.bridge import DrivenContact
 from studies.chain.points import STEADY_METHODS
+from studies.chain.runs import SHARE
 from studies.record import Record
 
 __all__ = ["LEDGER", "Balance", "balances"]

@@ -5,7 +5,7 @@ import json
 import sys
 from typing import TYPE_CHECKING
 
-from studies.report.measured import comparison
+from studies.record.measured import comparison
 
 if TYPE_CHECKING:
     from studies.record import Record
