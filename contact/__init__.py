@@ -21,6 +21,7 @@ _PUBLIC = {
     "averaged.pillars": "PassingWave Pillars",
     "convergence": "ConvergenceError",
     "envelope": "Envelope",
+    "input_error": "InputError",
     "jit": "kernels",
     "orbit": "Orbit",
     "slider": "Slider",
