@@ -11,6 +11,7 @@ from contact.averaged.pillar_cycle import PillarCycle
 from contact.averaged.pillar_equilibrium import Balance, Equilibrium
 from contact.averaged.pillars import PassingWave, Pillars
 from contact.convergence import ConvergenceError
+from contact.input_error import InputError
 
 LOADED = 0.05  # loading number above which a slider acts back on the wave, where nobody decides
 FULL_SLIP = 1.001  # of the velocity beyond which every contact slips all the time
@@ -166,7 +167,7 @@ class _Slider:
         if loading is None:
             loading = wave.loading_number(pillars.preload) > LOADED
         if loading and wave.compliance == 0.0:
-            raise ValueError("wave.compliance (Gamma, 1/Pa) is required where the slider loads the wave")
+            raise InputError("wave.compliance", "(Gamma, 1/Pa) is required where the slider loads the wave")
         self.pillars, self.wave, self.loading = pillars, wave, bool(loading)
         self.cycle = PillarCycle(pillars, wave, self.loading)
         self.equilibrium = Equilibrium(self.cycle)
@@ -364,10 +365,11 @@ def pillar_motion(
         found = None
     if load > 0.0 and (found is None or found.w * signed < 0.0):
         stall, most = slider.stall(math.copysign(1.0, signed))
-        raise ValueError(
-            f"load must be at most {most:.6g} N, above which the load drags the slider backwards (in motion it carries "
-            f"{stall:.6g} N, its stall), got {load:.6g} N"
-        )
+        raise InputError(
+            "load",
+            f"must be at most {most:.6g} N, above which it drags the slider backwards (in motion this carries "
+            f"{stall:.6g} N, its stall)", load, "N",
+        )  # fmt: skip
     return slider.motion(found, signed)
 
 

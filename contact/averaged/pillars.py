@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from contact import bounds
+from contact.input_error import InputError
 
 TILTS, BACKINGS = ("held", "pitch", "free"), ("rigid", "soft")
 
@@ -78,13 +79,13 @@ class Pillars:
         ):  # fmt: skip
             value = np.asarray(getattr(self, name), dtype=float)
             if value.ndim > 1 or (value.ndim == 1 and value.size != x.size):
-                raise ValueError(f"pillars.{name} must hold one value for each of the {x.size} pillars")
+                raise InputError(f"pillars.{name}", f"must hold one value for each of the {x.size} pillars")
             if not np.all(np.isfinite(value)):
-                raise ValueError(
-                    f"pillars.{name} must be finite, got {value[~np.isfinite(value)].flat[0]} {unit}"
+                raise InputError(
+                    f"pillars.{name}", "must be finite", value[~np.isfinite(value)].flat[0], unit
                 )
             if name.endswith(("stiffness", "weights")) and not np.all(value > 0.0):
-                raise ValueError(f"pillars.{name} must be positive, got {float(value.min())} {unit}")
+                raise InputError(f"pillars.{name}", "must be positive", float(value.min()), unit)
             object.__setattr__(self, name, np.broadcast_to(value, x.shape))
         for name, unit, rule in (
             ("friction_coefficient", "", bounds.positive), ("preload", "N", bounds.positive),
@@ -97,9 +98,8 @@ class Pillars:
         bounds.choice("pillars.tilt", self.tilt, TILTS)
         bounds.choice("pillars.backing", self.backing, BACKINGS)
         if self.backing == "soft" and self.tilt != "held":
-            raise ValueError(
-                f'pillars.tilt must be "held" with a soft backing, which has no plane to tilt, got {self.tilt!r}'
-            )
+            rule = 'must be "held" with a soft backing, which has no plane to tilt'
+            raise InputError("pillars.tilt", rule, self.tilt)
         self._check_tilt()
 
     def _check_tilt(self):
@@ -108,13 +108,13 @@ class Pillars:
             return
         for name, places in (("x", self.x), ("y", self.y))[: 1 if self.tilt == "pitch" else 2]:
             if np.ptp(places) == 0.0:
-                raise ValueError(f'pillars.tilt must be "held" where all pillars have the same {name}')
+                raise InputError("pillars.tilt", f'must be "held" where all pillars have the same {name}')
         lifts = self.lifts(*self.preload_at)
         if lifts:
             where = f"({self.preload_at[0]:g}, {self.preload_at[1]:g}) m"
-            raise ValueError(
-                f"pillars.preload_at must lie within the pillars where the tilt is not held, got {where}: "
-                f"no equilibrium, the {lifts} lifts"
+            raise InputError(
+                "pillars.preload_at",
+                f"must lie within the pillars where the tilt is not held, got {where}: no equilibrium, the {lifts} lifts",
             )
 
     def lifts(self, x: float, y: float) -> str:
@@ -196,7 +196,7 @@ class PassingWave:
         object.__setattr__(self, "orbit", 1j * self.ratio)
         if self.compliance > 0.0:
             if self.strip_width is None:
-                raise ValueError("wave.strip_width is required with wave.compliance: Gamma acts per width")
+                raise InputError("wave.strip_width", "is required with wave.compliance: Gamma acts per width")
             object.__setattr__(
                 self, "strip_width", bounds.positive("wave.strip_width", self.strip_width, "m")
             )
