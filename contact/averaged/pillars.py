@@ -70,8 +70,8 @@ class Pillars:
     def __post_init__(self):
         x = np.atleast_1d(np.asarray(self.x, dtype=float))
         if x.ndim != 1 or x.size == 0:
-            raise ValueError(
-                f"pillars.x must be a list of at least one place, got the shape {np.shape(self.x)}"
+            raise InputError(
+                "pillars.x", f"must be a list of at least one place, got the shape {np.shape(self.x)}"
             )
         for name, unit in (
             ("x", "m"), ("y", "m"), ("heights", "m"), ("normal_stiffness", "N/m"), ("tangential_stiffness", "N/m"),
@@ -114,7 +114,7 @@ class Pillars:
             where = f"({self.preload_at[0]:g}, {self.preload_at[1]:g}) m"
             raise InputError(
                 "pillars.preload_at",
-                f"must lie within the pillars where the tilt is not held, got {where}: no equilibrium, the {lifts} lifts",
+                f"must lie within the pillars unless the tilt is held, got {where}: no equilibrium, the {lifts} lifts",
             )
 
     def lifts(self, x: float, y: float) -> str:
