@@ -22,7 +22,7 @@ _PUBLIC = {
     "jit": "kernels",
     "orbit": "Orbit",
     "slider": "Slider",
-    "solve.riding": "riding_height",
+    "solve.riding": "mean_load riding_height",
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names.split()}
 __all__ = sorted(_HOME)
