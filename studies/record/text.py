@@ -5,7 +5,7 @@ import json
 import sys
 from typing import TYPE_CHECKING
 
-from studies.report.measured import comparison
+from studies.record.measured import comparison
 
 if TYPE_CHECKING:
     from studies.record import Record
@@ -24,6 +24,7 @@ COLUMNS = (
     ("moved by (um)", "displacement_m", lambda value: f"{value * 1e6:.5g}"),
     ("regime", "regime", str),
     ("rel. error", "relative_error", lambda value: f"{value:.1e}"),
+    ("model error", "model_relative_error", lambda value: f"{value:.1e}"),
     ("status", "status", str),
 )  # of a point: its head, its key in run.json, and how it is written
 
@@ -60,7 +61,8 @@ def answer(record: "Record") -> str:
         rows.append(("relative error", f"none: no point moves{wave}, {asked}"))
     elif record.error:
         parts = ", ".join(f"{name} {size:.1e}" for name, size in record.error["parts"].items())
-        rows.append(("relative error", f"{record.error['relative']:.1e} ({parts}), {asked}"))
+        model = f"; model {record.error['model']:.1e} of u_z or velocity" if "model" in record.error else ""
+        rows.append(("relative error", f"{record.error['relative']:.1e} ({parts}), {asked}{model}"))
     seconds = ", ".join(f"{name} {size:.2f}" for name, size in record.seconds.items() if name != "total")
     rows += [
         ("model error", sentences(record)),
@@ -199,4 +201,5 @@ def _limits(summary: dict):
         if f"{name}_amplitude_m" in summary:
             voltage = summary.get(f"{name}_voltage_V")
             at = "" if voltage is None else f"{voltage:.4g} V, "
-            yield name, f"{at}{summary[f'{name}_amplitude_m'] * 1e9:.4g} nm"
+            meaning = {"threshold": "starts to move", "release": "leaves the surface in every cycle"}[name]
+            yield name, f"{at}{summary[f'{name}_amplitude_m'] * 1e9:.4g} nm: the slider {meaning}"
