@@ -21,7 +21,10 @@ from studies.study import driven_contact
 # Nodes of tau and of either side of nu: g between the nodes is within 2e-4 (worst of 600, at kinks) and 1e-5 (99 %) of
 # the exact mean; half as many nodes of each: 1e-3 and 2e-4; twice as many: a C file of 10 MB
 ROWS, COLUMNS = 361, 301
-SMALLEST, LARGEST = 1e-6, 1.0 - 1e-4  # sqrt(|nu|) next to the jump, and tau of the last row: beyond lies no load
+SMALLEST, LARGEST = (
+    1e-6,
+    1.0 - 1e-4,
+)  # sqrt(|nu|) next to the jump, and tau of the last row: beyond lies no load
 PROBES = 400  # random points at which the interpolation is compared with the exact mean
 MAX_STEP, FAST_STEP = 1e-5, 1e-6  # s
 DEAD_BOUNCE = 1e-3  # its share in the mean force is the square of it
@@ -79,6 +82,8 @@ class AveragedMotor:
     averaging_error : float
         Largest change of the steady velocity by second-order averaging over the scene's levels, relative to
         max(|v|, omega |u_x|/10).
+    velocity_error : float
+        Largest change of the steady velocity by the interpolation over the scene's levels, in the same sense.
     left_out : tuple of str
         What the model does without.
     """
@@ -93,6 +98,7 @@ class AveragedMotor:
     tables: np.ndarray = field(repr=False)
     interpolation_error: tuple[float, float]
     averaging_error: float
+    velocity_error: float
     left_out: tuple[str, ...]
 
     @property
@@ -147,7 +153,9 @@ class MotorState:
         """
         motor = self.motor
         if level < 0.0 and len(motor.drives) == 1:
-            raise SceneError("level", f"must be zero or positive: nothing drives the other way, got {level!r}")
+            raise SceneError(
+                "level", f"must be zero or positive: nothing drives the other way, got {level!r}"
+            )
         given = motor.preload if preload is None else preload
         if not given > 0.0:
             raise SceneError("preload", f"must be positive, got {given!r} N")
@@ -158,7 +166,9 @@ class MotorState:
     time = property(lambda self: float(self.numbers[model.TIME]))
     position = property(lambda self: float(self.numbers[model.POSITION]))
     velocity = property(lambda self: float(self.numbers[model.VELOCITY]))
-    deformation = property(lambda self: model.deformation(self.motor.parameters, self.motor.tables, self.numbers))
+    deformation = property(
+        lambda self: model.deformation(self.motor.parameters, self.motor.tables, self.numbers)
+    )
     surface_amplitude = property(lambda self: float(self.numbers[model.SURFACE]))
     sticks = property(lambda self: bool(self.numbers[model.STICKS]))
 
@@ -186,27 +196,32 @@ def averaged_motor(
         If the scene has no slider, its contacts differ in height, or averaging does not apply to it.
     """
     chosen = scene if isinstance(scene, Scene) else Scene.load(scene)
+    if chosen.slider is not None and chosen.slider.heights:
+        rule = "must be absent: the tables of the averaged motor take contacts of one height"
+        chosen.refuse("slider.heights", rule)
     driven = driven_contact(chosen, tolerance=tolerance, progress=progress)
     slider = driven.slider
-    if slider.heights:
-        rule = "must be absent: the tables of the averaged motor take contacts of one height"
-        driven.scene.refuse("slider.heights", rule)
     left_out = ["the wave is that at the slider's place: its change along the way is not followed"]
     drives = [_drive(driven, progress, left_out)]
     for other in _other_scenes(chosen):
-        drives.append(_drive(driven_contact(other, tolerance=tolerance, progress=progress), progress, left_out))
+        drives.append(
+            _drive(driven_contact(other, tolerance=tolerance, progress=progress), progress, left_out)
+        )
     if driven.scene.wave is not None:
         mirrored = tuple(orbit.mirrored() for orbit in driven.orbits)
         drives.append(replace(drives[0], name="wave from the other side", orbits=mirrored))
     if len(drives) == 2:
         left_out.append("where the waves of both drives overlap the larger one alone counts")
-    left_out.append("below the threshold, with a wave, sticking contacts have the spring of a surface at rest")
+    left_out.append(
+        "below the threshold, with a wave, sticking contacts have the spring of a surface at rest"
+    )
     progress("tables of mean forces")
     try:
         tables = [_tables(slider, drive) for drive in drives]
-        averaging = max(_averaging_error(slider, drive, driven.levels) for drive in drives[:1])
+        known = _steady(slider, drives[0], driven.levels)
     except contact.ConvergenceError as error:
         raise RunError(" ".join(str(error).split())) from None
+    averaging = max((abs(second - first) / scale for _, second, first, scale in known), default=0.0)
     parameters, flat = _packed(slider, drives, tables)
     contacts = driven.scene.slider.contacts
     motor = AveragedMotor(
@@ -214,14 +229,22 @@ def averaged_motor(
         share=len(driven.scene.slider.offsets) if isinstance(contacts, int) else 1,
         drives=tuple(drives), unit="m" if driven.scene.wave is not None else "V", levels=driven.levels,
         parameters=parameters, tables=flat, interpolation_error=(0.0, 0.0), averaging_error=averaging,
+        velocity_error=0.0,
         left_out=tuple(dict.fromkeys(left_out)),
     )  # fmt: skip
-    return replace(motor, interpolation_error=_interpolation_error(motor))
+    return replace(
+        motor, interpolation_error=_interpolation_error(motor), velocity_error=_velocity_error(motor, known)
+    )
 
 
 def _other_scenes(scene: Scene) -> list[Scene]:
     """Return the scene with its other transducer driven, where there is just one other."""
-    if scene.wave is not None or scene.crossed or scene.drive.sources is not None or len(scene.transducer) != 2:
+    if (
+        scene.wave is not None
+        or scene.crossed
+        or scene.drive.sources is not None
+        or len(scene.transducer) != 2
+    ):
         return []
     name = scene.drive.transducer or scene.driven_transducer.name
     (other,) = (each for each in scene.transducer if each.name != name)
@@ -324,9 +347,9 @@ def _packed(slider, drives, tables) -> tuple[np.ndarray, np.ndarray]:
     return p, np.array(rounded)
 
 
-def _averaging_error(slider, drive: Drive, levels) -> float:
-    """Return the largest change of the steady velocity by the second order, over max(|v|, omega |u_x|/10)."""
-    largest = 0.0
+def _steady(slider, drive: Drive, levels) -> list[tuple[float, float, float, float]]:
+    """Return level, steady velocity of second and of first order, and max(|v|, omega |u_x|/10), where it moves."""
+    known = []
     for level in levels:
         orbits = tuple(orbit.scaled(level) for orbit in drive.orbits)
         try:
@@ -335,9 +358,29 @@ def _averaging_error(slider, drive: Drive, levels) -> float:
             if error.status == "not applicable" and "near the threshold" in str(error):
                 continue
             raise
-        scale = max(abs(float(mean.velocity)), 0.1 * max(each.omega * abs(each.tangential) for each in orbits))
-        largest = max(largest, abs(float(mean.velocity - mean.first_order)) / scale)
-    return largest
+        scale = max(
+            abs(float(mean.velocity)), 0.1 * max(each.omega * abs(each.tangential) for each in orbits)
+        )
+        if not mean.held:
+            known.append((level, float(mean.velocity), float(mean.first_order), scale))
+    return known
+
+
+def _velocity_error(motor: AveragedMotor, known) -> float:
+    """Return what the tables change of the steady velocity of first order, the largest of some levels."""
+    p, worst = motor.parameters, 0.0
+    for level, _, first, scale in known:
+        size = level * motor.drives[0].amplitude
+        height = model.riding(p, motor.tables, 0, size, motor.slider.preload)
+        nearby = first + 1e-4 * scale * np.array([-1.0, 0.0, 1.0])
+        low, here, high = (
+            model.slip_force(p, motor.tables, 0, height, size, motor.slider.preload, v)
+            - motor.slider.tangential_damping * v
+            for v in nearby
+        )
+        load = -float(np.copysign(motor.slider.load, first)) if motor.slider.load else 0.0
+        worst = max(worst, abs((here + load) / (high - low)) * 2e-4)
+    return worst
 
 
 def _interpolation_error(motor: AveragedMotor) -> tuple[float, float]:

@@ -44,10 +44,11 @@ def description(motor: AveragedMotor) -> list[str]:
         motor.title,
         f"drive: {drives}; a level of 1 {motor.unit} makes "
         + ", ".join(f"{drive.amplitude:.6g} m" for drive in motor.drives),
-        "interpolation of the mean force: largest error {:.1e} of mu preload, at kinks; {:.1e} at 99 % of points".format(
-            *motor.interpolation_error
+        "interpolation of the mean force: error over mu preload {:.1e}, at kinks {:.1e}".format(
+            *reversed(motor.interpolation_error)
         ),
-        f"first-order averaging: {motor.averaging_error:.1e} of the steady velocity",
+        f"steady velocity: interpolation changes it by {motor.velocity_error:.1e}, second-order averaging would by "
+        f"{motor.averaging_error:.1e}",
         *motor.left_out,
     ]
 

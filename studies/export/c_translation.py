@@ -21,13 +21,13 @@ class UntranslatableError(ValueError):
 
 
 def c_source(python: str, prefix: str) -> tuple[str, str]:
-    """Return (constants, functions) in C99 of the source text of a module; functions are static.
+    r"""Return (constants, functions) in C99 of the source text of a module; functions are static.
 
     ``prefix``: put before the names of functions.
 
     Examples
     --------
-    >>> constants, functions = c_source("N = 3\\ndef twice(x: float) -> float:\\n    return 2.0 * x", "m_")
+    >>> constants, functions = c_source("N = 3\ndef twice(x: float) -> float:\n    return 2.0 * x", "m_")
     >>> print(constants)
     #define N 3
     >>> print(functions.splitlines()[0])
@@ -59,13 +59,16 @@ class _Function:
         self.head = f"static {self._type(node.returns)} {prefix}{node.name}({arguments})"
 
     def __str__(self) -> str:
-        comment, body = f"/* {ast.get_docstring(self.node)} */", self.node.body[1:]
+        text = ast.get_docstring(self.node)
+        comment, body = f"/* {text or self.node.name} */", self.node.body[text is not None :]
         lines = [line for statement in body for line in self._statement(statement)]
         return "\n".join([comment, self.head + " {", *(f"    {line}" for line in lines), "}"])
 
     def _type(self, annotation) -> str:
         if not isinstance(annotation, ast.Name) or annotation.id not in TYPES:
-            raise UntranslatableError(f"line {self.node.lineno}: an annotation must be one of {', '.join(TYPES)}")
+            raise UntranslatableError(
+                f"line {self.node.lineno}: an annotation must be one of {', '.join(TYPES)}"
+            )
         return TYPES[annotation.id]
 
     def _block(self, statements) -> list[str]:

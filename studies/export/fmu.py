@@ -38,9 +38,23 @@ VARIABLES = (
     ("preload", "input", "continuous", "N", "preload", "normal force that holds the slider down, positive"),
     ("position", "output", "continuous", "m", None, "of the slider along x"),
     ("velocity", "output", "continuous", "m/s", None, "of the slider along +x"),
-    ("surface_amplitude", "output", "continuous", "m", None, "largest normal amplitude under the contacts, peak"),
+    (
+        "surface_amplitude",
+        "output",
+        "continuous",
+        "m",
+        None,
+        "largest normal amplitude under the contacts, peak",
+    ),
     ("power", "output", "continuous", "W", None, "into the driven transducer in the steady state"),
-    ("tangential_force", "local", "continuous", "N", None, "mean force of the surface on the slider along +x"),
+    (
+        "tangential_force",
+        "local",
+        "continuous",
+        "N",
+        None,
+        "mean force of the surface on the slider along +x",
+    ),
     ("deformation", "local", "continuous", "m", None, "tangential, of the contacts"),
     ("approach", "local", "continuous", "m", None, "mean normal approach of the contacts"),
     ("sticks", "local", "discrete", "", None, "the slider sticks to the surface"),
@@ -97,7 +111,9 @@ def _library(sources: dict[str, str], compiled) -> tuple[bytes | None, str]:
     """Return the shared library of the sources, or None and why there is none."""
     command, known = compiler(), PLATFORMS.get((platform.system(), platform.machine()))
     if command is None or known is None:
-        reason = "no C compiler was found (CC, cc, gcc, clang)" if known else f"{sys.platform} is unknown to it"
+        reason = (
+            "no C compiler was found (CC, cc, gcc, clang)" if known else f"{sys.platform} is unknown to it"
+        )
         return None, f"the FMU holds sources but no library, because {reason}: the importer has to compile it"
     with tempfile.TemporaryDirectory() as folder:
         for name, text in sources.items():
@@ -151,9 +167,17 @@ def _variable(motor: AveragedMotor, reference: int, row, fmi: str) -> str:
     name, causality, variability, unit, start, meaning = row
     start = {"load": motor.load, "preload": motor.preload}.get(start, start)
     unit = motor.unit if unit is None else unit
-    head = f'name="{name}" valueReference="{reference}" description={quoteattr(meaning)} causality="{causality}"'
+    head = (
+        f'name="{name}" valueReference="{reference}" description={quoteattr(meaning)} causality="{causality}"'
+    )
     numbers = (f' unit="{unit}"' if unit else "") + ("" if start is None else f' start="{start!r}"')
-    kind = ("Boolean" if name == "sticks" else "Real") if fmi == "2" else "Boolean" if name == "sticks" else "Float64"
+    kind = (
+        ("Boolean" if name == "sticks" else "Real")
+        if fmi == "2"
+        else "Boolean"
+        if name == "sticks"
+        else "Float64"
+    )
     if fmi == "3":
         return f'<{kind} {head} variability="{variability}"{numbers}/>'
     initial = ' initial="calculated"' if start is None else ""

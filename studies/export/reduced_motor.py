@@ -100,7 +100,7 @@ def cubic(t: float, a: float, b: float, c: float, d: float) -> float:
 @compiled
 def node(position: float, nodes: int) -> int:
     """Return the second of the four nodes about a position that counts from 0."""
-    k: int = int(floor(position))
+    k: int = int(floor(position))  # noqa: RUF046 (C)
     if k < 1:
         k = 1
     if k > nodes - 3:
@@ -346,7 +346,7 @@ def wave(p: Array, tables: Array, state: Array, drive: int, time: float) -> floa
         change = state[base + CHANGES + 2 * i + 1]
         k: int = nodes - 2
         if at < nodes - 1:
-            k = int(floor(at))
+            k = int(floor(at))  # noqa: RUF046 (C)
         else:
             at = nodes - 1.0
         share = at - k
@@ -467,7 +467,7 @@ def slip_step(p: Array, tables: Array, state: Array, h: float, s: float, force: 
 
 @compiled
 def deformation(p: Array, tables: Array, state: Array) -> float:
-    """Return the tangential deformation of the contacts in m; slipping, that with which they would carry their force."""
+    """Return the tangential deformation of the contacts in m; slipping, that which would carry their force."""
     if state[STICKS] > 0.5:
         return state[DEFORMATION]
     load = mean_load(p, tables, int(state[ACTIVE]), state[APPROACH], state[SURFACE])
@@ -504,7 +504,7 @@ def glide(p: Array, tables: Array, state: Array, force: float, preload: float, d
     pull = force / p[MASS]
     left = duration
     way = 0.0
-    steps: int = int(floor(duration / p[MAX_STEP] * (1.0 - 1e-12))) + 1
+    steps: int = int(floor(duration / p[MAX_STEP] * (1.0 - 1e-12))) + 1  # noqa: RUF046 (C)
     step = duration / steps
     while steps > 0:
         g = blended(tables, start, columns, a, b, c, d, v * inverse, side)
