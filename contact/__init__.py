@@ -17,6 +17,7 @@ _PUBLIC = {
     "answers.thresholds": "release_amplitude release_factor threshold_amplitude threshold_factor",
     "answers.transient": "burst Trajectory",
     "answers.waveforms": "contact_history History",
+    "choice": "Answer",
     "convergence": "ConvergenceError",
     "envelope": "Envelope",
     "jit": "kernels",
