@@ -255,7 +255,7 @@ def _refusing(call: Callable):
     """Return what a call gives; the contact's refusal of a slider is the scene's."""
     try:
         return call()
-    except ValueError as error:
-        if str(error).startswith("slider."):
-            raise SceneError("", str(error)) from None
+    except contact.InputError as error:
+        if error.key.startswith("slider."):
+            raise SceneError(error.key, error.rule) from None
         raise

@@ -94,6 +94,9 @@ scene
 --out DIR | where evaluations and results are kept (results/NAME-design)
 --json | design.json on stdout
 """,
+    "help": """what a word of the output means, or without one the words that are explained
+word? WORD | such as ledger, or "stick margin"
+""",
     "view": """the wave field of a run, in a window, as a picture, a movie, a page or data
 run RUN_DIR | a directory that `sawmotor run` left
 --screenshot FILE | draw off screen into a PNG file

@@ -10,20 +10,21 @@ import time
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from studies.chain import run
+from studies.chain import predictor, run
+from studies.chain.predictor import Predictor
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene, read_table
 from studies.scene.override import replaced
-from studies.sweep import driver, predictor, sweep
-from studies.sweep.axes import axis
-from studies.sweep.design import designed
-from studies.sweep.predictor import Predictor
-from studies.sweep.store import FILE, Store
-from studies.sweep.workers import Workers
+from studies.sweeps import driver, sweep
+from studies.sweeps.axes import axis
+from studies.sweeps.plan import designed
+from studies.sweeps.store import FILE, Store
+from studies.sweeps.workers import Processes, Workers
 
 OVER = {"slider.preload": "0.1 mN:10 mN:8:log", "wave.normal_amplitude": "0.5 nm:20 nm:6"}
 SMALL = {
@@ -267,7 +268,7 @@ def test_a_stator_without_an_answer_costs_its_own_points_alone(monkeypatch):
 
 def test_a_point_near_the_threshold_gets_a_better_stator(tmp_path, monkeypatch):
     # a stator that is just good enough by itself
-    monkeypatch.setattr("studies.sweep.predictor.SHARE", 1.0)
+    monkeypatch.setattr("studies.chain.predictor.SHARE", 1.0)
     solved = counted(monkeypatch)
     voltages = [5.0, 11.2, 40.0]
     found = sweep(PLANE, {"drive.voltage": voltages}, tolerance=2.5e-4, out=tmp_path / "s")
@@ -367,7 +368,7 @@ def test_a_second_driver_is_refused_while_the_first_lives(tmp_path):
             sweep("twente-contact", OVER, out=tmp_path / "s")
         second = command("twente-contact", *words, "--out", str(tmp_path / "s"))
         out, err = second.communicate(timeout=60)
-        assert (second.returncode, out) == (1, "")
+        assert (second.returncode, out) == (3, "")
         assert "is writing into" in err
         assert err.count("\n") == 1
     assert rows(tmp_path / "s") == []
@@ -402,7 +403,7 @@ def test_a_full_disk_is_said_and_costs_nothing_that_was_kept(tmp_path):
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, 150_000)),
     )  # fmt: skip
     out, err = process.communicate(timeout=60)
-    assert (process.returncode, out) == (1, "")
+    assert (process.returncode, out) == (3, "")
     assert "is the disk full?" in err.splitlines()[-1]
     assert "Traceback" not in err
     kept = rows(tmp_path / "s")
@@ -434,7 +435,7 @@ class Poisoned(Workers):
 
 def test_a_point_that_kills_its_workers_is_a_row_and_is_tried_again(whole, tmp_path, monkeypatch):
     staff = Poisoned()
-    monkeypatch.setattr("studies.sweep.chosen_workers", lambda number: staff)
+    monkeypatch.setattr("studies.sweeps.chosen_workers", lambda number: staff)
     found = sweep("twente-contact", OVER, out=tmp_path / "s")
     assert found.counts == {"ok": 47, "lost": 1}
     assert found.columns()["status"][17] == "lost: 3 workers that computed it vanished"
@@ -464,7 +465,7 @@ def test_processes_give_the_same_bits_and_may_vanish(whole):
 def test_processes_that_do_not_start_are_said_to(tmp_path):
     script = tmp_path / "unguarded.py"
     script.write_text(
-        "from studies.sweep import sweep\nsweep('twente-contact', {'slider.radius': [1e-3]}, workers=2)\n"
+        "from studies.sweeps import sweep\nsweep('twente-contact', {'slider.radius': [1e-3]}, workers=2)\n"
     )
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
     done = subprocess.run(
@@ -485,10 +486,22 @@ def test_an_interrupt_from_the_terminal_stops_processes_and_keeps_points(tmp_pat
         time.sleep(0.1)
     os.killpg(process.pid, signal.SIGINT)
     _, err = process.communicate(timeout=300)
-    assert process.returncode == 1
+    assert process.returncode == 130
     assert "points are kept and the same command goes on" in err.splitlines()[-1]
     assert "Traceback" not in err
     assert 0 < len(rows(tmp_path / "s")) < 1_000_000
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="reads the signal mask of another process")
+def test_a_worker_starts_deaf_to_interrupts():
+    with closing(Processes(1)) as staff:
+        pid = staff.submit(os.getpid).result()
+        masks = dict(line.split(":") for line in Path(f"/proc/{pid}/status").read_text().splitlines())
+    assert (
+        int(masks["SigBlk"], 16) & 1 << signal.SIGINT - 1
+    )  # held back by who started it, from its first instruction
+    assert int(masks["SigIgn"], 16) & 1 << signal.SIGINT - 1
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
-from studies.refusal import SceneError, nearest, needed
+from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER, SceneError, nearest, needed
 from studies.results import Origin, result_directory
 from studies.results.content import plain, provenance
 from studies.scene import Scene
@@ -111,6 +111,19 @@ class Record:
         """Whether the slider sticks at every point: then there is no velocity that could have an error."""
         return bool(self.points) and all(point.get("regime") == "stick" for point in self.points)
 
+    @property
+    def exit_code(self) -> int:
+        """Exit code of the command: 0, or 1 for an answer that misses its tolerance, or 3 for none at all."""
+        if not self.shortfall:
+            return 0
+        answered = not self.points or any("relative_error" in point for point in self.points)
+        return EXIT_INEXACT if answered else EXIT_NO_ANSWER
+
+    @property
+    def remark(self) -> str:
+        """What a study that is a run has to remark: its shortfall."""
+        return self.shortfall
+
     def to_dict(self) -> dict:
         """Return what run.json holds: plain numbers, text, lists and tables, all finite.
 
@@ -206,7 +219,7 @@ class Record:
         -------
         matplotlib Axes
         """
-        from studies.report.figures import pictures
+        from studies.record.plots import pictures
 
         if ax is None:
             from matplotlib import pyplot
@@ -235,8 +248,8 @@ class Record:
         RunError
             If the directory cannot be written, holds something else, or another run writes there.
         """
-        from studies.report.figures import draw_run
-        from studies.report.files import write_run
+        from studies.record.files import write_run
+        from studies.record.plots import draw_run
 
         with result_directory(folder, Origin(kind="run", name=self.scene.title or "untitled")) as result:
             write_run(self, result.folder, field=field)
@@ -255,13 +268,13 @@ class Record:
         RunError
             If the directory holds no run.
         """
-        from studies.report.files import read_run
+        from studies.record.files import read_run
 
         return cls(**read_run(Path(folder)))
 
     def __str__(self):
         """Return what `sawmotor run` prints."""
-        from studies.report.answer import answer
+        from studies.record.text import answer
 
         return answer(self)
 
@@ -286,6 +299,6 @@ class Record:
 
     def _repr_html_(self) -> str:
         """Return the points as a table for a notebook."""
-        from studies.report.answer import notebook_table
+        from studies.record.text import notebook_table
 
         return notebook_table(self, "; ".join([self.scene.title or "untitled", *self._in_short()]))

@@ -6,9 +6,10 @@ from collections import Counter
 from pathlib import Path
 
 from studies.progress import Progress, duration
-from studies.report.answer import labelled, print_json
-from studies.report.answer import table as aligned
-from studies.sweep import Sweep, sweep
+from studies.record.text import labelled, print_json
+from studies.record.text import table as aligned
+from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER
+from studies.sweeps import Sweep, sweep
 
 REASONS = 5  # shown; all are in the rows
 SHOWN = ("velocity_m_per_s", "normal_amplitude_m", "thrust_N", "contact_efficiency", "motor_efficiency")
@@ -41,7 +42,10 @@ def run_sweep(arguments: Namespace, table: dict, over: dict, tolerance: float, o
             f"{first['first_point']}: {first['status']}",
             file=sys.stderr,
         )
-    return 1 if found.failed else 0
+    if not found.failed:
+        return 0
+    answered = found.counts.get("ok", 0) + found.counts.get("above tolerance", 0)
+    return EXIT_INEXACT if answered else EXIT_NO_ANSWER
 
 
 def summary(found: Sweep) -> dict:
