@@ -19,6 +19,7 @@ _PUBLIC = {
     "answers.waveforms": "contact_history History",
     "averaged.pillar_motion": "pillar_load_line pillar_motion PillarLoadLine PillarMotion",
     "averaged.pillars": "PassingWave Pillars",
+    "choice": "Answer",
     "convergence": "ConvergenceError",
     "envelope": "Envelope",
     "input_error": "InputError",
