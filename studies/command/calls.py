@@ -25,7 +25,7 @@ def run(arguments: argparse.Namespace) -> int:
     from studies.record.measured import compared, read_measured
     from studies.record.text import answer
     from studies.report.drawing import Drawing
-    from studies.report.explanation import explanation, plan
+    from studies.report.explanation import explanation, long_wait, plan
 
     wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
     measured = None if arguments.measured is None else read_measured(arguments.measured)
@@ -44,6 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise SceneError(
             "--field", "keeps the field of a driven stator, and this scene has no [[transducer]]"
         )
+    _say(long_wait(scene, tolerance=wanted))
     with ExitStack() as stack:
         result, out = stack.enter_context(_results(arguments, "run", ""))
         plotted = result is not None and not (arguments.json or arguments.no_plot)
