@@ -13,8 +13,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from studies.chain.points import averaged, half_thrust
-from studies.chain.predictor import Driven
+from studies.chain.points import half_thrust
+from studies.chain.solved_stator import Driven
+from studies.chain.steady import averaged
 from studies.inverse.prediction import MeasurementPredictor
 from studies.refusal import SceneError
 from studies.scene import Scene
