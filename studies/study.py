@@ -118,7 +118,7 @@ class StudyRecord:
             "panels": {panel.name: {"title": panel.title, **panel.data} for panel in self.panels},
             "seconds": self.seconds, "provenance": provenance(),
         }  # fmt: skip
-        return {key: plain(key, value) for key, value in whole.items() if value != []}
+        return {key: plain(key, value) for key, value in whole.items() if value or key != "answer"}
 
     def __str__(self):
         lines = [question(self.name), ""]
