@@ -20,6 +20,8 @@ _PUBLIC = {
     "convergence": "ConvergenceError",
     "envelope": "Envelope",
     "jit": "kernels",
+    "law.falling": "FallingFriction",
+    "law.user": "UserLaw",
     "orbit": "Orbit",
     "slider": "Slider",
     "solve.riding": "riding_height",

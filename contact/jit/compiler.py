@@ -9,6 +9,8 @@ import hashlib
 import re
 from functools import cache
 
+from contact.jit.compiled import Kernel
+
 # what a kernel may call beyond itself: the C library's mathematics
 _LIBRARY = re.compile(
     r"llvm\..*|sin|cos|tan|sqrt|asin|acos|atan|atan2|hypot|pow|exp|log|floor|ceil|fmod|cbrt|mem(set|cpy|move)|__\w+c3"
@@ -79,6 +81,9 @@ def _type_of(kind, argument, words, numba):
     """Return numba's type of an argument; of a named tuple that of the record which lies in the table."""
     if argument is None:
         return numba.none
+    if isinstance(argument, Kernel):
+        next(words)
+        return numba.types.Dispatcher(argument.inner)
     if kind != "t":
         word = next(words)
         scalar = {"f": numba.float64, "i": numba.int64, "c": numba.complex128}[word[0]]
@@ -122,6 +127,8 @@ def _record():
     def _size(kind):
         if isinstance(kind, types.Array):
             return 1 + kind.ndim
+        if isinstance(kind, types.Dispatcher):  # a function is known by its type
+            return 0
         return kind.size if isinstance(kind, Record) else int(kind is not types.none)
 
     @register_model(Record)
@@ -154,7 +161,7 @@ def _record():
 
         if isinstance(kind, Record):
             return builder.gep(table, [word(at)])
-        if kind is types.none:
+        if kind is types.none or isinstance(kind, types.Dispatcher):
             return context.get_dummy_value()
         if not isinstance(kind, types.Array):
             return loaded(at, context.get_value_type(kind))
