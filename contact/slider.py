@@ -12,6 +12,7 @@ import numpy as np
 
 from contact import bounds
 from contact.codes import Shape, Tangential
+from contact.input_error import InputError
 from contact.law import elastic, normal
 from contact.law.falling import FallingFriction
 from contact.law.protocol import Law
@@ -80,7 +81,7 @@ class Slider:
     friction: FallingFriction | UserLaw | None = None
 
     def __post_init__(self):
-        if not isinstance(self.law, str) or self.law not in LAWS and self.law.endswith(".py"):
+        if not isinstance(self.law, str) or (self.law not in LAWS and self.law.endswith(".py")):
             object.__setattr__(self, "friction", UserLaw.of(self.law))
             object.__setattr__(self, "law", "elastic")
         for rule, units in (bounds.positive, POSITIVE), (bounds.non_negative, NON_NEGATIVE):
@@ -89,34 +90,34 @@ class Slider:
         bounds.choice("slider.law", self.law, LAWS)
         bounds.choice("slider.shape", self.shape, normal.SHAPES)
         if np.ndim(self.heights) != 1:
-            raise ValueError(f"slider.heights must be a list of heights in m, got {self.heights!r}")
+            raise InputError("slider.heights", "must be a list of heights in m", self.heights)
         heights = tuple(bounds.finite("slider.heights", height, "m") for height in self.heights)
         object.__setattr__(self, "heights", heights if any(heights) else ())
         if self.shape == "punch" and self.law == "hysteretic":
-            raise ValueError(
-                'slider.law must be "elastic" for a punch, which slips as a whole, got "hysteretic"'
+            raise InputError(
+                "slider.law", 'must be "elastic" for a punch, which slips as a whole, got "hysteretic"'
             )
         if self.stick_band > 0.0 and self.law == "hysteretic":
-            raise ValueError(
-                f"slider.stick_band must be 0 m/s with the hysteretic law, got {self.stick_band} m/s"
+            raise InputError(
+                "slider.stick_band", "must be 0 m/s with the hysteretic law", self.stick_band, "m/s"
             )
         if not isinstance(self.reciprocal, bool):
-            raise ValueError(f"slider.reciprocal must be true or false, got {self.reciprocal!r}")
+            raise InputError("slider.reciprocal", "must be true or false", self.reciprocal)
         if self.friction is not None:
             self._check_friction()
 
     def _check_friction(self):
         """Refuse what does not go together with a friction that depends on speed or pressure."""
         if not isinstance(self.friction, FallingFriction | UserLaw):
-            raise ValueError(f"slider.friction must be a FallingFriction or a UserLaw, got {self.friction!r}")
+            raise InputError("slider.friction", "must be a FallingFriction or a UserLaw", self.friction)
         only = "with a friction that depends on more than the normal force"
         for name, wanted in (("law", "elastic"), ("reciprocal", False), ("stick_band", 0.0)):
             if getattr(self, name) != wanted:
-                raise ValueError(f"slider.{name} must be {wanted!r} {only}, got {getattr(self, name)!r}")
+                raise InputError(f"slider.{name}", f"must be {wanted!r} {only}", getattr(self, name))
         if isinstance(self.friction, FallingFriction):
             bounds.positive("slider.friction_coefficient", self.friction_coefficient, "")
         else:
-            self._tried  # noqa: B018 - refuses a law that cannot be evaluated
+            _ = self._tried  # refuses a law that cannot be evaluated
 
     @property
     def contact_shape(self) -> int:
@@ -206,8 +207,8 @@ class Slider:
     def offsets(self, contacts: int) -> np.ndarray:
         """Return the heights of so many contacts as an array, m."""
         if self.heights and len(self.heights) != contacts:
-            raise ValueError(
-                f"slider.heights must hold one height per contact, {contacts}, got {len(self.heights)}"
+            raise InputError(
+                "slider.heights", f"must hold one height per contact, {contacts}", len(self.heights)
             )
         return np.array(self.heights) if self.heights else np.zeros(contacts)
 

@@ -62,7 +62,7 @@ def _sliding(slider):
 
 
 def _dragged_speed(slider, contacts):
-    """Return the speed in m/s at which damper and sliding friction carry the load, without a wave; the least of several."""
+    """Return the least speed in m/s at which damper and sliding friction carry the load, without a wave."""
     from scipy.optimize import brentq
 
     def left(speed):

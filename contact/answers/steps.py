@@ -21,7 +21,7 @@ from contact.answers.methods import (
     ring_down,
     shaped_steps,
     silence,
-    why_not_stepped,
+    stepped_refusals,
 )
 from contact.codes import Regime
 from contact.convergence import ConvergenceError
@@ -99,7 +99,9 @@ def step(
         )
     side, driven = towards_plus(listed)
     problem = rest_problem(slider, driven)
-    motion, unit = rest(slider, driven, problem, nodes=12, truncation=1e-10), side * problem.length
+    factor = complex(envelope.at(np.zeros(1))[0]) if envelope is not None else 1.0
+    motion = rest(slider, driven, problem, nodes=12, truncation=1e-10, factor=factor)
+    unit = side * problem.length
     travelled = _drive(slider, motion, cycles, envelope)
     velocity, rang, followed = float(motion.state[2]), 0.0, 0.0
     if after is not None:
@@ -175,7 +177,7 @@ def _drive(slider, motion, cycles, envelope):
     """Move through the burst; return the distance travelled, scaled."""
     problem = motion.problem
     if envelope is None:
-        if cycles <= EXACT_CYCLES or why_not_stepped(slider, problem, STEPS_PER_CYCLE):
+        if cycles <= EXACT_CYCLES or stepped_refusals(slider, problem, STEPS_PER_CYCLE):
             motion.turn(cycles)
             return float(motion.sums[DISPLACEMENT])
         return _distance(steps(problem, motion.state, cycles, STEPS_PER_CYCLE))

@@ -9,8 +9,6 @@ import hashlib
 import re
 from functools import cache
 
-from contact.jit.compiled import Kernel
-
 # what a kernel may call beyond itself: the C library's mathematics
 _LIBRARY = re.compile(
     r"llvm\..*|sin|cos|tan|sqrt|asin|acos|atan|atan2|hypot|pow|exp|log|floor|ceil|fmod|cbrt|mem(set|cpy|move)|__\w+c3"
@@ -81,7 +79,7 @@ def _type_of(kind, argument, words, numba):
     """Return numba's type of an argument; of a named tuple that of the record which lies in the table."""
     if argument is None:
         return numba.none
-    if isinstance(argument, Kernel):
+    if hasattr(argument, "inner"):  # a kernel, such as a function of the law
         next(words)
         return numba.types.Dispatcher(argument.inner)
     if kind != "t":

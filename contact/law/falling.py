@@ -10,10 +10,10 @@ Automatica 30 (1994) 1083, eq. 7 with exponent 1). The second tends to mu_h + co
 of a constant coefficient (Bowden and Tabor; Briscoe and Evans, Proc. R. Soc. A 380 (1982) 389), and stays finite at
 p = 0. For a sphere p = K sqrt(z)/(pi R), for a punch K z/(pi R^2).
 
-At rest, and while it sticks, a contact has the coefficient mu_p(p): spring and slip limit are those of `law.elastic` with
-it, X = c mu_p z/static. The speed is that of slip at this limit, w = s (u_x' - v) - X'(z) z'. When slip begins the force
-falls to mu(p, w) P at once; what the spring so gives back is lost in slip and does not count in w, for a contact without
-mass whose friction fell with its own recoil would have no motion (a jump at any speed).
+At rest, and while it sticks, a contact has the coefficient mu_p(p): spring and slip limit are those of `law.elastic`
+with it, X = c mu_p z/static. The speed is that of slip at this limit, w = s (u_x' - v) - X'(z) z'. When slip begins
+the force falls to mu(p, w) P at once; what the spring so gives back is lost in slip and does not count in w, for a
+contact without mass whose friction fell with its own recoil would have no motion (a jump at any speed).
 """
 
 from dataclasses import dataclass
@@ -22,6 +22,7 @@ import numpy as np
 
 from contact import bounds
 from contact.codes import Tangential
+from contact.input_error import InputError
 from contact.jit.compiled import formula
 from contact.law.elastic import back_load, friction_energy, friction_load
 from contact.law.normal import approach, load, mean_pressure, slope
@@ -59,9 +60,9 @@ class FallingFriction:
                 object.__setattr__(self, name, rule(f"friction.{name}", value, unit))
         for one, other in (("sliding", "speed"), ("high_pressure", "pressure")):
             if (getattr(self, one) is None) != (getattr(self, other) is None):
-                raise ValueError(f"friction.{one} and friction.{other} must be given together")
+                raise InputError(f"friction.{one}", f"must be given together with friction.{other}")
         if self.sliding is None and self.high_pressure is None:
-            raise ValueError("friction must hold sliding with speed, or high_pressure with pressure")
+            raise InputError("friction", "must hold sliding with speed, or high_pressure with pressure")
 
     def law(self, static: float, ratio: float, pressure: float) -> Law:
         """Return the law of a static coefficient; `ratio` is E/4G, `pressure` p in Pa at an approach of 1 m."""
@@ -71,8 +72,8 @@ class FallingFriction:
             pressed, strength = self.high_pressure / static, pressure / self.pressure
         numbers = np.array([static * ratio, fading, speed, pressed, strength])
         return Law(
-            Tangential.ELASTIC.value, int(self.sliding is not None), int(self.high_pressure is not None), numbers, limit,
-            limit_rate, stuck, sliding, deformation, energy, back,
+            Tangential.ELASTIC.value, int(self.sliding is not None), int(self.high_pressure is not None), numbers,
+            limit, limit_rate, stuck, sliding, deformation, energy, back,
         )  # fmt: skip
 
 

@@ -1,7 +1,7 @@
 r"""What a tangential law is to the solvers: compiled functions of the approach, and the numbers that they need.
 
-Every law here is a *stop operator*. While a contact sticks, its deformation x follows the surface, and the force is that
-of a spring; x stays within the slip limit X(z). At the limit it slips, at the speed
+Every law here is a *stop operator*. While a contact sticks, its deformation x follows the surface, and the force is
+that of a spring; x stays within the slip limit X(z). At the limit it slips, at the speed
 
     w = s (u_x' - v) - dX/dz z' >= 0,   s the sign of the deformation,
 

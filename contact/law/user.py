@@ -9,7 +9,7 @@ A file of plain Python that numba compiles (numbers, `math` or `numpy` functions
 and, where Cattaneo's and Mindlin's spring is not wanted,
 
     def limit(approach, normal_force, contact):                  # m, the deformation at which slip begins
-    def stuck(approach, normal_force, deformation, contact):     # N, of a contact that sticks; 0 <= deformation <= limit
+    def stuck(approach, normal_force, deformation, contact):     # N in stick, up to the limit
 
 `contact` has friction_coefficient, radius, effective_modulus, tangential_modulus (SI units) and punch (0 or 1). Without
 `limit` and `stuck` the spring is that of `law.elastic` with the coefficient sliding(..., 0, ...)/normal_force.
@@ -29,9 +29,10 @@ from typing import NamedTuple
 import numpy as np
 
 from contact.codes import Tangential
+from contact.input_error import InputError
 from contact.jit.compiled import formula
 from contact.law import elastic
-from contact.law.elastic import back_load, friction_energy, friction_load
+from contact.law.elastic import friction_energy, friction_load
 from contact.law.normal import approach, load
 from contact.law.protocol import Law
 
@@ -75,8 +76,8 @@ class UserLaw:
 
     Examples
     --------
-    >>> law = UserLaw("plain", "def sliding(approach, normal_force, slip_speed, contact):\\n    return 0.1 * normal_force")
-    >>> law.function("sliding")(1e-9, 2.0, 0.0, None)
+    >>> text = "def sliding(approach, normal_force, slip_speed, contact): return 0.1 * normal_force"
+    >>> UserLaw("plain.py", text).functions["sliding"](1e-9, 2.0, 0.0, None)
     0.2
     """
 
@@ -84,23 +85,13 @@ class UserLaw:
     source: str
 
     def __post_init__(self):
-        if "sliding" not in self.functions:
-            raise ValueError(
-                f"slider.law must define sliding({', '.join(ARGUMENTS['sliding'])}), but {self.name} has none"
-            )
         for name, arguments in ARGUMENTS.items():
             function = self.functions.get(name)
-            count = (
-                len(
-                    inspect.signature(
-                        function.function if hasattr(function, "function") else function
-                    ).parameters
-                )
-                if function is not None
-                else len(arguments)
-            )
-            if count != len(arguments):
-                raise ValueError(f"slider.law: {name} of {self.name} must take ({', '.join(arguments)})")
+            wanted = f"{name}({', '.join(arguments)})"
+            if function is None and name == "sliding":
+                raise InputError("slider.law", f"must define {wanted}, but {self.name} has none")
+            if function is not None and len(inspect.signature(_plain(function)).parameters) != len(arguments):
+                raise InputError("slider.law", f"must define {wanted}, but {self.name} takes other arguments")
 
     @classmethod
     def of(cls, source: "UserLaw | str | Path | ModuleType") -> "UserLaw":
@@ -113,16 +104,17 @@ class UserLaw:
         try:
             return cls(path.name, path.read_text(encoding="utf-8"))
         except (OSError, UnicodeDecodeError) as error:
-            raise ValueError(f"slider.law: the file {path} cannot be read: {error}") from None
+            raise InputError("slider.law", f"names {path}, which cannot be read: {error}") from None
 
     @property
     def functions(self) -> dict:
         """The functions of the file by name."""
         return _functions(self.name, self.source)
 
-    def function(self, name: str):
-        """Return a function of the file."""
-        return self.functions[name]
+
+def _plain(function):
+    """Return the Python function of one that kernels can call."""
+    return getattr(function, "function", function)
 
 
 @lru_cache(64)
@@ -133,7 +125,9 @@ def _functions(name, source):
     try:
         exec(compile(source, name, "exec"), vars(module))
     except Exception as error:
-        raise ValueError(f"slider.law: {name} cannot be run: {type(error).__name__}: {error}") from None
+        raise InputError(
+            "slider.law", f"names {name}, which cannot be run: {type(error).__name__}: {error}"
+        ) from None
     own = {
         key: formula(each)
         for key, each in vars(module).items()
@@ -147,51 +141,34 @@ def _functions(name, source):
 def tried(user: UserLaw, contact: Contact, stiffness: float) -> tuple[float, float, bool, bool]:
     """Return (coefficient at 1 nm, largest rise of the slip limit with the approach, rated, bent) of a law.
 
-    Raises a ValueError for forces that are not finite, negative, or do not vanish with the normal force.
+    Raises an InputError for forces that are negative or not finite.
     """
-    sliding, shape = user.function("sliding"), int(contact.punch)
-    forces = np.array(
-        [[_value(user, sliding, z, stiffness * load(z, shape), w, contact) for w in TRIED_SPEEDS]
-         for z in TRIED_APPROACHES]
-    )  # fmt: skip
+    shape, ratio = int(contact.punch), contact.effective_modulus / (4.0 * contact.tangential_modulus)
     pushes = stiffness * load(TRIED_APPROACHES, shape)
+    places = list(zip(TRIED_APPROACHES, pushes, strict=True))
+    forces = np.array([[_value(user, "sliding", z, p, w, contact) for w in TRIED_SPEEDS] for z, p in places])
     coefficients = forces[:, 0] / pushes
-    limits = np.array(
-        [
-            _limit_of(user, z, p, mu, contact)
-            for z, p, mu in zip(TRIED_APPROACHES, pushes, coefficients, strict=True)
-        ]
-    )
-    slopes = limits / TRIED_APPROACHES
-    middle = len(slopes) // 2
-    bent = bool(np.ptp(slopes) > 1e-12 * np.max(slopes)) or bool(
-        np.ptp(coefficients) > 1e-12 * np.max(coefficients)
-    )
-    rated = bool(np.ptp(forces, axis=1).max() > 1e-12 * forces.max())
-    rises = np.diff(limits, prepend=0.0) / np.diff(TRIED_APPROACHES, prepend=0.0)
-    largest = slopes[middle] if not bent else 1.1 * max(np.max(rises), np.max(slopes))
-    return float(coefficients[middle]), float(largest), rated, bent
-
-
-def _value(user, function, *arguments):
-    try:
-        value = float(function(*arguments))
-    except Exception as error:
-        raise ValueError(
-            f"slider.law: {user.name} cannot be evaluated: {type(error).__name__}: {error}"
-        ) from None
-    if not (math.isfinite(value) and value >= 0.0):
-        known = f"approach {arguments[0]:.3g} m, normal force {arguments[1]:.3g} N"
-        raise ValueError(
-            f"slider.law: forces of {user.name} must be zero or positive, and finite, got {value} at {known}"
-        )
-    return value
-
-
-def _limit_of(user, z, p, coefficient, contact):
+    slopes = ratio * coefficients
     if "limit" in user.functions:
-        return _value(user, user.function("limit"), z, p, contact)
-    return coefficient * contact.effective_modulus / (4.0 * contact.tangential_modulus) * z
+        slopes = np.array([_value(user, "limit", z, p, contact) / z for z, p in places])
+    bent = any(np.ptp(each) > 1e-12 * np.max(each) for each in (slopes, coefficients))
+    rated = bool(np.max(np.ptp(forces, axis=1)) > 1e-12 * np.max(forces))
+    middle, limits = len(slopes) // 2, slopes * TRIED_APPROACHES
+    rises = np.diff(limits, prepend=0.0) / np.diff(TRIED_APPROACHES, prepend=0.0)
+    largest = 1.1 * max(np.max(rises), np.max(slopes)) if bent else slopes[middle]
+    return float(coefficients[middle]), float(largest), rated, bool(bent)
+
+
+def _value(user, name, *arguments):
+    try:
+        value = float(user.functions[name](*map(float, arguments[:-1]), arguments[-1]))
+    except Exception as error:
+        why = f"names {user.name}, whose {name} cannot be evaluated: {type(error).__name__}: {error}"
+        raise InputError("slider.law", why) from None
+    if not (math.isfinite(value) and value >= 0.0):
+        where = f"{name} of {user.name} at an approach of {arguments[0]:.3g} m and {arguments[1]:.3g} N"
+        raise InputError("slider.law", f"must give what is zero or positive, and finite, for {where}", value)
+    return value
 
 
 def user_law(user: UserLaw, contact: Contact, stiffness: float) -> Law:
@@ -252,7 +229,7 @@ def _left(problem, z, force):
 
 def _bound(user):
     """Return the sliding force over kappa."""
-    own = user.function("sliding")
+    own = user.functions["sliding"]
 
     def sliding(problem, z, w):
         up = 0.5 * (z + abs(z))
@@ -265,7 +242,7 @@ def _bound(user):
 
 def _limit(user):
     """Return (coefficient at rest, X/z, X, dX/dz) of a law."""
-    own = user.function("sliding")
+    own = user.functions["sliding"]
 
     def coefficient(problem, z):
         up = max(z, CLOSEST)
@@ -274,7 +251,7 @@ def _limit(user):
 
     coefficient = _named(coefficient, user)
     if "limit" in user.functions:
-        given = user.function("limit")
+        given = user.functions["limit"]
 
         def slope(problem, z):
             up = max(z, CLOSEST)
@@ -333,7 +310,7 @@ def _back(energy, user):
 def _own_spring(user):
     """Return the functions of a spring of the user's own; its energy by quadrature, its inverse by bisection."""
     _, _, limit, limit_rate = _limit(user)
-    own = user.function("stuck")
+    own = user.functions["stuck"]
 
     def stuck(problem, z, x):
         up, unit = max(z, CLOSEST), force_unit(problem)

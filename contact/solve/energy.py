@@ -47,7 +47,7 @@ CROWDED = CROWDED + 0.5
 @compiled
 def account(problem, grid, state, nodes, segment):
     """Add the integrals over one segment to the sums."""
-    friction, c = problem.friction * problem.stiffness, problem.limit_slope
+    friction = problem.friction * problem.stiffness
     slider, own, sums, last = nodes.slider, nodes.contact, state.sums, nodes.guard.size - 1
     for k in range(last + 1):
         weight = segment.length * grid.integrals[segment.map, 0, k, last]
@@ -92,10 +92,10 @@ def account(problem, grid, state, nodes, segment):
 def _spring_in_slip(problem, grid, state, nodes, segment, i):
     """Return (work on the spring of a contact that slips, leak of the law) over a segment.
 
-    The work is int F dx = [F x] - int x dF, F at most the force at the slip limit: towards the end of slip x of a sphere
-    goes as the time left to the power 2/3, and F is smooth. Gauss's points crowd there as the cube of their distance.
+    The work is int F dx = [F x] - int x dF, F at most the force at the slip limit: towards the end of slip x of a
+    sphere goes as the time left to the power 2/3, and F is smooth. Gauss's points crowd there as a cube.
     """
-    sign, law, own, n = state.sign[i], problem.law, nodes.contact, nodes.guard.size
+    sign, own, n = state.sign[i], nodes.contact, nodes.guard.size
     force, rate = own[LEVEL, i], own[FRONT, i]
     x = 0.0
     for j in range(n):

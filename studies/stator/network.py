@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 
 import fem
-from studies.chain import passband
+from studies.chain import passband, resolve
 from studies.chain.spectrum import driving_point, port_admittances
+from studies.record.plots import AXES, COLOURS, curve, finished, lines
 from studies.refusal import SceneError
-from studies.report.figures import AXES, COLOURS, curve, finished, lines
-from studies.scene import Scene, resolved
+from studies.scene import Scene
 from studies.scene.quantity import si_value
 from studies.scene.ranges import is_number, read_range
 from studies.study import Panel, StudyRecord, judged, of_record, study
@@ -74,7 +74,7 @@ def run(
     ]
     if len(names) > 1:
         first, second = (each.place[0] for each in chosen.transducer if each.name in names[:2])
-        velocity = fem.rayleigh(resolved.solid(chosen.stator), "open").velocity
+        velocity = fem.rayleigh(resolve.solid(chosen.stator), "open").velocity
         delay = passband.group_delay(at, scattering[:, 1, 0], abs(second - first) / velocity)
         data, title = (
             {"frequency_Hz": at, "group_delay_s": delay},
@@ -83,7 +83,7 @@ def run(
         panels.append(Panel(name="group_delay", title=title, data=data))
     models = {}
     for name in names:
-        seen = driving_point(ports, resolved.transducers(chosen), name)
+        seen = driving_point(ports, resolve.transducers(chosen), name)
         models[name] = [fem.motional_model(at, seen, branches) for branches in (1, BRANCHES)]
         panels.append(_circuit_panel(name, at, seen, models[name]))
     gain = float(np.linalg.svd(scattering, compute_uv=False).max())
@@ -199,8 +199,8 @@ def _measured(file: Path, ports: int, reference: float):
         raise SceneError("--measured", f"must be a file of {ports} ports, .s{ports}p, got {file.name!r}")
     try:
         at, values, own = fem.read_touchstone(file.read_text(encoding="utf-8", errors="replace"), ports)
-    except ValueError as error:
-        raise SceneError("--measured", f"{file.name!r} {error}") from None
+    except fem.InputError as error:
+        raise SceneError("--measured", f"{file.name!r} {error.rule}") from None
     if own != reference:
         raise SceneError("--measured", f"has the reference {own:g} ohm: give --z0 {own:g}, not {reference:g}")
     return at, values

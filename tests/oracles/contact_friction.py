@@ -1,9 +1,9 @@
-r"""An independent witness for friction that depends on slip speed and pressure: DOP853 between located events, SI units.
+r"""Friction that depends on slip speed and pressure, independently: DOP853 between located events, SI units.
 
-Shares nothing with the product. n contacts with elastic tangential springs on a rigid slider; the friction coefficient is
-a function mu(p, w) of the mean pressure and the slip speed, given as plain Python. The spring follows Cattaneo and
-Mindlin with the coefficient mu(p, 0) (a punch: linear), slip begins where the spring carries mu(p, 0) P, and its speed is
-s (u_x' - v) - dX/dt, X the slip limit, here by differences in time of the pressure-dependent limit.
+Shares nothing with the product. n contacts with elastic tangential springs on a rigid slider; the friction coefficient
+is a function mu(p, w) of the mean pressure and the slip speed, given as plain Python. The spring follows Cattaneo and
+Mindlin with the coefficient mu(p, 0) (a punch: linear), slip begins where the spring carries mu(p, 0) P, and its speed
+is s (u_x' - v) - dX/dt, X the slip limit, whose rate comes from differences.
 """
 
 import math
@@ -104,7 +104,7 @@ class Motor:
 
 
 def follow(motor: Motor, cycles: float) -> tuple[np.ndarray, float, float, int]:
-    """Return (state z_s, z_s', v, x_i, works), mean v of the last cycle, work of the wave normal and tangential, events.
+    """Return (state z_s, z_s', v, x_i), mean v of the last cycle, normal and tangential work of the wave, events.
 
     From rest under the preload, t = 0 where the sine of the first contact begins.
     """

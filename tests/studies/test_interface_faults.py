@@ -11,7 +11,7 @@ import pytest
 from studies import Record, Scene, SceneError, run, sweep
 from studies.__main__ import main
 from studies.motor import load_line
-from studies.report.measured import read_measured
+from studies.record.measured import read_measured
 
 
 @pytest.fixture
@@ -109,6 +109,6 @@ def test_a_run_that_is_ended_leaves_no_work_files(tmp_path):
         time.sleep(0.01)
     process.send_signal(signal.SIGTERM)
     _, err = process.communicate(timeout=60)
-    assert process.returncode == 1
+    assert process.returncode == 130
     assert "interrupted, nothing was written" in err
     assert not (tmp_path / "here").exists()
