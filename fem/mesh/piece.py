@@ -1,0 +1,48 @@
+"""A meshed piece in its place on the stator: a mesh, its materials and what its electrodes are connected to."""
+
+from dataclasses import dataclass, field
+
+from fem.materials.solids import Solid
+from fem.mesh.section_mesh import SectionMesh
+
+FLOATING, GROUNDED = "floating", "grounded"
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeshPiece:
+    """A piece of the stator given as a mesh.
+
+    Attributes
+    ----------
+    name : str
+        What messages call it.
+    mesh : SectionMesh
+    position : float
+        Where the mesh's x = 0 lies, from the stator's left end, m.
+    solids : tuple of (str, Solid)
+        Surface groups other than ``stator`` and their solids, in the stator's axes.
+    electrodes : tuple of (str, str)
+        Electrodes and what they are connected to: "floating", "grounded", or a transducer's name with "+" or "-".
+        Those that are not named float.
+    """
+
+    name: str
+    mesh: SectionMesh = field(repr=False)
+    position: float
+    solids: tuple[tuple[str, Solid], ...] = ()
+    electrodes: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Smallest and largest x on the stator, m."""
+        low, high = self.mesh.extent
+        return self.position + low, self.position + high
+
+    def connection(self, electrode: str) -> str:
+        """What an electrode is connected to."""
+        return dict(self.electrodes).get(electrode, FLOATING)
+
+    def interface(self, side: str) -> tuple[float, float] | None:
+        """Where an interface stands on the stator, and its height, m; None where the piece is the stator's end."""
+        line = self.mesh.interface(side)
+        return None if line is None else (self.position + line[0], line[1])
