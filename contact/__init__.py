@@ -19,6 +19,7 @@ _PUBLIC = {
     "answers.waveforms": "contact_history History",
     "convergence": "ConvergenceError",
     "envelope": "Envelope",
+    "input_error": "InputError",
     "jit": "kernels",
     "orbit": "Orbit",
     "slider": "Slider",

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact import bounds
+from contact.input_error import InputError
 from contact.law import elastic, normal
 
 LAWS = ("elastic", "hysteretic")
@@ -77,19 +78,19 @@ class Slider:
         bounds.choice("slider.law", self.law, LAWS)
         bounds.choice("slider.shape", self.shape, normal.SHAPES)
         if np.ndim(self.heights) != 1:
-            raise ValueError(f"slider.heights must be a list of heights in m, got {self.heights!r}")
+            raise InputError("slider.heights", "must be a list of heights in m", self.heights)
         heights = tuple(bounds.finite("slider.heights", height, "m") for height in self.heights)
         object.__setattr__(self, "heights", heights if any(heights) else ())
         if self.shape == "punch" and self.law == "hysteretic":
-            raise ValueError(
-                'slider.law must be "elastic" for a punch, which slips as a whole, got "hysteretic"'
+            raise InputError(
+                "slider.law", 'must be "elastic" for a punch, which slips as a whole, got "hysteretic"'
             )
         if self.stick_band > 0.0 and self.law == "hysteretic":
-            raise ValueError(
-                f"slider.stick_band must be 0 m/s with the hysteretic law, got {self.stick_band} m/s"
+            raise InputError(
+                "slider.stick_band", "must be 0 m/s with the hysteretic law", self.stick_band, "m/s"
             )
         if not isinstance(self.reciprocal, bool):
-            raise ValueError(f"slider.reciprocal must be true or false, got {self.reciprocal!r}")
+            raise InputError("slider.reciprocal", "must be true or false", self.reciprocal)
 
     @property
     def contact_shape(self) -> int:
@@ -124,8 +125,8 @@ class Slider:
     def offsets(self, contacts: int) -> np.ndarray:
         """Return the heights of so many contacts as an array, m."""
         if self.heights and len(self.heights) != contacts:
-            raise ValueError(
-                f"slider.heights must hold one height per contact, {contacts}, got {len(self.heights)}"
+            raise InputError(
+                "slider.heights", f"must hold one height per contact, {contacts}", len(self.heights)
             )
         return np.array(self.heights) if self.heights else np.zeros(contacts)
 

@@ -53,6 +53,7 @@ _PUBLIC = {
     "beam.rows": "rows_of",
     "direct": "direct_solution sparse_solution",
     "convergence": "ConvergenceError",
+    "input_error": "InputError",
     "threads": "blas_on_one_thread one_blas_thread set_workers side_by_side",
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names.split()}

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
-from studies.refusal import SceneError, nearest, needed
+from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER, SceneError, nearest, needed
 from studies.results import Origin, result_directory
 from studies.results.content import plain, provenance
 from studies.scene import Scene
@@ -110,6 +110,19 @@ class Record:
     def at_rest(self) -> bool:
         """Whether the slider sticks at every point: then there is no velocity that could have an error."""
         return bool(self.points) and all(point.get("regime") == "stick" for point in self.points)
+
+    @property
+    def exit_code(self) -> int:
+        """Exit code of the command: 0, or 1 for an answer that misses its tolerance, or 3 for none at all."""
+        if not self.shortfall:
+            return 0
+        answered = not self.points or any("relative_error" in point for point in self.points)
+        return EXIT_INEXACT if answered else EXIT_NO_ANSWER
+
+    @property
+    def remark(self) -> str:
+        """What a study that is a run has to remark: its shortfall."""
+        return self.shortfall
 
     def to_dict(self) -> dict:
         """Return what run.json holds: plain numbers, text, lists and tables, all finite.

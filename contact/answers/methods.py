@@ -14,6 +14,7 @@ import numpy as np
 from contact.answers.averaged import averaged_run, why_not
 from contact.convergence import ConvergenceError
 from contact.drive import reference_speed
+from contact.kinematics import Paths
 from contact.law.normal import load
 from contact.orbit import Orbit
 from contact.problem import Problem, largest_resonance, scaled, without_wave
@@ -51,14 +52,27 @@ def rest_problem(slider, orbits):
     return scaled(slider, orbits, direction=opposed(slider, orbits), start=start)
 
 
-def rest(slider, orbits, problem, *, nodes, truncation):
-    """Return the motion at phase 0 of a slider at rest, its contacts deformed by the load alone."""
+def rest(slider, orbits, problem, *, nodes, truncation, factor=1.0):
+    """Return the motion at phase 0 of a slider at rest, its contacts deformed by the load alone.
+
+    `factor` is that on the wave at phase 0, the envelope's first: a contact that the wave has not parted keeps its
+    deformation.
+    """
     contacts = len(orbits)
-    motion = Motion(problem, grid=collocation(nodes), truncation=truncation)
+    begun = problem._replace(paths=_times(problem.paths, factor))
+    motion = Motion(begun, grid=collocation(nodes), truncation=truncation)
     depth = slider.rest_approach(contacts) / problem.length
     x = slider.rest_deformations(contacts) / problem.length
     motion.place(-depth, 0.0, 0.0, math.copysign(1.0, problem.load) * x)
+    motion.problem = problem
     return motion
+
+
+def _times(paths, factor):
+    """Return the paths of a wave times a complex factor."""
+    normal = factor * (paths.normal_cos - 1j * paths.normal_sin)
+    tangential = factor * (paths.tangential_cos - 1j * paths.tangential_sin)
+    return Paths(paths.height, normal.real.copy(), -normal.imag, tangential.real.copy(), -tangential.imag)
 
 
 def silence(motion):
@@ -138,7 +152,8 @@ def _exact(burst):
 
 def _stepped(burst):
     """Refine the steps until two runs agree; their differences on the way tell the error of the finer one."""
-    begin = rest(burst.slider, burst.orbits, burst.problem, nodes=16, truncation=1e-12)
+    factor = burst.envelope[0] if burst.envelope.size else 1.0
+    begin = rest(burst.slider, burst.orbits, burst.problem, nodes=16, truncation=1e-12, factor=factor)
     most = max(1, burst.cycles // (2 * COMPARED))
     inner = _divisor(burst.stride, most)
     late = burst.cycles // inner // 2

@@ -99,7 +99,9 @@ def step(
         )
     side, driven = towards_plus(listed)
     problem = rest_problem(slider, driven)
-    motion, unit = rest(slider, driven, problem, nodes=12, truncation=1e-10), side * problem.length
+    factor = complex(envelope.at(np.zeros(1))[0]) if envelope is not None else 1.0
+    motion = rest(slider, driven, problem, nodes=12, truncation=1e-10, factor=factor)
+    unit = side * problem.length
     travelled = _drive(slider, motion, cycles, envelope)
     velocity, rang, followed = float(motion.state[2]), 0.0, 0.0
     if after is not None:

@@ -13,6 +13,7 @@ import numpy as np
 
 from fem.convergence import ConvergenceError
 from fem.discretize.spectral import lagrange
+from fem.input_error import InputError
 
 MAX_SAMPLES = 50_000  # along the whole surface
 # M per V; a resonant PZT stator reaches 1e-8: beyond this an answer is a numerical artefact
@@ -120,8 +121,8 @@ class Surface:
         def part(piece, at):
             segment = piece.beside if isinstance(piece, MeshedPiece) else piece
             if segment is None:
-                raise ValueError(
-                    f"x = {at[0]:g} m lies under a transducer: the Rayleigh part is not defined there"
+                raise InputError(
+                    "x", f"= {at[0]:g} m lies under a transducer: the Rayleigh part is not defined there"
                 )
             return segment.motion(at, only=segment.rayleigh)
 
@@ -152,7 +153,7 @@ class Surface:
 
     def standing_wave_ratio(self, x: float) -> float:
         """Largest over smallest |u_z| within one wavelength either side of x."""
-        reach = self.phase_velocity / self.frequency
+        reach = abs(self.phase_velocity) / self.frequency  # of a backward plate mode it is negative
         places = np.linspace(max(0.0, x - reach), min(self.length, x + reach), 401)
         size = abs(self.normal_at(places))
         return float(size.max() / size.min())
@@ -172,7 +173,7 @@ class Surface:
     def _gather(self, x, part):
         x = np.asarray(x, dtype=float)
         if not np.all((x >= 0) & (x <= self.length)):
-            raise ValueError(f"x must lie on the stator, 0 to {self.length:g} m, got {x[()]!r} m")
+            raise InputError("x", f"must lie on the stator, 0 to {self.length:g} m", x[()], "m")
         flat = x.reshape(-1)
         out = np.zeros((2, flat.size), dtype=complex)
         starts = np.array([piece.start for piece in self.pieces[1:]])

@@ -68,7 +68,9 @@ class PMatrix:
     relative_error: float
 
     def loaded(self, impedance: complex) -> np.ndarray:
-        """Return the scattering matrix with an impedance (ohm) across the electrodes; infinite: open."""
+        """Return the scattering matrix with an impedance (ohm) across the electrodes; 0: short, infinite: open."""
+        if impedance == 0:
+            return self.scattering
         load = 0.0 if np.isinf(impedance) else 1 / impedance
         return self.scattering - np.outer(self.excitation, self.detection) / (self.admittance + load)
 

@@ -33,6 +33,7 @@ from fem.waveguide.network import Network, PortSolution, Scatterer
 CUT_OFF = 1e-3  # rad per slowest wavelength: a mode's wavenumber below which its square, all that is known, is rounding
 # From a network and its transducers to the network whose ports were solved (perhaps with other ports), and its fields
 Solve = Callable[[Network, tuple[Transducer, ...]], tuple[Network, PortSolution]]
+PASSIVE = 1e-3  # negative conductance over the largest admittance that counts as the discretisation's error
 MAX_COLUMNS = 150_000  # finger-edge element columns of all transducers; about 1 min of condensation
 
 
@@ -197,8 +198,10 @@ def connected(
     widths = apertures[:, None] if solution.own_apertures else np.minimum.outer(apertures, apertures)
     charge_unit = medium.stress_unit / medium.potential_unit**2
     admittances = charge_admittances(solution.charges * charge_unit, widths, modes.frequency)
-    voltage = np.concatenate([own.sum(axis=0) == 0 for own in potentials])  # +1/2 and -1/2; a mean has 1s
+    voltage = np.concatenate([(own < 0).any(axis=0) for own in potentials])  # +1/2 and -1/2; a mean has 1s
     uncharged = _uncharged(admittances, voltage)
+    between = (admittances @ uncharged)[voltage]
+    _refuse_a_source(between, [transducers[owner].name for owner in owners[voltage]])
     volts = uncharged / medium.potential_unit
     return PortFields(
         stator=stator,
@@ -209,12 +212,26 @@ def connected(
         names=tuple(transducers[owner].name for owner in owners[voltage]),
         sides=tuple(lines @ volts for lines in solution.sides),
         incoming=tuple(lines @ volts for lines in solution.incoming),
-        admittances=(admittances @ uncharged)[voltage],
+        admittances=between,
         coupling=solution.coupling,
         waves=solution.waves,
         own_apertures=solution.own_apertures,
         dipoles=tuple(each @ volts for each in solution.dipoles),
     )
+
+
+def _refuse_a_source(admittances: np.ndarray, names: list[str]) -> None:
+    """Refuse an admittance matrix by which passive transducers would give out power, beyond what rounding does."""
+    if not len(names):
+        return
+    powers, volts = np.linalg.eigh((admittances.real + admittances.real.T) / 2)
+    if powers[0] < -PASSIVE * abs(admittances).max():
+        name = names[int(np.argmax(abs(volts[:, 0])))]
+        raise ConvergenceError(
+            f"transducer {name!r} would give out power, a conductance of {powers[0]:.3g} S beside an admittance of "
+            f"{abs(admittances).max():.3g} S: the computed field is not good enough here; ask for a smaller error, or "
+            "take a longer aperture"
+        )
 
 
 def charge_admittances(charges: np.ndarray, widths: np.ndarray, frequency: float) -> np.ndarray:

@@ -11,11 +11,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import fem
-from studies.chain.blocks import amplitude_blocks, surface_columns, wave_block
+from studies.chain.blocks import amplitude_blocks, node, surface_columns, wave_block
 from studies.chain.bridge import DrivenContact, wave_along
 from studies.chain.electrical import electrical_block, with_available_power
 from studies.chain.left_out import left_out
-from studies.chain.model_error import model_error
+from studies.chain.model_error import with_model_error
 from studies.chain.points import SliderAnswer, slider_answer
 from studies.chain.ring_up import ring_up
 from studies.chain.surface_motion import SurfaceMotion, solved_motion
@@ -91,7 +91,7 @@ def _run(scene: Scene, tolerance: float, progress: Callable[[str], None] | None)
         from studies.inverse.uncertainty import with_bands
 
         record = with_bands(record, progress=say)
-    record = replace(record, model_error=model_error(record))
+    record = with_model_error(record)
     return replace(record, warnings=warnings_of(record))
 
 
@@ -155,6 +155,8 @@ def _driven(scene: Scene, tolerance: float, say) -> Record:
             ringing = ring_up(scene, place, progress=say)
         motion, answer, seconds["contact"] = _with_contact(scene, motion, solved, tolerance, say, ringing)
         blocks = answer.blocks(tolerance)
+    if slider is not None and (still := node(motion, places)):
+        blocks["shortfall"] = still
     if motion.beam is not None:
         scene = replace(scene, stator=replace(scene.stator, diffraction=True))
     electrical = electrical_block(scene, motion)

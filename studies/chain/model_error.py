@@ -32,6 +32,11 @@ ALUMINIUM, FILM = 2700.0, 100e-9  # kg/m3, m
 
 
 Rows = Iterator[tuple[str, str, float, str]]
+SHARED = (
+    "u_z",
+    "velocity",
+)  # quantities at the slider, whose relative changes are the model error of an answer
+NO_ANSWER = 1.0  # relative change from which on the answer is refused
 # What an effect changes, by which share (or in the quantity's unit), and where the estimate comes from
 KEYS = ("effect", "quantity", "size", "source")
 
@@ -44,6 +49,38 @@ def model_error(record: Record) -> tuple[dict, ...]:
     for each in (_aperture, _finger_ends, _vacuum, _electrode_mass, _contact, _travel, _power):
         rows += each(record)
     return tuple(dict(zip(KEYS, row, strict=True)) for row in rows if math.isfinite(row[2]))
+
+
+def with_model_error(record: Record) -> Record:
+    """Return the record with its model error: the effects, what they make of each point, and whether they decide.
+
+    The effects on u_z and on the velocity are added up as if all had the same sign. A point's
+    ``model_relative_error`` is their sum in the sense of ``relative_error``: the change of u_z times
+    ``amplitude_sensitivity``, the relative change of the velocity for one of the wave. An effect as large as the
+    quantity itself leaves no answer.
+    """
+    rows = model_error(record)
+    shares = {
+        quantity: sum(abs(row["size"]) for row in rows if row["quantity"] == quantity) for quantity in SHARED
+    }
+    if not rows:
+        return record
+    points = tuple(
+        point | {"model_relative_error": shares["velocity"] + shares["u_z"] * point["amplitude_sensitivity"]}
+        if "amplitude_sensitivity" in point
+        else point
+        for point in record.points
+    )
+    error = record.error | ({"model": sum(shares.values())} if record.error else {})
+    decisive = [row for row in rows if row["quantity"] in SHARED and abs(row["size"]) >= NO_ANSWER]
+    shortfall = record.shortfall
+    if decisive:
+        worst = max(decisive, key=lambda row: abs(row["size"]))
+        shortfall = (
+            f"no answer: the model leaves out what changes {worst['quantity']} by about {100 * worst['size']:+.2g} % "
+            f"({worst['effect']}); {100 * NO_ANSWER:g} % or more is refused"
+        )
+    return replace(record, model_error=rows, points=points, error=error, shortfall=shortfall)
 
 
 def _wavelength(record: Record) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 
 import contact
 from studies.chain.bridge import DrivenContact
-from studies.chain.propagation import velocity_error
+from studies.chain.propagation import velocity_sensitivities
 from studies.chain.tally import burst_tally, steady_tally
 from studies.refusal import SceneError
 from studies.scene import Scene
@@ -86,9 +86,12 @@ def _point(driven: DrivenContact, level: float, tolerance: float):
     try:
         state = _refusing(lambda: steady(orbits))
         nearby = _nearby(driven.slider, state, steady)
-        from_stator = velocity_error(state.velocity, orbits, driven.stator_error, nearby)
+        sensitivities = velocity_sensitivities(state.velocity, orbits, driven.stator_error, nearby)
+        from_stator = driven.stator_error * math.hypot(*sensitivities)
         from_contact, status, message = state.relative_error, state.status, state.message
         values, trajectory = {"velocity_m_per_s": state.velocity, "regime": state.regime}, None
+        if driven.stator_error > 0:
+            values["amplitude_sensitivity"] = sensitivities[0]
         tally = steady_tally(state)
         if driven.scene.burst is not None:
             trajectory = _burst(driven, orbits, state.velocity, asked)
@@ -252,7 +255,7 @@ def _refusing(call: Callable):
     """Return what a call gives; the contact's refusal of a slider is the scene's."""
     try:
         return call()
-    except ValueError as error:
-        if str(error).startswith("slider."):
-            raise SceneError("", str(error)) from None
+    except contact.InputError as error:
+        if error.key.startswith("slider."):
+            raise SceneError(error.key, error.rule) from None
         raise

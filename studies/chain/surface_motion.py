@@ -90,7 +90,9 @@ class SurfaceMotion:
         x, y = place
         if self.beam is None:
             return self.wave.standing_wave_ratio(x)
-        reach = self.wave.phase_velocity / self.wave.frequency * np.linspace(-1, 1, 2 * PER_WAVELENGTH + 1)
+        reach = (
+            abs(self.wave.phase_velocity) / self.wave.frequency * np.linspace(-1, 1, 2 * PER_WAVELENGTH + 1)
+        )
         along = x + reach[(x + reach >= 0) & (x + reach <= self.beam.length)]
         size = abs(self.beam.motion(along, y)[2])
         return float(size.max() / size.min())
@@ -126,6 +128,9 @@ def solved_motion(
         raise RunError(str(error)) from None
     except fem.BeamError as error:
         scene.refuse("stator.diffraction", f"must be false or absent: {error}")
+    except fem.InputError as error:
+        index = [each.name for each in scene.transducer].index(error.owner)
+        scene.refuse(error.key.replace("transducer", f"transducer.{index}", 1), error.rule)
 
 
 def crossed_motion(scene, places, solve) -> SurfaceMotion:

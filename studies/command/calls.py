@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from studies.progress import Progress
-from studies.refusal import RunError, SceneError
+from studies.refusal import InterruptedRunError, SceneError
 from studies.report.answer import labelled, print_json
 from studies.report.files import write_run
 from studies.results import Origin, ResultDirectory, result_directory
@@ -69,7 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
     _say([record.shortfall] if record.shortfall else [])
     if arguments.plot:
         show(*pictures(record).values())
-    return 1 if record.shortfall else 0
+    return record.exit_code
 
 
 def _origin(kind: str, scene: str) -> Origin:
@@ -98,7 +98,7 @@ def _pictures(result: ResultDirectory) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        raise RunError(f"interrupted while drawing: the numbers are in {result.target}") from None
+        raise InterruptedRunError(f"interrupted while drawing: the numbers are in {result.target}") from None
     except Exception as error:
         reason = " ".join(str(error).split()) or type(error).__name__
         result.notes.append(f"pictures are missing in {result.target}: {reason}")
@@ -191,9 +191,8 @@ def study(arguments: argparse.Namespace) -> int:
         with _pictures(result):
             draw_study(arguments.name, done, result.folder, progress=progress)
     print(f"{done}\nresults  {out}")
-    reason = done.shortfall
-    _say([*result.notes, *([reason] if reason else [])])
-    return 1 if reason else 0
+    _say([*result.notes, *([done.remark] if done.remark else [])])
+    return done.exit_code
 
 
 def view(arguments: argparse.Namespace) -> int:
@@ -232,7 +231,7 @@ def scenes(arguments: argparse.Namespace) -> int:
 
 def check(arguments: argparse.Namespace) -> int:
     """Check a scene without running it and print what a run would do."""
-    from studies.chain.warnings import scene_warnings
+    from studies.chain.scene_warnings import scene_warnings
     from studies.report.contents import contents
     from studies.scene.resolved import resolved
 

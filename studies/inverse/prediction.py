@@ -131,7 +131,7 @@ def steady_velocities(asked: list[tuple[DrivenContact, float]]) -> np.ndarray:
                 velocity = library.steady(contact.slider, contact.at(factor), tolerance=ALONE).velocity
             except library.ConvergenceError:
                 velocity = math.nan
-            except ValueError as error:
+            except library.InputError as error:
                 raise RunError(str(error)) from None
         found.append(float(velocity))
     return np.array(found)

@@ -24,6 +24,7 @@ COLUMNS = (
     ("moved by (um)", "displacement_m", lambda value: f"{value * 1e6:.5g}"),
     ("regime", "regime", str),
     ("rel. error", "relative_error", lambda value: f"{value:.1e}"),
+    ("model error", "model_relative_error", lambda value: f"{value:.1e}"),
     ("status", "status", str),
 )  # of a point: its head, its key in run.json, and how it is written
 
@@ -60,7 +61,8 @@ def answer(record: "Record") -> str:
         rows.append(("relative error", f"none: no point moves{wave}, {asked}"))
     elif record.error:
         parts = ", ".join(f"{name} {size:.1e}" for name, size in record.error["parts"].items())
-        rows.append(("relative error", f"{record.error['relative']:.1e} ({parts}), {asked}"))
+        model = f"; model {record.error['model']:.1e} of u_z or velocity" if "model" in record.error else ""
+        rows.append(("relative error", f"{record.error['relative']:.1e} ({parts}), {asked}{model}"))
     seconds = ", ".join(f"{name} {size:.2f}" for name, size in record.seconds.items() if name != "total")
     rows += [
         ("model error", sentences(record)),

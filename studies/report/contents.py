@@ -35,7 +35,8 @@ def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
         slider = scene.slider
         moduli = f"E* {slider.effective_modulus / 1e9:.4g} GPa, G* {slider.tangential_modulus / 1e9:.4g} GPa"
         weight = f"{slider.mass * 1e3:g} g, preload {slider.preload * 1e3:g} mN"
-        lines = [f"{weight}, contacts {len(slider.offsets)}, {moduli}"]
+        shape = "radius" if slider.shape == "sphere" else f"{slider.shape} radius"
+        lines = [f"{weight}, contacts {len(slider.offsets)}, {shape} {slider.radius * 1e3:g} mm, {moduli}"]
         if scene.stator is not None and (spread := direction_dependence(solid(scene.stator))):
             lines.append(f"E* and G* are means over the directions in the surface: {spread}")
         yield "slider", lines

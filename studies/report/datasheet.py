@@ -40,6 +40,7 @@ class Row(NamedTuple):
     unit: str
     error: float | None = None  # relative; None where the number is given by the scene or counted
     condition: str = ""  # what it holds for beyond the rated level
+    model_error: float | None = None  # relative, by what the model leaves out; None where it is not known
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,12 +151,15 @@ def _speeds(record: Record, driven: DrivenContact, rated: float):
     # the point's error is stated over max(|v|, omega |u_x| / 10)
     speed, omega = abs(point["velocity_m_per_s"]), 2.0 * np.pi * record.scene.frequency
     error = point["relative_error"] * max(speed, omega * point["tangential_amplitude_m"] / 10.0) / speed
-    yield Row("speed", "speed", speed, "m/s", error, "no load, steady")
+    scale, model = error / point["relative_error"] if error else 1.0, point.get("model_relative_error")
+    yield Row(
+        "speed", "speed", speed, "m/s", error, "no load, steady", None if model is None else scale * model
+    )
     unit, key = ("m", "amplitude_m") if record.scene.wave is not None else ("V", "voltage_V")
     for name, words in (("threshold", "starts to move"), ("release", "leaves the surface in every cycle")):
         if f"{name}_{key}" in record.summary:
             value, condition = record.summary[f"{name}_{key}"], f"the slider {words}"
-            yield Row("speed", name, value, unit, driven.stator_error, condition)
+            yield Row("speed", name, value, unit, driven.stator_error, condition, record.error.get("model"))
 
 
 def _forces(driven: DrivenContact, rated: float, balls: float):

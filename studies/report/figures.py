@@ -5,6 +5,7 @@ Every function takes and returns an Axes; ``saved`` makes the figure and the fil
 
 import base64
 import io
+import math
 import textwrap
 from collections.abc import Callable
 from functools import partial
@@ -40,7 +41,10 @@ AXES = {
 }  # of a column: label of its axis, factor from SI units
 SIZE, DPI = (7.0, 4.3), 150  # inches; dots per inch
 TITLE_COLUMNS = 11  # letters of a title per inch of the figure's width
+LEGEND_WIDTH = 1.6  # inches of an entry of a legend below the axes
 BELOW = 38  # points from the axes to a legend below them: room for ticks and label
+MAX_WAVELENGTHS = 40  # of a surface whose ripple a picture of this width resolves
+WINDOW, WINDOW_ROOM = 12, 2.4  # wavelengths about the slider that are drawn larger; height of the axes for it
 MARKS = {"stick": "s", "slip": "o", "intermittent": "^"}
 
 
@@ -122,9 +126,11 @@ def legend_below(ax, handles=None, *, columns: int = 4) -> None:
 
         below = ax.transAxes + ScaledTranslation(0.0, -BELOW / 72, ax.figure.dpi_scale_trans)
         labels = [each.get_label() for each in handles]
+        room = max(int(ax.figure.get_figwidth() / LEGEND_WIDTH), 1)
+        columns = min(columns, len(handles), room)
         ax.legend(
             handles, labels, loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=below,
-            ncols=min(columns, len(handles)), frameon=False, fontsize="small", borderaxespad=0.0,
+            ncols=columns, frameon=False, fontsize="small", borderaxespad=0.0,
         )  # fmt: skip
 
 
@@ -290,20 +296,39 @@ def trajectories(record: "Record", ax):
     return finished(ax, "time (ms)", "slider velocity (mm/s)", record.scene.title)
 
 
-def surface(record: "Record", ax):
-    """Draw |u_z| and |u_x| per volt along the surface, with transducers and slider."""
+def surface(record: "Record", ax, *, curves: bool = False):
+    """Draw |u_z| and |u_x| per volt along the surface, with transducers and slider.
+
+    Where the surface is many wavelengths long the ripple of a standing wave cannot be told apart: the range within
+    each wavelength is shaded, and a window shows the curves about the slider (without one, the middle); ``curves``
+    draws these alone.
+    """
     columns, scene = record.surface, record.scene
     label, scale = AXES["x_m"]
     x = columns["x_m"] * scale
     what = "y = 0" if scene.driven_obliquely else "plane section"
-    curve(ax, x, abs(columns["u_z_m_per_V"]) * 1e9, "-", "slip", f"|u_z|, {what}")
-    curve(ax, x, abs(columns["u_x_m_per_V"]) * 1e9, "-", "intermittent", "|u_x|")
+    wavelength = scale * record.wave.get("phase_velocity_m_per_s", math.inf) / record.wave["frequency_Hz"]
+    rippled = not curves and x[-1] - x[0] > MAX_WAVELENGTHS * wavelength
+    sizes = [abs(columns[f"u_{axis}_m_per_V"]) * 1e9 for axis in "zx"]
+    for size, colour, name in zip(sizes, ("slip", "intermittent"), (f"|u_z|, {what}", "|u_x|"), strict=True):
+        if rippled:
+            at, low, high = _ranges(x, size, wavelength)
+            ax.fill_between(
+                at, low, high, color=COLOURS[colour], alpha=0.5, linewidth=0.5, label=f"{name}, range"
+            )
+        else:
+            curve(ax, x, size, "-", colour, name)
+    if rippled:
+        _window(record, ax, x, sizes, wavelength)
     for each in scene.transducer:
         if each.angle % 180 == 0:  # in the section
             half, center = each.finger_pairs * each.period / 2, each.place[0]
             shaded(ax, (center - half) * scale, (center + half) * scale)
     if scene.slider is not None:
-        ax.axvline(scene.slider.center[0] * scale, color=COLOURS["line"], linestyle=":", label="slider")
+        top = 1 / WINDOW_ROOM if rippled else 1.0
+        ax.axvline(
+            scene.slider.center[0] * scale, ymax=top, color=COLOURS["line"], linestyle=":", label="slider"
+        )
     if "section_normal_m_per_V" in record.wave and scene.slider is not None:
         place = [scene.slider.center[0] * scale]
         for part, colour, what in (
@@ -311,9 +336,37 @@ def surface(record: "Record", ax):
             ("tangential", "intermittent", None),
         ):
             curve(ax, place, [abs(record.wave[f"{part}_m_per_V"]) * 1e9], "D", colour, what, size=6.0)
-    ax.set_ylim(bottom=0)
+    ax.set_ylim(bottom=0, top=WINDOW_ROOM * max(size.max() for size in sizes) if rippled else None)
     title = f"{scene.title}: {record.wave['frequency_Hz'] / 1e6:g} MHz"
-    return finished(ax, label, "amplitude per volt, peak (nm/V)", title, grid=False)
+    return finished(ax, label, "amplitude per volt, peak (nm/V)", title, columns=3, grid=False)
+
+
+def _ranges(x, size, width: float):
+    """Return the middles of intervals of a width along x, and the smallest and largest of ``size`` in each."""
+    import numpy as np
+
+    starts = np.searchsorted(x, np.arange(x[0], x[-1] - 0.5 * width, width))
+    ends = np.append(starts[1:], len(x) - 1)
+    return x[(starts + ends) // 2], np.minimum.reduceat(size, starts), np.maximum.reduceat(size, starts)
+
+
+def _window(record: "Record", ax, x, sizes, wavelength: float) -> None:
+    """Draw the curves within some wavelengths of the slider, or of the middle, above the whole surface."""
+    scale, slider = AXES["x_m"][1], record.scene.slider
+    middle = 0.5 * (x[0] + x[-1]) if slider is None else slider.center[0] * scale
+    near = abs(x - middle) <= 0.5 * WINDOW * wavelength
+    window = ax.inset_axes([0.07, 0.58, 0.9, 0.37])
+    for size, colour in zip(sizes, ("slip", "intermittent"), strict=True):
+        curve(window, x[near], size[near], "-", colour)
+    if slider is not None:
+        window.axvline(middle, color=COLOURS["line"], linestyle=":")
+    window.set_ylim(bottom=0)
+    window.tick_params(labelsize="small")
+    about = "the middle" if slider is None else "the slider"
+    window.text(
+        0.01, 0.06, f"{WINDOW} wavelengths about {about}", transform=window.transAxes, fontsize="small"
+    )
+    ax.axvspan(x[near][0], x[near][-1], ymax=1 / WINDOW_ROOM, fill=False, linestyle="--", linewidth=0.8)
 
 
 def profile(record: "Record", ax):

@@ -47,8 +47,8 @@ def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") 
     try:
         solid = fem.rotated(fem.material(material), orientation)
         surface = surface_named(surface)
-    except ValueError as error:
-        raise SceneError("", str(error)) from None
+    except fem.InputError as error:
+        raise SceneError(error.key, error.rule) from None
     try:
         wave = fem.rayleigh(solid, surface)
         coupled = "phi" in wave.fields

@@ -25,12 +25,12 @@ def pair_moduli(ball: str, solid) -> tuple[float, float]:
     >>> [round(modulus / 1e9, 1) for modulus in pair_moduli("steel", fem.material("PZT-8"))]
     [65.8, 13.7]
     """
-    from fem import material, point_load
+    from fem import InputError, material, point_load
 
     try:
         sphere = material(ball)
-    except ValueError as error:
-        raise SceneError("slider.ball", str(error).removeprefix("material ")) from None
+    except InputError as error:
+        raise SceneError("slider.ball", error.rule) from None
     if not _is_isotropic(sphere.stiffness):
         raise SceneError("slider.ball", f'must be an isotropic solid such as "steel", got {ball!r}')
     below, above = point_load(solid.stiffness), point_load(sphere.stiffness)

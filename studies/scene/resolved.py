@@ -329,18 +329,18 @@ def _given(block, *names: str) -> dict:
 @contextmanager
 def _refused(path: str, names=()):
     """Turn a refusal of fem into the scene's, and no answer into the run's; ``names`` are those of the transducers."""
-    from fem import ConvergenceError
+    from fem import ConvergenceError, InputError
 
     try:
         yield
     except ConvergenceError as error:
         raise RunError(str(error)) from None
+    except InputError as error:
+        key = error.key
+        if error.owner in names:
+            key = key.replace("transducer", f"transducer.{names.index(error.owner)}", 1)
+        if not key.startswith(("stator.", "transducer")):
+            key = path if path.endswith(f".{key}") else f"{path}.{key}"
+        raise SceneError(key, error.rule) from None
     except ValueError as error:
-        text = str(error).splitlines()[0]
-        for index, name in enumerate(names):
-            if text.startswith(f"transducer {name!r} "):
-                text = text.replace(f" {name!r}", f".{index}", 1)
-        key, _, rule = text.replace("transducers ", "transducer ", 1).partition(" ")
-        if key.startswith(("stator.", "transducer")):
-            raise SceneError(key, rule) from None
-        raise SceneError(path, text.removeprefix(f"{path.rpartition('.')[2]} ")) from None
+        raise SceneError(path, str(error).splitlines()[0]) from None

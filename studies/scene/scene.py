@@ -134,12 +134,12 @@ class Scene(Block):
 
 def _unknown_solids(table: dict) -> Iterator[SceneError]:
     """Yield the names of solids that the catalogue lacks, to be said beside the faults of the text."""
-    from fem import material
+    from fem import InputError, material
 
     for block, key in (("stator", "material"), ("slider", "ball")):
         name = table[block].get(key) if isinstance(table.get(block), dict) else None
         if isinstance(name, str):
             try:
                 material(name)
-            except ValueError as error:
-                yield SceneError(f"{block}.{key}", str(error).removeprefix("material "))
+            except InputError as error:
+                yield SceneError(f"{block}.{key}", error.rule)

@@ -116,5 +116,4 @@ def figure(record: Panel, ax):
     ):
         curve(ax, data["line_at"], data[f"{name}_m_per_V"] * 1e9, style, colour, label)
     curve(ax, data["at"], data["beam_m_per_V"] * 1e9, "o", "slip", "finite aperture", size=2.0)
-    ax.set_ylim(bottom=0)
     return finished(ax, data["axis"], "|u_z| (nm per V)", record.title, columns=2)

@@ -199,8 +199,8 @@ def _measured(file: Path, ports: int, reference: float):
         raise SceneError("--measured", f"must be a file of {ports} ports, .s{ports}p, got {file.name!r}")
     try:
         at, values, own = fem.read_touchstone(file.read_text(encoding="utf-8", errors="replace"), ports)
-    except ValueError as error:
-        raise SceneError("--measured", f"{file.name!r} {error}") from None
+    except fem.InputError as error:
+        raise SceneError("--measured", f"{file.name!r} {error.rule}") from None
     if own != reference:
         raise SceneError("--measured", f"has the reference {own:g} ohm: give --z0 {own:g}, not {reference:g}")
     return at, values

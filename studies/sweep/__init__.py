@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from studies.refusal import RunError, SceneError, needed
+from studies.refusal import InterruptedRunError, SceneError, needed
 from studies.scene import Scene, read_table
 from studies.scene.numbers import Quantity
 from studies.sweep.axes import Axis
@@ -184,7 +184,9 @@ def sweep(
             except KeyboardInterrupt:
                 kept = sum(store.counts().values())
                 where = "" if out is None else " and the same command goes on from there"
-                raise RunError(f"interrupted: {kept} of {len(design)} points are kept{where}") from None
+                raise InterruptedRunError(
+                    f"interrupted: {kept} of {len(design)} points are kept{where}"
+                ) from None
         return Sweep(
             path=store.path, points=len(design), counts=store.counts(), cost=store.cost(),
             seconds=perf_counter() - begun, columns=store.columns, axes=design.axes,

@@ -6,6 +6,7 @@ from collections import Counter
 from pathlib import Path
 
 from studies.progress import Progress, duration
+from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER
 from studies.report.answer import labelled, print_json
 from studies.report.answer import table as aligned
 from studies.sweep import Sweep, sweep
@@ -41,7 +42,10 @@ def run_sweep(arguments: Namespace, table: dict, over: dict, tolerance: float, o
             f"{first['first_point']}: {first['status']}",
             file=sys.stderr,
         )
-    return 1 if found.failed else 0
+    if not found.failed:
+        return 0
+    answered = found.counts.get("ok", 0) + found.counts.get("above tolerance", 0)
+    return EXIT_INEXACT if answered else EXIT_NO_ANSWER
 
 
 def summary(found: Sweep) -> dict:

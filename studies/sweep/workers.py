@@ -12,6 +12,7 @@ import re
 import signal
 import threading
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
+from contextlib import contextmanager
 
 from studies.refusal import RunError, SceneError, shown
 
@@ -55,7 +56,8 @@ class Processes(Workers):
     def submit(self, work, *arguments) -> Future:
         """Give a batch to the next process that is free."""
         try:
-            return self._pool.submit(work, *arguments)
+            with _interrupts_held():
+                return self._pool.submit(work, *arguments)  # may start a process
         except BrokenExecutor as error:
             future = Future()
             future.set_exception(error)
@@ -65,7 +67,7 @@ class Processes(Workers):
         """Start processes anew after one has vanished; RunError if they do not start at all."""
         self._start()
         try:
-            self._pool.submit(os.getpid).result()
+            self.submit(os.getpid).result()
         except BrokenExecutor:
             raise RunError(
                 "the worker processes do not start: a script that asks for workers must do so under "
@@ -133,6 +135,19 @@ def workers(number: int | str) -> Workers:
     if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= 1000:
         raise SceneError("--workers", f"must be a number from 1 to 1000, got {number!r}")
     return Workers() if number == 1 else Processes(number)
+
+
+@contextmanager
+def _interrupts_held():
+    """Hold back interrupts while processes start, which inherit that: none reaches a worker before it is settled."""
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _settle() -> None:

@@ -31,7 +31,7 @@ from studies.scene import resolved
 from studies.view import movie
 from studies.view.contact_view import film_contact, strip
 from studies.view.picture import Picture
-from studies.view.quantities import DIVERGING, palette
+from studies.view.quantities import DIVERGING, SEQUENTIAL, palette
 from studies.view.views import chosen_views, views
 
 __all__ = [
@@ -45,7 +45,7 @@ ORBITS = 12
 MOVIE, SOLID, STILL = (720, 300), (1000, 470), (1200, 720)
 FRAMES = 16
 PALETTE_COLOURS = 128  # of a diagram
-DPI = 80
+DPI = 110
 DEPTH = 3.0  # wavelengths
 GIVEN_FIELD = {"quantity": "u_z", "phase": 0.0, "factor": None}
 GIVEN = ("wave_normal", "wave_tangential")
@@ -140,8 +140,8 @@ def amplitude(record, *, wavelength: float, focus: tuple[str, float]):
     figure, (whole, near) = new_figure(7.2, 5.6, rows=2)
     name, place = focus
     size = abs(record.surface["u_z_m_per_V"][abs(record.surface["x_m"] - place) <= wavelength])
-    for ax in (whole, near):
-        surface(record, ax)
+    surface(record, whole)
+    surface(record, near, curves=True)
     whole.get_legend().remove()
     titled(whole, f"{record.scene.title}\namplitude along the surface (grey: transducers)")
     near.set_xlim((place - 4 * wavelength) * MM, (place + 4 * wavelength) * MM)
@@ -286,6 +286,6 @@ def _reduce(picture: Path) -> None:
     """Write a picture again with a palette: a third of the size."""
     with Image.open(picture) as image:
         plain = image.convert("RGB")
-    field = picture.stem in ("wave", "wave_power_flow", "solid")
-    colours = palette(DIVERGING) if field else plain.quantize(PALETTE_COLOURS)
+    maps = {"wave": DIVERGING, "wave_power_flow": DIVERGING, "solid": SEQUENTIAL}
+    colours = palette(maps[picture.stem]) if picture.stem in maps else plain.quantize(PALETTE_COLOURS)
     plain.quantize(palette=colours, dither=Image.Dither.NONE).save(picture, optimize=True)

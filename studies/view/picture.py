@@ -30,6 +30,9 @@ MM = 1e3
 BARE, EDGE = "#D9D9D9", "#606060"
 LINES = 24  # per wavelength, of what is drawn of a solid
 LETTERS = 13  # pixels
+MIN_PIXELS = (
+    12  # per wavelength along a solid: below it stripes of the wave are an artefact, the amplitude is drawn
+)
 
 
 class _Moving(NamedTuple):
@@ -93,7 +96,10 @@ class Picture:
         for number, frame in enumerate(self.frames):
             self._go_to(number)
             if self.spreads:
-                self.shade, sheet, motion = beam_sheet(self.found, name)
+                waves = self._length / self.found.wavelength
+                self.shade, sheet, motion = beam_sheet(
+                    self.found, name, envelope=self.size[0] < MIN_PIXELS * waves
+                )
                 self._lay(sheet)
             else:
                 drawn = self._piece(frame)

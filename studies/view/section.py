@@ -100,8 +100,11 @@ def sheets(found: RunField, drawn: Piece, *, solid: bool) -> list[Sheet]:
     return listed
 
 
-def beam_sheet(found: RunField, name: str) -> tuple[Shade, Sheet, Callable]:
-    """Return the surface that the beam moves, coloured by a quantity, and its motion over (x, y) in m."""
+def beam_sheet(found: RunField, name: str, *, envelope: bool = False) -> tuple[Shade, Sheet, Callable]:
+    """Return the surface that the beam moves, coloured by a quantity, and its motion over (x, y) in m.
+
+    ``envelope``: the colour is the amplitude, for a picture in which a wavelength is a few pixels.
+    """
     if name not in MOTIONS:
         rule = f"must be one of {', '.join(MOTIONS)} on the surface of the beam, got {name!r}"
         raise SceneError("--quantity", f"{rule}: --show field has it in the section")
@@ -111,9 +114,13 @@ def beam_sheet(found: RunField, name: str) -> tuple[Shade, Sheet, Callable]:
     y = np.linspace(-half, half, int(stator.width * lines) + 1 if crossed else ACROSS)
     moved = np.moveaxis(found.beam.motion(x[:, None], y), 0, -1)
     size = moved[..., MOTIONS.index(name), None]
-    shading = shade_of(QUANTITIES[name], abs(size), free=False)
+    chosen = QUANTITIES[name]
+    if envelope:
+        chosen = chosen._replace(title=f"amplitude of {chosen.title}", signed=False)
+    shading = shade_of(chosen, abs(size), free=False)
     rest, amplitude = np.stack(np.meshgrid(x, y, 0.0, indexing="ij"), axis=-1), size * shading.scale
-    sheet = Sheet("surface", rest, moved[:, :, None], 0.0 * amplitude.real, amplitude)
+    mean = abs(amplitude) if envelope else 0.0 * amplitude.real
+    sheet = Sheet("surface", rest, moved[:, :, None], mean, 0.0 * amplitude if envelope else amplitude)
     return shading, sheet, RegularGridInterpolator((x, y), moved)
 
 

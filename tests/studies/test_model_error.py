@@ -100,3 +100,47 @@ def test_answer_and_files_hold_them(motor, tmp_path):
     np.testing.assert_equal(
         [each["size"] for each in motor.model_error], [e["size"] for e in model_error(motor)]
     )
+
+
+def heavier(motor: Record, size: float) -> Record:
+    """Return the run of the seed's motor, its slider's load on the wave taken to be that share of u_z."""
+    slider = replace(motor.scene.slider, preload=100 * motor.scene.slider.preload, mass=0.0089)
+    pressed = replace(motor, scene=replace(motor.scene, slider=slider))
+    load = next(
+        each["size"] for each in model_error(pressed) if each["effect"] == "load of the slider on the wave"
+    )
+    # contacts in phase, each as stiff as the one: the load grows with their number
+    count = round(size / load)
+    many = replace(slider, contacts=count, preload=count * slider.preload, mass=count * slider.mass)
+    return replace(motor, scene=replace(motor.scene, slider=many), warnings=(), model_error=())
+
+
+def test_a_model_error_of_a_tenth_is_a_warning_and_one_of_the_whole_no_answer(motor):
+    from studies.chain.model_error import with_model_error
+    from studies.chain.warnings import warnings_of
+
+    for size, warned, refused in (
+        (0.08, False, False),
+        (0.13, True, False),
+        (0.9, True, False),
+        (1.2, True, True),
+    ):
+        judged = with_model_error(heavier(motor, size))
+        said = [each for each in warnings_of(judged) if "load of the slider on the wave" in each]
+        assert bool(said) == warned, size
+        assert bool(judged.shortfall) == refused, size
+        if warned:
+            assert f"u_z by about {100 * size:+.2g} %" in said[0]
+    assert "u_z by about +1.2e+02 % (load of the slider on the wave)" in judged.shortfall
+
+
+def test_model_error_of_a_point_is_that_of_the_wave_times_the_sensitivity(motor):
+    """The sensitivity is d ln v / d ln A, here of runs at 0.5 % less and more voltage."""
+    (point,) = motor.points
+    shares = sum(abs(each["size"]) for each in motor.model_error if each["quantity"] == "u_z")
+    assert motor.error["model"] == pytest.approx(shares, rel=1e-12)
+    assert point["model_relative_error"] == pytest.approx(shares * point["amplitude_sensitivity"], rel=1e-12)
+    voltages = ["29.85 V", "30.15 V"]
+    low, high = run(motor.scene.replace(drive={"voltage": voltages}), tolerance=0.05).velocity
+    slope = (high - low) / (0.01 * point["velocity_m_per_s"])
+    assert point["amplitude_sensitivity"] == pytest.approx(slope, rel=0.02)

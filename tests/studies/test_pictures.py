@@ -254,7 +254,7 @@ def test_run_plot_shows_what_the_run_draws(tmp_path, monkeypatch, capsys):
     words = ["run", "twente-contact", "--set", "wave.normal_amplitude=[3e-9, 10e-9]", "--plot", "--no-plot"]
     monkeypatch.setattr("sys.argv", ["sawmotor", *words, "--out", str(tmp_path / "a")])
     monkeypatch.setattr(pyplot, "get_backend", lambda: "agg")
-    assert main() == 1
+    assert main() == 3
     assert "pip install PySide6" in capsys.readouterr().err
     assert not (tmp_path / "a").exists()
     monkeypatch.setattr(pyplot, "get_backend", lambda: "qtagg")

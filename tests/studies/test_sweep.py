@@ -10,6 +10,7 @@ import time
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,7 +24,7 @@ from studies.sweep.axes import axis
 from studies.sweep.design import designed
 from studies.sweep.predictor import Predictor
 from studies.sweep.store import FILE, Store
-from studies.sweep.workers import Workers
+from studies.sweep.workers import Processes, Workers
 
 OVER = {"slider.preload": "0.1 mN:10 mN:8:log", "wave.normal_amplitude": "0.5 nm:20 nm:6"}
 SMALL = {
@@ -367,7 +368,7 @@ def test_a_second_driver_is_refused_while_the_first_lives(tmp_path):
             sweep("twente-contact", OVER, out=tmp_path / "s")
         second = command("twente-contact", *words, "--out", str(tmp_path / "s"))
         out, err = second.communicate(timeout=60)
-        assert (second.returncode, out) == (1, "")
+        assert (second.returncode, out) == (3, "")
         assert "is writing into" in err
         assert err.count("\n") == 1
     assert rows(tmp_path / "s") == []
@@ -402,7 +403,7 @@ def test_a_full_disk_is_said_and_costs_nothing_that_was_kept(tmp_path):
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, 150_000)),
     )  # fmt: skip
     out, err = process.communicate(timeout=60)
-    assert (process.returncode, out) == (1, "")
+    assert (process.returncode, out) == (3, "")
     assert "is the disk full?" in err.splitlines()[-1]
     assert "Traceback" not in err
     kept = rows(tmp_path / "s")
@@ -485,10 +486,22 @@ def test_an_interrupt_from_the_terminal_stops_processes_and_keeps_points(tmp_pat
         time.sleep(0.1)
     os.killpg(process.pid, signal.SIGINT)
     _, err = process.communicate(timeout=300)
-    assert process.returncode == 1
+    assert process.returncode == 130
     assert "points are kept and the same command goes on" in err.splitlines()[-1]
     assert "Traceback" not in err
     assert 0 < len(rows(tmp_path / "s")) < 1_000_000
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="reads the signal mask of another process")
+def test_a_worker_starts_deaf_to_interrupts():
+    with closing(Processes(1)) as staff:
+        pid = staff.submit(os.getpid).result()
+        masks = dict(line.split(":") for line in Path(f"/proc/{pid}/status").read_text().splitlines())
+    assert (
+        int(masks["SigBlk"], 16) & 1 << signal.SIGINT - 1
+    )  # held back by who started it, from its first instruction
+    assert int(masks["SigIgn"], 16) & 1 << signal.SIGINT - 1
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
 
 
 @pytest.mark.slow
