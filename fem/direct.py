@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fem.condense.sparse import sparse_solution
 from fem.discretize.elements import discretise
 from fem.discretize.forms import scikit_fem_derivatives
 from fem.discretize.grading import Resolution, edge_layers, graded
@@ -257,32 +258,3 @@ def _reduced_solution(system, basis, names, electrodes, held, wavelength, unit_p
         return np.stack([probes @ nodal[names.index(name) :: len(names)] for name in ("ux", "uz")])
 
     return _Strips(charges=charges, unknowns=len(free), surface=surface)
-
-
-def sparse_solution(matrix, load: np.ndarray) -> np.ndarray:
-    """Solve a sparse complex symmetric system (n, n) for loads (n, m), shape (n, m)."""
-    from scipy.sparse.linalg import splu
-
-    try:
-        return _pardiso_solution(matrix, load)
-    except (ImportError, AttributeError, TypeError):  # no pypardiso, no MKL, or another private interface
-        factor = splu(
-            matrix.tocsc().astype(complex),
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.01,
-            options={"SymmetricMode": True},
-        )
-        return factor.solve(load.astype(complex))
-
-
-def _pardiso_solution(matrix, load: np.ndarray) -> np.ndarray:
-    """Solve with MKL Pardiso; the public ``solve`` of pypardiso takes float64 only."""
-    from pypardiso import PyPardisoSolver
-    from scipy.sparse import triu
-
-    solver = PyPardisoSolver(mtype=6, phase=13)  # complex symmetric
-    upper = triu(matrix, format="csr").astype(complex)
-    upper.sort_indices()
-    answer = solver._call_pardiso(upper, np.asfortranarray(load, dtype=complex))
-    solver.free_memory(everything=True)
-    return answer

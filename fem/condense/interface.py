@@ -9,6 +9,8 @@ integrated exactly over the union of both sets of breakpoints.  P^T A P keeps sy
 P is: only a comparison with the same stretch without a mesh sees a wrong one.
 """
 
+import itertools
+
 import numpy as np
 from numpy.polynomial import legendre
 
@@ -33,7 +35,7 @@ def line_projection(
     mass, mixed = np.zeros((len(own), len(own))), np.zeros((len(own), section.size))
     points, weights = legendre.leggauss(max(space.order, section.order) + 1)
     points, weights = (points + 1) / 2, weights / 2
-    heights = space.mesh.points[:, 1] / space.unit
+    heights = (space.mesh.points[:, 1] - space.mesh.points[np.unique(edges), 1].max()) / space.unit
     body = section.breakpoints[section.bottom // section.order : section.surface // section.order + 1]
     first = section.bottom // section.order
     for (start, stop), functions in zip(edges.tolist(), numbers, strict=True):
@@ -41,7 +43,7 @@ def line_projection(
         inside = body[(body > low + 1e-12) & (body < high - 1e-12)]
         cuts = np.concatenate([[low], inside, [high]])
         here = place[functions] >= 0
-        for below, above in zip(cuts[:-1], cuts[1:], strict=True):
+        for below, above in itertools.pairwise(cuts):
             z, measure = below + (above - below) * points, (above - below) * weights
             mesh_values = space.edge_values((z - heights[start]) / (heights[stop] - heights[start]))[:, here]
             element = int(np.clip(np.searchsorted(body, (below + above) / 2) - 1, 0, len(body) - 2))

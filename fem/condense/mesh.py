@@ -49,6 +49,7 @@ class MeshedPiece:
     width: float  # length units
     ports: tuple[Port, ...]
     floating_potential: bool
+    unknowns: int  # of the mesh
     reduced: object = field(repr=False)  # sparse matrix over free unknowns, lines and ports
     _last: dict = field(default_factory=dict, init=False, repr=False)
 
@@ -79,7 +80,7 @@ class Assembly:
     sides: tuple[str, ...]  # "left", "right" or one of them
     lines: tuple[int, ...]  # unknowns of the section's line on each side
     ports: tuple[Port, ...]
-    # shape (skeleton unknowns, free unknowns + lines + ports): all unknowns on edges and vertices from those that remain
+    # shape (skeleton unknowns, free unknowns + lines + ports): unknowns on edges and vertices from those that remain
     expansion: object = field(repr=False)
     floating_potential: bool
     warnings: tuple[str, ...]
@@ -137,6 +138,7 @@ class Assembly:
             width=(high - low) / self.space.unit,
             ports=self.ports,
             floating_potential=self.floating_potential,
+            unknowns=self.space.size * len(self.fields),
             reduced=reduced,
         )
 
@@ -174,7 +176,7 @@ class MeshField:
         )
 
     def elements(self, own: Medium, chosen: np.ndarray):
-        """Yield elements of one medium in parts: their numbers, scalar matrices and all unknowns (m, functions * fields)."""
+        """Yield elements of one medium in parts: numbers, scalar matrices, all unknowns (m, functions * fields)."""
         assembly = self.assembly
         angular = 2 * np.pi * self.frequency * assembly.space.unit
         rim = assembly.space.rim * len(own.fields)
@@ -255,7 +257,9 @@ def assembled(
     ConvergenceError
         If the mesh has more unknowns than can be solved for.
     """
-    unit = next(iter(sections.values())).length_unit if sections else slowest_wavelength(stator.solid, frequency)
+    unit = (
+        next(iter(sections.values())).length_unit if sections else slowest_wavelength(stator.solid, frequency)
+    )
     names = fields_of(stator)
     solids = {"stator": stator.solid} | dict(piece.solids)
     space = QuadSpace(
@@ -326,11 +330,7 @@ class _Constraints:
         self.zero = np.zeros((space.skeleton, count), dtype=bool)
         self.tied = np.full((space.skeleton, count), -1)  # number of the electrode
         lines, self.holds_potential = space.mesh.lines, False
-        for group, word in (
-            ("bottom", stator.bottom),
-            ("clamped", "clamped"),
-            ("grounded", "grounded"),
-        ):
+        for group, word in (("bottom", stator.bottom), ("clamped", "clamped"), ("grounded", "grounded")):
             if group in lines:
                 held = HELD.get(word, ())
                 columns = [k for k, name in enumerate(names) if ("phi" if name == "phi" else "u") in held]
@@ -358,7 +358,10 @@ class _Constraints:
             other = self.electrodes[int(self.tied[vertices, phi].max())]
             raise MeshError(f'the electrodes "{name}" and "{other}" touch: give them one name')
         for side in ("left", "right"):
-            if side in self.space.mesh.lines and np.isin(vertices, self.space.edge_numbers(self.space.mesh.lines[side])).any():
+            if (
+                side in self.space.mesh.lines
+                and np.isin(vertices, self.space.edge_numbers(self.space.mesh.lines[side])).any()
+            ):
                 raise MeshError(f'the electrode "{name}" reaches the interface {side}: it must end before it')
         self.zero[bubbles, phi] = True
         if self.piece.connection(name) == GROUNDED:
@@ -413,7 +416,9 @@ class _Constraints:
         return matrix, tuple(warnings)
 
 
-NEAR_INTERFACE = 1 / 8  # wavelengths: 0.12 mm of 1 mm costs 1e-5 of the admittance, a third of a wavelength 6e-7
+NEAR_INTERFACE = (
+    1 / 8
+)  # wavelengths: 0.12 mm of 1 mm costs 1e-5 of the admittance, a third of a wavelength 6e-7
 
 
 def _near_interface(piece: MeshPiece, mesh: QuadMesh, unit: float) -> list[str]:
@@ -426,8 +431,8 @@ def _near_interface(piece: MeshPiece, mesh: QuadMesh, unit: float) -> list[str]:
         distance = float(abs(mesh.points[mesh.singular, 0] - line[0]).min())
         if distance < NEAR_INTERFACE * unit:
             result.append(
-                f'piece "{piece.name}": a corner stands {distance * 1e3:.3g} mm from the interface {side}, nearer than an '
-                f"eighth of a wavelength ({NEAR_INTERFACE * unit * 1e3:.3g} mm): its field is cut off there, which costs "
-                "1e-5 or more; draw the piece wider"
+                f'piece "{piece.name}": a corner stands {distance * 1e3:.3g} mm from the interface {side}, nearer '
+                f"than an eighth of a wavelength ({NEAR_INTERFACE * unit * 1e3:.3g} mm): its field is cut off there, "
+                "which costs 1e-5 or more; draw the piece wider"
             )
     return result

@@ -10,7 +10,12 @@ import ctypes
 import numpy as np
 
 MATRIX_TYPE = 6  # of Pardiso: complex symmetric
-MISSING = (ImportError, AttributeError, TypeError, OSError)  # no pypardiso, no MKL, or another private interface
+MISSING = (
+    ImportError,
+    AttributeError,
+    TypeError,
+    OSError,
+)  # no pypardiso, no MKL, or another private interface
 
 
 def sparse_solution(matrix, load: np.ndarray) -> np.ndarray:

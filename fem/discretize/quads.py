@@ -95,7 +95,7 @@ class QuadSpace:
         return Basis(self._mesh, self._element, elements=chosen, intorder=2 * self.order + 2)
 
     def scalar_matrices(self, chosen: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Integrals of (d_x v)(d_x u), (d_x v)(d_z u), (d_z v)(d_z u) and v u of some elements, (m, functions, functions)."""
+        """Integrals of v_x u_x, v_x u_z, v_z u_z and v u of some elements, (m, functions, functions) each."""
         basis = self._basis(chosen)
         weights = basis.dx[:, None, :]
         value = np.stack([each[0].value for each in basis.basis], axis=1)

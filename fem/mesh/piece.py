@@ -6,6 +6,7 @@ from fem.materials.solids import Solid
 from fem.mesh.section_mesh import SectionMesh
 
 FLOATING, GROUNDED = "floating", "grounded"
+SAME = 1e-6  # of the thickness: lengths nearer than this are equal
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,7 +43,12 @@ class MeshPiece:
         """What an electrode is connected to."""
         return dict(self.electrodes).get(electrode, FLOATING)
 
-    def interface(self, side: str) -> tuple[float, float] | None:
-        """Where an interface stands on the stator, and its height, m; None where the piece is the stator's end."""
+    def interface(self, side: str) -> tuple[float, float, float] | None:
+        """Place on the stator, height and upper end z of an interface, m; None where the piece is the stator's end."""
         line = self.mesh.interface(side)
-        return None if line is None else (self.position + line[0], line[1])
+        return None if line is None else (self.position + line[0], *line[1:])
+
+    def fits(self, side: str, thickness: float) -> bool:
+        """Whether an interface is as high as the stator and ends at its surface."""
+        line = self.interface(side)
+        return line is not None and max(abs(line[1] - thickness), abs(line[2])) <= SAME * thickness

@@ -116,9 +116,7 @@ class _Splitting:
                 continue
             pv, pa, pc, pb = places
             near = [pv + LAYER_RATIO * (p - pv) for p in (pa, pc, pb)]
-            A, C, B = (
-                self.vertex(("s", v, end), owner, at) for end, at in zip((a, c, b), near, strict=True)
-            )
+            A, C, B = (self.vertex(("s", v, end), owner, at) for end, at in zip((a, c, b), near, strict=True))
             result += [
                 (owner, (v, A, C, B), np.array([pv, *near])),
                 (owner, (A, a, c, C), np.array([near[0], pa, pc, near[1]])),
@@ -187,7 +185,9 @@ def _layered_lines(splitting: _Splitting, edges: list, singular: set[int]) -> li
 def _halvings(splitting: _Splitting, quads: list, largest: dict[str, float]) -> int:
     """How often every quadrilateral is to be halved so that none is too large."""
     owners = [owner for owner, _, _ in quads for _ in range(4)]
-    corners = splitting.positions(owners, np.concatenate([places for _, _, places in quads])).reshape(-1, 4, 2)
+    corners = splitting.positions(owners, np.concatenate([places for _, _, places in quads])).reshape(
+        -1, 4, 2
+    )
     sizes = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1).max(axis=1)
     allowed = np.array([largest[splitting.mesh.cells[block].solid] for (block, _), _, _ in quads])
     return max(0, int(np.ceil(np.log2(np.max(sizes / allowed)) - 1e-9)))
@@ -204,9 +204,7 @@ def _finished(splitting: _Splitting, quads: list, lines: dict, singular: set[int
     if any(cells.kind not in ("triangle", "quad") for cells in mesh.cells):
         corners = np.array([places for _, _, places in quads])
         rest = np.einsum("nk,ekd->end", shape_functions("quad", SQUARE_NODES[4:]), corners)
-        extra = splitting.positions(
-            [owner for owner in owners for _ in range(5)], rest.reshape(-1, 2)
-        )
+        extra = splitting.positions([owner for owner in owners for _ in range(5)], rest.reshape(-1, 2))
         numbers = len(points) + np.arange(len(extra)).reshape(-1, 5)
         points, vertices = np.concatenate([points, extra]), np.hstack([vertices, numbers])
     used = np.unique(vertices[:, :4])

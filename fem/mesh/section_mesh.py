@@ -8,6 +8,7 @@ traction, D_n = 0.
 """
 
 import hashlib
+import itertools
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -84,12 +85,12 @@ class SectionMesh:
         """Smallest and largest x of the mesh in m."""
         return float(self.points[:, 0].min()), float(self.points[:, 0].max())
 
-    def interface(self, side: str) -> tuple[float, float] | None:
-        """Where a vertical line of the interface stands and how high it is, m; None where the piece is an end."""
+    def interface(self, side: str) -> tuple[float, float, float] | None:
+        """Place x, height and upper end z of a vertical line of the interface, m; None where the piece is an end."""
         if side not in self.lines:
             return None
         ends = self.points[np.unique(self.lines[side])]
-        return float(ends[:, 0].mean()), float(np.ptp(ends[:, 1]))
+        return float(ends[:, 0].mean()), float(np.ptp(ends[:, 1])), float(ends[:, 1].max())
 
     @cached_property
     def edges(self) -> dict[tuple[int, int], list[tuple[int, int]]]:
@@ -179,9 +180,13 @@ def _grouped(file) -> tuple[list[Cells], dict[str, np.ndarray]]:
         if kind == "vertex":
             continue
         if kind.startswith(SOLIDS):
-            raise MeshError(f"the file has {len(block.data)} {kind} elements in space: a section is a surface")
+            raise MeshError(
+                f"the file has {len(block.data)} {kind} elements in space: a section is a surface"
+            )
         if kind not in CORNERS and kind not in LINES:
-            order = {"line4": 3, "triangle10": 3, "quad16": 3, "line5": 4, "triangle15": 4, "quad25": 4}.get(kind)
+            order = {"line4": 3, "triangle10": 3, "quad16": 3, "line5": 4, "triangle15": 4, "quad25": 4}.get(
+                kind
+            )
             what = f"elements of order {order}" if order else f"elements of kind {kind}"
             raise MeshError(f"{what} are not read: gmsh -order 2")
         dim = 1 if kind in LINES else 2
@@ -211,11 +216,15 @@ def _members(file, index: int, block, tags, names: dict, dim: int):
             if int(own_dim) == dim and name in file.cell_sets and len(_set(file.cell_sets[name][index]))
         ]
         if len(owners) > 1:
-            raise MeshError(f"{'a line' if dim == 1 else 'a surface'} is in two groups, {' and '.join(owners)}")
+            raise MeshError(
+                f"{'a line' if dim == 1 else 'a surface'} is in two groups, {' and '.join(owners)}"
+            )
         if owners:
             yield owners[0], slice(None)
         elif tags is not None and len(tags):
-            raise MeshError(f"a physical group of {'lines' if dim == 1 else 'surfaces'} has no name, number {tags[0]}")
+            raise MeshError(
+                f"a physical group of {'lines' if dim == 1 else 'surfaces'} has no name, number {tags[0]}"
+            )
         return
     if tags is None:
         return
@@ -224,7 +233,9 @@ def _members(file, index: int, block, tags, names: dict, dim: int):
         if tag == 0:
             continue
         if (dim, int(tag)) not in names:
-            raise MeshError(f"a physical group of {'lines' if dim == 1 else 'surfaces'} has no name, number {tag}")
+            raise MeshError(
+                f"a physical group of {'lines' if dim == 1 else 'surfaces'} has no name, number {tag}"
+            )
         yield names[dim, int(tag)], tags == tag
 
 
@@ -241,7 +252,9 @@ def _anticlockwise(cells: Cells, number: np.ndarray, points: np.ndarray, unit: f
     size = np.hypot(np.diff(x, axis=1), np.diff(z, axis=1)).max(axis=1)
     flat = np.flatnonzero(abs(area) <= FLAT * size**2)
     if len(flat):
-        raise MeshError(f"{_many(len(flat), cells)} no area, the first at {_at(points, nodes[flat[0]], unit)}")
+        raise MeshError(
+            f"{_many(len(flat), cells)} no area, the first at {_at(points, nodes[flat[0]], unit)}"
+        )
     nodes = np.where((area < 0)[:, None], nodes[:, _mirror(cells.kind)], nodes)
     turns = _corner_turns(points[nodes[:, :count]])
     bent = np.flatnonzero((turns <= 0).any(axis=1))
@@ -286,7 +299,9 @@ def _check_topology(mesh: SectionMesh, unit: float) -> None:
     for edge, owners in mesh.edges.items():
         if len(owners) > 1:
             where = _at(mesh.points, list(edge), unit)
-            raise MeshError(f"elements overlap or are inverted: two lie on the same side of the edge at {where}")
+            raise MeshError(
+                f"elements overlap or are inverted: two lie on the same side of the edge at {where}"
+            )
     seen: dict[tuple[int, int], str] = {}
     for name, nodes in mesh.lines.items():
         for one, other in nodes.tolist():
@@ -331,7 +346,7 @@ def _components(edges: list, count: int) -> np.ndarray:
 
 
 def _check_interface(mesh: SectionMesh, side: str, unit: float) -> None:
-    """Refuse a line of an interface that is not one vertical outer line of the stator's own material to z = 0."""
+    """Refuse a line of an interface that is not one vertical outer line of the stator's own material."""
     lines = mesh.lines[side]
     ends = mesh.points[lines]
     x, height = ends[..., 0], float(np.ptp(ends[..., 1]))
@@ -339,14 +354,9 @@ def _check_interface(mesh: SectionMesh, side: str, unit: float) -> None:
         raise MeshError(
             f"the line group {side} is not one vertical line: x runs from {x.min() * 1e3:.6g} to {x.max() * 1e3:.6g} mm"
         )
-    if abs(ends[..., 1].max()) > SAME * height:
-        raise MeshError(
-            f"the line group {side} must end at the surface z = 0, its upper end is at z = "
-            f"{ends[..., 1].max() * 1e3:.6g} mm"
-        )
     spans = np.sort(ends[..., 1], axis=1)
     spans = spans[np.argsort(spans[:, 0])]
-    for below, above in zip(spans[:-1], spans[1:], strict=True):
+    for below, above in itertools.pairwise(spans):
         if above[0] - below[1] > SAME * height:
             raise MeshError(
                 f"the group {side} has a gap from z = {below[1] * 1e3:.4g} to {above[0] * 1e3:.4g} mm; "

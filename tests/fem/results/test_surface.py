@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from fem.convergence import ConvergenceError
-from fem.results.surface import MeshedPiece, UniformSegment
+from fem.results.evaluation import recovered
+from fem.results.surface import CondensedPiece, UniformSegment
 from tests.fem.stators import FREQUENCY, comb, cut, lossless, plate, solution, wave_of
 
 CASES = (
@@ -27,7 +28,7 @@ def wave(request):
 
 def test_pieces_tile_the_stator(wave):
     kinds = [type(piece) for piece in wave.pieces]
-    assert kinds == [UniformSegment, MeshedPiece, UniformSegment, MeshedPiece, UniformSegment]
+    assert kinds == [UniformSegment, CondensedPiece, UniformSegment, CondensedPiece, UniformSegment]
     for before, after in zip(wave.pieces[:-1], wave.pieces[1:], strict=False):
         assert before.stop == pytest.approx(after.start, rel=1e-12)
     assert (wave.pieces[0].start, wave.pieces[-1].stop) == pytest.approx((0, wave.length))
