@@ -14,7 +14,9 @@ report (the files of a run) - view (looking at fields and contacts), sweep (many
 command line) - stator, papers, motor (questions, one file each) - evidence (what shows that the rest can be trusted).
 """
 
+import sys
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -24,7 +26,7 @@ if TYPE_CHECKING:
     from studies.scene import Scene, shipped_scenes
     from studies.scene.blocks import Drive, IsotropicSolid, PiezoelectricSolid, Stator, Transducer
     from studies.scene.slider import Damping, Slider, Wave
-    from studies.sweep import Sweep, sweep
+    from studies.sweeps import Sweep, sweep
 
 __all__ = [
     "Damping", "Drive", "IsotropicSolid", "PiezoelectricSolid", "Record", "RunError", "Scene", "SceneError", "Slider",
@@ -38,20 +40,29 @@ _HOME = {
     "Scene": "scene",
     "SceneError": "refusal",
     "Slider": "scene.slider",
-    "Sweep": "sweep",
+    "Sweep": "sweeps",
     "Wave": "scene.slider",
     "run": "chain",
     "shipped_scenes": "scene",
+    "sweep": "sweeps",
 }
 
 
 def __getattr__(name: str):
     """Import a public name when it is first asked for: importing the package stays cheap."""
-    if name == "sweep":  # a package that is callable, see there
-        return import_module("studies.sweep")
     if name not in __all__:
         raise AttributeError(f"module 'studies' has no attribute {name!r}")
     return getattr(import_module(f"studies.{_HOME.get(name, 'scene.blocks')}"), name)
+
+
+class _FormerName(ModuleType):
+    """A package under the name that it had before; it leaves the name in ``studies`` to the function."""
+
+    def __getattr__(self, name: str):
+        return getattr(import_module("studies.sweeps"), name)
+
+
+sys.modules["studies.sweep"] = _FormerName("studies.sweep")
 
 
 def __dir__():

@@ -16,12 +16,12 @@ from pathlib import Path
 import contact
 from studies.chain import run as run_chain
 from studies.chain.bridge import DrivenContact
+from studies.chain.resolve import resolved
 from studies.record import Record
+from studies.record.text import labelled
 from studies.refusal import RunError, SceneError, nearest
-from studies.report.answer import labelled
 from studies.results.content import plain, provenance, write_json
 from studies.scene import Scene
-from studies.scene.resolved import resolved
 
 COMMON_ARGUMENTS = """\
 ``scene`` is a path, a shipped name or a `Scene` that has what the study asks about; ``progress`` is a callable that is
@@ -247,7 +247,7 @@ def run_study(
         asked["scene"] = scene
     record = chosen.run(progress=progress, **(chosen.QUICK if quick else {}) | asked)
     if isinstance(record, Record):
-        from studies.report.files import write_run
+        from studies.record.files import write_run
 
         write_run(record, folder, field=False)
         return record
@@ -266,7 +266,7 @@ def draw_study(
     if hasattr(chosen, "draw"):
         chosen.draw(record, folder, progress=progress)
         return
-    from studies.report.figures import saved
+    from studies.record.plots import saved
 
     panels = {name: record} if isinstance(record, Record) else {each.name: each for each in record.panels}
     for file, panel in panels.items():

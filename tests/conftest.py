@@ -39,9 +39,9 @@ def _small_pictures():
 
     What a picture looks like is asked of its figure (`tests/studies/legible.py`), which is laid out.
     """
-    from studies.report import figures
+    from studies.record import plots
 
-    whole = figures.new_figure
+    whole = plots.new_figure
 
     def hasty(*given, **options):
         from matplotlib.layout_engine import PlaceHolderLayoutEngine
@@ -51,8 +51,8 @@ def _small_pictures():
         return figure, axes
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(figures, "new_figure", hasty)
-        patch.setattr(figures, "DPI", 40)
+        patch.setattr(plots, "new_figure", hasty)
+        patch.setattr(plots, "DPI", 40)
         yield
 
 

@@ -6,8 +6,9 @@ Each part of the chain is a list of conditions and of the sentences that are sai
 from collections.abc import Iterator
 
 import fem
+from studies.chain import resolve
 from studies.chain.ring_up import RingUp
-from studies.scene import Scene, resolved
+from studies.scene import Scene
 
 UNCOUPLED = "out-of-plane displacement: uncoupled in this orientation"
 
@@ -35,7 +36,7 @@ def left_out(
 
 
 def _free(scene: Scene) -> Iterator[tuple[bool, str]]:
-    names = fem.fields(resolved.solid(scene.stator))
+    names = fem.fields(resolve.solid(scene.stator))
     yield True, "electrodes: the scene has no transducer"
     yield True, "elements along x: the wave is a mode of the section"
     yield "uy" not in names, UNCOUPLED
@@ -43,7 +44,7 @@ def _free(scene: Scene) -> Iterator[tuple[bool, str]]:
 
 
 def _driven(scene: Scene) -> Iterator[tuple[bool, str]]:
-    stator = resolved.stator(scene.stator)
+    stator = resolve.stator(scene.stator)
     names = fem.fields(stator.solid)
     symmetric = fem.medium(stator.solid, names).parity is not None
     thin = stator.thickness * scene.frequency < _surface_speed(stator)
@@ -72,7 +73,7 @@ def _diffraction(scene: Scene, beam: bool, reason: str) -> Iterator[tuple[bool, 
         return
     where = "the interior field" if scene.driven_obliquely else "surface.csv and the interior field"
     burst, reflects = scene.burst is not None and scene.slider is not None, scene.stator.ends != "absorbing"
-    cut = len(scene.transducer) > 1 and not fem.isotropic_about_normal(resolved.solid(scene.stator))
+    cut = len(scene.transducer) > 1 and not fem.isotropic_about_normal(resolve.solid(scene.stator))
     between = "spreading between the transducers: in this cut they receive as in the plane section"
     back = "spreading of what comes back to the transducers: their circuit is that of the plane section"
     yield True, f"diffraction in {where}: of the plane section; --field adds surface_map.csv"
@@ -123,9 +124,9 @@ def _contact(scene: Scene) -> Iterator[tuple[bool, str]]:
     for key, force in (("contact", "R_n1"), ("normal", "R_n2"), ("tangential", "R_t")):
         yield getattr(slider.damping, key) == 0, f"{force}: slider.damping.{key} is zero"
     if scene.stator is not None:
-        from studies.scene.modulus import direction_dependence
+        from studies.chain.moduli import direction_dependence
 
-        sizes = direction_dependence(resolved.solid(scene.stator))
+        sizes = direction_dependence(resolve.solid(scene.stator))
         yield bool(sizes), f"the contact's dependence on direction: {sizes}"
         stays = scene.burst is not None and slider.travel is False
         yield stays, "the slider's travel along the wave field: slider.travel is false"

@@ -18,9 +18,8 @@ from dataclasses import replace
 import numpy as np
 
 import fem
-from studies.chain import bridge
+from studies.chain import bridge, resolve
 from studies.record import Record
-from studies.scene import resolved
 
 FINGER_END = 0.0745  # periods that each end adds to the aperture: static, endless comb, no busbar
 # of it, what charges that are uniform along y have: fem.beam.own_aperture, 20 and 40 weakly coupled pairs, extrapolated
@@ -116,7 +115,7 @@ def _aperture(record: Record) -> Rows:
 def _crossed(record: Record, places) -> Rows:
     """Yield what is left out where beams cross: images in the side faces, and metal in one another's way."""
     beam, (x, y) = record.surface_motion.beam, zip(*places, strict=True)
-    here, solid = abs(beam.motion(x, y)[2]), resolved.solid(record.scene.stator)
+    here, solid = abs(beam.motion(x, y)[2]), resolve.solid(record.scene.stator)
     images = float((beam.first_images(x, y) / here).max())
     how = "first images of the beams in both side faces, as if these reflected everything and in phase"
     yield "side faces", "u_z", images, how
@@ -128,7 +127,7 @@ def _crossed(record: Record, places) -> Rows:
 
 def _spread(record: Record, x, y) -> np.ndarray:
     """Return the amplitude of the driven aperture over that of a plane wave at places from left end and axis, m."""
-    driven, stator = record.scene.driven_transducer, resolved.stator(record.scene.stator)
+    driven, stator = record.scene.driven_transducer, resolve.stator(record.scene.stator)
     wave, frequency = record.wave, record.wave["frequency_Hz"]
     try:
         curve = fem.Slowness.of_half_space(stator.solid, frequency, stator.bare_surface)
@@ -141,7 +140,7 @@ def _finger_ends(record: Record) -> Rows:
     """Yield what the charges leave out: how they vary along the fingers, and that these end where it is left out."""
     driven, beam = record.scene.driven_transducer, record.surface_motion.beam
     responds = beam is not None and record.scene.stator.ends == "absorbing"
-    responds = responds and fem.isotropic_about_normal(resolved.solid(record.scene.stator))
+    responds = responds and fem.isotropic_about_normal(resolve.solid(record.scene.stator))
     longer = 2 * (FINGER_END - responds * UNIFORM_END) * driven.period / driven.aperture
     how = "static field of an endless comb that ends, without busbars"
     yield "charge at the finger ends", "the aperture", longer, how
@@ -154,7 +153,7 @@ def _finger_ends(record: Record) -> Rows:
 
 def _vacuum(record: Record) -> Rows:
     if record.scene.stator.above == "none":
-        permittivity = resolved.solid(record.scene.stator).permittivity
+        permittivity = resolve.solid(record.scene.stator).permittivity
         within = permittivity[0, 0] * permittivity[2, 2] - permittivity[0, 2] ** 2
         how = "strips on a half-space: capacitance in proportion to eps_0 + eps_p"
         share = fem.VACUUM_PERMITTIVITY / math.sqrt(within)
@@ -167,7 +166,7 @@ def _amplitude_per_power(record: Record) -> float | None:
     P is half of the power taken in, u_z the surface mode's half a wavelength beside the driven fingers.
     """
     scene, wave, power = record.scene, record.surface_wave, record.electrical["power_W_per_V2"]
-    driven = resolved.driven(scene)
+    driven = resolve.driven(scene)
     if scene.crossed:  # in the section's own axes
         row = record.surface_motion.beam.rows[0].transducers
         driven = next(each for each in row if scene.drive.driven.get(each.name))
@@ -197,7 +196,7 @@ def _contact(record: Record) -> Rows:
     slider = record.scene.slider
     if slider is None or not slider.preload > 0:
         return
-    solid, count = resolved.solid(record.scene.stator), len(slider.offsets)
+    solid, count = resolve.solid(record.scene.stator), len(slider.offsets)
     share, omega = slider.preload / count, 2 * math.pi * record.wave["frequency_Hz"]
     body, places = bridge.contact_slider(slider), 1 if isinstance(slider.contacts, int) else count
     stiffness = (2 * math.pi * body.normal_resonance(places)) ** 2 * body.mass / places

@@ -11,12 +11,13 @@ from itertools import pairwise
 import numpy as np
 
 import fem
+from studies.chain import resolve
 from studies.chain.bridge import DrivenContact
 from studies.chain.model_error import SHARED
 from studies.chain.points import contact_load
 from studies.chain.scene_warnings import scene_warnings
 from studies.record import Record
-from studies.scene import Scene, resolved
+from studies.scene import Scene
 
 OFF_RESONANCE = 1.15  # largest over present amplitude from which it is said; the ripple of a plate makes 1.1
 PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # 1/(Pa m), V/(Pa m), -: air
@@ -68,7 +69,7 @@ def _drive(record: Record) -> Iterator[str]:
         )
     if limits is None or limits.tensile_stress is None:
         return
-    c = resolved.solid(scene.stator).stiffness
+    c = resolve.solid(scene.stator).stiffness
     stiffness = c[0, 0] - c[0, 2] ** 2 / c[2, 2]  # plane strain, no traction on the surface
     wavenumber = 2 * math.pi * record.wave["frequency_Hz"] / record.wave["phase_velocity_m_per_s"]
     motion = highest * float(abs(record.surface["u_x_m_per_V"]).max())
@@ -96,12 +97,12 @@ def _off_resonance(record: Record) -> Iterator[str]:
     scene, driven, drive = record.scene, record.scene.driven_transducer, record.scene.drive
     if driven.pattern is not None or driven.split or drive.source_impedance or drive.match != "none":
         return
-    stator, present = resolved.stator(scene.stator), scene.frequency
+    stator, present = resolve.stator(scene.stator), scene.frequency
     reach = 2 / max(driven.finger_pairs, 4)
     frequencies = np.append(np.linspace(1 - reach, 1 + reach, 801) * present, present)
     try:
         sizes = fem.relative_amplitude(
-            stator.solid, resolved.driven(scene), frequencies, surface=stator.bare_surface
+            stator.solid, resolve.driven(scene), frequencies, surface=stator.bare_surface
         )
     except fem.ConvergenceError:
         return  # a cut whose half-space has no such wave: there is no estimate
@@ -121,13 +122,13 @@ def _section(record: Record) -> Iterator[str]:
     """Yield warnings where the section leaves out much, reflecting ends meet no loss, or the plate is too thin."""
     for each in record.model_error:
         if each["effect"] == "finite aperture" and abs(each["size"]) > SPREADS:
-            refused = fem.beam_refusal(resolved.stator(record.scene.stator))
+            refused = fem.beam_refusal(resolve.stator(record.scene.stator))
             yield (
                 f"the plane section leaves out that the aperture is finite, about {100 * each['size']:+.0f} % of u_z: "
                 + (refused or "stator.diffraction = true takes it in")
             )
     stator, wave, frequency = record.scene.stator, record.surface_wave, record.scene.frequency
-    if stator.ends != "absorbing" and math.isinf(resolved.solid(stator).mechanical_quality):
+    if stator.ends != "absorbing" and math.isinf(resolve.solid(stator).mechanical_quality):
         yield (
             "the stator is lossless and its ends reflect, so that the amplitude depends on fractions of a wavelength "
             f"(standing-wave ratio {record.wave['standing_wave_ratio']:.3g}): give stator.mechanical_quality, "

@@ -8,9 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from studies.progress import Progress
+from studies.record.files import write_run
+from studies.record.text import labelled, print_json
 from studies.refusal import InterruptedRunError, SceneError
-from studies.report.answer import labelled, print_json
-from studies.report.files import write_run
 from studies.results import Origin, ResultDirectory, result_directory
 from studies.results.content import write_json
 from studies.scene import Scene, SceneFile, read_table, scene_path, shipped_scenes
@@ -22,10 +22,10 @@ from studies.scene.uncertain import parted
 def run(arguments: argparse.Namespace) -> int:
     """Run the chain of a scene; print its answer and leave its files."""
     from studies.chain import run as run_chain
-    from studies.report.answer import answer
+    from studies.record.measured import compared, read_measured
+    from studies.record.text import answer
     from studies.report.drawing import Drawing
     from studies.report.explanation import explanation, plan
-    from studies.report.measured import compared, read_measured
 
     wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
     measured = None if arguments.measured is None else read_measured(arguments.measured)
@@ -34,7 +34,7 @@ def run(arguments: argparse.Namespace) -> int:
         _show(arguments, planned, explanation(planned))
         return 0
     if arguments.plot:
-        from studies.report.figures import pictures, refuse_without_toolkit, show
+        from studies.record.plots import pictures, refuse_without_toolkit, show
 
         refuse_without_toolkit("--plot", "without it the same pictures are files in the result directory")
     for option in ("report", "field"):
@@ -208,6 +208,47 @@ def view(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def help(arguments: argparse.Namespace) -> int:
+    """Print what a word of the output means, or the list of the words."""
+    from studies.command.glossary import entries, meaning
+
+    print(", ".join(entries()) if arguments.word is None else meaning(arguments.word))
+    return 0
+
+
+def export(arguments: argparse.Namespace) -> int:
+    """Write a run or a scene in a format of others."""
+    from studies.command.export import checked, exported, scene_of
+
+    ending, _ = checked(arguments)
+    given, name = arguments.scene, Path(arguments.scene).stem
+    arguments.scene = scene_of(given)
+    wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
+    alone = bool(ending) and arguments.out is not None and Path(arguments.out).suffix.lower() == ending
+    if alone and Path(arguments.out).exists():
+        raise SceneError("--out", f"{arguments.out!r} exists already, and is not replaced")
+    with Progress() as progress:
+        done = exported(arguments, scene, name, tolerance=wanted, progress=progress)
+        out = Path(arguments.out or Path("results") / f"{name}-export-{arguments.format}")
+        if alone:
+            done.write_alone(out)
+        else:
+            origin = Origin(kind="export", name=f"{arguments.format} of {name}")
+            with result_directory(out, origin, chosen=arguments.out is not None) as result:
+                done.write(result.folder)
+                result.commit()
+                if done.pictures and not arguments.no_plot:
+                    from studies.record.plots import saved
+
+                    with _pictures(result):
+                        for file, draw in done.pictures.items():
+                            saved(result.folder / file, draw)
+            _say(result.notes)
+    print("\n".join([*labelled(done.answer, 16), f"{'results':<16}{out}"]))
+    _say(done.remarks)
+    return 0
+
+
 def schema(arguments: argparse.Namespace) -> int:
     """Print the JSON Schema of a scene."""
     from studies.scene.schema import schema_text
@@ -231,9 +272,9 @@ def scenes(arguments: argparse.Namespace) -> int:
 
 def check(arguments: argparse.Namespace) -> int:
     """Check a scene without running it and print what a run would do."""
+    from studies.chain.resolve import resolved
     from studies.chain.scene_warnings import scene_warnings
     from studies.report.contents import contents
-    from studies.scene.resolved import resolved
 
     file = changed_file(arguments)
     with file.located():
@@ -246,7 +287,7 @@ def check(arguments: argparse.Namespace) -> int:
 
 def sweep(arguments: argparse.Namespace) -> int:
     """Compute what is missing of a sweep's points, and say what they came to."""
-    from studies.sweep.answer import run_sweep
+    from studies.sweeps.answer import run_sweep
 
     table = changed_file(arguments).table
     out = arguments.out or Path("results") / f"{scene_path(arguments.scene).stem}-sweep"
@@ -277,10 +318,10 @@ def fit(arguments: argparse.Namespace) -> int:
 
 def design(arguments: argparse.Namespace) -> int:
     """Search for the best motor within ranges; print it and leave its scene beside all evaluations."""
-    from studies.inverse.design import Options
-    from studies.inverse.design import design as search
     from studies.inverse.design_report import design_answer, draw_design, write_design
     from studies.inverse.goals import read_constraint, read_variable
+    from studies.inverse.optimum import Options
+    from studies.inverse.optimum import design as search
 
     wanted = tolerance(arguments.tolerance or "3e-2")
     table = changed_scene(arguments).to_table()

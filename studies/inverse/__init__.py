@@ -4,9 +4,9 @@
 next.  Every parameter that is positive is worked with as its logarithm.  Only scipy's solvers are used.
 """
 
-from studies.inverse.fit import fit
+from studies.inverse.fitting import fit
 from studies.inverse.parameters import Parameter, read_measurement, read_parameter
 from studies.inverse.result import Fit
-from studies.report.measured import Measurement
+from studies.record.measured import Measurement
 
 __all__ = ["Fit", "Measurement", "Parameter", "fit", "read_measurement", "read_parameter"]

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from studies.inverse.design import GOALS, Design
+from studies.inverse.optimum import GOALS, Design
 from studies.inverse.parameters import Parameter
-from studies.report.answer import labelled, table
-from studies.report.figures import COLOURS, finished, saved
+from studies.record.plots import COLOURS, finished, saved
+from studies.record.text import labelled, table
 from studies.results.content import write_json
 from studies.scene.toml import document
 

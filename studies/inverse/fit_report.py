@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from studies.inverse.result import Fit
-from studies.report.answer import labelled, table
-from studies.report.figures import COLOURS, finished, new_figure
-from studies.report.measured import UNITS, Measurement
+from studies.record.measured import UNITS, Measurement
+from studies.record.plots import COLOURS, finished, new_figure
+from studies.record.text import labelled, table
 from studies.results.content import write_json
 from studies.scene.toml import document
 

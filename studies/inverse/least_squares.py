@@ -13,8 +13,8 @@ from scipy.stats import qmc
 
 from studies.inverse.parameters import Parameter
 from studies.inverse.prediction import MeasurementPredictor
+from studies.record.measured import Measurement
 from studies.refusal import RunError
-from studies.report.measured import Measurement
 
 STEP = 1e-4  # of the logarithm, or of the range: differences err by its square, predictions by 1e-9
 STATOR_STEP = 1e-3  # a stator's answer is known to the predictor's tolerance only

@@ -8,8 +8,8 @@ import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from studies.record.measured import Measurement, read_measured
 from studies.refusal import SceneError, nearest, shown
-from studies.report.measured import Measurement, read_measured
 from studies.scene.keys import rule_at
 from studies.scene.numbers import Quantity
 from studies.scene.override import parts_of, toml_value

@@ -12,13 +12,13 @@ import numpy as np
 
 from studies.chain.bridge import DrivenContact
 from studies.chain.points import averaged
+from studies.chain.predictor import PLACE_KEYS, Driven, Predictor, of_stator
+from studies.chain.resolve import resolved
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
+from studies.record.measured import Measurement
 from studies.refusal import RunError, SceneError
-from studies.report.measured import Measurement
 from studies.scene import Scene
 from studies.scene.override import value_at
-from studies.scene.resolved import resolved
-from studies.sweep.predictor import PLACE_KEYS, Driven, Predictor, of_stator
 
 TRUSTED = 1e-2  # error of an averaged steady state up to which it is taken
 ALONE = 1e-5  # tolerance of the others

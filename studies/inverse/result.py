@@ -9,7 +9,7 @@ from studies.inverse.directions import Direction
 from studies.inverse.least_squares import Problem
 from studies.inverse.next_measurement import Candidate
 from studies.inverse.profile import End
-from studies.report.measured import Measurement
+from studies.record.measured import Measurement
 from studies.scene import Scene
 
 DRAWS, GRID = 200, 40  # of the predictive band; levels at which it is drawn

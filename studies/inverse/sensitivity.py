@@ -14,11 +14,11 @@ from itertools import pairwise
 import numpy as np
 
 from studies.chain.points import averaged, half_thrust
+from studies.chain.predictor import Driven
 from studies.inverse.prediction import MeasurementPredictor
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord, judged, of_record, study
-from studies.sweep.predictor import Driven
 
 QUICK = {"outcomes": ("velocity", "threshold")}
 # accuracy of each answer: rounding and, where it is solved to a tolerance, that
@@ -222,7 +222,7 @@ def tables(record: StudyRecord) -> dict[str, str]:
 @of_record
 def figure(record: Panel, ax):
     """Draw the elasticities of one answer as bars, the largest on top."""
-    from studies.report.figures import COLOURS
+    from studies.record.plots import COLOURS
 
     data = record.data
     kept = [k for k, value in enumerate(data["elasticity"]) if abs(value) >= NO_EFFECT][:14]

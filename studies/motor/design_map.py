@@ -16,16 +16,16 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
+from studies.chain.resolve import resolved
+from studies.record.plots import finished, logarithmic, own
 from studies.refusal import RunError, SceneError
-from studies.report.figures import finished, logarithmic, own
 from studies.report.intermediate import prefixed, si
 from studies.scene import Scene
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import replaced, value_at
-from studies.scene.resolved import resolved
 from studies.study import Panel, StudyRecord, judged, of_record, study
-from studies.sweep import sweep
-from studies.sweep.axes import axis, level_key
+from studies.sweeps import sweep
+from studies.sweeps.axes import axis, level_key
 
 QUICK = {"counts": (3, 3)}
 SMALLEST = 100.0  # largest value of a map over the smallest that has a colour of its own

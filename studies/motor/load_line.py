@@ -10,7 +10,7 @@ and the stator's.
 import numpy as np
 
 import contact
-from studies.report.figures import curve, family, finished
+from studies.record.plots import curve, family, finished
 from studies.scene import Scene
 from studies.study import Panel, StudyRecord, driven_contact, judged, of_record, study
 

@@ -17,7 +17,7 @@ import contact
 from studies.chain import bridge
 from studies.chain.bridge import DrivenContact
 from studies.chain.propagation import reference_speed
-from studies.report.figures import AXES, curve, finished, logarithmic, own
+from studies.record.plots import AXES, curve, finished, logarithmic, own
 from studies.scene import Scene
 from studies.study import Panel, StudyRecord, driven_contact, judged, of_record, study
 

@@ -11,11 +11,11 @@ mean.  Expected: Fresnel's fringes of the aperture.  Run time: about 30 s.
 import numpy as np
 
 import contact
-from studies.chain import bridge
+from studies.chain import bridge, resolve
 from studies.chain.points import averaged
 from studies.chain.travel import travelled
-from studies.report.figures import AXES, COLOURS, curve, family, finished, lines
-from studies.scene import Scene, resolved
+from studies.record.plots import AXES, COLOURS, curve, family, finished, lines
+from studies.scene import Scene
 from studies.study import Panel, StudyRecord, driven_contact, judged, of_record, study
 
 QUICK = {"count": 10, "duration": 2e-3}
@@ -94,7 +94,7 @@ def _span(scene: Scene, wavelength: float) -> tuple[float, float]:
     center = scene.slider.center[0]
     balls = [x - center for x, _ in scene.slider.places]
     clear = CLEAR * wavelength
-    rows = [each.extent for each in resolved.transducers(scene)]
+    rows = [each.extent for each in resolve.transducers(scene)]
     left = max((right + clear for _, right in rows if right <= center), default=0.0)
     right = min((left - clear for left, _ in rows if left >= center), default=scene.stator.length)
     return left - min(balls), right - max(balls)

@@ -4,10 +4,10 @@ import cmath
 import math
 from collections.abc import Iterator
 
+from studies.chain.moduli import direction_dependence
+from studies.chain.resolve import solid
 from studies.scene import Scene
 from studies.scene.blocks import Stator
-from studies.scene.modulus import direction_dependence
-from studies.scene.resolved import solid
 
 __all__ = ["contents", "section"]
 

@@ -12,12 +12,12 @@ from typing import NamedTuple
 import numpy as np
 
 import contact
-from studies.chain import run
+from studies.chain import resolve, run
 from studies.chain.bridge import DrivenContact
 from studies.chain.steps import Steps
 from studies.record import Record
 from studies.refusal import RunError
-from studies.scene import Scene, resolved
+from studies.scene import Scene
 
 __all__ = ["Datasheet", "Row", "datasheet"]
 
@@ -229,7 +229,7 @@ def _resonances(record: Record, driven: DrivenContact, say):
     yield Row("resonance", "drive frequency", scene.frequency, "Hz")
     if scene.transducer:
         say("stator: looking for the strongest wave")
-        best = resolved.resolved(replace(scene, drive=replace(scene.drive, frequency="center"))).frequency
+        best = resolve.resolved(replace(scene, drive=replace(scene.drive, frequency="center"))).frequency
         condition = "per volt, sent by the driven fingers alone"
         yield Row("resonance", "frequency of the strongest wave", best, "Hz", CENTRE, condition)
     for name, frequency, springs in (

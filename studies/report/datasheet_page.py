@@ -1,8 +1,8 @@
 """A motor's datasheet as one self-contained page, A4 when printed: table, characteristics, limits."""
 
-from studies.report.answer import sentences
+from studies.record.plots import COLOURS, as_uri, curve, family, finished, velocity
+from studies.record.text import sentences
 from studies.report.datasheet import SETTLED, Datasheet, Row
-from studies.report.figures import COLOURS, as_uri, curve, family, finished, velocity
 from studies.report.intermediate import si
 from studies.report.page import rendered
 from studies.results.content import provenance

@@ -8,14 +8,15 @@ followed event by event about 5e-5 s for each cycle of the wave.
 
 import textwrap
 
-from studies.chain import SHARE
+from studies.chain import resolve
 from studies.chain.left_out import left_out
 from studies.chain.ring_up import RingUp
+from studies.chain.runs import SHARE
 from studies.chain.surface_motion import wanted_diffraction
+from studies.record.text import labelled, table
 from studies.refusal import RunError
-from studies.report.answer import labelled, table
 from studies.report.contents import section
-from studies.scene import Scene, resolved
+from studies.scene import Scene
 
 __all__ = ["MEMORY_WITHIN", "TIME_WITHIN", "explanation", "plan"]
 
@@ -49,7 +50,7 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
     RunError
         If a run would refuse its size.
     """
-    scene = resolved.resolved(scene)
+    scene = resolve.resolved(scene)
     parts, missing, operations, kept, seconds = [], {}, 0.0, 0.0, START
     if scene.transducer:
         from fem import ConvergenceError
@@ -103,9 +104,9 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
     """Return the parts of a driven stator, what `left_out` asks about them, their operations, their blocks' bytes."""
     from fem import LEVELS, isotropic_about_normal, planned_levels, stator_size
 
-    slider, (along, _) = scene.slider, resolved.first_row(scene, (0.0, 0.0))
-    stator, row = resolved.stator(along.stator), resolved.transducers(along)
-    sections = len(resolved.rows(scene)) if scene.crossed else 1
+    slider, (along, _) = scene.slider, resolve.first_row(scene, (0.0, 0.0))
+    stator, row = resolve.stator(along.stator), resolve.transducers(along)
+    sections = len(resolve.rows(scene)) if scene.crossed else 1
     planned = [*planned_levels(stator, tolerance if slider is None else tolerance * SHARE)]
     if scene.stator.ends != "absorbing" and planned[-1] + 1 < len(LEVELS):
         planned.append(planned[-1] + 1)  # resonances of the block multiply the error
@@ -131,7 +132,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
         sum(sorted(sizes[k].block_bytes for k in planned)[-2:]),
     )
     diffraction = wanted_diffraction(scene.stator.diffraction, slider is not None)
-    refusal = resolved.default_refusal(stator, slider.places) if diffraction is None else ""
+    refusal = resolve.default_refusal(stator, slider.places) if diffraction is None else ""
     spreads = diffraction is not False and not refusal
     if spreads:
         how = "guided modes at every wavenumber across the aperture, under the slider"

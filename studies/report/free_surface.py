@@ -8,9 +8,9 @@ from pathlib import Path
 
 import fem
 from fem import VACUUM_PERMITTIVITY, rotation_matrix, surface_named
+from studies.record.plots import COLOURS, arrow, saved
+from studies.record.text import labelled, table
 from studies.refusal import RunError, SceneError
-from studies.report.answer import labelled, table
-from studies.report.figures import COLOURS, arrow, saved
 from studies.results.content import plain
 from studies.scene.blocks import ORIENTATION
 

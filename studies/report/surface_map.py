@@ -1,24 +1,11 @@
-"""The beam over the whole surface: its motion on a grid of places (x, y), as files and as a picture."""
+"""The picture of the beam over the whole surface."""
 
-from studies.report.figures import AXES, COLOURS, finished
-from studies.scene import Scene, resolved
+from studies.chain import resolve
+from studies.record.plots import AXES, COLOURS, finished
+from studies.record.surface_map import surface_map
+from studies.scene import Scene
 
-__all__ = ["draw_surface_map", "pixels", "surface_map"]
-
-PER_WAVELENGTH, LINES = 4, 81  # places along x, and across the width
-CROSSED = 6  # places per wavelength along both where beams cross
-
-
-def surface_map(beam, stator):
-    """Return x in m, y in m, and u_x, u_y and u_z of a beam on a scene's stator in m per V, (3, len(x), len(y))."""
-    import numpy as np
-
-    wave, crossed = beam.wave, hasattr(beam, "rows")
-    step = wave.phase_velocity / wave.frequency / (CROSSED if crossed else PER_WAVELENGTH)
-    x = np.linspace(0.0, stator.length, int(np.ceil(stator.length / step)) + 1)
-    lines = int(np.ceil(stator.width / step)) + 1 if crossed else LINES
-    y = np.linspace(-stator.width / 2, stator.width / 2, lines)
-    return x, y, beam.motion(x[:, None], y)
+__all__ = ["draw_surface_map", "pixels"]
 
 
 def draw_surface_map(beam, scene: Scene, ax):
@@ -29,7 +16,7 @@ def draw_surface_map(beam, scene: Scene, ax):
     size = abs(motion[2]).T * 1e9
     drawn = ax.pcolormesh(x * 1e3, y * 1e3, size, cmap="viridis", shading="gouraud", rasterized=True)
     ax.figure.colorbar(drawn, ax=ax, label="|u_z| (nm per V)")
-    for each in resolved.transducers(scene):
+    for each in resolve.transducers(scene):
         ax.add_patch(Polygon(each.corners * 1e3, fill=False, edgecolor="white", linewidth=1.2))
     ball = {"color": COLOURS["intermittent"], "markeredgecolor": "white", "markersize": 6}
     for place in () if scene.slider is None else scene.slider.places:

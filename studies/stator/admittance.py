@@ -9,10 +9,10 @@ wave is sent.  Run time: about 15 s between two transducers.
 
 import numpy as np
 
-from studies.chain import passband
+from studies.chain import passband, resolve
 from studies.chain.spectrum import driving_point, port_admittances
-from studies.report.figures import lines
-from studies.scene import Scene, resolved
+from studies.record.plots import lines
+from studies.scene import Scene
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"count": 5, "tolerance": 0.1}
@@ -34,7 +34,7 @@ def run(
     chosen = passband.driven_scene(scene)
     at = passband.frequencies(chosen, count, 81)
     ports = port_admittances(chosen, at, tolerance, progress)
-    admittance = driving_point(ports, resolved.transducers(chosen), resolved.drive(chosen))
+    admittance = driving_point(ports, resolve.transducers(chosen), resolve.drive(chosen))
     theory = passband.expected(chosen)
     susceptance, conductance = 2 * np.pi * at * theory.capacitance, theory.conductance(at)
     findings = (

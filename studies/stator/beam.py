@@ -15,11 +15,11 @@ from dataclasses import replace
 import numpy as np
 
 import fem
-from studies.chain import passband
+from studies.chain import passband, resolve
 from studies.chain.surface_motion import solved_motion
+from studies.record.plots import curve, finished
 from studies.refusal import RunError
-from studies.report.figures import curve, finished
-from studies.scene import Scene, resolved
+from studies.scene import Scene
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"count": 25}
@@ -42,8 +42,8 @@ def run(
         Relative, of the section's surface motion.
     """
     chosen = passband.driven_scene(scene)
-    chosen, place = resolved.first_row(chosen, passband.place(chosen))
-    transducers, driven = resolved.transducers(chosen), resolved.driven(chosen)
+    chosen, place = resolve.first_row(chosen, passband.place(chosen))
+    transducers, driven = resolve.transducers(chosen), resolve.driven(chosen)
     section = replace(chosen, stator=replace(chosen.stator, diffraction=False))
     try:
         wave = solved_motion(section, [(place, 0.0)], tolerance=tolerance, progress=progress).wave

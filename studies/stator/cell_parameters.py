@@ -11,10 +11,10 @@ import numpy as np
 from scipy.special import ellipk, eval_legendre
 
 import fem
-from studies.chain import passband
+from studies.chain import passband, resolve
+from studies.record.plots import AXES, COLOURS, curve, finished, legend_below, shaded
 from studies.refusal import RunError
-from studies.report.figures import AXES, COLOURS, curve, finished, legend_below, shaded
-from studies.scene import Scene, resolved
+from studies.scene import Scene
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"count": 8, "tolerance": 0.5}
@@ -36,7 +36,7 @@ def run(
     """
     chosen = passband.driven_scene(scene)
     driven = chosen.driven_transducer
-    solid, above, m = resolved.solid(chosen.stator), chosen.stator.above, driven.metallisation
+    solid, above, m = resolve.solid(chosen.stator), chosen.stator.above, driven.metallisation
     period = driven.period / (2 if driven.split else 1)  # of two fingers and two gaps
     progress(f"gratings of {solid.name}")
     try:

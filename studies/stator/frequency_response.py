@@ -12,11 +12,11 @@ Run time: about 8 s.
 import numpy as np
 
 import fem
-from studies.chain import passband
+from studies.chain import passband, resolve
 from studies.chain.spectrum import response
 from studies.chain.surface_motion import solved_motion
-from studies.report.figures import curve, lines, shaded
-from studies.scene import Scene, resolved
+from studies.record.plots import curve, lines, shaded
+from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"count": 9, "tolerance": 0.1}
@@ -40,12 +40,12 @@ def run(
     driven = chosen.driven_transducer
     prepared = response(chosen, at[0], at[-1], places=(place,), tolerance=tolerance, progress=progress)
     progress(f"stator: {len(at)} frequencies")
-    waves = prepared.waves(at, resolved.drive(chosen))
+    waves = prepared.waves(at, resolve.drive(chosen))
     normal = np.array([each.motion(place)[1] for each in waves])
     covered = any(each.covered(place) for each in waves)
     surface = normal if covered else np.array([each.rayleigh_motion(place)[1] for each in waves])
     way = abs(place - driven.place[0])
-    free = fem.free_wave(resolved.stator(chosen.stator), frequency=float(np.median(at)), tolerance=1e-4)
+    free = fem.free_wave(resolve.stator(chosen.stator), frequency=float(np.median(at)), tolerance=1e-4)
     theory, late = passband.expected(chosen).normal(at) * np.exp(-free.attenuation * way), way / free.velocity
     delay = passband.group_delay(at, surface, late)
     band = np.array(_half_power(at, abs(surface)))
@@ -83,7 +83,7 @@ def run(
 
 def _aperture(scene: Scene, place: float, tolerance: float, progress) -> tuple[dict, tuple[Finding, ...]]:
     """Return the amplitude of the finite aperture at the drive's frequency, where it counts, and what it changes."""
-    if not resolved.diffracts(scene):
+    if not resolve.diffracts(scene):
         return {}, ()
     progress("stator: the beam at the drive's frequency")
     at = (place, 0.0) if scene.slider is None else scene.slider.center

@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 
 import fem
-from studies.chain import passband
+from studies.chain import passband, resolve
 from studies.chain.spectrum import driving_point, port_admittances
+from studies.record.plots import AXES, COLOURS, curve, finished, lines
 from studies.refusal import SceneError
-from studies.report.figures import AXES, COLOURS, curve, finished, lines
-from studies.scene import Scene, resolved
+from studies.scene import Scene
 from studies.scene.quantity import si_value
 from studies.scene.ranges import is_number, read_range
 from studies.study import Panel, StudyRecord, judged, of_record, study
@@ -74,7 +74,7 @@ def run(
     ]
     if len(names) > 1:
         first, second = (each.place[0] for each in chosen.transducer if each.name in names[:2])
-        velocity = fem.rayleigh(resolved.solid(chosen.stator), "open").velocity
+        velocity = fem.rayleigh(resolve.solid(chosen.stator), "open").velocity
         delay = passband.group_delay(at, scattering[:, 1, 0], abs(second - first) / velocity)
         data, title = (
             {"frequency_Hz": at, "group_delay_s": delay},
@@ -83,7 +83,7 @@ def run(
         panels.append(Panel(name="group_delay", title=title, data=data))
     models = {}
     for name in names:
-        seen = driving_point(ports, resolved.transducers(chosen), name)
+        seen = driving_point(ports, resolve.transducers(chosen), name)
         models[name] = [fem.motional_model(at, seen, branches) for branches in (1, BRANCHES)]
         panels.append(_circuit_panel(name, at, seen, models[name]))
     gain = float(np.linalg.svd(scattering, compute_uv=False).max())

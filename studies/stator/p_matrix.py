@@ -12,11 +12,11 @@ from dataclasses import replace
 import numpy as np
 
 import fem
-from studies.chain import passband
+from studies.chain import passband, resolve
 from studies.chain.spectrum import port_admittances
+from studies.record.plots import COLOURS, curve, lines
 from studies.refusal import RunError
-from studies.report.figures import COLOURS, curve, lines
-from studies.scene import Scene, resolved
+from studies.scene import Scene
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"count": 3, "tolerance": 0.2}
@@ -36,8 +36,8 @@ def run(
         Of the P-matrices and of the admittances.
     """
     chosen = passband.driven_scene(scene)
-    block = resolved.stator(chosen.stator)
-    row = tuple(sorted(resolved.section_row(chosen), key=lambda each: each.center))
+    block = resolve.stator(chosen.stator)
+    row = tuple(sorted(resolve.section_row(chosen), key=lambda each: each.center))
     if len({each.aperture for each in row}) > 1:
         chosen.refuse("transducer", "must have equal apertures for this study: their waves are one beam")
     ports = [k for k, each in enumerate(row) if {"+", "-"} <= set(each.signs)]

@@ -13,8 +13,8 @@ from PIL import Image
 
 import fem
 from fem import reference_matrices
-from studies.report.energies import LEDGER
-from studies.report.figures import (
+from studies.chain import resolve
+from studies.record.plots import (
     COLOURS,
     arrow,
     curve,
@@ -27,7 +27,7 @@ from studies.report.figures import (
     titled,
     velocity,
 )
-from studies.scene import resolved
+from studies.report.energies import LEDGER
 from studies.view import movie
 from studies.view.contact_view import film_contact, strip
 from studies.view.picture import Picture
@@ -251,7 +251,7 @@ def depth_weights(z: np.ndarray, order: int) -> np.ndarray:
 
 def _depth(found):
     """Profiles of the section's free wave and of the driven stator under the slider, on the half-space's."""
-    stator, scene, (name, place) = resolved.stator(found.scene.stator), found.scene, found.focus
+    stator, scene, (name, place) = resolve.stator(found.scene.stator), found.scene, found.focus
     free = fem.free_wave(stator, frequency=scene.frequency, tolerance=1e-6)
     line = found.field.displacement[np.searchsorted(found.field.x, place - 1e-9)]
 

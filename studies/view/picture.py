@@ -16,8 +16,8 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 from PIL import Image
 
+from studies.chain import resolve
 from studies.refusal import needed
-from studies.scene import resolved
 from studies.view import description
 from studies.view.quantities import shade
 from studies.view.run_field import RunField
@@ -209,7 +209,7 @@ class Picture:
             self.plotter.add_mesh(box, style="wireframe", color=EDGE, line_width=1)
         if not self.spreads:
             return
-        for each in resolved.transducers(found.scene):
+        for each in resolve.transducers(found.scene):
             outline = np.insert(each.corners[[0, 1, 2, 3, 0]], 2, 0.1 * found.wavelength, axis=-1)
             self.plotter.add_mesh(self.pyvista.lines_from_points(MM * outline), color="black", line_width=2)
 

@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
+from studies.chain import resolve
 from studies.refusal import SceneError
-from studies.scene import resolved
 from studies.view.quantities import QUANTITIES, Shade, shade_of
 from studies.view.run_field import LINES, RunField
 
@@ -127,7 +127,7 @@ def beam_sheet(found: RunField, name: str, *, envelope: bool = False) -> tuple[S
 def strips(found: RunField, electrode, *, spreads: bool) -> np.ndarray:
     """Return the corners (x, y) of an electrode's strips in m, shape (4 n, 2), as they are or in the section."""
     if spreads:
-        rows = resolved.transducers(found.scene)
+        rows = resolve.transducers(found.scene)
         corners = np.concatenate([each.on_surface(each.strips(electrode.sign)) for each in rows])
         return corners.reshape(-1, 2)
     x = np.array(electrode.strips)[:, [0, 1, 1, 0]].ravel()

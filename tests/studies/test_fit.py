@@ -13,7 +13,7 @@ from studies.__main__ import main
 from studies.inverse import Measurement, Parameter, fit, read_measurement, read_parameter
 from studies.inverse import fit as fit_function
 from studies.inverse.directions import undetermined
-from studies.inverse.fit import _explored
+from studies.inverse.fitting import _explored
 from studies.inverse.least_squares import Problem
 from studies.inverse.prediction import MeasurementPredictor
 from studies.refusal import SceneError
@@ -41,7 +41,7 @@ class Model:
 
 def explored(model, parameters, monkeypatch, **own):
     """Return the fit of a formula to its own values; no next measurements."""
-    monkeypatch.setattr(import_module("studies.inverse.fit"), "ranked", lambda *given: [])
+    monkeypatch.setattr(import_module("studies.inverse.fitting"), "ranked", lambda *given: [])
     data = Measurement(name="m", quantity="velocity", level_key="voltage_V", levels=LEVELS,
                        values=tuple(model.formula(np.array(LEVELS), **model.own)), **own)  # fmt: skip
     problem = Problem(predictor=model, parameters=parameters, measurements=(data,))

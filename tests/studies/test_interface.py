@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 import threadpoolctl
 
-from studies import Record, RunError, Scene, SceneError, chain, run, sweep
+from studies import Record, RunError, Scene, SceneError, run, sweep
+from studies.chain import runs
 from studies.results import MANIFEST
 
 LEVELS = (0.5e-9, 3e-9, 10e-9)
@@ -172,11 +173,13 @@ def test_a_sweep_as_a_data_set_has_the_runs_own_numbers(contact):
 
 
 def test_sweep_is_the_function_whatever_was_imported_before():
-    import studies.sweep.axes  # noqa: F401
-    from studies import sweep as chosen
+    import studies.sweep
+    from studies.sweep import Sweep, sweep
 
-    assert callable(chosen)
-    assert chosen.sweep is not None
+    import studies
+
+    assert (studies.sweep, studies.Sweep) == (sweep, Sweep)
+    assert sweep.__module__ == "studies.sweeps"
 
 
 def test_the_parts_of_the_time_add_up(driven, record):
@@ -193,13 +196,13 @@ def blas_threads():
 def test_a_run_has_one_blas_thread_and_restores_what_was(contact, monkeypatch):
     import scipy.linalg  # noqa: F401
 
-    seen, original = [], chain._run
+    seen, original = [], runs._run
 
     def watched(*arguments):
         seen.append(blas_threads())
         return original(*arguments)
 
-    monkeypatch.setattr(chain, "_run", watched)
+    monkeypatch.setattr(runs, "_run", watched)
     with threadpoolctl.threadpool_limits(limits=2, user_api="blas"):
         before = blas_threads()
         run(contact)

@@ -11,7 +11,7 @@ import pytest
 from studies import Record, Scene, SceneError, run, sweep
 from studies.__main__ import main
 from studies.motor import load_line
-from studies.report.measured import read_measured
+from studies.record.measured import read_measured
 
 
 @pytest.fixture

@@ -6,12 +6,12 @@ import math
 import pytest
 
 from studies.__main__ import main
+from studies.chain.resolve import resolved
 from studies.record import Record
+from studies.record.measured import compared, comparison, read_measured
+from studies.record.plots import velocity
 from studies.refusal import SceneError
-from studies.report.figures import velocity
-from studies.report.measured import compared, comparison, read_measured
 from studies.scene import Scene
-from studies.scene.resolved import resolved
 
 STRAIGHT = tuple(
     {"voltage_V": v, "velocity_m_per_s": -1e-3 * v, "regime": "slip", "tangential_amplitude_m": 1e-9}

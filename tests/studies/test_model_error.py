@@ -10,7 +10,7 @@ import pytest
 import fem
 from studies import Record, Scene, run
 from studies.chain.model_error import model_error
-from studies.report.answer import sentences
+from studies.record.text import sentences
 
 # Scalar angular spectrum of the seed's 20 mm aperture: mm from the transducer's centre, amplitude on the axis over that
 # of the section

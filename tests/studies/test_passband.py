@@ -7,7 +7,7 @@ import pytest
 
 from studies import Scene, SceneError
 from studies.chain import passband, run
-from studies.report.figures import saved
+from studies.record.plots import saved
 from studies.scene import read_table
 from studies.scene.override import assigned
 from studies.stator import admittance, frequency_response

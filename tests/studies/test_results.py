@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from studies.chain import run
+from studies.record.files import write_run
 from studies.refusal import RunError, SceneError
 from studies.report.drawing import Drawing
-from studies.report.files import write_run
 from studies.results import MANIFEST, Origin, result_directory
 from studies.results.manifest import FORMER, LOCK, WORK
 from studies.scene import Scene, read_table

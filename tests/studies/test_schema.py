@@ -14,12 +14,12 @@ import pytest
 
 from studies import Scene, SceneError
 from studies.__main__ import main
+from studies.chain.resolve import resolved
 from studies.scene import read_table, shipped_scenes
 from studies.scene.block import Block, Blocks, Within, keys_of
 from studies.scene.file import SCHEMA as FILE_NAME
 from studies.scene.quantity import POWERS, si_value
 from studies.scene.reference import BLOCKS
-from studies.scene.resolved import resolved
 from studies.scene.schema import schema, schema_text
 
 SCHEMA = schema()

@@ -15,16 +15,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studies.chain import run
+from studies.chain import predictor, run
+from studies.chain.predictor import Predictor
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene, read_table
 from studies.scene.override import replaced
-from studies.sweep import driver, predictor, sweep
-from studies.sweep.axes import axis
-from studies.sweep.design import designed
-from studies.sweep.predictor import Predictor
-from studies.sweep.store import FILE, Store
-from studies.sweep.workers import Processes, Workers
+from studies.sweeps import driver, sweep
+from studies.sweeps.axes import axis
+from studies.sweeps.plan import designed
+from studies.sweeps.store import FILE, Store
+from studies.sweeps.workers import Processes, Workers
 
 OVER = {"slider.preload": "0.1 mN:10 mN:8:log", "wave.normal_amplitude": "0.5 nm:20 nm:6"}
 SMALL = {
@@ -268,7 +268,7 @@ def test_a_stator_without_an_answer_costs_its_own_points_alone(monkeypatch):
 
 def test_a_point_near_the_threshold_gets_a_better_stator(tmp_path, monkeypatch):
     # a stator that is just good enough by itself
-    monkeypatch.setattr("studies.sweep.predictor.SHARE", 1.0)
+    monkeypatch.setattr("studies.chain.predictor.SHARE", 1.0)
     solved = counted(monkeypatch)
     voltages = [5.0, 11.2, 40.0]
     found = sweep(PLANE, {"drive.voltage": voltages}, tolerance=2.5e-4, out=tmp_path / "s")
@@ -435,7 +435,7 @@ class Poisoned(Workers):
 
 def test_a_point_that_kills_its_workers_is_a_row_and_is_tried_again(whole, tmp_path, monkeypatch):
     staff = Poisoned()
-    monkeypatch.setattr("studies.sweep.chosen_workers", lambda number: staff)
+    monkeypatch.setattr("studies.sweeps.chosen_workers", lambda number: staff)
     found = sweep("twente-contact", OVER, out=tmp_path / "s")
     assert found.counts == {"ok": 47, "lost": 1}
     assert found.columns()["status"][17] == "lost: 3 workers that computed it vanished"
@@ -465,7 +465,7 @@ def test_processes_give_the_same_bits_and_may_vanish(whole):
 def test_processes_that_do_not_start_are_said_to(tmp_path):
     script = tmp_path / "unguarded.py"
     script.write_text(
-        "from studies.sweep import sweep\nsweep('twente-contact', {'slider.radius': [1e-3]}, workers=2)\n"
+        "from studies.sweeps import sweep\nsweep('twente-contact', {'slider.radius': [1e-3]}, workers=2)\n"
     )
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
     done = subprocess.run(

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from studies.chain import run
-from studies.report.measured import compared, read_measured
+from studies.record.measured import compared, read_measured
 from studies.scene import Scene, read_table
 from studies.scene.override import assigned
 

@@ -8,11 +8,11 @@ import pytest
 
 from studies import Record, Scene, run
 from studies.__main__ import main
+from studies.chain.resolve import resolved
+from studies.record import plots
+from studies.record.plots import new_figure
+from studies.record.text import answer
 from studies.refusal import SceneError
-from studies.report import figures
-from studies.report.answer import answer
-from studies.report.figures import new_figure
-from studies.scene.resolved import resolved
 from studies.scene.toml import document
 
 PRELOAD, MODULUS = 8e-4, 64e9
@@ -104,7 +104,7 @@ def test_a_run_shows_its_bands_everywhere(tmp_path, capsys):
     assert again.uncertainty == record.uncertainty
     assert "+- 0.01" in answer(again)
     ax = new_figure(6.0, 4.0)[1]
-    figures.velocity(record, ax)
+    plots.velocity(record, ax)
     assert "95 % of the tolerances (linear)" in ax.get_legend_handles_labels()[1]
 
 

@@ -22,8 +22,8 @@ from PIL import Image
 from studies import view
 from studies.__main__ import main
 from studies.chain import run
+from studies.record.files import write_run
 from studies.refusal import RunError, SceneError
-from studies.report.files import write_run
 from studies.scene import Scene, read_table
 from studies.scene.override import assigned
 from studies.view import field_data, movie, wave_page

@@ -14,12 +14,12 @@ import pytest
 import fem
 from studies.__main__ import main
 from studies.chain import run
+from studies.chain.resolve import resolved
 from studies.chain.surface_motion import SurfaceMotion
 from studies.chain.warnings import breakdown_voltage, warnings_of
 from studies.record import Record
 from studies.scene import Scene, read_table
 from studies.scene.override import assigned
-from studies.scene.resolved import resolved
 from tests.contact.motors import slider as slider_of
 
 

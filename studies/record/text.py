@@ -5,7 +5,7 @@ import json
 import sys
 from typing import TYPE_CHECKING
 
-from studies.report.measured import comparison
+from studies.record.measured import comparison
 
 if TYPE_CHECKING:
     from studies.record import Record
@@ -201,4 +201,5 @@ def _limits(summary: dict):
         if f"{name}_amplitude_m" in summary:
             voltage = summary.get(f"{name}_voltage_V")
             at = "" if voltage is None else f"{voltage:.4g} V, "
-            yield name, f"{at}{summary[f'{name}_amplitude_m'] * 1e9:.4g} nm"
+            meaning = {"threshold": "starts to move", "release": "leaves the surface in every cycle"}[name]
+            yield name, f"{at}{summary[f'{name}_amplitude_m'] * 1e9:.4g} nm: the slider {meaning}"

@@ -219,7 +219,7 @@ class Record:
         -------
         matplotlib Axes
         """
-        from studies.report.figures import pictures
+        from studies.record.plots import pictures
 
         if ax is None:
             from matplotlib import pyplot
@@ -248,8 +248,8 @@ class Record:
         RunError
             If the directory cannot be written, holds something else, or another run writes there.
         """
-        from studies.report.figures import draw_run
-        from studies.report.files import write_run
+        from studies.record.files import write_run
+        from studies.record.plots import draw_run
 
         with result_directory(folder, Origin(kind="run", name=self.scene.title or "untitled")) as result:
             write_run(self, result.folder, field=field)
@@ -268,13 +268,13 @@ class Record:
         RunError
             If the directory holds no run.
         """
-        from studies.report.files import read_run
+        from studies.record.files import read_run
 
         return cls(**read_run(Path(folder)))
 
     def __str__(self):
         """Return what `sawmotor run` prints."""
-        from studies.report.answer import answer
+        from studies.record.text import answer
 
         return answer(self)
 
@@ -299,6 +299,6 @@ class Record:
 
     def _repr_html_(self) -> str:
         """Return the points as a table for a notebook."""
-        from studies.report.answer import notebook_table
+        from studies.record.text import notebook_table
 
         return notebook_table(self, "; ".join([self.scene.title or "untitled", *self._in_short()]))

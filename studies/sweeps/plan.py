@@ -14,11 +14,11 @@ from itertools import product
 
 import numpy as np
 
+from studies.chain.outcomes import ALSO, AMPLITUDES, ELECTRICAL, FREE
+from studies.chain.predictor import PLACE_KEYS, Predictor, of_stator
 from studies.refusal import SceneError
 from studies.scene.keys import rule_at
-from studies.sweep.axes import Axis, axis, level_key, point_axis
-from studies.sweep.outcomes import ALSO, AMPLITUDES, ELECTRICAL, FREE
-from studies.sweep.predictor import PLACE_KEYS, Predictor, of_stator
+from studies.sweeps.axes import Axis, axis, level_key, point_axis
 
 MAX_POINTS = 10_000_000
 PLACES = 4096  # of contacts up to which one answer of the stator serves all
@@ -128,7 +128,7 @@ class Design:
 
 
 def designed(table: dict, over, *, tolerance, also=()) -> Design:
-    """Return the design of a sweep of a scene's TOML document; the other arguments are those of `studies.sweep`.
+    """Return the design of a sweep of a scene's TOML document; the other arguments are those of `studies.sweeps`.
 
     Raises
     ------

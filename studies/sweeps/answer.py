@@ -6,10 +6,10 @@ from collections import Counter
 from pathlib import Path
 
 from studies.progress import Progress, duration
+from studies.record.text import labelled, print_json
+from studies.record.text import table as aligned
 from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER
-from studies.report.answer import labelled, print_json
-from studies.report.answer import table as aligned
-from studies.sweep import Sweep, sweep
+from studies.sweeps import Sweep, sweep
 
 REASONS = 5  # shown; all are in the rows
 SHOWN = ("velocity_m_per_s", "normal_amplitude_m", "thrust_N", "contact_efficiency", "motor_efficiency")

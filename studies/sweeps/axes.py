@@ -12,8 +12,8 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
+from studies.record.measured import MeasuredTable
 from studies.refusal import SceneError, shown
-from studies.report.measured import MeasuredTable
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import toml_value
 from studies.scene.quantity import si_value

@@ -45,7 +45,7 @@ def resolved_slider(slider: Slider, stator: Stator | None) -> Slider:
     slider = replace(slider, preload=slider.preload_force)
     if slider.ball is None:
         return slider
-    from studies.scene.modulus import pair_moduli
+    from studies.chain.moduli import pair_moduli
 
     normal, tangential = pair_moduli(slider.ball, solid(stator))
     return replace(slider, ball=None, effective_modulus=normal, tangential_modulus=tangential)

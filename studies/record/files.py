@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from studies.record.surface_map import surface_map
 from studies.refusal import RunError
-from studies.report.surface_map import surface_map
 from studies.scene import Scene
 from studies.scene.toml import document
 

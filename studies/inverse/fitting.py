@@ -20,8 +20,8 @@ from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT, Par
 from studies.inverse.prediction import MeasurementPredictor
 from studies.inverse.profile import BetterMinimumError, End, allowed_excess, profile
 from studies.inverse.result import Fit
+from studies.record.measured import Measurement
 from studies.refusal import RunError, SceneError
-from studies.report.measured import Measurement
 from studies.scene import Scene
 
 FIRST_STEP = 1.96  # standard deviations to the expected end of an interval

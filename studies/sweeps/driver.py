@@ -10,10 +10,10 @@ from concurrent.futures import FIRST_COMPLETED, CancelledError, wait
 from dataclasses import dataclass, replace
 
 from studies.refusal import RunError
-from studies.sweep.batch import solved_points
-from studies.sweep.design import Design
-from studies.sweep.store import LOST, Store
-from studies.sweep.workers import Workers
+from studies.sweeps.batch import solved_points
+from studies.sweeps.plan import Design
+from studies.sweeps.store import LOST, Store
+from studies.sweeps.workers import Workers
 
 BATCH_SECONDS, LARGEST_BATCH = 0.5, 8192
 BAND_STATORS = 64  # frequencies of a band in one batch; of stators that are solved one by one a batch has one

@@ -3,7 +3,7 @@
 from contextlib import suppress
 
 from studies.chain.points import contact_load, half_thrust
-from studies.sweep.predictor import Driven
+from studies.chain.predictor import Driven
 
 # by the word that asks for it: columns
 ALSO = {

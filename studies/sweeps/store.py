@@ -22,7 +22,7 @@ import numpy as np
 from studies.refusal import RunError, SceneError
 from studies.results import DirectoryInUseError, locked
 from studies.results.content import provenance
-from studies.sweep.design import Design
+from studies.sweeps.plan import Design
 
 FILE, LOCK = "points.sqlite", "driver.lock"
 LOST = "lost: "  # how the reason of a point begins that is tried again by the next driver

@@ -8,26 +8,24 @@ A row is written when its batch is done and is durable when it is counted; the s
 missing, and with points that were lost with their worker.
 """
 
-import sys
 from collections.abc import Callable
 from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
-from types import ModuleType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from studies.chain.predictor import Predictor
 from studies.refusal import InterruptedRunError, SceneError, needed
 from studies.scene import Scene, read_table
 from studies.scene.numbers import Quantity
-from studies.sweep.axes import Axis
-from studies.sweep.design import Design, designed
-from studies.sweep.driver import Driver
-from studies.sweep.predictor import Predictor
-from studies.sweep.store import Store
-from studies.sweep.workers import workers as chosen_workers
+from studies.sweeps.axes import Axis
+from studies.sweeps.driver import Driver
+from studies.sweeps.plan import Design, designed
+from studies.sweeps.store import Store
+from studies.sweeps.workers import workers as chosen_workers
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -35,16 +33,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Sweep", "sweep"]
 
-
-class _Callable(ModuleType):
-    """Makes ``from studies import sweep`` the function, although this package has the same name."""
-
-    def __call__(self, *args, **kwargs):
-        """Run a sweep."""
-        return sweep(*args, **kwargs)
-
-
-sys.modules[__name__].__class__ = _Callable
 
 UNITS = {
     "_m_per_s": "m/s",
@@ -77,7 +65,7 @@ class Sweep:
         Of this driver.
     columns : callable
         Returns the rows in the order of their points, as columns by name; what a row has not is None.
-    axes : tuple of studies.sweep.axes.Axis
+    axes : tuple of studies.sweeps.axes.Axis
         Keys and values.
     """
 

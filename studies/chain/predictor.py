@@ -14,13 +14,14 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import fem
+from studies.chain import resolve
 from studies.chain.bridge import DrivenContact
 from studies.chain.ring_up import RingUp, ring_up
 from studies.chain.spectrum import response
 from studies.chain.surface_motion import SurfaceMotion, solved_motion, surface_motion
 from studies.record import Record
 from studies.refusal import RunError, SceneError
-from studies.scene import Scene, resolved
+from studies.scene import Scene
 from studies.scene.block import keys_of
 from studies.scene.blocks import Drive, Stator
 from studies.scene.consistency import refuse_endless_burst
@@ -105,7 +106,7 @@ class Predictor:
         self.places, self.limits, self.progress = tuple(places), limits, progress or _silent
         self.seconds = 0.0  # spent on stators
         self._rules, self._answers, self._latest, self._count = rules, {}, (None, None), 0
-        self._block, self._slider = lru_cache(KEPT)(self._read), lru_cache(KEPT)(resolved.resolved_slider)
+        self._block, self._slider = lru_cache(KEPT)(self._read), lru_cache(KEPT)(resolve.resolved_slider)
         self._ring_up = lru_cache(64)(ring_up)
         self._stator, self._band = lru_cache(64)(_resolved_stator), lru_cache(4)(response)
 
@@ -202,7 +203,7 @@ class Predictor:
             with suppress(RunError, ValueError, ArithmeticError, fem.ConvergenceError):
                 along, goal = tuple(dict.fromkeys(x for x, _ in places)), self._goal(fixed, places, step)
                 band = self._band(fixed, *self.limits, places=along, tolerance=goal, progress=_silent)
-                waves = band.waves(list(stators), resolved.drive(fixed))
+                waves = band.waves(list(stators), resolve.drive(fixed))
                 for stator, wave in zip(stators.values(), waves, strict=True):
                     motion = surface_motion(wave, stator.stator, places, slider=self.slider)
                     self._answers[stator, places, step] = SolvedStator.of(motion, places)
@@ -223,10 +224,10 @@ class Predictor:
         scene, stator, found = self.scene(changes), None, {}
         if scene.stator is not None:
             found_circuit = scene.drive.match == "auto" or scene.drive.recovery is not None
-            spread = found_circuit and resolved.diffracts(scene)
+            spread = found_circuit and resolve.diffracts(scene)
             stator = self._stator(scene.stator, scene.transducer, _at_one_volt(scene.drive), spread)
             if scene.crossed:
-                resolved.refuse_covered(replace(scene, transducer=stator.transducer))
+                resolve.refuse_covered(replace(scene, transducer=stator.transducer))
             drive = replace(stator.drive, voltage=scene.levels, burst=scene.drive.burst)
             found = {"stator": stator.stator, "transducer": stator.transducer, "drive": drive}
         if scene.slider is not None:
@@ -265,7 +266,7 @@ class Predictor:
         return (
             bool(self.limits)
             and not stator.crossed
-            and not resolved.spreads(stator.stator, places if self.slider else None)
+            and not resolve.spreads(stator.stator, places if self.slider else None)
         )
 
     def _goal(self, stator: Scene, places, step: int) -> float:
@@ -287,7 +288,7 @@ def _at_one_volt(drive: Drive) -> Drive:
 
 
 def _resolved_stator(stator: Stator, transducer: tuple, drive: Drive, spread: bool) -> Scene:
-    return resolved.resolved(Scene(stator=stator, transducer=transducer, drive=drive), spread=spread)
+    return resolve.resolved(Scene(stator=stator, transducer=transducer, drive=drive), spread=spread)
 
 
 def _silent(text: str) -> None:

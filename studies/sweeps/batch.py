@@ -12,12 +12,12 @@ from dataclasses import replace
 from functools import lru_cache
 
 from studies.chain import bridge
+from studies.chain.outcomes import also_asked, amplitudes
 from studies.chain.points import averaged, slider_answer
+from studies.chain.predictor import SHARE, STEPS, Driven, Predictor, stator_alone
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
-from studies.sweep.design import Question
-from studies.sweep.outcomes import also_asked, amplitudes
-from studies.sweep.predictor import SHARE, STEPS, Driven, Predictor, stator_alone
+from studies.sweeps.plan import Question
 
 MAPPED = ("auto", "averaged")  # methods of the contact that the compiled loop may stand for
 
