@@ -69,8 +69,10 @@ def direct_solution(
     from skfem import Basis, ElementQuadP, MeshQuad
 
     check_layout(stator, transducers)
-    if stator.absorbs_below or stator.above != "none":
-        raise ValueError("the direct solver takes a stator with a real bottom and nothing above")
+    if stator.absorbs_below or stator.above != "none" or stator.pieces:
+        raise ValueError(
+            "the direct solver takes a stator with a real bottom, nothing above and no meshed pieces"
+        )
     transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
     names = fields(stator.solid)
     section = discretise(

@@ -98,7 +98,7 @@ class QuadSpace:
         """Integrals of v_x u_x, v_x u_z, v_z u_z and v u of some elements, (m, functions, functions) each."""
         basis = self._basis(chosen)
         weights = basis.dx[:, None, :]
-        value = np.stack([each[0].value for each in basis.basis], axis=1)
+        value = np.stack([np.array(each[0]) for each in basis.basis], axis=1)
         across, up = (np.stack([each[0].grad[axis] for each in basis.basis], axis=1) for axis in (0, 1))
         weighted = weights * across
         return (

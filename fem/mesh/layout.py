@@ -46,7 +46,7 @@ def placement(pieces: tuple[MeshPiece, ...], *, length: float, thickness: float)
             continue
         if ends[side] is not None:
             raise InputError(
-                "piece", f"{piece.name!r} and {ends[side].name!r} are both the {('left', 'right')[side]} end"
+                "piece", f'"{piece.name}" and "{ends[side].name}" are both the {("left", "right")[side]} end'
             )
         ends[side] = piece
     start = 0.0 if ends[0] is None else ends[0].interface("right")[0]
@@ -145,7 +145,7 @@ def _check_materials(piece: MeshPiece) -> None:
         if name not in known:
             raise InputError(
                 "piece.materials",
-                f'must name the solid of every surface group: the group "{name}" is no solid of the scene: '
+                f'must name every solid: the surface group "{name}" is no solid of the scene: '
                 f"{', '.join(known)}",
                 owner=piece.name,
             )
@@ -195,14 +195,14 @@ def _check_electrodes(piece: MeshPiece, transducers: dict, placed: Placement) ->
 
 
 def _check_overlaps(placed: Placement, length: float, transducers: dict) -> None:
-    spans = [(each.extent, f"piece {each.name!r}") for each in placed.between]
+    spans = [(each.extent, f'piece "{each.name}"') for each in placed.between]
     for side, piece in enumerate(placed.ends):
         if piece is not None:
             low, high = piece.extent
             spans.append(
-                ((-float("inf"), high) if side == 0 else (low, float("inf")), f"piece {piece.name!r}")
+                ((-float("inf"), high) if side == 0 else (low, float("inf")), f'piece "{piece.name}"')
             )
-    spans += [((low, high), f"transducer {name!r}") for name, (low, high, _) in transducers.items()]
+    spans += [((low, high), f'transducer "{name}"') for name, (low, high, _) in transducers.items()]
     room = SAME * length
     for piece in placed.between:
         low, high = piece.extent

@@ -26,7 +26,7 @@ SAME = 1e-6  # of the height: places nearer than this are one
 
 
 class MeshError(ValueError):
-    """A file that is no mesh of a section, or one that does not fit: the sentence names the fault."""
+    """A file that is no mesh of a section, or one that does not fit; the sentence names the fault."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -198,7 +198,7 @@ def _grouped(file) -> tuple[list[Cells], dict[str, np.ndarray]]:
                 surfaces.append(Cells(kind=kind, solid=name, nodes=nodes))
     for name in lines:
         if name not in LINE_GROUPS and not name.startswith(ELECTRODE):
-            raise MeshError(f"unknown line group {name!r}: {', '.join(LINE_GROUPS)} or electrode:NAME")
+            raise MeshError(f'unknown line group "{name}": {", ".join(LINE_GROUPS)} or electrode:NAME')
     if not any(each.solid == "stator" for each in surfaces):
         given = ", ".join(dict.fromkeys(each.solid for each in surfaces)) or "none"
         raise MeshError(
@@ -274,7 +274,7 @@ def _many(count: int, cells: Cells) -> str:
 def _at(points: np.ndarray, nodes, unit: float) -> str:
     """Middle of some nodes, in mm."""
     x, z = points[np.atleast_1d(nodes)].mean(axis=0) * 1e3
-    return f"({x:.4g}, {z:.4g}) mm"
+    return f"({x:.2f}, {z:.2f}) mm"
 
 
 def _corner_turns(corners: np.ndarray) -> np.ndarray:

@@ -225,7 +225,9 @@ class Predictor:
         if scene.stator is not None:
             found_circuit = scene.drive.match == "auto" or scene.drive.recovery is not None
             spread = found_circuit and resolve.diffracts(scene)
-            stator = self._stator(scene.stator, scene.transducer, _at_one_volt(scene.drive), spread)
+            stator = self._stator(
+                scene.stator, scene.transducer, scene.piece, _at_one_volt(scene.drive), spread
+            )
             if scene.crossed:
                 resolve.refuse_covered(replace(scene, transducer=stator.transducer))
             drive = replace(stator.drive, voltage=scene.levels, burst=scene.drive.burst)
@@ -265,7 +267,7 @@ class Predictor:
         """Return whether a stator is solved as one of a band: there are enough, and no finite aperture."""
         return (
             bool(self.limits)
-            and not stator.crossed
+            and not (stator.crossed or stator.piece)
             and not resolve.spreads(stator.stator, places if self.slider else None)
         )
 
@@ -279,7 +281,9 @@ class Predictor:
 
 def stator_alone(scene: Scene) -> Scene:
     """Return the stator of a resolved scene alone, at 1 V and without burst."""
-    return Scene(stator=scene.stator, transducer=scene.transducer, drive=_at_one_volt(scene.drive))
+    return Scene(
+        stator=scene.stator, transducer=scene.transducer, piece=scene.piece, drive=_at_one_volt(scene.drive)
+    )
 
 
 @lru_cache(KEPT)
@@ -287,8 +291,9 @@ def _at_one_volt(drive: Drive) -> Drive:
     return replace(drive, voltage=(1.0,) if drive.levels else None, power=None, burst=None)
 
 
-def _resolved_stator(stator: Stator, transducer: tuple, drive: Drive, spread: bool) -> Scene:
-    return resolve.resolved(Scene(stator=stator, transducer=transducer, drive=drive), spread=spread)
+def _resolved_stator(stator: Stator, transducer: tuple, piece: tuple, drive: Drive, spread: bool) -> Scene:
+    alone = Scene(stator=stator, transducer=transducer, piece=piece, drive=drive)
+    return resolve.resolved(alone, spread=spread)
 
 
 def _silent(text: str) -> None:
