@@ -3,7 +3,7 @@
 Each transducer has two combs.  The fingers of the comb "+" hang on a busbar at its upper side (the +y side
 of one that is not turned), those of the comb "-" on one at its lower side; fingers overlap along the aperture and end a
 gap before the other comb's busbar.  A pad touches the outer edge of each busbar.  Open strips ("o") have no busbar.
-Crosses mark the corners of the chip, whose outline is a layer of its own.  x from the chip's left end, y from its middle
+Crosses mark the corners of the chip, whose outline is a layer of its own.  x from its left end, y from its middle
 line, as in the scene.
 """
 
