@@ -72,9 +72,9 @@ def _sizes(scene: Scene, slider: Slider) -> Iterator[str]:
             f"{balls} of {diameter * 1e3:g} mm overlap: slider.contacts {first + 1} and {second + 1} are "
             f"{apart * 1e3:.4g} mm apart: a smaller slider.radius, or places further apart"
         )
-    if slider.friction_coefficient > MAX_USUAL_FRICTION:
+    if slider.static_coefficient > MAX_USUAL_FRICTION:
         yield (
-            f"slider.friction_coefficient is {slider.friction_coefficient:g}: dry contacts have 0.05 to "
+            f"slider.friction_coefficient is {slider.static_coefficient:g}: dry contacts have 0.05 to "
             f"{MAX_USUAL_FRICTION:g}"
         )
 
