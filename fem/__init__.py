@@ -18,6 +18,7 @@ _PUBLIC = {
     "materials.christoffel": "slowest_wavelength",
     "materials.strength": "Strength strength",
     "geometry": "check_layout check_plan covers outer_gaps Stator Transducer",
+    "analytic.wave_compliance": "wave_compliance",
     "analytic.half_space": "automatic_period coupling HalfSpaceWave rayleigh surface_named",
     "analytic.slowness": "Slowness",
     "analytic.point_load": "point_load PointLoad",
