@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contact import bounds
-from contact.answers.averaged import STIFFEST_STEADY, why_not
+from contact.answers.averaged import STIFFEST_STEADY, refusals
 from contact.answers.closed_forms import closed_form
 from contact.answers.ledger import Ledger, ledger
 from contact.answers.sweep import mean_motion
@@ -233,7 +233,7 @@ def _equilibrium(slider, orbits, ratio, method):
 
     The averaged state is a dictionary: velocity on this side, height, held, error (relative) and regime.
     """
-    if not why_not(slider, orbits, STIFFEST_STEADY):
+    if not refusals(slider, orbits, STIFFEST_STEADY):
         try:
             mean = mean_motion(slider, orbits)
         except ConvergenceError as failed:

@@ -21,7 +21,7 @@ from contact.answers.methods import (
     ring_down,
     shaped_steps,
     silence,
-    why_not_stepped,
+    stepped_refusals,
 )
 from contact.codes import Regime
 from contact.convergence import ConvergenceError
@@ -177,7 +177,7 @@ def _drive(slider, motion, cycles, envelope):
     """Move through the burst; return the distance travelled, scaled."""
     problem = motion.problem
     if envelope is None:
-        if cycles <= EXACT_CYCLES or why_not_stepped(slider, problem, STEPS_PER_CYCLE):
+        if cycles <= EXACT_CYCLES or stepped_refusals(slider, problem, STEPS_PER_CYCLE):
             motion.turn(cycles)
             return float(motion.sums[DISPLACEMENT])
         return _distance(steps(problem, motion.state, cycles, STEPS_PER_CYCLE))

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact import bounds
-from contact.answers.averaged import HARMONICS, STIFFEST_STEADY, refuse_unless_applicable, why_not
+from contact.answers.averaged import HARMONICS, STIFFEST_STEADY, refusals, refuse_unless_applicable
 from contact.answers.closed_forms import closed_form
 from contact.codes import Status, Steady
 from contact.convergence import ConvergenceError
@@ -168,7 +168,7 @@ def _rows(sliders, waves, which, factors, wave_errors, threads):
     apply, known = factors > 0.0, {}
     for k, pair in enumerate(map(tuple, which.tolist())):
         if pair not in known:
-            known[pair] = not why_not(sliders[pair[0]], driven[pair[1]], STIFFEST_STEADY)
+            known[pair] = not refusals(sliders[pair[0]], driven[pair[1]], STIFFEST_STEADY)
         apply[k] &= known[pair]
         if not apply[k]:
             _fill_closed(sliders[pair[0]], driven[pair[1]], factors[k], out[k])

@@ -177,8 +177,9 @@ def _along(driven: DrivenContact, trajectory, level: float):
     # what the averaged equation misses of the burst at one place, it misses of the change too
     speed = reference_speed(trajectory.velocity_at_burst_end, trajectory.orbits)
     missed = abs(found.held_velocity[-1] - trajectory.velocity_at_burst_end) / speed
-    error = trajectory.relative_error + (found.error + missed * abs(found.change)) / speed
-    return replace(with_travel(trajectory, found), relative_error=error), {"travel_m": float(found.place[-1])}
+    moved = with_travel(trajectory, found)
+    error = trajectory.answer.error + found.error + missed * abs(found.change)
+    return replace(moved, answer=replace(moved.answer, error=error)), {"travel_m": float(found.place[-1])}
 
 
 def contact_load(slider, orbits: tuple, threshold: float) -> dict:

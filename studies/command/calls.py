@@ -216,6 +216,39 @@ def help(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def export(arguments: argparse.Namespace) -> int:
+    """Write a run or a scene in a format of others."""
+    from studies.command.export import checked, exported, scene_of
+
+    ending, _ = checked(arguments)
+    given, name = arguments.scene, Path(arguments.scene).stem
+    arguments.scene = scene_of(given)
+    wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
+    alone = bool(ending) and arguments.out is not None and Path(arguments.out).suffix.lower() == ending
+    if alone and Path(arguments.out).exists():
+        raise SceneError("--out", f"{arguments.out!r} exists already, and is not replaced")
+    with Progress() as progress:
+        done = exported(arguments, scene, name, tolerance=wanted, progress=progress)
+        out = Path(arguments.out or Path("results") / f"{name}-export-{arguments.format}")
+        if alone:
+            done.write_alone(out)
+        else:
+            origin = Origin(kind="export", name=f"{arguments.format} of {name}")
+            with result_directory(out, origin, chosen=arguments.out is not None) as result:
+                done.write(result.folder)
+                result.commit()
+                if done.pictures and not arguments.no_plot:
+                    from studies.record.plots import saved
+
+                    with _pictures(result):
+                        for file, draw in done.pictures.items():
+                            saved(result.folder / file, draw)
+            _say(result.notes)
+    print("\n".join([*labelled(done.answer, 16), f"{'results':<16}{out}"]))
+    _say(done.remarks)
+    return 0
+
+
 def schema(arguments: argparse.Namespace) -> int:
     """Print the JSON Schema of a scene."""
     from studies.scene.schema import schema_text

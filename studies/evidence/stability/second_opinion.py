@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.answers.methods import rest_problem, why_not_stepped
+from contact.answers.methods import rest_problem, stepped_refusals
 from contact.answers.steady import SteadyState
 from contact.codes import Law
 from contact.convergence import ConvergenceError
@@ -69,7 +69,7 @@ def second_opinion(state: SteadyState) -> SecondOpinion:
     begin = np.zeros(3 + len(driven))
     begin[0], begin[2] = -state.height / problem.length, side * state.velocity / unit
     reference = reference_speed(state.velocity, driven) / unit
-    stepped = not why_not_stepped(slider, problem, STEPS[0])
+    stepped = not stepped_refusals(slider, problem, STEPS[0])
     resolutions = STEPS if stepped else NODES
     cycles = STEPPED_CYCLES if stepped else _affordable(problem)
     runs = [_quarters(_rows(problem, stepped, n, begin, cycles)) for n in resolutions]
