@@ -43,11 +43,13 @@ class PillarContact:
         """What the scene says of the load on the wave."""
         return self.driven.scene.slider.loading
 
-    def motion(self, level: float, load: float | None = None):
-        """Return the `contact.PillarMotion` at a level; ``load`` in N other than the scene's."""
+    def motion(self, level: float, load: float | None = None, near=None):
+        """Return the `contact.PillarMotion` at a level; ``load`` in N other than the scene's, ``near`` one like it."""
         load = self.driven.scene.slider.load if load is None else load
         try:
-            return contact.pillar_motion(self.pillars, self.at(level), load=load, loading=self.loading)
+            return contact.pillar_motion(
+                self.pillars, self.at(level), load=load, loading=self.loading, near=near
+            )
         except contact.InputError as error:
             if error.key == "load":
                 raise SceneError("slider.load", error.rule) from None
@@ -57,11 +59,12 @@ class PillarContact:
         """Return the `contact.PillarLoadLine` at a level."""
         return contact.pillar_load_line(self.pillars, self.at(level), points=points, loading=self.loading)
 
-    def sensitivity(self, level: float, velocity: float) -> float:
+    def sensitivity(self, level: float, motion) -> float:
         """Return the relative change of the velocity for one of the wave."""
+        velocity = motion.velocity
         if velocity == 0.0:
             return 0.0
-        other = self.motion(level * (1.0 + SENSITIVITY_STEP)).velocity
+        other = self.motion(level * (1.0 + SENSITIVITY_STEP), near=motion).velocity
         return abs(other - velocity) / (SENSITIVITY_STEP * abs(velocity))
 
 
@@ -98,10 +101,8 @@ def tables(motion) -> tuple[dict, dict]:
     return own, {"x_m": motion.row_x, "forward_m": motion.forward, "backward_m": motion.backward}
 
 
-def pillar_answer(driven: DrivenContact, *, tolerance: float, progress: Callable[[str], None]):
-    """Return the `studies.chain.points.SliderAnswer` of a scene whose slider stands on pillars."""
-    from studies.chain.points import SliderAnswer
-
+def pillar_answer(driven: DrivenContact, *, tolerance: float, progress: Callable[[str], None]) -> dict:
+    """Return the fields of the `SliderAnswer` of a scene whose slider stands on pillars."""
     body, scene = PillarContact.of(driven), driven.scene
     points, parts, trajectories, last = [], [], [], None
     for number, level in enumerate(scene.levels, start=1):
@@ -118,7 +119,7 @@ def pillar_answer(driven: DrivenContact, *, tolerance: float, progress: Callable
         points.append(point | found)
         parts.append(part)
     own, along = ({}, {}) if last is None else tables(last)
-    return SliderAnswer(
+    return dict(
         points=tuple(points), parts=tuple(parts), summary={}, trajectories=tuple(trajectories), pillars=own,
         slider_wave=along,
     )  # fmt: skip
@@ -127,14 +128,19 @@ def pillar_answer(driven: DrivenContact, *, tolerance: float, progress: Callable
 def _point(body: PillarContact, level: float, tolerance: float):
     """Return the values of a point, the parts of its error, its motion and its trajectory."""
     if level == 0.0:
-        return {"velocity_m_per_s": 0.0, "regime": "stick", "relative_error": 0.0, "status": "ok"}, (0.0, 0.0), None, None
+        return (
+            {"velocity_m_per_s": 0.0, "regime": "stick", "relative_error": 0.0, "status": "ok"},
+            (0.0, 0.0),
+            None,
+            None,
+        )
     motion = body.motion(level)
     found, trajectory = point_of(motion), None
-    sensitivity = body.sensitivity(level, motion.velocity)
+    sensitivity = body.sensitivity(level, motion)
     wave = motion.wave
     speed = max(abs(motion.velocity), wave.omega * abs(wave.ratio) * wave.amplitude / 10)
     share = abs(motion.velocity) / speed
-    from_stator = (body.driven.stator_error + body.misfit) * sensitivity * share
+    from_stator = body.driven.stator_error * sensitivity * share
     from_contact = motion.relative_error
     if body.driven.scene.burst is not None:
         trajectory = burst(body, level, motion)
@@ -144,7 +150,11 @@ def _point(body: PillarContact, level: float, tolerance: float):
         from_contact = max(from_contact, trajectory.relative_error)
     error = from_stator + from_contact
     found |= {"relative_error": error, "amplitude_sensitivity": sensitivity}
-    found["status"] = "ok" if error <= tolerance else f"above tolerance: stator {from_stator:.1e}, contact {from_contact:.1e}"
+    found["status"] = (
+        "ok"
+        if error <= tolerance
+        else f"above tolerance: stator {from_stator:.1e}, contact {from_contact:.1e}"
+    )
     return found, (from_stator, from_contact), motion, trajectory
 
 
@@ -174,7 +184,7 @@ def burst(body: PillarContact, level: float, steady) -> PillarBurst:
     slider, duration = scene.slider, scene.burst
     envelope = None if driven.ringing is None else driven.ringing.envelope
     friction = slider.friction_coefficient * slider.preload_force
-    load = abs(steady.load) * (1.0 if steady.velocity >= 0 else -1.0)
+    load, way = steady.load, math.copysign(1.0, steady.velocity)
     traction = contact.pillar_traction(body.pillars, body.at(level), loading=body.loading, load=load)
 
     def grown(time: float) -> float:
@@ -187,7 +197,7 @@ def burst(body: PillarContact, level: float, steady) -> PillarBurst:
         if size < 1e-3:
             return [0.0]
         force = traction(state[0], size) - slider.damping.tangential * state[0]
-        held = state[0] == 0.0 and abs(force) <= abs(load)
+        held = state[0] == 0.0 and (force - load) * way <= 0.0
         return [0.0 if held else (force - load) / slider.mass]
 
     time = np.linspace(0.0, duration, SAMPLES + 1)
@@ -196,7 +206,9 @@ def burst(body: PillarContact, level: float, steady) -> PillarBurst:
         atol=RATE_TOLERANCE * max(abs(steady.velocity), 1e-6), max_step=duration / 8,
     )  # fmt: skip
     if not found.success:
-        raise contact.ConvergenceError("not converged", f"the averaged velocity in the burst: {found.message}")
+        raise contact.ConvergenceError(
+            "not converged", f"the averaged velocity in the burst: {found.message}"
+        )
     velocity = found.y[0]
     end = float(velocity[-1])
     # once the wave is gone friction stops it, with the load for or against it
@@ -226,12 +238,12 @@ def steady_velocity(driven: DrivenContact, factor: float = 1.0) -> tuple[float, 
     """Return velocity, regime, error, error from the wave and stall at a level, as `studies.chain.points.averaged`."""
     body = PillarContact.of(driven)
     motion = body.motion(factor)
-    sensitivity = body.sensitivity(factor, motion.velocity)
+    sensitivity = body.sensitivity(factor, motion)
     share = abs(motion.velocity) / max(
         abs(motion.velocity), motion.wave.omega * abs(motion.wave.ratio) * motion.wave.amplitude / 10
     )
     stall = math.nan if motion.held else body.load_line(factor, 2).stall
-    error = (driven.stator_error + body.misfit) * sensitivity * share
+    error = driven.stator_error * sensitivity * share
     return motion.velocity, point_of(motion)["regime"], motion.relative_error, error, stall
 
 

@@ -9,9 +9,7 @@ neighbours' dents lower the mean plane of a square grid, so that a punch is stif
 for point loads (lattice sum), below for near neighbours (boundary elements, +-1 %). The tangential compliance averaged
 over directions falls off as the normal one, with the same factor in the point loads' limit.
 
-The waves at the slider: u_z = U+ exp(-i k x) + U- exp(i k x), by least squares over a wavelength either side of its
-centre, in the surface mode alone, averaged over the strip's width. A given [wave], whose crests move towards +x, runs
-towards -x.
+A given [wave], whose crests move towards +x, runs towards -x.
 """
 
 import math
@@ -24,14 +22,12 @@ import contact
 import fem
 from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.scene.pillars import SEED, as_lengths, read_pillars
+from studies.scene.pillars import SEED, read_pillars
 from studies.scene.slider import Slider
 
 # a/p and the stiffness of a punch relative to the mean plane over that of one alone
 NEIGHBOURS = (0.0, 0.05, 0.1, 0.2, 0.3, 0.4), (1.0, 1.13, 1.32, 1.92, 3.21, 6.96)
 LATTICE, LATTICE_REACH = 2.4830, 0.1  # sum over a square lattice, and the a/p up to which it holds
-FITTED = 49  # places along x at which the waves from both sides are told apart
-ACROSS = 5  # lines over the strip's width
 SILICON = "silicon"  # whose moduli pillars have where nothing says what they are of
 
 
@@ -80,7 +76,9 @@ def layout(slider: Slider) -> dict:
         x, y = (each.ravel() for each in np.meshgrid(*places, indexing="ij"))
         heights = np.zeros(x.size)
         if block.height_scatter > 0.0:
-            heights = np.random.default_rng(block.seed or SEED).normal(scale=block.height_scatter, size=x.size)
+            heights = np.random.default_rng(block.seed or SEED).normal(
+                scale=block.height_scatter, size=x.size
+            )
         diameter, pitch = np.full(x.size, block.diameter), math.sqrt(along * across)
     if block.height is not None and np.abs(heights).max() > block.height:
         tallest = heights[np.abs(heights).argmax()]
@@ -101,7 +99,9 @@ def _refuse_overlap(block, x, y, diameter):
     worst = int(room.argmin())
     if room[worst] < 0.0:
         rows = " and ".join(str(each) for each in sorted((worst + 2, int(other[worst]) + 2)))
-        block.refuse("file", f"must hold pillars that do not overlap, got {apart[worst]:g} m between rows {rows}")
+        block.refuse(
+            "file", f"must hold pillars that do not overlap, got {apart[worst]:g} m between rows {rows}"
+        )
 
 
 def neighbours(radius_over_pitch):
@@ -129,7 +129,11 @@ def stiffnesses(slider: Slider, interaction: bool | None = None):
     """Return k_n and k_t of the pillars of a resolved slider, N/m, arrays; `interaction`: other than the scene's."""
     block, place = slider.pillars, layout(slider)
     a = place["diameter"] / 2
-    near = neighbours(a.mean() / place["pitch"]) if (block.interaction if interaction is None else interaction) else 1.0
+    near = (
+        neighbours(a.mean() / place["pitch"])
+        if (block.interaction if interaction is None else interaction)
+        else 1.0
+    )
     normal, tangential = near / (2 * a * slider.effective_modulus), near / (8 * a * slider.tangential_modulus)
     if block.height is not None:
         E, h, A = block.youngs_modulus, block.height, np.pi * a**2
@@ -184,45 +188,6 @@ def given_wave(scene: Scene):
     )  # fmt: skip
 
 
-def stator_wave(scene: Scene, motion):
-    """Return the `contact.PassingWave` of 1 V under a slider, and how well two waves fit the surface's motion there.
-
-    ``motion``: a `studies.chain.surface_motion.SurfaceMotion`. The misfit is a share of the larger wave.
-    """
-    from studies.chain import resolve
-
-    slider, wave = scene.slider, motion.wave
-    stator = resolve.stator(scene.stator)
-    half_space = fem.rayleigh(stator.solid, stator.bare_surface)
-    orbit = complex(half_space.displacement[0])
-    wavelength, width = wave.phase_velocity / wave.frequency, strip_width(slider)
-    place = layout(slider)
-    reach = max(wavelength, float(np.ptp(place["x"])) / 2)
-    across, _ = np.polynomial.legendre.leggauss(ACROSS)
-    weights = np.polynomial.legendre.leggauss(ACROSS)[1] / 2
-    centre, middle = slider.center
-    along = np.clip(centre + np.linspace(-reach, reach, FITTED), 0.0, wave.length)
-    if motion.beam is None:
-        u_z = wave.rayleigh_motion(along)[1]
-    else:
-        mode = getattr(motion.beam, "surface_mode", None)
-        source = motion.beam if mode is None else mode
-        u_z = sum(
-            weight * source.motion(along, np.full(along.size, middle + y * width / 2))[2]
-            for weight, y in zip(weights, across, strict=True)
-        )
-    k = 2 * np.pi / wavelength
-    basis = np.exp(np.outer(along - centre, (-1j * k, 1j * k)))
-    (forward, backward), *_ = np.linalg.lstsq(basis, u_z, rcond=None)
-    misfit = float(np.sqrt(np.mean(np.abs(basis @ (forward, backward) - u_z) ** 2)))
-    passing = contact.PassingWave(
-        frequency=wave.frequency, wavelength=wavelength, ratio=orbit / 1j, forward=complex(forward),
-        backward=complex(backward), compliance=fem.wave_compliance(stator.solid, stator.bare_surface),
-        strip_width=width,
-    )  # fmt: skip
-    return passing, misfit / passing.amplitude
-
-
 def at_level(wave, level: float):
     """Return the waves of a level of 1 at another."""
     return replace(wave, forward=wave.forward * level, backward=wave.backward * level)
@@ -242,12 +207,16 @@ def check_pillars(scene: Scene) -> None:
         rule = f"must keep the pillars on the stator, 0 to {scene.stator.length:g} m"
         raise SceneError("slider.position", f"{rule}, got some from {left:g} to {right:g} m")
     beside = float((np.abs(middle + place["y"]) + half).max())
-    if beside > scene.stator.width / 2:
-        rule = f"must keep the pillars on the stator, y from -{scene.stator.width / 2:g} to {scene.stator.width / 2:g} m"
+    if beside > (side := scene.stator.width / 2):
+        rule = f"must keep the pillars on the stator, y from -{side:g} to {side:g} m"
         raise SceneError("slider.position", f"{rule}, got some at y = {beside:g} m")
     for each in scene.transducer:
         x, y = each.place
         reach = each.finger_pairs * each.period / 2
-        if left < x + reach and right > x - reach and abs(middle - y) < (each.aperture + strip_width(slider)) / 2:
+        if (
+            left < x + reach
+            and right > x - reach
+            and abs(middle - y) < (each.aperture + strip_width(slider)) / 2
+        ):
             rule = f"must keep the pillars off the fingers of {each.name!r}, {x - reach:g} to {x + reach:g} m"
             raise SceneError("slider.position", f"{rule}, got pillars from {left:g} to {right:g} m")

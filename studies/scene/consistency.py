@@ -49,9 +49,14 @@ def _pillars_on_given_wave(wave, slider) -> Refused:
     """Ask for the wavelength of pillars at different places, and for Gamma where they load the wave."""
     one_row = slider.pillars.file is None and slider.pillars.counts[0] == 1
     if wave.wavelength is None and (slider.loading or not one_row):
-        yield "wave.wavelength", "is required and missing: [slider.pillars] stand at different places along the wave"
+        yield (
+            "wave.wavelength",
+            "is required and missing: [slider.pillars] stand at different places along the wave",
+        )
     if slider.loading and wave.compliance is None:
-        rule = "is required and missing where slider.loading is true: Gamma of the surface, such as 2.5e-12 1/Pa"
+        rule = (
+            "is required and missing where slider.loading is true: Gamma of the surface, such as 2.5e-12 1/Pa"
+        )
         yield "wave.compliance", rule
 
 

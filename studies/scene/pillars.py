@@ -86,7 +86,10 @@ class Pillars(Block):
             return
         along, across = self.counts
         if min(along, across) < 1:
-            yield "area", f"must hold at least one pillar, got {as_lengths(self.area)} m at a pitch of {self.pitches} m"
+            yield (
+                "area",
+                f"must hold at least one pillar, got {as_lengths(self.area)} m at a pitch of {self.pitches} m",
+            )
         elif along * across > MAX_PILLARS:
             yield "rows", f"times columns must be at most {MAX_PILLARS} pillars, got {along} x {across}"
 
@@ -101,7 +104,8 @@ class Pillars(Block):
         if self.area is None:
             return self.rows, self.columns
         return tuple(
-            int(length / pitch + 1e-9) for length, pitch in zip(as_lengths(self.area), self.pitches, strict=True)
+            int(length / pitch + 1e-9)
+            for length, pitch in zip(as_lengths(self.area), self.pitches, strict=True)
         )
 
 
@@ -137,6 +141,8 @@ def read_pillars(file: str) -> dict[str, list[float]]:
                 value = math.nan
             if not math.isfinite(value):
                 cell = row[place] if place < len(row) else ""
-                raise SceneError(at, f"must hold finite numbers, got {cell!r} as {name} in row {number} of {file!r}")
+                raise SceneError(
+                    at, f"must hold finite numbers, got {cell!r} as {name} in row {number} of {file!r}"
+                )
             columns[name].append(value)
     return columns

@@ -134,7 +134,10 @@ class Slider(Block):
         if self.travel:
             yield "travel", "must be false or absent with [slider.pillars]"
         if self.backing == "soft" and self.tilt != "held":
-            yield "tilt", f'must be "held" where slider.backing is "soft", which has no plane to tilt, got "{self.tilt}"'
+            yield (
+                "tilt",
+                f'must be "held" where slider.backing is "soft", which has no plane to tilt, got "{self.tilt}"',
+            )
 
     def check_punch(self):
         if self.shape == "punch" and self.law == "hysteretic":
