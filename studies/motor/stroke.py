@@ -12,7 +12,7 @@ import numpy as np
 
 import contact
 from studies.chain import bridge, resolve
-from studies.chain.points import averaged
+from studies.chain.steady import averaged
 from studies.chain.travel import travelled
 from studies.record.plots import AXES, COLOURS, curve, family, finished, lines
 from studies.scene import Scene

@@ -271,10 +271,11 @@ def _power_axis(record: "Record", ax) -> None:
 
 def _measured(record: "Record", ax, scale: float) -> None:
     """Draw measured points with their errors, and a line through the prediction that they are compared with."""
-    known = sorted((p[record.level], p["velocity_m_per_s"]) for p in record.points if "velocity_m_per_s" in p)
-    at, speeds = zip(*known, strict=True)
-    curve(ax, [x * scale for x in at], [v * 1e3 for v in speeds], "-", "line", "predicted")
     points = record.measured["points"]
+    known = {p[record.level]: p["velocity_m_per_s"] for p in record.points if "velocity_m_per_s" in p}
+    known |= {p[record.level]: p["predicted_m_per_s"] for p in points if "predicted_m_per_s" in p}
+    at, speeds = zip(*sorted(known.items()), strict=True)
+    curve(ax, [x * scale for x in at], [v * 1e3 for v in speeds], "-", "line", "predicted")
     bars = [point["error_m_per_s"] * 1e3 for point in points] if "error_m_per_s" in points[0] else None
     at, speeds = zip(*((p[record.level] * scale, p["velocity_m_per_s"] * 1e3) for p in points), strict=True)
     given = {"markersize": 5, "markerfacecolor": "none", "capsize": 3, "label": "measured"}

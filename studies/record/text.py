@@ -64,11 +64,11 @@ def answer(record: "Record") -> str:
         model = f"; model {record.error['model']:.1e} of u_z or velocity" if "model" in record.error else ""
         rows.append(("relative error", f"{record.error['relative']:.1e} ({parts}), {asked}{model}"))
     seconds = ", ".join(f"{name} {size:.2f}" for name, size in record.seconds.items() if name != "total")
-    rows += [
-        ("model error", sentences(record)),
-        ("seconds", f"{record.seconds['total']:.2f} ({seconds})"),
-        ("left out", record.left_out),
-    ]
+    rows += [("model error", sentences(record)), ("seconds", f"{record.seconds['total']:.2f} ({seconds})")]
+    if record.left_out:
+        rows.append(
+            ("left out", f"{len(record.left_out)} effects: sawmotor run --explain lists them, run.json too")
+        )
     return "\n".join([*lines, *labelled(rows)])
 
 
@@ -170,6 +170,13 @@ def _uncertainty(block: dict):
     if "samples" in block:
         made = f"percentiles of {block['samples']} samples (Latin hypercube)"
     yield "uncertainty", f"bands of 95 %: {made}"
+    for key, count in block.get("bent", {}).items():
+        at = f" at {count} points" if count else ""
+        yield (
+            "",
+            f"the answer bends within the tolerance of {key}{at}: the band holds the middle and the ends there;",
+        )
+        yield "", 'uncertain.method = "sampled" follows the bend'
     widths = block.get("velocity_half_width_m_per_s", {})
     for key, size in block["tolerances"].items():
         effect = f": +- {widths[key] * 1e3:.3g} mm/s at the highest level" if key in widths else ""
