@@ -51,9 +51,7 @@ def wave_compliance(solid: Solid, surface: str = "vacuum") -> float:
     # lambda is analytic in the angle with v = limit sin(angle), up to the limiting velocity
     angle = np.arcsin(velocity / limit)
     step = STEP * min(1.0, 10.0 * (np.pi / 2 - angle))
-    values = [
-        impedance.eigenvalues(limit * np.sin(angle + n * step))[index] for n in (-2, -1, 1, 2)
-    ]
+    values = [impedance.eigenvalues(limit * np.sin(angle + n * step))[index] for n in (-2, -1, 1, 2)]
     slope = (values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * step) / (limit * np.cos(angle))
     amplitude = impedance.mode(velocity, index)[impedance.displaced]
     share = abs(amplitude[-1]) ** 2 / float(np.sum(np.abs(amplitude) ** 2))
