@@ -17,6 +17,8 @@ _PUBLIC = {
     "materials.medium": "medium",
     "materials.christoffel": "slowest_wavelength",
     "materials.strength": "Strength strength",
+    "mesh.section_mesh": "MeshError read_mesh SectionMesh",
+    "mesh.piece": "MeshPiece",
     "geometry": "check_layout check_plan covers outer_gaps Stator Transducer",
     "analytic.wave_compliance": "wave_compliance",
     "analytic.half_space": "automatic_period coupling HalfSpaceWave rayleigh surface_named",

@@ -127,7 +127,7 @@ def _section(record: Record) -> Iterator[str]:
     """Yield warnings where the section leaves out much, reflecting ends meet no loss, or the plate is too thin."""
     for each in record.model_error:
         if each["effect"] == "finite aperture" and abs(each["size"]) > SPREADS:
-            refused = fem.beam_refusal(resolve.stator(record.scene.stator))
+            refused = fem.beam_refusal(resolve.whole_stator(record.scene))
             yield (
                 f"the plane section leaves out that the aperture is finite, about {100 * each['size']:+.0f} % of u_z: "
                 + (refused or "stator.diffraction = true takes it in")

@@ -124,7 +124,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
     from fem import LEVELS, isotropic_about_normal, planned_levels, stator_size
 
     slider, (along, _) = scene.slider, resolve.first_row(scene, (0.0, 0.0))
-    stator, row = resolve.stator(along.stator), resolve.transducers(along)
+    stator, row = resolve.whole_stator(along), resolve.transducers(along)
     sections = len(resolve.rows(scene)) if scene.crossed else 1
     planned = [*planned_levels(stator, tolerance if slider is None else tolerance * SHARE)]
     if scene.stator.ends != "absorbing" and planned[-1] + 1 < len(LEVELS):

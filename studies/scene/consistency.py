@@ -26,9 +26,8 @@ def check_given_wave(scene) -> Refused:
             rule = "is missing: a scene needs a [stator] with a [drive], or a [wave] with a [slider]"
             yield "stator", rule
         return
-    computed = [
-        f"[{key}]" for key in ("stator", "transducer", "drive") if getattr(scene, key) not in (None, ())
-    ]
+    blocks = ("stator", "transducer", "piece", "drive")
+    computed = [f"[{key}]" for key in blocks if getattr(scene, key) not in (None, ())]
     if computed:
         yield "wave", f"must not stand beside {', '.join(computed)}: the surface motion is given or computed"
     slider = scene.slider
@@ -189,6 +188,25 @@ def check_slider(scene) -> Refused:
     if abs(beside) > half:
         rule = f"must keep the contacts on the stator, y from -{half:g} to {half:g} m"
         yield "slider.position", f"{rule}, got a contact at y = {beside:g} m"
+
+
+def check_pieces(scene) -> Refused:
+    """Refuse meshed pieces without a section along x."""
+    if not scene.piece:
+        return
+    if scene.wave is not None or scene.stator is None:
+        yield "piece", "must be absent without a [stator]: it is a part of its section"
+        return
+    if scene.stator.thickness == "half-space" or scene.stator.bottom == "absorbing":
+        yield "piece", "needs a stator of finite thickness whose bottom is free, grounded or clamped"
+    if scene.crossed:
+        yield "piece", "must be absent where a transducer is turned or stands beside the middle line"
+    if scene.stator.diffraction:
+        rule = "must be false or absent with a [[piece]]: the field in three dimensions of a mesh is not computed"
+        yield "stator.diffraction", rule
+    for index, each in enumerate(scene.piece):
+        if len(set(each.position)) < len(each.position):
+            yield f"piece.{index}.position", f"must name different places, got {shown(list(each.position))}"
 
 
 def refuse_endless_burst(scene, frequency: float) -> None:

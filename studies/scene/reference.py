@@ -15,6 +15,7 @@ BLOCKS = {
     "The file": Scene,
     "[stator]": blocks.Stator,
     "[[transducer]]": blocks.Transducer,
+    "[[piece]]": blocks.Piece,
     "[drive]": blocks.Drive,
     "[[drive.match]]": blocks.Element,
     "[drive.recovery]": blocks.Recovery,

@@ -42,6 +42,13 @@ GOOD = {  # a value for every key that is given in no shipped scene, by its dott
     "transducer.0.split": [True],
     "transducer.0.angle": ["30 deg", 360],
     "transducer.0.center": ["15 mm", ["20 mm", "-2 mm"]],
+    "piece": [[{"file": "groove.msh", "length_unit": "mm", "position": "40 mm"}]],
+    "piece.0.name": ["groove"],
+    "piece.0.file": ["meshes/groove.msh"],
+    "piece.0.length_unit": ["um"],
+    "piece.0.position": [0.04, ["40 mm", "41 mm"], "40 mm : 50 mm : 5", "-1 mm"],
+    "piece.0.materials": [{"strip": "aluminium"}],
+    "piece.0.electrodes": [{"strip": "floating", "a": "left+"}],
     "drive.frequency": ["2200 kHz", 2.2e6],
     "drive.burst": ["10 ms"],
     "drive.voltage": [10, ["5 V", 6], "20:100:5", "1 V : 1 kV : 4 : log"],
@@ -122,6 +129,8 @@ def changed(path: str, value) -> dict:
         del table["drive"]["voltage"]
     if path.startswith("drive.recovery."):
         table["drive"]["recovery"] = {"receiver": "right"}
+    if path.startswith("piece"):
+        table["piece"] = [{"file": "groove.msh", "length_unit": "mm", "position": "40 mm"}]
     if path == "slider.heights":
         table["slider"]["contacts"] = ["-1 mm", 0, "1 mm"]
     if path.startswith("slider.pillars") or path in OF_PILLARS:
