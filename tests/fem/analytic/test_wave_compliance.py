@@ -1,4 +1,4 @@
-"""Gamma of a half-space's surface wave: closed form, independent values, scaling, and power by the field through depth."""
+"""Gamma of a half-space's surface wave: closed form, independent values, and power by the field through depth."""
 
 import numpy as np
 import pytest
