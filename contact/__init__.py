@@ -24,6 +24,8 @@ _PUBLIC = {
     "envelope": "Envelope",
     "input_error": "InputError",
     "jit": "kernels",
+    "law.falling": "FallingFriction",
+    "law.user": "UserLaw",
     "orbit": "Orbit",
     "slider": "Slider",
     "solve.riding": "mean_load riding_height",
