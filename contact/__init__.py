@@ -17,7 +17,7 @@ _PUBLIC = {
     "answers.thresholds": "release_amplitude release_factor threshold_amplitude threshold_factor",
     "answers.transient": "burst Trajectory",
     "answers.waveforms": "contact_history History",
-    "averaged.pillar_motion": "pillar_load_line pillar_motion PillarLoadLine PillarMotion",
+    "averaged.pillar_motion": "pillar_load_line pillar_motion pillar_traction PillarLoadLine PillarMotion",
     "averaged.pillars": "PassingWave Pillars",
     "choice": "Answer",
     "convergence": "ConvergenceError",

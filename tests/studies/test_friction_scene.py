@@ -7,8 +7,8 @@ import pytest
 
 import contact
 from studies import Scene, run
-from studies.chain import bridge
 from studies.__main__ import main
+from studies.chain import bridge
 from studies.refusal import SceneError
 from studies.scene.toml import document
 
