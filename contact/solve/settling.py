@@ -43,6 +43,8 @@ SAME = 1e-3
 # Cycles within which a transient is no matter of chance; e-foldings after which a departure has died out, and the
 # slowest that is waited for, cycles (a second in fixed steps)
 REGULAR, SURELY, MAX_SETTLING = 200, 8.0, 100_000
+# cycles without any slip after which every contact sticks for good: some periods of the bounce
+STUCK_CYCLES = 64
 # fixed steps for that: per cycle, and the largest change of the contact's oscillation in one
 STEPS_PER_CYCLE, MAX_STEP = 64, 0.2
 # segments that a run may take (some seconds), and cycles
@@ -142,7 +144,7 @@ def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, found: 
         return Reached(instead=run)
     reason = f"a start from rest still bounces after {run.passed + run.cycles} cycles"
     later = [each.eventual for each in (first, second) if not math.isnan(each.eventual)]
-    doubt = max(apart, *(abs(speed - found.speed) for speed in later))
+    doubt = max([apart, *(abs(speed - found.speed) for speed in later)])
     return Reached(doubt=doubt, reason=reason, speed=later[0] if later else run.speed)
 
 
@@ -201,8 +203,8 @@ def _followed(problem, begin, rate, near=None):
         rows = np.vstack([rows, motion.turn(block, stride=1)])
         passed += block
         spent += int(motion.tally[STRETCHES] + motion.tally[HALVINGS])
-        quiet = quiet + 1 if motion.sticks else 0
-        if quiet > 1:
+        quiet = quiet + block if motion.sticks else 0
+        if quiet >= STUCK_CYCLES:
             return LongRun(
                 speed=0.0, error=0.0, period=0, sticks=True, cycles=block, passed=passed, motion=motion
             )
