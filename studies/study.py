@@ -113,12 +113,12 @@ class StudyRecord:
     def to_dict(self) -> dict:
         """Return what study.json holds."""
         whole = {
-            "name": self.name, "question": question(self.name), "answer": dict(self.answer),
+            "name": self.name, "question": question(self.name), "answer": [list(line) for line in self.answer],
             "findings": [vars(finding) for finding in self.findings],
             "panels": {panel.name: {"title": panel.title, **panel.data} for panel in self.panels},
             "seconds": self.seconds, "provenance": provenance(),
         }  # fmt: skip
-        return {key: plain(key, value) for key, value in whole.items() if value != {}}
+        return {key: plain(key, value) for key, value in whole.items() if value or key != "answer"}
 
     def __str__(self):
         lines = [question(self.name), ""]

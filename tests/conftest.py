@@ -12,6 +12,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+# no test measures time: an example may take long on a machine that is busy
+settings.register_profile("sawmotor", deadline=None)
+settings.load_profile("sawmotor")
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 

@@ -171,8 +171,11 @@ def _first_order(problem, h, way, close, work, out):
     if fb * way >= 0.0:  # full friction does not balance the load: the damper has to
         if problem.tangential_damping == 0.0:
             return Status.RUNAWAY, 0.0, 0.0
-        b += 1.000001 * fb / problem.tangential_damping
-        fb = excess(problem, rule, h, b, work)
+        for _ in range(60):  # one step where friction does not fall with speed
+            b += 1.000001 * fb / problem.tangential_damping
+            fb = excess(problem, rule, h, b, work)
+            if fb * way < 0.0:
+                break
     v, top, v_old, f_old = b, abs(b), a, fa
     slope = (fb - fa) / (b - a)
     for count in range(100):

@@ -3,7 +3,7 @@
 from contextlib import suppress
 
 from studies.chain.points import contact_load, half_thrust
-from studies.chain.predictor import Driven
+from studies.chain.solved_stator import Driven
 
 # by the word that asks for it: columns
 ALSO = {
@@ -29,29 +29,29 @@ def amplitudes(driven: Driven) -> dict:
     return found | dict(zip(ELECTRICAL, taken, strict=True))
 
 
-def also_asked(question, driven: Driven, answer: dict) -> dict:
-    """Return the answer with what was asked for beside the velocity, totals of the slider."""
-    if not question.also or "velocity_m_per_s" not in answer:
+def also_asked(also, tolerance: float, driven: Driven, answer: dict) -> dict:
+    """Return the answer with what was asked for beside the velocity, words of ``ALSO``; totals of the slider."""
+    if not also or "velocity_m_per_s" not in answer:
         return answer
     import contact
 
     slider, orbits = driven.slider, driven.at(driven.level)
-    if "limits" in question.also:
+    if "limits" in also:
         factors = contact.threshold_factor(slider, orbits), contact.release_factor(slider, orbits)
         answer |= zip(ALSO["limits"], factors, strict=True)
-    if "pressure" in question.also:
+    if "pressure" in also:
         answer |= contact_load(slider, orbits, contact.threshold_factor(slider, orbits))
     share, thrust = driven.scene.slider.mass / slider.mass, answer.pop("thrust_N", None)
     with suppress(contact.ConvergenceError):
-        if "step" in question.also:
+        if "step" in also:
             answer["step_m"] = abs(contact.step(slider, orbits, cycles=1).displacement)
     with suppress(contact.ConvergenceError):
-        if {"thrust", "efficiency"} & set(question.also):
+        if {"thrust", "efficiency"} & set(also):
             if thrust is None:
                 thrust = max(contact.blocked_thrust(slider, orbits)[0], 0.0)
             answer["thrust_N"] = thrust * share
-        if "efficiency" in question.also:
-            out, answer["contact_efficiency"] = half_thrust(slider, orbits, thrust, question.tolerance)
+        if "efficiency" in also:
+            out, answer["contact_efficiency"] = half_thrust(slider, orbits, thrust, tolerance)
             power = amplitudes(driven).get("power_W", 0.0)
             if power > 0.0:
                 answer["motor_efficiency"] = out * share / power

@@ -1,23 +1,28 @@
-"""One scene at many values of some keys: what a change concerns is solved again, everything else is kept.
+"""The motor of one scene at other values of some keys: what a change concerns is solved again, the rest is kept.
 
 A change of the stator, its transducers or the frequency needs the section and its circuit again; a change of the slider
-its contact; voltage, power and burst need neither.  Sweeps, fits, sensitivities, tolerances and design searches all
-take their contacts from here.  Where a point near the threshold turns out to need a better stator, the next ``step`` is
-ten times better: which of the ``STEPS`` a point uses depends on that point alone.
+its contact; voltage, power and burst need neither.  Sweeps, fits, tolerances, measured curves, sensitivities and design
+searches all take their answers from here.  Where a point near the threshold turns out to need a better stator, the next
+``step`` is ten times better: which of the ``STEPS`` a point uses depends on that point alone.
 """
 
 import math
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 
 import fem
 from studies.chain import resolve
-from studies.chain.bridge import DrivenContact
+from studies.chain.bridge import wave_along
+from studies.chain.free_wave import free_wave_record
+from studies.chain.outcomes import also_asked, amplitudes
+from studies.chain.points import slider_answer
 from studies.chain.ring_up import RingUp, ring_up
+from studies.chain.solved_stator import Driven, SolvedStator, at_one_volt, stator_alone
 from studies.chain.spectrum import response
+from studies.chain.steady import SHARE, averaged_answers, judged
 from studies.chain.surface_motion import SurfaceMotion, solved_motion, surface_motion
 from studies.record import Record
 from studies.refusal import RunError, SceneError
@@ -29,61 +34,9 @@ from studies.scene.override import replaced
 
 KEPT = 10_000  # blocks of a kind in memory
 MAX_KEPT = 1_000_000  # places of solved stators in memory, about 300 MB
-SHARE, GAIN = 0.25, 0.1  # of the tolerance at first, and of the step before
+GAIN = 0.1  # of the step before
 BAND_SHARE = 0.1  # a band a level finer costs half as much again, two bands twice as much
 STEPS = 3
-COARSE_ERROR = 0.05  # of the coarsest discretisation, which does not estimate its own (1.7 to 4.5 % seen)
-PLACE_KEYS = ("slider.position", "slider.contacts")
-
-
-def of_stator(key: str) -> bool:
-    """Return whether a change of a key needs the section or its circuit again."""
-    own = key.startswith(("stator.", "transducer.", "drive."))
-    return own and key not in ("drive.voltage", "drive.power", "drive.burst")
-
-
-@dataclass(frozen=True, kw_only=True)
-class SolvedStator:
-    """What is kept of a solved stator."""
-
-    # by place (x, y) in m: u_x and u_z in m per V, relative error, whether it lies under a transducer
-    at: dict[tuple[float, float], tuple[complex, complex, float, bool]]
-    frequency: float  # Hz
-    admittance: complex  # S
-    electrode_voltage: complex  # V per V of the source
-
-    @classmethod
-    def of(cls, motion: SurfaceMotion, places, *, coarse: bool = False) -> "SolvedStator":
-        """Return what is kept of a surface motion; ``coarse``: of the coarsest discretisation."""
-        tangential, _, normal = motion.at(places)
-        errors = [COARSE_ERROR] * len(places) if coarse else motion.errors(places)
-        covered = map(motion.covered, places)
-        rows = zip(map(complex, tangential), map(complex, normal), map(float, errors), covered, strict=True)
-        return cls(
-            at=dict(zip(places, rows, strict=True)), frequency=float(motion.wave.frequency),
-            admittance=motion.circuit.admittance, electrode_voltage=motion.circuit.voltage,
-        )  # fmt: skip
-
-    def orbits(self, places) -> tuple:
-        """Return the contact.Orbit of 1 V at some of the places."""
-        from contact import Orbit
-
-        return tuple(
-            Orbit(frequency=self.frequency, tangential=tangential, normal=normal)
-            for tangential, normal, _, _ in map(self.at.get, places)
-        )
-
-
-@dataclass(frozen=True, kw_only=True)
-class Driven(DrivenContact):
-    """The contact of a scene with changed values, or its surface motion where it has no slider."""
-
-    solved: SolvedStator | None = None  # None with a given wave
-
-    @property
-    def level(self) -> float:
-        """Of several voltages or given amplitudes of the scene the first."""
-        return self.scene.levels[0]
 
 
 class Predictor:
@@ -91,24 +44,70 @@ class Predictor:
 
     ``table``: the scene's TOML document; ``tolerance``: of the velocity; ``places``: (x, y) in m for which one solution
     of the stator serves; ``limits``: lowest and highest frequency in Hz where there are enough of them for a band;
-    ``coarse`` takes the stator's coarsest discretisation; ``slider``: whether the scenes have one.
+    ``coarse`` takes the stator's coarsest discretisation; ``slider``: whether the scenes have one; ``steps``: how often
+    a better stator is tried.
     """
 
     def __init__(
         self, table: dict, *, tolerance: float, places=(), limits=(), coarse=False, slider=True,
-        progress: Callable[[str], None] | None = None,
+        steps: int = STEPS, progress: Callable[[str], None] | None = None,
     ):  # fmt: skip
         rules = {name: key.rule for name, key in keys_of(Scene).items()}
         for key in table:
             if key not in rules:
                 raise SceneError(key, "is no key of a scene")
         self.table, self.tolerance, self.coarse, self.slider = table, tolerance, coarse, slider
+        self.steps = 1 if coarse else steps
+        self.free = "wave" not in table and not table.get("transducer")
         self.places, self.limits, self.progress = tuple(places), limits, progress or _silent
         self.seconds = 0.0  # spent on stators
         self._rules, self._answers, self._latest, self._count = rules, {}, (None, None), 0
         self._block, self._slider = lru_cache(KEPT)(self._read), lru_cache(KEPT)(resolve.resolved_slider)
         self._ring_up = lru_cache(64)(ring_up)
         self._stator, self._band = lru_cache(64)(_resolved_stator), lru_cache(4)(response)
+
+    @classmethod
+    def of_record(cls, record: Record, *, progress: Callable[[str], None] | None = None) -> "Predictor":
+        """Return the predictor of a run's scene, its stator known; of steady states, without bands of tolerances."""
+        scene = replace(record.scene, uncertain=None)
+        name = "wave" if scene.wave is not None else "drive"
+        if scene.burst is not None:
+            scene = replace(scene, **{name: replace(getattr(scene, name), burst=None)})
+        found = cls(scene.to_table(), tolerance=record.tolerance, steps=1, progress=progress)
+        found.take(record)
+        return found
+
+    def answers(
+        self, many: Sequence[dict], also: Sequence[str] = (), *, threads: int | None = None
+    ) -> list[dict]:
+        """Return what the motor does with each of several sets of changed keys.
+
+        Parameters
+        ----------
+        many : sequence of dict
+            Key of the scene to value; each leaves one voltage, power or amplitude.
+        also : sequence of str
+            Beside the velocity: of `studies.chain.outcomes.ALSO`.
+        threads : int, optional
+            Of the compiled loop; all processors without it.
+
+        Returns
+        -------
+        list of dict
+            Columns by name; ``status`` is "ok", "above tolerance: ...", "refused: ..." or "no answer: ...", and
+            ``relative_error`` is absent where there is no answer.
+        """
+        answers: list[dict] = [{} for _ in many]
+        todo = range(len(many))
+        for step in range(self.steps):
+            self.solve_together((many[at] for at in todo), step)
+            found = self._answers_of([many[at] for at in todo], also, step, threads)
+            for at, answer in zip(todo, found, strict=True):
+                # where a better stator has no answer, that of the one before stands
+                if "relative_error" in answer or not answers[at]:
+                    answers[at] = answer
+            todo = [at for at, answer in zip(todo, found, strict=True) if answer.get("finer")]
+        return answers
 
     def scene(self, changes: dict) -> Scene:
         """Return the scene with some of its keys changed; SceneError if it breaks a rule of the text."""
@@ -209,6 +208,55 @@ class Predictor:
                     self._answers[stator, places, step] = SolvedStator.of(motion, places)
             self.seconds += time.perf_counter() - begun
 
+    def _answers_of(self, many: list[dict], also, step: int, threads: int | None) -> list[dict]:
+        """Return the answers with the stator of a step; ``finer`` where a better one would help."""
+        answers: list[dict] = [{} for _ in many]
+        ready: dict[int, Driven] = {}
+        for at, changes in enumerate(many):
+            try:
+                if self.free:
+                    answers[at] = _free_answer(self.scene(changes), self.tolerance)
+                    continue
+                driven = self.contact(changes, step)
+                if len(driven.scene.levels) != 1:
+                    count = len(driven.scene.levels)
+                    raise SceneError(driven.level_key, f"must be one value at a point, got {count}")
+                ready[at] = driven
+            except Exception as error:
+                answers[at] = {"status": reason(error)}
+        steady = [
+            at for at, each in ready.items() if each.scene.slider is not None and each.scene.burst is None
+        ]
+        rows = averaged_answers(
+            [(ready[at], ready[at].level) for at in steady], self.tolerance, threads=threads
+        )
+        side_by_side = dict(zip(steady, rows, strict=True))
+        for at, driven in ready.items():
+            try:
+                answer = side_by_side.get(at) or self._alone(driven, step)
+                answers[at] = amplitudes(driven) | also_asked(also, self.tolerance, driven, answer)
+            except Exception as error:
+                answers[at] = {"status": reason(error)}
+        return answers
+
+    def _alone(self, driven: Driven, step: int) -> dict:
+        """Return the answer of a contact solved by itself, as in a run."""
+        scene, error = driven.scene, driven.stator_error
+        if scene.slider is None:
+            missed = error > self.tolerance
+            status = f"above tolerance: the stator's error is {error:.1e}" if missed else "ok"
+            return {"relative_error": error if driven.level else 0.0, "status": status}
+        along = None
+        if scene.burst is not None and driven.solved is not None and scene.slider.travel is not False:
+            motion = self.motion(stator_alone(scene), tuple(driven.solved.at), step)
+            along = wave_along(motion, scene.slider)
+        driven = replace(driven, ringing=self.ring_up(driven), along=along)
+        answer = slider_answer(driven, tolerance=self.tolerance, progress=_silent)
+        point, parts = dict(answer.points[0]), answer.parts[0]
+        if "relative_error" not in point:
+            return {"status": f"no answer: {point['status']}"}
+        return point | judged(self.tolerance, *parts, point["status"])
+
     def _read(self, name: str, changes: tuple):
         """Return a block with some keys changed, or why it is refused."""
         table = {name: self.table[name]} if name in self.table else {}
@@ -225,7 +273,9 @@ class Predictor:
         if scene.stator is not None:
             found_circuit = scene.drive.match == "auto" or scene.drive.recovery is not None
             spread = found_circuit and resolve.diffracts(scene)
-            stator = self._stator(scene.stator, scene.transducer, _at_one_volt(scene.drive), spread)
+            stator = self._stator(
+                scene.stator, scene.transducer, scene.piece, at_one_volt(scene.drive), spread
+            )
             if scene.crossed:
                 resolve.refuse_covered(replace(scene, transducer=stator.transducer))
             drive = replace(stator.drive, voltage=scene.levels, burst=scene.drive.burst)
@@ -265,7 +315,7 @@ class Predictor:
         """Return whether a stator is solved as one of a band: there are enough, and no finite aperture."""
         return (
             bool(self.limits)
-            and not stator.crossed
+            and not (stator.crossed or stator.piece)
             and not resolve.spreads(stator.stator, places if self.slider else None)
         )
 
@@ -277,18 +327,30 @@ class Predictor:
         return self.tolerance * (share * GAIN**step if self.slider else 1.0)
 
 
-def stator_alone(scene: Scene) -> Scene:
-    """Return the stator of a resolved scene alone, at 1 V and without burst."""
-    return Scene(stator=scene.stator, transducer=scene.transducer, drive=_at_one_volt(scene.drive))
+def _resolved_stator(stator: Stator, transducer: tuple, piece: tuple, drive: Drive, spread: bool) -> Scene:
+    alone = Scene(stator=stator, transducer=transducer, piece=piece, drive=drive)
+    return resolve.resolved(alone, spread=spread)
 
 
-@lru_cache(KEPT)
-def _at_one_volt(drive: Drive) -> Drive:
-    return replace(drive, voltage=(1.0,) if drive.levels else None, power=None, burst=None)
+def reason(error: Exception) -> str:
+    """Return why a point has no answer, as its status says it."""
+    text = " ".join(str(error).split())
+    if isinstance(error, SceneError):
+        return f"refused: {text}"
+    if isinstance(error, RunError):
+        return f"no answer: {text}"
+    if isinstance(error, MemoryError):
+        return "no answer: it needs more memory than the worker has"
+    return f"no answer: a defect of sawmotor: {type(error).__name__}: {text}"
 
 
-def _resolved_stator(stator: Stator, transducer: tuple, drive: Drive, spread: bool) -> Scene:
-    return resolve.resolved(Scene(stator=stator, transducer=transducer, drive=drive), spread=spread)
+def _free_answer(scene: Scene, tolerance: float) -> dict:
+    """Return the answer of a scene without transducers: its free wave."""
+    record = free_wave_record(resolve.resolved(scene), tolerance)
+    found = {
+        name: record.wave[name] for name in ("phase_velocity_m_per_s", "surface_ratio", "attenuation_per_m")
+    }
+    return found | {"relative_error": record.error["relative"], "status": "ok"}
 
 
 def _silent(text: str) -> None:

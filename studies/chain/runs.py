@@ -15,6 +15,7 @@ from studies.chain import resolve
 from studies.chain.blocks import amplitude_blocks, node, surface_columns, wave_block
 from studies.chain.bridge import DrivenContact, wave_along
 from studies.chain.electrical import electrical_block, with_available_power
+from studies.chain.free_wave import free_wave_record
 from studies.chain.left_out import left_out
 from studies.chain.model_error import with_model_error
 from studies.chain.points import SliderAnswer, slider_answer
@@ -87,9 +88,9 @@ def _run(scene: Scene, tolerance: float, progress: Callable[[str], None] | None)
     elif scene.transducer:
         record = _driven(scene, tolerance, say)
     else:
-        record = _free(scene, tolerance)
+        record = free_wave_record(scene, tolerance)
     if scene.uncertain is not None:
-        from studies.inverse.uncertainty import with_bands
+        from studies.chain.uncertainty import with_bands
 
         record = with_bands(record, progress=say)
     record = with_model_error(record)
@@ -107,32 +108,6 @@ def _given(scene: Scene, tolerance: float, say) -> Record:
         **answer.blocks(tolerance),
         seconds={"contact": time.perf_counter() - begun},
         left_out=left_out(scene),
-    )
-
-
-def _free(scene: Scene, tolerance: float) -> Record:
-    """Return the record of the free wave of a section."""
-    begun = time.perf_counter()
-    try:
-        wave = fem.free_wave(resolve.stator(scene.stator), frequency=scene.frequency, tolerance=tolerance)
-    except fem.ConvergenceError as error:
-        raise RunError(str(error)) from None
-    names = ("u_x", "u_y", "u_z", "phi_V")
-    columns = {"z_m": wave.depth}
-    columns |= {f"{name}_per_m_of_u_z": wave.profile[:, k] for k, name in enumerate(names)}
-    return Record(
-        scene=scene,
-        tolerance=tolerance,
-        wave={
-            "frequency_Hz": wave.frequency,
-            "phase_velocity_m_per_s": wave.velocity,
-            "surface_ratio": wave.surface_ratio,
-            "attenuation_per_m": wave.attenuation,
-        },
-        error={"relative": wave.relative_error, "parts": {"stator": wave.relative_error}},
-        seconds={"stator": time.perf_counter() - begun},
-        left_out=left_out(scene),
-        surface=columns,
     )
 
 

@@ -22,13 +22,15 @@ from studies.scene.uncertain import parted
 def run(arguments: argparse.Namespace) -> int:
     """Run the chain of a scene; print its answer and leave its files."""
     from studies.chain import run as run_chain
-    from studies.record.measured import compared, read_measured
+    from studies.record.measured import compared, read_measured, refuse_incomparable
     from studies.record.text import answer
     from studies.report.drawing import Drawing
-    from studies.report.explanation import explanation, plan
+    from studies.report.explanation import explanation, long_wait, plan
 
     wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
     measured = None if arguments.measured is None else read_measured(arguments.measured)
+    if measured is not None:
+        refuse_incomparable(scene, measured)
     if arguments.explain:
         planned = plan(scene, tolerance=wanted)
         _show(arguments, planned, explanation(planned))
@@ -44,6 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
         raise SceneError(
             "--field", "keeps the field of a driven stator, and this scene has no [[transducer]]"
         )
+    _say(long_wait(scene, tolerance=wanted))
     with ExitStack() as stack:
         result, out = stack.enter_context(_results(arguments, "run", ""))
         plotted = result is not None and not (arguments.json or arguments.no_plot)
@@ -51,7 +54,11 @@ def run(arguments: argparse.Namespace) -> int:
         with Progress() as progress:
             record = run_chain(scene, tolerance=wanted, progress=progress)
             if measured is not None:
-                record = replace(record, measured=compared(record, measured))
+                from studies.chain.uncertainty import velocities_at
+
+                progress("velocities at the measured levels")
+                predicted = velocities_at(record, measured.levels, progress=progress)
+                record = replace(record, measured=compared(measured, predicted))
             whole = record.to_dict()
             if result is not None:
                 progress("writing the results")
@@ -213,6 +220,39 @@ def help(arguments: argparse.Namespace) -> int:
     from studies.command.glossary import entries, meaning
 
     print(", ".join(entries()) if arguments.word is None else meaning(arguments.word))
+    return 0
+
+
+def export(arguments: argparse.Namespace) -> int:
+    """Write a run or a scene in a format of others."""
+    from studies.command.export import checked, exported, scene_of
+
+    ending, _ = checked(arguments)
+    given, name = arguments.scene, Path(arguments.scene).stem
+    arguments.scene = scene_of(given)
+    wanted, scene = tolerance(arguments.tolerance), changed_scene(arguments)
+    alone = bool(ending) and arguments.out is not None and Path(arguments.out).suffix.lower() == ending
+    if alone and Path(arguments.out).exists():
+        raise SceneError("--out", f"{arguments.out!r} exists already, and is not replaced")
+    with Progress() as progress:
+        done = exported(arguments, scene, name, tolerance=wanted, progress=progress)
+        out = Path(arguments.out or Path("results") / f"{name}-export-{arguments.format}")
+        if alone:
+            done.write_alone(out)
+        else:
+            origin = Origin(kind="export", name=f"{arguments.format} of {name}")
+            with result_directory(out, origin, chosen=arguments.out is not None) as result:
+                done.write(result.folder)
+                result.commit()
+                if done.pictures and not arguments.no_plot:
+                    from studies.record.plots import saved
+
+                    with _pictures(result):
+                        for file, draw in done.pictures.items():
+                            saved(result.folder / file, draw)
+            _say(result.notes)
+    print("\n".join([*labelled(done.answer, 16), f"{'results':<16}{out}"]))
+    _say(done.remarks)
     return 0
 
 

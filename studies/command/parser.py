@@ -97,6 +97,15 @@ scene
     "help": """what a word of the output means, or without one the words that are explained
 word? WORD | such as ledger, or "stick margin"
 """,
+    "export": """a run or a scene for others: a motor for simulators, a mask, what a lab's instruments would record
+scene RUN_OR_SCENE | a directory that `sawmotor run` left, a path or a shipped name
+--format FORMAT | fmu, c, gds, dxf
+--fmi VERSION | fmu: 3 or 2 (3)
+--size* KEY=VALUE | gds, dxf: busbar, end_gap, pad, mark, margin or grid, e.g. grid="5 nm"; once for each
+--voltage --set --tolerance
+--out PATH | a directory, or the file where there is one (results/NAME-export-FORMAT)
+--no-plot
+""",
     "view": """the wave field of a run, in a window, as a picture, a movie, a page or data
 run RUN_DIR | a directory that `sawmotor run` left
 --screenshot FILE | draw off screen into a PNG file

@@ -8,7 +8,7 @@ import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from studies.chain.predictor import PLACE_KEYS
+from studies.chain.solved_stator import PLACE_KEYS
 from studies.inverse.parameters import Parameter
 from studies.refusal import RunError
 from studies.scene.override import replaced, value_at

@@ -1,7 +1,7 @@
 """What a motor would show in a measurement, for many sets of its numbers at once.
 
-The steady states of all sets and levels go into one sweep (`contact.steady_sweep`); a point that averaging does not
-know is solved by itself (`contact.steady`).
+The steady states of all sets and levels are asked for together, by the rule of every other answer
+(`studies.chain.steady`); a burst is followed as in a run.
 """
 
 import math
@@ -10,19 +10,18 @@ from dataclasses import replace
 
 import numpy as np
 
+import contact as library
 from studies.chain.bridge import DrivenContact
-from studies.chain.points import averaged
-from studies.chain.predictor import PLACE_KEYS, Driven, Predictor, of_stator
+from studies.chain.points import followed_burst
+from studies.chain.predictor import Predictor
 from studies.chain.resolve import resolved
+from studies.chain.solved_stator import PLACE_KEYS, Driven, of_stator
+from studies.chain.steady import steady_answers
 from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT
 from studies.record.measured import Measurement
-from studies.refusal import RunError, SceneError
+from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.override import value_at
-
-TRUSTED = 1e-2  # error of an averaged steady state up to which it is taken
-ALONE = 1e-5  # tolerance of the others
-BURST_TOLERANCE, SAMPLES = 1e-3, 400
 
 
 class MeasurementPredictor(Predictor):
@@ -37,7 +36,7 @@ class MeasurementPredictor(Predictor):
             scene.refuse("slider", "is missing: without a slider there is no velocity")
         if scene.wave is None and not scene.transducer:
             scene.refuse("transducer", "is missing: nothing drives the slider")
-        super().__init__(resolved(scene).to_table(), tolerance=tolerance, progress=progress)
+        super().__init__(resolved(scene).to_table(), tolerance=tolerance, steps=1, progress=progress)
 
     @property
     def given_wave(self) -> bool:
@@ -75,7 +74,7 @@ class MeasurementPredictor(Predictor):
                 answers.append(self._burst(measurement, contact, float(factors[0])))
             else:
                 answers.append(np.array([contact.slider.tangential_resonance(len(contact.orbits))]))
-        speeds = steady_velocities(states)
+        speeds = self.velocities(states)
         return [speeds[each] if isinstance(each, slice) else each for each in answers]
 
     def _factors(self, measurement: Measurement, numbers: dict, contact: Driven) -> np.ndarray:
@@ -94,44 +93,22 @@ class MeasurementPredictor(Predictor):
             )
         return levels * numbers[AMPLITUDE_PER_VOLT]
 
-    def _burst(self, measurement: Measurement, contact: Driven, level: float) -> np.ndarray:
-        """Return v at the instants of a burst."""
-        import contact as library
+    def velocities(self, asked: list[tuple[DrivenContact, float]]) -> np.ndarray:
+        """Return the steady velocity of each contact at a level, m/s; NaN where there is none."""
+        answers = steady_answers(asked, self.tolerance)
+        return np.array([answer.get("velocity_m_per_s", math.nan) for answer in answers])
 
+    def _burst(self, measurement: Measurement, contact: Driven, level: float) -> np.ndarray:
+        """Return v at the instants of a burst, whose surface rings up and fades as in a run."""
         duration = contact.scene.burst
         if duration is None:
             key = "wave.burst" if self.given_wave else "drive.burst"
             raise SceneError(f"--data {measurement.name}", f'holds a burst: give {key}="0.1 s" with the file')
-        ringing, envelope, fading = self.ring_up(contact), None, None
-        if ringing is not None and ringing.found is not None and ringing.found.settling >= 1e-2 * duration:
-            envelope, fading = ringing.envelope, ringing.ring_down
+        contact = replace(contact, ringing=self.ring_up(contact))
+        (speed,) = self.velocities([(contact, level)])
         after = max(0.0, 1.01 * measurement.time[-1] - duration)
         try:
-            found = library.burst(
-                contact.slider, contact.at(level), duration=duration, envelope=envelope, tolerance=BURST_TOLERANCE,
-                after=after if fading is None else (after, fading), samples=SAMPLES,
-            )  # fmt: skip
+            found = followed_burst(contact, contact.at(level), speed, self.tolerance, after=after)
         except library.ConvergenceError:
             return np.full(len(measurement.time), math.nan)
         return np.interp(measurement.time, found.time, found.velocity)
-
-
-def steady_velocities(asked: list[tuple[DrivenContact, float]]) -> np.ndarray:
-    """Return the steady velocity of each contact at a factor on its orbits, m/s; NaN where there is none.
-
-    An averaged velocity that is good enough is taken, else that of the motion itself.
-    """
-    import contact as library
-
-    found = []
-    rows = averaged([(contact.slider, contact.orbits, 0.0, factor) for contact, factor in asked])
-    for (contact, factor), (velocity, regime, error, *_) in zip(asked, rows, strict=True):
-        if regime == "unknown" or error >= TRUSTED:
-            try:
-                velocity = library.steady(contact.slider, contact.at(factor), tolerance=ALONE).velocity
-            except library.ConvergenceError:
-                velocity = math.nan
-            except library.InputError as error:
-                raise RunError(str(error)) from None
-        found.append(float(velocity))
-    return np.array(found)

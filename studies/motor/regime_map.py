@@ -17,7 +17,8 @@ import contact
 from studies.chain import bridge
 from studies.chain.bridge import DrivenContact
 from studies.chain.propagation import reference_speed
-from studies.record.plots import AXES, curve, finished, logarithmic, own
+from studies.record.plots import curve, finished, logarithmic, own
+from studies.record.quantities import quantity
 from studies.scene import Scene
 from studies.study import Panel, StudyRecord, driven_contact, judged, of_record, study
 
@@ -125,4 +126,4 @@ def figure(record: Panel, ax):
     ax.set_xlim(A[0], A[-1])
     logarithmic(ax.xaxis)
     logarithmic(ax.yaxis)
-    return finished(ax, AXES["normal_amplitude_m"][0], "preload (mN)", record.title, grid=False)
+    return finished(ax, quantity("normal_amplitude_m").axis, "preload (mN)", record.title, grid=False)

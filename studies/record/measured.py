@@ -13,25 +13,23 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from studies.record.quantities import quantity
 from studies.refusal import SceneError, shown
 
 if TYPE_CHECKING:
-    from studies.record import Record
+    from studies.scene import Scene
 
-__all__ = ["MeasuredTable", "Measurement", "compared", "comparison", "read_measured"]
+__all__ = ["MeasuredTable", "Measurement", "compared", "comparison", "read_measured", "refuse_incomparable"]
 
 VOLTAGES, LENGTHS = {"V": 1.0}, {"m": 1.0, "nm": 1e-9}  # units of a column's name, in SI units
 SPEEDS, TIMES = {"m_per_s": 1.0, "mm_per_s": 1e-3}, {"s": 1.0, "ms": 1e-3}
 OPTION = "--measured"
-
-
-# by quantity: unit, factor to the unit that is shown, its name
-UNITS = {
-    "velocity": ("m/s", 1e3, "mm/s"),
-    "burst": ("m/s", 1e3, "mm/s"),
-    "amplitude": ("m", 1e9, "nm"),
-    "ring-down frequency": ("Hz", 1e-3, "kHz"),
-}
+QUANTITIES = {
+    "velocity": quantity("velocity_m_per_s"),
+    "burst": quantity("velocity_m_per_s"),
+    "amplitude": quantity("normal_amplitude_m"),
+    "ring-down frequency": quantity("ring_down_frequency_Hz"),
+}  # that are measured
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,7 +41,7 @@ class Measurement:
     name : str
         Of the file, or in words.
     quantity : str
-        A key of ``UNITS``.
+        A key of ``QUANTITIES``.
     level_key : str
         ``voltage_V`` or ``normal_amplitude_m``; empty where the scene's own level counts.
     levels : tuple of float
@@ -183,64 +181,67 @@ def read_measured(path: str | Path, option: str = OPTION) -> Measurement:
     )  # fmt: skip
 
 
-def compared(record: "Record", measured: Measurement) -> dict:
-    """Return the block ``measured`` of run.json: each point beside the prediction, and how far they are apart.
+def refuse_incomparable(scene: "Scene", measured: Measurement) -> None:
+    """Refuse a measurement that is no velocity of a scene's slider against the levels of its drive."""
+    if scene.slider is None:
+        raise SceneError(OPTION, "needs a scene with a [slider]: there is no velocity to compare with")
+    level = "voltage_V" if scene.wave is None else "normal_amplitude_m"
+    if measured.quantity != "velocity":
+        raise SceneError(OPTION, f"must hold velocities against {level}, got a {measured.quantity}")
+    if measured.level_key != level:
+        raise SceneError(OPTION, f"must have the column {level} for this scene, got {measured.level_key}")
 
-    The prediction is interpolated linearly between the run's points; measured points outside them are listed without
-    one. Speeds measured without a sign are given the prediction's.
+
+def compared(measured: Measurement, predicted: list[float | None]) -> dict:
+    """Return the block ``measured`` of run.json: each point beside its prediction, and how far they are apart.
+
+    Speeds measured without a sign are given the prediction's.
+
+    Parameters
+    ----------
+    measured : Measurement
+        Velocities.
+    predicted : list of float or None
+        At the levels of the measurement, m/s; None where the motor has no steady velocity.
 
     Raises
     ------
     SceneError
-        If the run has no slider, another drive, or no point at which both are known.
+        If there is no point at which both are known.
     """
     import numpy as np
 
-    if record.scene.slider is None:
-        raise SceneError(OPTION, "needs a scene with a [slider]: there is no velocity to compare with")
-    if measured.quantity != "velocity":
-        raise SceneError(OPTION, f"must hold velocities against {record.level}, got a {measured.quantity}")
-    if measured.level_key != record.level:
-        raise SceneError(
-            OPTION, f"must have the column {record.level} for this scene, got {measured.level_key}"
-        )
-    known = sorted((p[record.level], p["velocity_m_per_s"]) for p in record.points if "velocity_m_per_s" in p)
-    if not known:
-        raise SceneError(OPTION, "has nothing to be compared with: no point of the run has a velocity")
-    at, speeds = np.array(known).T
-    level, velocity = np.array(measured.levels), np.array(measured.values)
-    unsigned = bool(np.all(velocity >= 0) and np.all(speeds <= 0) and np.any(speeds < 0))
+    answered = np.array([each is not None for each in predicted])
+    if not answered.any():
+        raise SceneError(OPTION, "has nothing to be compared with: the motor has no velocity at its levels")
+    expected = np.array([each or 0.0 for each in predicted])
+    velocity = np.array(measured.values)
+    unsigned = bool(np.all(velocity >= 0) and np.all(expected <= 0) and np.any(expected < 0))
     if unsigned:
         velocity = -velocity
-    inside = (level >= at[0]) & (level <= at[-1])
-    if not inside.any():
-        ends = f"{at[0]:.4g} to {at[-1]:.4g}"
-        raise SceneError(OPTION, f"has no point within the run's {record.level}, {ends}")
-    predicted = np.interp(level, at, speeds)
     points = []
-    for k in range(len(level)):
-        point = {record.level: float(level[k]), "velocity_m_per_s": float(velocity[k]) + 0.0}
+    for k, level in enumerate(measured.levels):
+        point = {measured.level_key: float(level), "velocity_m_per_s": float(velocity[k]) + 0.0}
         if measured.deviations is not None:
             point["error_m_per_s"] = measured.deviations[k]
-        if inside[k]:
-            point["predicted_m_per_s"] = float(predicted[k])
+        if answered[k]:
+            point["predicted_m_per_s"] = float(expected[k])
         points.append(point)
-    gap = (velocity - predicted)[inside]
-    rms, largest = float(np.sqrt(np.mean(gap**2))), float(abs(predicted[inside]).max())
+    gap = (velocity - expected)[answered]
+    rms, largest = float(np.sqrt(np.mean(gap**2))), float(abs(expected).max())
     block = {
         "file": measured.name,
         "points": points,
-        "compared": int(inside.sum()),
+        "compared": int(answered.sum()),
         "sign_of_prediction_given": unsigned,
         "rms_deviation_m_per_s": rms,
         "mean_deviation_m_per_s": float(gap.mean()),
     }
     if largest > 0:
-        square = float(np.sum(predicted[inside] ** 2))
         block["rms_deviation_relative"] = rms / largest
-        block["measured_over_predicted"] = float(np.sum((velocity * predicted)[inside]) / square)
+        block["measured_over_predicted"] = float(np.sum(velocity * expected) / np.sum(expected**2))
     if measured.deviations is not None:
-        ratios = gap / np.array(measured.deviations)[inside]
+        ratios = gap / np.array(measured.deviations)[answered]
         block["within_one_error"] = int(np.sum(abs(ratios) <= 1))
         block["chi_square_per_point"] = float(np.mean(ratios**2))
     return block

@@ -15,7 +15,8 @@ import numpy as np
 import fem
 from studies.chain import passband, resolve
 from studies.chain.spectrum import driving_point, port_admittances
-from studies.record.plots import AXES, COLOURS, curve, finished, lines
+from studies.record.plots import COLOURS, curve, finished, lines
+from studies.record.quantities import quantity
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.quantity import si_value
@@ -114,7 +115,7 @@ def tables(record: StudyRecord) -> dict[str, str]:
 @of_record
 def figure(record: Panel, ax):
     """Draw reflections in the Smith chart, magnitudes in dB, the group delay, or an admittance with its circuits."""
-    data, across = record.data, AXES["frequency_Hz"][0]
+    data, across = record.data, quantity("frequency_Hz").axis
     if record.name == "smith":
         return _smith(record, ax)
     if "group_delay_s" in data:

@@ -15,7 +15,8 @@ from itertools import product
 import numpy as np
 
 from studies.chain.outcomes import ALSO, AMPLITUDES, ELECTRICAL, FREE
-from studies.chain.predictor import PLACE_KEYS, Predictor, of_stator
+from studies.chain.predictor import Predictor
+from studies.chain.solved_stator import PLACE_KEYS, of_stator
 from studies.refusal import SceneError
 from studies.scene.keys import rule_at
 from studies.sweeps.axes import Axis, axis, level_key, point_axis

@@ -74,6 +74,28 @@ def test_a_systematic_error_adds_to_the_interval_as_its_variance_does(monkeypatc
     assert 0.5 * (high - low) == pytest.approx(1.95996 * size, rel=0.01)
 
 
+def test_intervals_without_deviations_are_student_s(monkeypatch):
+    """Slope of scattered values of unknown, equal deviation: t(0.975, n - 1) times the residual's estimate."""
+    from scipy.stats import t
+
+    scatter = 0.02 * np.array([1.0, -2.0, 0.5, 1.5, -1.0, 0.7, -0.4])
+    model = Model(lambda x, b, e=1.0: b * x + e * scatter, b=2.0)
+    fitted = Model(lambda x, b: b * x, b=2.0)
+    monkeypatch.setattr(import_module("studies.inverse.fitting"), "ranked", lambda *given: [])
+    data = Measurement(name="m", quantity="velocity", level_key="voltage_V", levels=LEVELS,
+                       values=tuple(model.formula(np.array(LEVELS), 2.0)), deviations=(1.0,) * 7)  # fmt: skip
+    free = (Parameter(key="b", low=0.5, high=8.0),)
+    problem = Problem(predictor=fitted, parameters=free, measurements=(data,))
+    found = _explored(problem, problem.minima(), problem.points - 1, True, lambda text: None)
+    x = np.array(LEVELS)
+    slope = float(x @ data.values / (x @ x))
+    residual = math.sqrt(np.sum((np.array(data.values) - slope * x) ** 2) / (len(x) - 1))
+    size = t.ppf(0.975, len(x) - 1) * residual / math.sqrt(x @ x)
+    low, high = found.intervals["b"]
+    assert 0.5 * (low + high) == pytest.approx(slope, rel=1e-3)
+    assert 0.5 * (high - low) == pytest.approx(size, rel=0.02)
+
+
 def test_a_product_leaves_its_factors_undetermined_however_narrow_their_ranges(monkeypatch):
     """The range of the other factor would make a finite interval; the data make none."""
     model = Model(lambda x, a, b, c: a * b * x + c, a=1.0, b=2.0, c=0.5)

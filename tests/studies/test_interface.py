@@ -11,6 +11,7 @@ import threadpoolctl
 
 from studies import Record, RunError, Scene, SceneError, run, sweep
 from studies.chain import runs
+from studies.record.quantities import quantity
 from studies.results import MANIFEST
 
 LEVELS = (0.5e-9, 3e-9, 10e-9)
@@ -233,3 +234,15 @@ def test_two_runs_in_two_threads_leave_the_number_of_threads_as_it_was():
         other.join()
         assert seen == [{1}, {1}]
         assert blas_threads() == {2}
+
+
+def test_a_record_as_a_dataset_has_units_on_variables_and_coordinate(driven, record):
+    for each, level, unit in ((driven, "voltage_V", "V"), (record, "normal_amplitude_m", "m")):
+        data = each.to_xarray()
+        assert dict(data.sizes) == {level: len(each.points)}
+        assert data[level].attrs == {"units": unit, "long_name": quantity(level).label}
+        assert data["velocity_m_per_s"].attrs["units"] == "m/s"
+        assert data["relative_error"].attrs["units"] == "1"
+        assert "units" not in data["status"].attrs
+        assert np.array_equal(data["velocity_m_per_s"], each.velocity)
+        assert data.attrs["tolerance"] == each.tolerance

@@ -575,3 +575,81 @@ def test_a_table_is_a_value_like_others():
 def test_a_tolerance_that_is_none_is_refused(tolerance):
     with pytest.raises(SceneError, match="tolerance"):
         sweep("twente-contact", {"slider.preload": [1e-3]}, tolerance=tolerance)
+
+
+# --- cases in which a wrong mask, unit or version shows
+
+
+def test_a_store_with_gaps_is_filled_where_the_stator_s_axis_is_not_the_first(tmp_path):
+    """Three loads, two frequencies, three voltages; five rows of both frequencies are lost."""
+    over = {
+        "slider.load": [0.0, 2e-6, 4e-6],
+        "drive.frequency": [2.18e6, 2.2e6],
+        "drive.voltage": [20.0, 60.0, 90.0],
+    }
+    whole = sweep(PLANE, over, tolerance=3e-2, out=tmp_path / "s").columns()
+    with sqlite3.connect(tmp_path / "s" / FILE) as connection:
+        connection.execute("delete from points where point in (1, 3, 8, 10, 17)")
+    connection.close()
+    found = sweep(PLANE, over, tolerance=3e-2, out=tmp_path / "s")
+    assert found.counts == {"ok": 18}
+    assert found.columns() == whole
+    assert whole["drive.frequency"] == ([2.18e6] * 3 + [2.2e6] * 3) * 3
+    assert len(set(whole["velocity_m_per_s"])) == 18
+
+
+def test_a_store_of_another_version_is_refused_by_name(tmp_path):
+    small = {"wave.normal_amplitude": "3 nm"}
+    sweep("twente-contact", small, out=tmp_path / "s")
+    kept = rows(tmp_path / "s")
+    with sqlite3.connect(tmp_path / "s" / FILE) as connection:
+        (text,) = connection.execute("select value from sweep where name = 'identity'").fetchone()
+        held = json.loads(text) | {"version of numpy": "1.0.0"}
+        connection.execute("update sweep set value = ? where name = 'identity'", (json.dumps(held),))
+    connection.close()
+    with pytest.raises(SceneError, match="another sweep: its version of numpy differs"):
+        sweep("twente-contact", small, out=tmp_path / "s")
+    assert rows(tmp_path / "s") == kept
+
+
+def test_every_number_of_a_dataset_has_the_unit_of_its_name():
+    over = {"wave.normal_amplitude": [3e-9, 1e-8], "slider.preload": [1e-3, 2e-3]}
+    also = ("limits", "thrust", "efficiency", "pressure", "step")
+    data = sweep("twente-contact", over, also=also).to_xarray()
+    endings = {
+        "_m_per_s": "m/s", "_per_m": "1/m", "_W": "W", "_Pa": "Pa", "_N": "N", "_V": "V", "_m": "m",
+    }  # fmt: skip
+    seen = set()
+    for name, values in data.items():
+        ending = next((each for each in endings if name.endswith(each)), None)
+        pure = "1" if values.dtype.kind == "f" else ""
+        assert values.attrs.get("units", "") == endings.get(ending, pure), name
+        seen.add(endings.get(ending))
+    assert {key: each.attrs["units"] for key, each in data.coords.items()} == {
+        "wave.normal_amplitude": "m", "slider.preload": "N",
+    }  # fmt: skip
+    assert {"m/s", "m", "N", "Pa"} <= seen
+
+
+def test_five_balls_in_phase_have_five_times_the_thrust_at_the_same_efficiency():
+    """Mass, preload, and viscous dampers five times as large: each ball moves as the one did."""
+    slider = PLANE["slider"] | {"preload": 0.9e-3, "mass": 0.089e-3}
+    five = {
+        "contacts": 5,
+        "mass": 5 * 0.089e-3,
+        "preload": 4.5e-3,
+        "damping": {"normal": 2.5, "tangential": 5e-4},
+    }
+
+    def answers(changes):
+        table = PLANE | {"slider": slider | changes}
+        found = sweep(table, {"drive.voltage": [90.0]}, also=("efficiency", "thrust"), tolerance=3e-2)
+        return {name: values[0] for name, values in found.columns().items()}
+
+    one, many = answers({}), answers(five)
+    assert many["velocity_m_per_s"] == pytest.approx(one["velocity_m_per_s"], rel=1e-6)
+    assert 0.1 < one["contact_efficiency"] < 0.9
+    assert many["contact_efficiency"] == pytest.approx(one["contact_efficiency"], rel=1e-3)
+    for key in ("thrust_N", "motor_efficiency"):
+        assert one[key] > 0
+        assert many[key] == pytest.approx(5 * one[key], rel=1e-3)
