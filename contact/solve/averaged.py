@@ -219,7 +219,7 @@ def _second_order(problem, slope, top, work, out):
             break
     out[VELOCITY], out[HEIGHT], out[RESIDUAL] = v, h, change
     out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = second.counts[MADE], second.counts[SLIPS]
-    # The forces' harmonics fall as n^-5/2 (spheres) or n^-2 (punches, impacts of a contact's damper), the fast motion as
+    # The forces' harmonics fall as n^-5/2 (spheres) or n^-2 (punches, a contact's damper), the fast motion as
     # n^-2 times that, and the sum over what is left out enters the mean once more by such a harmonic. One harmonic may
     # vanish by chance: the largest of the last three counts.
     force, last, tail = second.force, second.force.tangential_cos.size - 1, 0.0
