@@ -241,7 +241,11 @@ def _eventual(problem, motion, near):
 
     The mean is over the last tenth. NaN where the decay is fast, or takes too long, or fixed steps do not serve.
     """
-    if not REGULAR < near.decay_cycles < MAX_SETTLING or problem.law.kind != Tangential.ELASTIC or problem.stick_band:
+    if (
+        not REGULAR < near.decay_cycles < MAX_SETTLING
+        or problem.law.kind != Tangential.ELASTIC
+        or problem.stick_band
+    ):
         return math.nan
     if 2.0 * math.pi / STEPS_PER_CYCLE * largest_resonance(problem) > MAX_STEP or problem.limit_slope == 0.0:
         return math.nan
