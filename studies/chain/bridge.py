@@ -63,7 +63,11 @@ def scaled(orbits: tuple, level: float) -> tuple:
 
 @lru_cache(10_000)  # of a sweep's points many have the same
 def contact_slider(slider: Slider):
-    """Return the ``contact.Slider`` of a block whose preload and moduli are numbers."""
+    """Return the ``contact.Slider`` of a block whose preload and moduli are numbers; of pillars, that of a mean one."""
+    if slider.pillars is not None:
+        from studies.chain.pillars import one_pillar
+
+        return one_pillar(slider)
     share = len(slider.offsets) if isinstance(slider.contacts, int) else 1
     return contact.Slider(
         radius=slider.radius,
@@ -94,6 +98,8 @@ class DrivenContact:
     amplitudes: tuple[float, float]  # |u_z| and |u_x| under the slider's centre for a level of 1, m
     stator_error: float = 0.0  # of the orbits, relative
     ringing: object = None  # how they grow during a burst, a `studies.chain.ring_up.RingUp`
+    # the waves under a slider on pillars per volt, a contact.PassingWave, and their misfit
+    passing: tuple | None = field(default=None, repr=False)
     along: object = None  # how they change with the slider's place, a `studies.chain.travel.WaveAlong`
     record: Record | None = field(default=None, repr=False)  # of the run that solved the stator
 
@@ -109,6 +115,10 @@ class DrivenContact:
         tangential, _, normal = map(float, abs(motion.at([scene.slider.center])[:, 0]))
         given.setdefault("stator_error", motion.relative_error(scene.slider.places))
         orbits = orbits_per_volt(motion, scene.slider)
+        if scene.slider.pillars is not None:
+            from studies.chain.slider_wave import stator_wave
+
+            given.setdefault("passing", stator_wave(scene, motion))
         return cls(scene=scene, orbits=orbits, amplitudes=(normal, tangential), **given)
 
     @classmethod

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -28,6 +28,8 @@ class SliderAnswer:
     parts: tuple[tuple[float, float], ...]
     summary: dict  # threshold and release
     trajectories: tuple  # with a burst
+    pillars: dict = field(default_factory=dict)  # columns of pillars.csv
+    slider_wave: dict = field(default_factory=dict)  # columns of slider_wave.csv
 
     def blocks(self, tolerance: float) -> dict:
         """Return the record's blocks, the error that of the worst point."""
@@ -36,6 +38,7 @@ class SliderAnswer:
             part for part, point in zip(self.parts, self.points, strict=True) if "relative_error" in point
         ]
         blocks = {"points": self.points, "summary": self.summary, "trajectories": self.trajectories}
+        blocks |= {"pillars": self.pillars, "slider_wave": self.slider_wave}
         if known:
             stator, contact = max(known, key=sum)
             error = stator + contact
@@ -56,6 +59,10 @@ def slider_answer(
 ) -> SliderAnswer:
     """Solve the contact at every level of its scene; its solvers are asked for a quarter of the tolerance."""
     scene = driven.scene
+    if scene.slider.pillars is not None:
+        from studies.chain.pillar_points import pillar_answer
+
+        return SliderAnswer(**pillar_answer(driven, tolerance=tolerance, progress=progress))
     slider = _refusing(lambda: driven.slider)
     points, parts, trajectories = [], [], []
     summary, threshold = _summary(driven)

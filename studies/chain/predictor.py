@@ -275,7 +275,9 @@ class Predictor:
         if scene.stator is not None:
             found_circuit = scene.drive.match == "auto" or scene.drive.recovery is not None
             spread = found_circuit and resolve.diffracts(scene)
-            stator = self._stator(scene.stator, scene.transducer, at_one_volt(scene.drive), spread)
+            stator = self._stator(
+                scene.stator, scene.transducer, scene.piece, at_one_volt(scene.drive), spread
+            )
             if scene.crossed:
                 resolve.refuse_covered(replace(scene, transducer=stator.transducer))
             drive = replace(stator.drive, voltage=scene.levels, burst=scene.drive.burst)
@@ -315,7 +317,7 @@ class Predictor:
         """Return whether a stator is solved as one of a band: there are enough, and no finite aperture."""
         return (
             bool(self.limits)
-            and not stator.crossed
+            and not (stator.crossed or stator.piece)
             and not resolve.spreads(stator.stator, places if self.slider else None)
         )
 
@@ -327,8 +329,9 @@ class Predictor:
         return self.tolerance * (share * GAIN**step if self.slider else 1.0)
 
 
-def _resolved_stator(stator: Stator, transducer: tuple, drive: Drive, spread: bool) -> Scene:
-    return resolve.resolved(Scene(stator=stator, transducer=transducer, drive=drive), spread=spread)
+def _resolved_stator(stator: Stator, transducer: tuple, piece: tuple, drive: Drive, spread: bool) -> Scene:
+    alone = Scene(stator=stator, transducer=transducer, piece=piece, drive=drive)
+    return resolve.resolved(alone, spread=spread)
 
 
 def reason(error: Exception) -> str:

@@ -3,9 +3,13 @@
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from studies.scene.block import Block, Within
-from studies.scene.numbers import Listed, Quantity, as_pair, place
+from studies.scene.block import Block, Within, keys_of
+from studies.scene.numbers import Listed, Quantity, Row, as_pair, place
+from studies.scene.pillars import Pillars
 from studies.scene.rule import FLAG, TEXT, Count, choice
+
+PLACE = Row((Quantity("m", negative=True),) * 2, "[x, y] in m")
+ALONE = ("radius", "contacts", "heights")  # keys that pillars replace
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -16,6 +20,8 @@ class Wave(Block):
     normal_amplitude: Peak of u_z, one value or a list.
     tangential_ratio: |u_x| / |u_z|.
     burst: Length of the driven interval. Absent: the steady state only.
+    wavelength: Of the wave, which then runs towards -x; for pillars at different places along it.
+    compliance: Gamma of the surface: G_zz = Gamma/(k - k_R); for pillars that load the wave.
     """
 
     block: ClassVar[str] = "wave"
@@ -23,6 +29,8 @@ class Wave(Block):
     normal_amplitude: Annotated[tuple[float, ...], Listed(Quantity("m", zero=True), ranged=True)]
     tangential_ratio: Annotated[float, Quantity()]
     burst: Annotated[float | None, Quantity("s")] = None
+    wavelength: Annotated[float | None, Quantity("m")] = None
+    compliance: Annotated[float | None, Quantity("1/Pa")] = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,10 +55,10 @@ class Slider(Block):
     position: Of its centre, from the stator's left end, or [x, y], y from the middle of the apertures; required
         with a stator, absent with a given wave.
     shape: Of each contact. punch: a rigid flat cylindrical projection, P = 2 a E* z, which slips as a whole.
-    radius: Radius of each ball or punch.
+    radius: Radius of each ball or punch; required without pillars.
     mass: Mass of the whole slider.
     contacts: Places of the balls from the slider's centre, as a list of x or [x, y]; or a number of balls that
-        all stand at its centre.
+        all stand at its centre; required without pillars.
     heights: How much further each contact stands out towards the stator, one per place in contacts; absent: all
         alike.
     preload: Total normal force, the weight included.
@@ -67,17 +75,23 @@ class Slider(Block):
     travel: Whether the orbits change with the slider's place during a burst. Absent: true where it travels more
         than a tenth of a wavelength.
     damping: Losses of the slider's motion.
+    pillars: Flat pillars, thousands of them, instead of radius, contacts and heights.
+    tilt: Of a slider on pillars. held: not at all; pitch: about y; free: about both axes.
+    preload_at: Where the preload acts on a slider on pillars, [x, y] from its centre.
+    load_height: Height above the surface at which the load pulls a slider on pillars.
+    backing: Of pillars. rigid: one plane; soft: every row along the wave bears the same pressure.
+    loading: Whether pillars act back on the wave. Absent: where the loading number is above 0.05.
     """
 
     block: ClassVar[str] = "slider"
     position: Annotated[float | tuple[float, float] | None, place()] = None
     shape: Annotated[str, choice("sphere", "punch")] = "sphere"
-    radius: Annotated[float, Quantity("m")]
+    radius: Annotated[float | None, Quantity("m")] = None
     mass: Annotated[float, Quantity("kg")]
     contacts: Annotated[
-        int | tuple[float | tuple[float, float], ...],
+        int | tuple[float | tuple[float, float], ...] | None,
         Count(10_000) | Listed(place(negative=True), distinct=True),
-    ]
+    ] = None
     heights: Annotated[tuple[float, ...] | None, Listed(Quantity("m", negative=True))] = None
     preload: Annotated[float | str, Quantity("N", zero=True) | choice("weight")]
     gravity: Annotated[float, Quantity("m/s^2", zero=True)] = 9.81
@@ -92,6 +106,38 @@ class Slider(Block):
     method: Annotated[str, choice("auto", "exact", "stepped", "averaged")] = "auto"
     travel: Annotated[bool | None, FLAG] = None
     damping: Annotated[Damping, Within(Damping)] = Damping()
+    pillars: Annotated[Pillars | None, Within(Pillars)] = None
+    tilt: Annotated[str, choice("held", "pitch", "free")] = "held"
+    preload_at: Annotated[tuple[float, float], PLACE] = (0.0, 0.0)
+    load_height: Annotated[float, Quantity("m", zero=True)] = 0.0
+    backing: Annotated[str, choice("rigid", "soft")] = "rigid"
+    loading: Annotated[bool | None, FLAG] = None
+
+    def check_contacts(self):
+        if self.pillars is None:
+            for key in ALONE[:2]:
+                if getattr(self, key) is None:
+                    yield key, f"is required and missing: give {keys_of(type(self))[key].rule.expected}"
+            for key in ("loading", "tilt", "preload_at", "load_height", "backing"):
+                if getattr(self, key) != keys_of(type(self))[key].default:
+                    yield key, "must be absent without [slider.pillars], which alone know it"
+            return
+        for key in ALONE:
+            if getattr(self, key) is not None:
+                yield key, "must be absent with [slider.pillars], which say what touches the stator and where"
+        if self.law != "elastic":
+            yield "law", 'must be "elastic" with [slider.pillars]: a flat pillar slips as a whole'
+        if self.stick_band > 0:
+            yield "stick_band", f"must be absent with [slider.pillars], got {self.stick_band:g} m/s"
+        if self.method not in ("auto", "averaged"):
+            yield "method", f'must be "auto" or "averaged" with [slider.pillars], got "{self.method}"'
+        if self.travel:
+            yield "travel", "must be false or absent with [slider.pillars]"
+        if self.backing == "soft" and self.tilt != "held":
+            yield (
+                "tilt",
+                f'must be "held" where slider.backing is "soft", which has no plane to tilt, got "{self.tilt}"',
+            )
 
     def check_punch(self):
         if self.shape == "punch" and self.law == "hysteretic":
@@ -100,7 +146,7 @@ class Slider(Block):
     def check_heights(self):
         if self.heights is None:
             return
-        number = 0 if isinstance(self.contacts, int) else len(self.contacts)
+        number = 0 if self.contacts is None or isinstance(self.contacts, int) else len(self.contacts)
         if number == 0:
             yield "heights", "needs slider.contacts as a list of places, one per height"
         elif number != len(self.heights):
@@ -124,6 +170,8 @@ class Slider(Block):
     @property
     def offsets(self) -> tuple[tuple[float, float], ...]:
         """Places (x, y) of the contacts from the slider's centre in m; a mere number of them sits at the centre."""
+        if self.contacts is None:  # pillars: the wave is taken at the centre, and marched from row to row
+            return ((0.0, 0.0),)
         if isinstance(self.contacts, int):
             return ((0.0, 0.0),) * self.contacts
         return tuple(map(as_pair, self.contacts))
