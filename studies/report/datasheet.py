@@ -5,8 +5,10 @@ says so.  Errors are those of the computation: the stator's and the contact's, c
 own numbers, friction above all, are taken as exact.
 """
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +23,7 @@ from studies.scene import Scene
 
 __all__ = ["Datasheet", "Row", "datasheet"]
 
+LOGGER = logging.getLogger("studies.datasheet")
 LOADS = 13  # of a load line
 LINES = (0.5, 0.75, 1.0)  # of the rated level: the scene's nearest levels have a load line
 STEPS = (1e-9, 1e-8, 1e-7)  # m
@@ -70,13 +73,13 @@ class Datasheet:
 
 
 def datasheet(
-    scene: Scene, *, tolerance: float = 1e-3, progress: Callable[[str], None] | None = None
+    scene: Scene | str | Path, *, tolerance: float = 1e-3, progress: Callable[[str], None] | None = None
 ) -> Datasheet:
     """Return the datasheet of a motor.
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or name of a shipped scene
         With a slider and either a driven stator or a given wave.
     tolerance : float
         Of the slider velocity, as for a run.
@@ -90,7 +93,8 @@ def datasheet(
     RunError
         If a number of the datasheet has no answer.
     """
-    say = progress or (lambda text: None)
+    say = progress or LOGGER.info
+    scene = scene if isinstance(scene, Scene) else Scene.load(scene)
     if scene.slider is None:
         scene.refuse("slider", "is missing: a datasheet is of a whole motor")
     block = "wave" if scene.wave is not None else "drive"
