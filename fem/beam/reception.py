@@ -145,7 +145,7 @@ def aperture_solver(
 
     ``limits``: lowest and highest frequency (Hz) of a band at many frequencies of which it will be asked.
     """
-    if stator.ends != "absorbing" or not isotropic_about_normal(stator.solid):
+    if stator.pieces or stator.ends != "absorbing" or not isotropic_about_normal(stator.solid):
         return None
     return partial(_solved, OwnApertures(mirror_width, limits), fineness=fineness)
 

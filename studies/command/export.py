@@ -8,20 +8,22 @@ from studies.refusal import SceneError, nearest
 from studies.scene import Scene
 
 # by format: ending of its file, and the options of the command that it takes beside the scene's own
-FORMATS = {"fmu": (".fmu", ("fmi",)), "c": ("", ())}
+FORMATS = {
+    "fmu": (".fmu", ("fmi",)), "c": ("", ()), "gds": (".gds", ("size",)), "dxf": (".dxf", ("size",)),
+}  # fmt: skip
 
 
 def exported(
     arguments: argparse.Namespace, scene: Scene, name: str, *, tolerance: float, progress
 ) -> Exported:
     """Return what a call of the command exports, nothing written; options that a format does not take are refused."""
-    from studies.export import simulators
+    from studies.export import mask_files, simulators
 
     calls = {
-        "fmu": simulators.fmu_files, "c": simulators.c_files,
+        "fmu": simulators.fmu_files, "c": simulators.c_files, "gds": mask_files.gds_files, "dxf": mask_files.dxf_files,
     }  # fmt: skip
     _, taken = checked(arguments)
-    options = {key: value for key in taken if (value := getattr(arguments, key)) is not None}
+    options = {key: value for key in taken if (value := getattr(arguments, key)) not in (None, [])}
     return calls[arguments.format](scene, name, tolerance=tolerance, progress=progress, **options)
 
 
@@ -35,7 +37,7 @@ def checked(arguments: argparse.Namespace) -> tuple[str, tuple[str, ...]]:
     ending, taken = FORMATS[wanted]
     every = {option for _, options in FORMATS.values() for option in options}
     for option in sorted(every - set(taken)):
-        if getattr(arguments, option) is not None:
+        if getattr(arguments, option) not in (None, []):
             raise SceneError(f"--{option}", f"is not taken by the format {wanted}")
     return ending, taken
 

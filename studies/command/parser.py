@@ -99,8 +99,9 @@ word? WORD | such as ledger, or "stick margin"
 """,
     "export": """a run or a scene for others: a motor for simulators, a mask, what a lab's instruments would record
 scene RUN_OR_SCENE | a directory that `sawmotor run` left, a path or a shipped name
---format FORMAT | fmu, c
+--format FORMAT | fmu, c, gds, dxf
 --fmi VERSION | fmu: 3 or 2 (3)
+--size* KEY=VALUE | gds, dxf: busbar, end_gap, pad, mark, margin or grid, e.g. grid="5 nm"; once for each
 --voltage --set --tolerance
 --out PATH | a directory, or the file where there is one (results/NAME-export-FORMAT)
 --no-plot

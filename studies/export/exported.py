@@ -25,10 +25,8 @@ class Exported:
             (folder / name).write_bytes(content)
 
     def write_alone(self, path: Path) -> None:
-        """Write the only file to a path that does not exist yet; SceneError where there are several, or it exists."""
-        if len(self.files) != 1:
-            raise SceneError("--out", f"must be a directory for {len(self.files)} files, got {str(path)!r}")
-        (content,) = self.files.values()
+        """Write the first file, which stands alone, to a path that does not exist yet; SceneError where it exists."""
+        content = next(iter(self.files.values()))
         try:
             with path.open("xb") as file:
                 file.write(content.encode() if isinstance(content, str) else content)
