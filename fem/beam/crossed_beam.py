@@ -125,7 +125,7 @@ class CrossedBeam:
 
     def charge_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray | None:
         """As of `SurfaceBeam`, of all beams together."""
-        total = 0.0
+        total, x, y = 0.0, np.asarray(x, dtype=float), np.asarray(y, dtype=float)
         for row, beam in self._moving:
             s, t = row.local(x, y)
             own = beam.charge_error(s, t)

@@ -44,11 +44,12 @@ def test_aperture_and_side_faces_of_the_seed(motor):
     found = {each["effect"]: each["size"] for each in model_error(spread)}
     images = sum(beam.motion(0.08, k * width)[2] for k in range(-4, 5))  # of an aperture between two mirrors
     expected = abs(images / beam.motion(0.08)[2]) - 1
-    assert found["side faces"] == pytest.approx(expected, rel=0.02)
+    assert found["side faces"] == pytest.approx(expected, abs=0.002)  # of the same charges; here they respond
     assert "finite aperture" not in found
+    places = np.transpose(motor.scene.slider.places)
     assert effect(motor, "charge at the finger ends")["size"] == pytest.approx(0.05)  # of uniform charges
     assert 0 < found["charge at the finger ends"] < 0.01
-    assert found["charge at the finger ends"] == pytest.approx(beam.charge_error(0.08, 0.0))
+    assert found["charge at the finger ends"] == pytest.approx(float(beam.charge_error(*places).max()))
 
 
 def test_aperture_beside_the_axis(motor):
