@@ -142,7 +142,7 @@ def datasheet(
 def _start_stop(driven: DrivenContact, rated: float):
     """Return a burst from rest that reaches the steady velocity, and the stop after it."""
     slider, orbits = driven.slider, driven.at(rated)
-    acceleration = slider.friction_coefficient * slider.preload / slider.mass
+    acceleration = slider.least_friction(len(orbits)) / slider.mass
     steady = contact.steady(slider, orbits, tolerance=CONTACT_TOLERANCE).velocity
     least = abs(steady) / acceleration
     return contact.burst(
@@ -171,7 +171,7 @@ def _forces(driven: DrivenContact, rated: float, balls: float):
     stall, held = contact.blocked_thrust(slider, driven.at(rated))
     more, _ = contact.blocked_thrust(slider, driven.at(rated * (1.0 + driven.stator_error)))
     friction, error = (
-        slider.friction_coefficient * slider.preload,
+        slider.static_friction(len(driven.orbits)),
         abs(more / stall - 1.0) + CONTACT_TOLERANCE,
     )
     yield Row("force", "blocked thrust", balls * stall, "N", error, "load at which the motor stalls")
