@@ -53,7 +53,11 @@ def run(arguments: argparse.Namespace) -> int:
         drawing = stack.enter_context(Drawing()) if plotted else None
         with Progress() as progress:
             record = run_chain(scene, tolerance=wanted, progress=progress)
-            if measured is not None:
+            if measured is not None and measured.quantity != "velocity":
+                from studies.chain.measured_run import beside
+
+                record = replace(record, measured=beside(record, measured, progress=progress))
+            elif measured is not None:
                 from studies.chain.uncertainty import velocities_at
 
                 progress("velocities at the measured levels")

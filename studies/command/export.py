@@ -10,6 +10,8 @@ from studies.scene import Scene
 # by format: ending of its file, and the options of the command that it takes beside the scene's own
 FORMATS = {
     "fmu": (".fmu", ("fmi",)), "c": ("", ()), "gds": (".gds", ("size",)), "dxf": (".dxf", ("size",)),
+    "uff": (".uff", ("scan", "band", "noise", "seed")), "csv": ("", ("scan", "band", "noise", "seed")),
+    "touchstone": (".snp", ("band", "z0", "noise", "seed")), "vtu": (".vtu", ()),
 }  # fmt: skip
 
 
@@ -17,10 +19,12 @@ def exported(
     arguments: argparse.Namespace, scene: Scene, name: str, *, tolerance: float, progress
 ) -> Exported:
     """Return what a call of the command exports, nothing written; options that a format does not take are refused."""
-    from studies.export import mask_files, simulators
+    from studies.export import instruments, mask_files, simulators
 
     calls = {
         "fmu": simulators.fmu_files, "c": simulators.c_files, "gds": mask_files.gds_files, "dxf": mask_files.dxf_files,
+        "uff": instruments.uff_files, "csv": instruments.csv_files, "touchstone": instruments.touchstone_files,
+        "vtu": instruments.vtu_files,
     }  # fmt: skip
     _, taken = checked(arguments)
     options = {key: value for key in taken if (value := getattr(arguments, key)) not in (None, [])}

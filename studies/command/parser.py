@@ -29,7 +29,7 @@ scene?=twente SCENE | a path or a shipped name (twente)
 --field | keep the whole wave field in field.vtu, and the surface in surface_map.vtu and .csv
 --no-plot
 --plot | show the pictures in windows when the run has ended
---measured FILE | CSV of measured points (voltage_V, velocity_m_per_s, perhaps error_m_per_s) to compare with
+--measured FILE | measured velocities (voltage_V, velocity_m_per_s), scan (x_m, u_z_...) or trace (time_s), CSV or UFF
 --report | write report.html too: everything about the run on one self-contained page
 --explain | say what would be computed, its size, time and memory, and stop
 """,
@@ -68,7 +68,7 @@ scene? SCENE | a path or a shipped name, for studies of a scene
 --over
 --band START:STOP:N | network: frequencies in MHz
 --z0 OHM | network: reference impedance (50)
---measured FILE | network: Touchstone file to draw over the prediction
+--measured FILE | network: Touchstone file; beam, frequency_response: vibrometer's scan, CSV or UFF; drawn over
 --quick | a small version of it, to see what it gives: no evidence
 --out DIR | where the results go (results/NAME-study[-SCENE])
 """,
@@ -99,9 +99,14 @@ word? WORD | such as ledger, or "stick margin"
 """,
     "export": """a run or a scene for others: a motor for simulators, a mask, what a lab's instruments would record
 scene RUN_OR_SCENE | a directory that `sawmotor run` left, a path or a shipped name
---format FORMAT | fmu, c, gds, dxf
+--format FORMAT | fmu, c, gds, dxf, uff, touchstone, csv, vtu
 --fmi VERSION | fmu: 3 or 2 (3)
 --size* KEY=VALUE | gds, dxf: busbar, end_gap, pad, mark, margin or grid, e.g. grid="5 nm"; once for each
+--scan WAY | uff, csv: x, y, xy or frequency (x)
+--band START:STOP:N | touchstone, --scan frequency: frequencies in MHz
+--z0 OHM | touchstone: reference impedance (50)
+--noise SHARE | uff, csv, touchstone: standard deviation over the largest value, e.g. 1e-2 or 1%
+--seed N | of the noise
 --voltage --set --tolerance
 --out PATH | a directory, or the file where there is one (results/NAME-export-FORMAT)
 --no-plot
