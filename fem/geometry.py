@@ -16,6 +16,8 @@ import numpy as np
 
 from fem.input_error import InputError
 from fem.materials import Solid
+from fem.mesh.layout import Placement, check_pieces, placement
+from fem.mesh.piece import MeshPiece
 
 Bottom = Literal["free", "grounded", "clamped", "absorbing"]
 Ends = Literal["absorbing", "free", "clamped"]
@@ -38,6 +40,8 @@ class Stator:
         Extent along z in m; infinite for a half-space.
     bottom, ends, above : str
         Conditions on the other sides, the words of the scene file.
+    pieces : tuple of MeshPiece
+        Parts of the section that are given as meshes.
     """
 
     solid: Solid
@@ -46,6 +50,7 @@ class Stator:
     bottom: Bottom = "free"
     ends: Ends
     above: Above = "none"
+    pieces: tuple[MeshPiece, ...] = ()
 
     def __post_init__(self):
         if not (np.isfinite(self.length) and self.length > 0):
@@ -62,6 +67,11 @@ class Stator:
     def absorbs_below(self) -> bool:
         """Whether nothing comes back from the bottom."""
         return self.bottom == "absorbing" or not np.isfinite(self.thickness)
+
+    @property
+    def placement(self) -> Placement:
+        """Meshed pieces by their part in the row, and where the uniform stator begins and ends."""
+        return placement(self.pieces, length=self.length, thickness=self.thickness)
 
     @property
     def bare_surface(self) -> str:
@@ -211,6 +221,16 @@ def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
                 f"{first.name!r} and {second.name!r} must not overlap: the first ends at "
                 f"{first.extent[1]:g} m, the second begins at {second.extent[0]:g} m",
             )
+    check_pieces(
+        stator.pieces,
+        length=stator.length,
+        thickness=stator.thickness,
+        bottom=stator.bottom,
+        ends=stator.ends,
+        above=stator.above,
+        absorbs_below=stator.absorbs_below,
+        transducers={each.name: (*each.extent, each.signs) for each in transducers},
+    )
 
 
 def check_plan(stator: Stator, width: float, transducers: tuple[Transducer, ...]) -> None:
@@ -286,12 +306,12 @@ def outer_gaps(stator: Stator, transducers: tuple[Transducer, ...]) -> list[tupl
 
     Half a gap, or less where a neighbour or an end is near.
     """
-    gaps = []
-    for index, transducer in enumerate(transducers):
+    gaps, placed = [], stator.placement
+    others = [each.extent for each in (*placed.between, *transducers)]
+    for transducer in transducers:
         half = transducer.half_gap
         left, right = transducer.extent
-        before = left - (transducers[index - 1].extent[1] if index else 0.0)
-        last = index == len(transducers) - 1
-        after = (stator.length if last else transducers[index + 1].extent[0]) - right
+        before = left - max([stop for start, stop in others if start < left], default=placed.start)
+        after = min([start for start, stop in others if stop > right], default=placed.stop) - right
         gaps.append((min(half, CLEARANCE * before), min(half, CLEARANCE * after)))
     return gaps

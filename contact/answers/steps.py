@@ -93,7 +93,7 @@ def step(
     """
     listed = as_orbits(orbits)
     cycles = bounds.count("cycles", cycles, 1)
-    if slider.friction_coefficient * slider.preload <= slider.load:
+    if slider.static_friction(len(listed)) <= slider.load:
         raise ConvergenceError(
             "runaway", "friction cannot hold the load, so the slider never stops; lower slider.load"
         )
@@ -201,7 +201,9 @@ def _stopped(slider, motion):
     still = silence(motion)
     # long enough to brake, and then bounce periods until no contact slips through a whole one
     period = problem.omega / slider.tangential_resonance(contacts)
-    friction = slider.friction_coefficient * slider.preload - slider.load
+    friction = slider.least_friction(contacts) - slider.load
+    if friction <= 0.0:  # the slips are waited for in any case
+        friction = slider.static_friction(contacts) - slider.load
     brake = speed * problem.speed * slider.mass / friction * problem.omega
     phase, last, quiet, largest = 0.0, 0.0, 0, 0.0
     while quiet < 12:

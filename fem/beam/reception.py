@@ -118,7 +118,7 @@ def with_apertures(fields: PortFields, mirror_width: float | None = None) -> Por
 
 def aperture_solver(stator: Stator, mirror_width: float | None = None) -> Solve | None:
     """What solves a stator's network for finite apertures; None beyond the limits above."""
-    if stator.ends != "absorbing" or not isotropic_about_normal(stator.solid):
+    if stator.pieces or stator.ends != "absorbing" or not isotropic_about_normal(stator.solid):
         return None
     return partial(_solved, mirror_width=mirror_width)
 

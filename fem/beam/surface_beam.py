@@ -346,6 +346,8 @@ class _Nodes(NamedTuple):
 
 def beam_refusal(stator: Stator) -> str:
     """Why the field in three dimensions of a stator is not known, in a sentence; empty where it is."""
+    if stator.pieces:
+        return "the field in three dimensions of a stator with meshed pieces is not computed"
     if stator.ends != "absorbing" and not isotropic_about_normal(stator.solid):
         return (
             f"in this cut the field in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}"

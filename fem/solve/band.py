@@ -137,6 +137,11 @@ def frequency_band(
             "band", f"must run from a lower to a higher frequency, got {lowest!r} to {highest!r} Hz"
         )
     check_driven(stator, transducers, highest, tolerance)
+    if stator.pieces:
+        raise InputError(
+            "piece",
+            "must be absent over a band of frequencies, and under a burst: solve one frequency at a time",
+        )
     transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
     for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
         if min(gaps) < (1 - 1e-9) * transducer.half_gap:

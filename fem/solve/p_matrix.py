@@ -119,7 +119,7 @@ def p_matrix(
     True
     """
     length = (len(transducer.signs) + 4) * transducer.pitch
-    alone = replace(stator, length=length, ends="absorbing")
+    alone = replace(stator, length=length, ends="absorbing", pieces=())
     row = replace(transducer, center=length / 2, termination="open")
 
     def at_level(resolution) -> PMatrix:

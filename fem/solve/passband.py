@@ -120,7 +120,7 @@ def surface_power(fields: PortFields) -> float:
 def _alone(stator: Stator, transducer: Transducer) -> tuple[Stator, Transducer]:
     """Return the transducer in the middle of a section without ends; equal for transducers of one kind."""
     length = (transducer.finger_pairs + 2) * transducer.period
-    return replace(stator, length=length, ends="absorbing"), replace(
+    return replace(stator, length=length, ends="absorbing", pieces=()), replace(
         transducer, name="alone", center=length / 2, aperture=1.0, termination="open"
     )
 

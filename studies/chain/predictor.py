@@ -6,6 +6,7 @@ searches all take their answers from here.  Where a point near the threshold tur
 ``step`` is ten times better: which of the ``STEPS`` a point uses depends on that point alone.
 """
 
+import logging
 import math
 import time
 from collections.abc import Callable, Iterable, Sequence
@@ -32,6 +33,7 @@ from studies.scene.blocks import Drive, Stator
 from studies.scene.consistency import refuse_endless_burst
 from studies.scene.override import replaced
 
+LOGGER = logging.getLogger("studies.run")
 KEPT = 10_000  # blocks of a kind in memory
 MAX_KEPT = 1_000_000  # places of solved stators in memory, about 300 MB
 GAIN = 0.1  # of the step before
@@ -59,7 +61,7 @@ class Predictor:
         self.table, self.tolerance, self.coarse, self.slider = table, tolerance, coarse, slider
         self.steps = 1 if coarse else steps
         self.free = "wave" not in table and not table.get("transducer")
-        self.places, self.limits, self.progress = tuple(places), limits, progress or _silent
+        self.places, self.limits, self.progress = tuple(places), limits, progress or LOGGER.info
         self.seconds = 0.0  # spent on stators
         self._rules, self._answers, self._latest, self._count = rules, {}, (None, None), 0
         self._block, self._slider = lru_cache(KEPT)(self._read), lru_cache(KEPT)(resolve.resolved_slider)
@@ -273,7 +275,9 @@ class Predictor:
         if scene.stator is not None:
             found_circuit = scene.drive.match == "auto" or scene.drive.recovery is not None
             spread = found_circuit and resolve.diffracts(scene)
-            stator = self._stator(scene.stator, scene.transducer, at_one_volt(scene.drive), spread)
+            stator = self._stator(
+                scene.stator, scene.transducer, scene.piece, at_one_volt(scene.drive), spread
+            )
             if scene.crossed:
                 resolve.refuse_covered(replace(scene, transducer=stator.transducer))
             drive = replace(stator.drive, voltage=scene.levels, burst=scene.drive.burst)
@@ -313,7 +317,7 @@ class Predictor:
         """Return whether a stator is solved as one of a band: there are enough, and no finite aperture."""
         return (
             bool(self.limits)
-            and not stator.crossed
+            and not (stator.crossed or stator.piece)
             and not resolve.spreads(stator.stator, places if self.slider else None)
         )
 
@@ -325,8 +329,9 @@ class Predictor:
         return self.tolerance * (share * GAIN**step if self.slider else 1.0)
 
 
-def _resolved_stator(stator: Stator, transducer: tuple, drive: Drive, spread: bool) -> Scene:
-    return resolve.resolved(Scene(stator=stator, transducer=transducer, drive=drive), spread=spread)
+def _resolved_stator(stator: Stator, transducer: tuple, piece: tuple, drive: Drive, spread: bool) -> Scene:
+    alone = Scene(stator=stator, transducer=transducer, piece=piece, drive=drive)
+    return resolve.resolved(alone, spread=spread)
 
 
 def reason(error: Exception) -> str:

@@ -9,11 +9,12 @@ import math
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache
+from pathlib import Path
 
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.scene.block import keys_of
-from studies.scene.blocks import Element, IsotropicSolid, PiezoelectricSolid, Stator, Transducer
+from studies.scene.blocks import LENGTHS, Element, IsotropicSolid, PiezoelectricSolid, Stator, Transducer
 from studies.scene.consistency import refuse_endless_burst
 from studies.scene.keys import tolerances
 from studies.scene.slider import Slider
@@ -36,6 +37,10 @@ def resolved(scene: Scene, *, spread: bool | None = None) -> Scene:
     if scene.burst is not None:
         refuse_endless_burst(scene, scene.frequency)
     scene = replace(scene, slider=resolved_slider(scene.slider, scene.stator))
+    if scene.slider.pillars is not None:
+        from studies.chain.pillars import check_pillars
+
+        check_pillars(scene)
     tolerances(scene)
     return scene
 
@@ -43,6 +48,10 @@ def resolved(scene: Scene, *, spread: bool | None = None) -> Scene:
 def resolved_slider(slider: Slider, stator: Stator | None) -> Slider:
     """Return a slider with its preload and its moduli as numbers, those of a named ball on this stator."""
     slider = replace(slider, preload=slider.preload_force)
+    if slider.pillars is not None:
+        from studies.chain.pillars import resolved_pillars
+
+        slider = replace(resolved_pillars(slider), shape="punch")
     if slider.ball is None:
         return slider
     from studies.chain.moduli import pair_moduli
@@ -55,16 +64,21 @@ def solid(block: Stator):
     """Return the stator's ``fem.Solid``, rotated to its orientation."""
     import fem
 
-    given = block.material
     with _refused("stator.material"):
-        if isinstance(given, PiezoelectricSolid):
-            crystal = fem.anisotropic(**_given(given, *keys_of(PiezoelectricSolid)))
-        elif isinstance(given, IsotropicSolid):
-            crystal = fem.isotropic(**_given(given, *keys_of(IsotropicSolid)))
-        else:
-            crystal = fem.material(given)
+        crystal = _crystal(block.material)
         own = _given(block, "mechanical_quality", "dielectric_loss")
         return fem.rotated(replace(crystal, **own) if own else crystal, block.orientation)
+
+
+def _crystal(given: str | PiezoelectricSolid | IsotropicSolid):
+    """Return the ``fem.Solid`` of a name of the catalogue or of a table, in the crystal's frame."""
+    import fem
+
+    if isinstance(given, PiezoelectricSolid):
+        return fem.anisotropic(**_given(given, *keys_of(PiezoelectricSolid)))
+    if isinstance(given, IsotropicSolid):
+        return fem.isotropic(**_given(given, *keys_of(IsotropicSolid)))
+    return fem.material(given)
 
 
 def stator(block: Stator):
@@ -75,6 +89,55 @@ def stator(block: Stator):
     thickness = math.inf if block.thickness == "half-space" else block.thickness
     with _refused("stator"):
         return fem.Stator(solid=rotated, thickness=thickness, **own)
+
+
+def whole_stator(scene: Scene):
+    """Return the ``fem.Stator`` of a scene with its meshed pieces."""
+    return replace(stator(scene.stator), pieces=pieces(scene)) if scene.piece else stator(scene.stator)
+
+
+def pieces(scene: Scene) -> tuple:
+    """Return the ``fem.MeshPiece`` objects of a scene, one for each place."""
+    import fem
+
+    found = []
+    for index, block in enumerate(scene.piece):
+        path = f"piece.{index}"
+        solids = tuple(
+            (name, _piece_solid(given, scene.stator, f"{path}.materials.{name}"))
+            for name, given in block.materials or ()
+        )
+        with _refused(f"{path}.file"):
+            mesh = _mesh(block.file, LENGTHS[block.length_unit])
+        found += [
+            fem.MeshPiece(
+                name=block.label, mesh=mesh, position=place, solids=solids, electrodes=block.electrodes or ()
+            )
+            for place in block.position
+        ]
+    return tuple(found)
+
+
+def _mesh(file: str, unit: float):
+    """Return the ``fem.SectionMesh`` of a file as it is now."""
+    path = Path(file)
+    stamp = path.stat().st_mtime_ns if path.is_file() else 0
+    return _read_mesh(file, unit, stamp)
+
+
+@lru_cache(32)
+def _read_mesh(file: str, unit: float, stamp: int):
+    import fem
+
+    return fem.read_mesh(file, unit)
+
+
+def _piece_solid(given, block: Stator, path: str):
+    """Return the ``fem.Solid`` of a surface group of a mesh, in the orientation of the stator."""
+    import fem
+
+    with _refused(path):
+        return fem.rotated(_crystal(given), block.orientation)
 
 
 def transducers(scene: Scene) -> tuple:
@@ -160,7 +223,7 @@ def _ladder(match: str | tuple) -> tuple:
 
 def diffracts(scene: Scene) -> bool:
     """Return whether a scene's transducers have finite apertures: asked for, or under a slider by default."""
-    return spreads(scene.stator, None if scene.slider is None else scene.slider.places)
+    return not scene.piece and spreads(scene.stator, None if scene.slider is None else scene.slider.places)
 
 
 @lru_cache(64)
@@ -196,7 +259,7 @@ def port_admittance(scene: Scene, frequency, tolerance: float, *, spread: bool |
     import fem
 
     return fem.port_admittance(
-        stator(scene.stator),
+        whole_stator(scene),
         section_row(scene),
         frequency=frequency,
         tolerance=tolerance,
@@ -293,8 +356,8 @@ def _half_space_period(block: Stator, frequency: float, metallisation: float) ->
 def _check_layout(scene: Scene) -> None:
     import fem
 
-    block, row = stator(scene.stator), transducers(scene)
-    with _refused("transducer", [each.name for each in row]):
+    block, row = whole_stator(scene), transducers(scene)
+    with _refused("transducer", [each.name for each in row], [each.label for each in scene.piece]):
         if not scene.crossed:
             fem.check_layout(block, row)
             return
@@ -327,8 +390,11 @@ def _given(block, *names: str) -> dict:
 
 
 @contextmanager
-def _refused(path: str, names=()):
-    """Turn a refusal of fem into the scene's, and no answer into the run's; ``names`` are those of the transducers."""
+def _refused(path: str, names=(), pieces=()):
+    """Turn a refusal of fem into the scene's, and no answer into the run's.
+
+    ``names`` are those of the transducers, ``pieces`` those of the meshed pieces.
+    """
     from fem import ConvergenceError, InputError
 
     try:
@@ -339,7 +405,9 @@ def _refused(path: str, names=()):
         key = error.key
         if error.owner in names:
             key = key.replace("transducer", f"transducer.{names.index(error.owner)}", 1)
-        if not key.startswith(("stator.", "transducer")):
+        if key.startswith("piece") and error.owner in pieces:
+            key = key.replace("piece", f"piece.{pieces.index(error.owner)}", 1)
+        if not key.startswith(("stator.", "transducer", "piece")):
             key = path if path.endswith(f".{key}") else f"{path}.{key}"
         raise SceneError(key, error.rule) from None
     except ValueError as error:

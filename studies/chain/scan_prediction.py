@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from studies.chain import passband, resolve
+from studies.chain.scattering import scattering_matrix
 from studies.chain.solved_stator import stator_alone
-from studies.chain.spectrum import port_admittances, response
+from studies.chain.spectrum import response
 from studies.chain.surface_motion import SurfaceMotion, solved_motion
 from studies.lab.network import NetworkData
 from studies.lab.scan import COMPONENTS, Scan
@@ -123,9 +124,7 @@ def network_prediction(
         rule = f"{data.name!r} has {data.ports} ports, and the scene {len(names)} transducers with two combs"
         raise SceneError(option, rule)
     refuse_other_range(scene, data, option)
-    ports = port_admittances(scene, data.frequency, tolerance, progress)
-    order = [ports.names.index(name) for name in names]
-    return ports.scattering(data.reference)[np.ix_(range(len(data.frequency)), order, order)]
+    return scattering_matrix(scene, data.frequency, data.reference, tolerance, progress)[2]
 
 
 def refuse_other_range(scene: Scene, data: NetworkData, option: str) -> None:

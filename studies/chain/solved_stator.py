@@ -65,7 +65,8 @@ class Driven(DrivenContact):
 
 def stator_alone(scene: Scene) -> Scene:
     """Return the stator of a resolved scene alone, at 1 V and without burst."""
-    return Scene(stator=scene.stator, transducer=scene.transducer, drive=at_one_volt(scene.drive))
+    alone = {name: getattr(scene, name) for name in ("stator", "transducer", "piece")}
+    return Scene(**alone, drive=at_one_volt(scene.drive))
 
 
 @lru_cache(KEPT)

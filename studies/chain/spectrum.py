@@ -23,7 +23,7 @@ FEW = 5  # frequencies that cost less one by one than the set-up of a band
 
 @dataclass(frozen=True, kw_only=True)
 class Response:
-    """A driven stator that answers at any frequency of a range; what ``fem.burst`` asks of a band."""
+    """A driven stator that answers at any frequency of a range; what ``fem.burst_response`` asks of a band."""
 
     limits: tuple[float, float]  # Hz
     # fem.Band, from low to high; empty where every frequency is solved by itself
@@ -59,7 +59,7 @@ def response(
 
     ``places``: where the motion is wanted, m from the left end; ``tolerance``: relative, of the motion there.
     """
-    block, transducers = resolve.stator(scene.stator), resolve.section_row(scene)
+    block, transducers = resolve.whole_stator(scene), resolve.section_row(scene)
     common = {"drive": resolve.drive(scene), "tolerance": tolerance, "places": tuple(places)}
 
     def alone(frequency: float):
@@ -83,7 +83,7 @@ def response(
 
 def port_admittances(scene: Scene, frequencies, tolerance: float, progress: Callable[[str], None]):
     """Return the ``fem.PortAdmittance`` of a resolved scene over rising frequencies in Hz, as a run has it at one."""
-    block, row = resolve.stator(scene.stator), resolve.section_row(scene)
+    block, row = resolve.whole_stator(scene), resolve.section_row(scene)
     edges = _edges(frequencies[0], frequencies[-1])[1:-1]
     groups = np.split(frequencies, np.searchsorted(frequencies, edges))
     if len(frequencies) <= FEW * len(groups) or not _takes_bands(block, row, ()):

@@ -32,12 +32,12 @@ class SurfaceMotion:
 
     @property
     def circuit(self):
-        """The `fem.Circuit` that belongs to this motion, per volt of the source."""
+        """The `fem.circuit.Circuit` that belongs to this motion, per volt of the source."""
         return (self.beam or self.wave).circuit
 
     @property
     def power(self):
-        """The `fem.PowerBalance` that belongs to it."""
+        """The `fem.results.power_balance.PowerBalance` that belongs to it."""
         return (self.beam or self.wave).power
 
     def at(self, places):
@@ -122,7 +122,7 @@ def solved_motion(
     try:
         if scene.crossed:
             return crossed_motion(scene, places, solve)
-        whole = resolve.stator(scene.stator), resolve.transducers(scene), resolve.drive(scene)
+        whole = resolve.whole_stator(scene), resolve.transducers(scene), resolve.drive(scene)
         wave = solve(*whole, tuple(dict.fromkeys(x for x, _ in places)))
         return surface_motion(wave, scene.stator, places, slider=slider)
     except fem.ConvergenceError as error:
@@ -137,7 +137,7 @@ def solved_motion(
 def crossed_motion(scene, places, solve) -> SurfaceMotion:
     """Return the motion of a scene with turned transducers; ``solve`` as of `fem.crossed_beam`."""
     beam = fem.crossed_beam(
-        resolve.stator(scene.stator),
+        resolve.whole_stator(scene),
         resolve.transducers(scene),
         width=scene.stator.width,
         frequency=scene.frequency,

@@ -39,6 +39,11 @@ def warnings_of(record: Record) -> tuple[str, ...]:
         driven = DrivenContact.of_run(record)
         for each in (_contact, _points, _other_motion):
             found += each(record, driven)
+        if record.scene.slider.pillars is not None:
+            from studies.chain.pillar_budget import pillar_warnings
+
+            found += _left_out(record) if not record.scene.transducer else ()
+            found += pillar_warnings(record)
     return tuple(found)
 
 
@@ -122,7 +127,7 @@ def _section(record: Record) -> Iterator[str]:
     """Yield warnings where the section leaves out much, reflecting ends meet no loss, or the plate is too thin."""
     for each in record.model_error:
         if each["effect"] == "finite aperture" and abs(each["size"]) > SPREADS:
-            refused = fem.beam_refusal(resolve.stator(record.scene.stator))
+            refused = fem.beam_refusal(resolve.whole_stator(record.scene))
             yield (
                 f"the plane section leaves out that the aperture is finite, about {100 * each['size']:+.0f} % of u_z: "
                 + (refused or "stator.diffraction = true takes it in")

@@ -12,14 +12,13 @@ import numpy as np
 
 from studies.chain import passband, resolve
 from studies.chain.scan_prediction import placed, predicted_scan
-from studies.chain.spectrum import port_admittances
+from studies.chain.scattering import band_frequencies, reference_impedance, scattering_matrix
 from studies.export.exported import Exported
 from studies.lab.scan import Scan, scan_csv, scan_uff
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.scene.override import toml_value
 from studies.scene.quantity import si_value
-from studies.scene.ranges import read_range
 
 PER_WAVELENGTH = 8  # points of a scan along x
 LINES = 41  # of an area along y
@@ -86,14 +85,9 @@ def touchstone_files(
     import fem
 
     chosen = passband.driven_scene(scene)
-    reference = 50.0 if z0 is None else si_value("--z0", toml_value(z0), "ohm")
-    if not reference > 0.0:
-        raise SceneError("--z0", f"must be a positive resistance, got {z0}")
-    at = passband.frequencies(chosen, None, FREQUENCIES) if band is None else frequencies(band)
-    names = [each.name for each in chosen.transducer if each.has_two_combs]
-    ports = port_admittances(chosen, at, tolerance, progress)
-    order = [ports.names.index(each) for each in names]
-    scattering = ports.scattering(reference)[np.ix_(range(len(at)), order, order)]
+    reference = reference_impedance(50.0 if z0 is None else z0)
+    at = passband.frequencies(chosen, None, FREQUENCIES) if band is None else band_frequencies(chosen, band)
+    names, _, scattering = scattering_matrix(chosen, at, reference, tolerance, progress)
     share, remark = _noise(noise, seed)
     scattering = scattering + _scatter(scattering.shape, share, seed)
     remarks = (chosen.title or name, "ports: " + ", ".join(names), *remark)
@@ -120,16 +114,6 @@ def vtu_files(scene: Scene, name: str, *, tolerance: float, progress) -> Exporte
         write_run(record, Path(folder), field=True)
         kept = {each.name: each.read_bytes() for each in Path(folder).iterdir() if each.suffix == ".vtu"}
     return Exported(files=dict(sorted(kept.items())), answer=(("field", ", ".join(sorted(kept))),))
-
-
-def frequencies(band: str) -> np.ndarray:
-    """Return the frequencies in Hz of START:STOP:N, in MHz without a unit."""
-    found = read_range("--band", str(band), "Hz", bare=1e6)
-    if not (0 < found.low < found.high and 2 <= found.count <= 100_000):
-        raise SceneError(
-            "--band", f"must rise from START above 0 to STOP in 2 to 100000 values, got {band!r}"
-        )
-    return np.array(found.values)
 
 
 def virtual_scan(
@@ -191,7 +175,9 @@ def _points(scene: Scene, kind: str, band) -> Scan:
         along = along[:: PER_WAVELENGTH // COARSE]
         x, y, frequency = np.tile(along, len(y)), np.repeat(y, len(along)), None
     else:
-        frequency = passband.frequencies(scene, None, FREQUENCIES) if band is None else frequencies(band)
+        frequency = (
+            passband.frequencies(scene, None, FREQUENCIES) if band is None else band_frequencies(scene, band)
+        )
         x, y = np.full(len(frequency), place), np.full(len(frequency), middle)
     return Scan(name="scan", x=x, y=y, frequency=frequency, values=np.zeros(len(x), complex))
 

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from studies.inverse.result import Fit
-from studies.record.measured import UNITS, Measurement
+from studies.record.measured import QUANTITIES, Measurement
 from studies.record.plots import COLOURS, finished, new_figure
+from studies.record.quantities import quantity
 from studies.record.text import labelled, table
 from studies.results.content import write_json
 from studies.scene.toml import document
@@ -54,10 +55,10 @@ def fit_answer(fit: Fit) -> str:
 
 def _goodness(fit: Fit) -> str:
     if fit.deviation is not None:
-        _, factor, shown = UNITS[fit.problem.measurements[0].quantity]
+        measured = QUANTITIES[fit.problem.measurements[0].quantity]
         return (
-            f"standard deviation from the residuals {fit.deviation * factor:.3g} {shown}: the data state none, so "
-            "they cannot contradict the model"
+            f"standard deviation from the residuals {fit.deviation * measured.scale:.3g} {measured.shown}: the data "
+            "state none, so they cannot contradict the model"
         )
     text = f"chi^2 {fit.chi2:.4g} with {fit.degrees_of_freedom} degrees of freedom"
     if fit.probability is None:
@@ -104,19 +105,15 @@ def draw_fit(fit: Fit, path: Path) -> None:
 
 def _draw(fit: Fit, measurement: Measurement, residuals, upper, lower) -> None:
     """Draw one measurement with band and curve into Axes, its residuals into others below."""
-    at, scale, label = measurement.levels, 1e9, "normal amplitude (nm)"
+    at, along = measurement.levels, quantity(measurement.level_key or "normal_amplitude_m")
     data = measurement.network or measurement.scan
     if data is not None:
         by_frequency = measurement.network is not None or data.kind == "frequency"
-        at, (scale, label) = (
-            measurement.coordinate,
-            (1e-6, "frequency (MHz)") if by_frequency else (1e3, "place (mm)"),
-        )
+        at, along = measurement.coordinate, quantity("frequency_Hz" if by_frequency else "place_m")
     if measurement.time:
-        at, scale, label = measurement.time, 1e3, "time (ms)"
-    elif measurement.level_key == "voltage_V":
-        scale, label = 1.0, "drive voltage, peak (V)"
-    _, factor, unit = UNITS[measurement.quantity]
+        at, along = measurement.time, quantity("time_s")
+    scale, drawn = along.scale, QUANTITIES[measurement.quantity]
+    factor = drawn.scale
     where, best, low, high = fit.band(measurement)
     if data is not None:  # real and imaginary parts lie on one axis: a line each
         half = len(where) // len(data.coordinate)
@@ -130,16 +127,13 @@ def _draw(fit: Fit, measurement: Measurement, residuals, upper, lower) -> None:
         np.array(at) * scale, values, yerr=scatter, fmt="o", color=COLOURS["line"], markersize=3.5, linewidth=0.8,
         capsize=2, label="measured, 1 standard deviation",
     )  # fmt: skip
-    quantity = {
-        "amplitude": "normal amplitude", "position": "position", "scan": "surface motion", "network": "S-parameters",
-    }.get(measurement.quantity, "slider velocity")  # fmt: skip
     fixed = [
         f"{key} = {value:g}" for key, value in measurement.settings.items() if isinstance(value, (int, float))
     ]
     title = " ".join([measurement.name, *([f"({', '.join(fixed)})"] if fixed else [])])
-    finished(upper, "", f"{quantity} ({unit})", title, columns=0)
+    finished(upper, "", drawn.axis, title, columns=0)
     upper.legend(frameon=False, fontsize="small", loc="best")
     lower.axhspan(-2.0, 2.0, color=COLOURS["stick"], alpha=0.2, linewidth=0)
     lower.axhline(0.0, color=COLOURS["line"], linewidth=0.8)
     lower.plot(np.array(at) * scale, residuals, "o", color=COLOURS["line"], markersize=3.5)
-    finished(lower, label, "residual (std. deviations)", "", columns=0)
+    finished(lower, along.axis, "residual (std. deviations)", "", columns=0)

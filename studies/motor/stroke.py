@@ -14,7 +14,8 @@ import contact
 from studies.chain import bridge, resolve
 from studies.chain.steady import averaged
 from studies.chain.travel import travelled
-from studies.record.plots import AXES, COLOURS, curve, family, finished, lines
+from studies.record.plots import COLOURS, curve, family, finished, lines
+from studies.record.quantities import quantity
 from studies.scene import Scene
 from studies.study import Panel, StudyRecord, driven_contact, judged, of_record, study
 
@@ -119,4 +120,4 @@ def figure(record: Panel, ax):
         curve(ax, data["path_m"][name] * 1e3, data["path_velocity_m_per_s"][name] * 1e3, "--", "line")
     ax.fill_between([], [], color=COLOURS["line"], label=label, **band)
     curve(ax, [], [], "--", "line", "starting at the scene's place")
-    return finished(ax, AXES["position_m"][0], "slider velocity (mm/s)", record.title)
+    return finished(ax, quantity("position_m").axis, "slider velocity (mm/s)", record.title)

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 from studies.lab.heads import DISPLACEMENTS, Heads
 from studies.lab.network import TOUCHSTONE, NetworkData, read_network
 from studies.lab.scan import UFF_ENDINGS, Scan, is_scan, scan_of_columns, scan_of_uff
+from studies.record.quantities import quantity
 from studies.refusal import SceneError, shown
 
 if TYPE_CHECKING:
@@ -28,19 +29,16 @@ __all__ = ["MeasuredTable", "Measurement", "compared", "comparison", "read_measu
 VOLTAGES, LENGTHS = {"V": 1.0}, {"m": 1.0, "nm": 1e-9}  # units of a column's name, in SI units
 SPEEDS, TIMES = {"m_per_s": 1.0, "mm_per_s": 1e-3}, {"s": 1.0, "ms": 1e-3}
 OPTION = "--measured"
-
-
 FIELD = ("scan", "network")  # quantities of the stator alone
-# by quantity: unit, factor to the unit that is shown, its name
-UNITS = {
-    "velocity": ("m/s", 1e3, "mm/s"),
-    "burst": ("m/s", 1e3, "mm/s"),
-    "amplitude": ("m", 1e9, "nm"),
-    "ring-down frequency": ("Hz", 1e-3, "kHz"),
-    "position": ("m", 1e6, "um"),
-    "scan": ("m/V", 1e9, "nm/V"),
-    "network": ("", 1.0, ""),
-}
+QUANTITIES = {
+    "velocity": quantity("velocity_m_per_s"),
+    "burst": quantity("velocity_m_per_s"),
+    "amplitude": quantity("normal_amplitude_m"),
+    "ring-down frequency": quantity("ring_down_frequency_Hz"),
+    "position": quantity("travelled_m"),
+    "scan": quantity("surface_motion_m_per_V"),
+    "network": quantity("scattering"),
+}  # that are measured
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +50,7 @@ class Measurement:
     name : str
         Of the file, or in words.
     quantity : str
-        A key of ``UNITS``.
+        A key of ``QUANTITIES``.
     level_key : str
         ``voltage_V`` or ``normal_amplitude_m``; empty where the scene's own level counts.
     levels : tuple of float

@@ -12,13 +12,14 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from studies.record.quantities import quantity
 from studies.refusal import RunError
 
 if TYPE_CHECKING:
     from studies.record import Record
 
 __all__ = [
-    "AXES", "COLOURS", "PALETTE", "arrow", "as_uri", "curve", "data_uri", "draw_run", "errors", "family",
+    "COLOURS", "PALETTE", "arrow", "as_uri", "curve", "data_uri", "draw_run", "errors", "family",
     "finished", "legend_below", "lines", "logarithmic", "new_figure", "own", "pictures",
     "refuse_without_toolkit", "saved", "shaded", "show", "titled", "velocity",
 ]  # fmt: skip
@@ -32,13 +33,6 @@ COLOURS = {
     "second": "#009E73",
 }
 PALETTE = ("slip", "intermittent", "second", "stick", "line")  # of a family of curves
-AXES = {
-    "frequency_Hz": ("frequency (MHz)", 1e-6),
-    "voltage_V": ("drive voltage, peak (V)", 1.0),
-    "normal_amplitude_m": ("normal amplitude (nm)", 1e9),
-    "position_m": ("place of the slider (mm)", 1e3),
-    "x_m": ("x along the surface (mm)", 1e3),
-}  # of a column: label of its axis, factor from SI units
 SIZE, DPI = (7.0, 4.3), 150  # inches; dots per inch
 TITLE_COLUMNS = 11  # letters of a title per inch of the figure's width
 LEGEND_WIDTH = 1.6  # inches of an entry of a legend below the axes
@@ -229,17 +223,17 @@ def shaded(ax, start: float, stop: float, label: str | None = None, *, colour: s
 
 
 def lines(ax, panel, across: str, rows, up: str, *, factor: float = 1.0, columns: int = 4):
-    """Draw columns of a study's panel over one of `AXES`, complex ones by their size, and finish the Axes.
+    """Draw columns of a study's panel over a quantity, complex ones by their size, and finish the Axes.
 
     ``rows`` hold key, style, colour and label of each; ``factor`` leads from SI units to those of the label ``up``.
     """
     import numpy as np
 
-    label, scale = AXES[across]
+    along = quantity(across)
     for key, style, colour, name in rows:
         y = np.asarray(panel.data[key]) * factor
-        curve(ax, panel.data[across] * scale, abs(y) if y.dtype.kind == "c" else y, style, colour, name)
-    return finished(ax, label, up, panel.title, columns=columns)
+        curve(ax, panel.data[across] * along.scale, abs(y) if y.dtype.kind == "c" else y, style, colour, name)
+    return finished(ax, along.axis, up, panel.title, columns=columns)
 
 
 def family(curves: dict):
@@ -267,7 +261,7 @@ def logarithmic(axis) -> None:
 
 def velocity(record: "Record", ax):
     """Draw steady velocity against voltage or amplitude, by regime, with threshold and release."""
-    unit, scale = AXES[record.level]
+    unit, scale = quantity(record.level).axis, quantity(record.level).scale
     for regime, mark in MARKS.items():
         chosen = [point for point in record.points if point.get("regime") == regime]
         if chosen:
@@ -358,7 +352,7 @@ def surface(record: "Record", ax, *, curves: bool = False):
     draws these alone.
     """
     columns, scene = record.surface, record.scene
-    label, scale = AXES["x_m"]
+    label, scale = quantity("x_m").axis, quantity("x_m").scale
     x = columns["x_m"] * scale
     what = "y = 0" if scene.driven_obliquely else "plane section"
     wavelength = scale * record.wave.get("phase_velocity_m_per_s", math.inf) / record.wave["frequency_Hz"]
@@ -406,7 +400,7 @@ def _ranges(x, size, width: float):
 
 def _window(record: "Record", ax, x, sizes, wavelength: float) -> None:
     """Draw the curves within some wavelengths of the slider, or of the middle, above the whole surface."""
-    scale, slider = AXES["x_m"][1], record.scene.slider
+    scale, slider = quantity("x_m").scale, record.scene.slider
     middle = 0.5 * (x[0] + x[-1]) if slider is None else slider.center[0] * scale
     near = abs(x - middle) <= 0.5 * WINDOW * wavelength
     window = ax.inset_axes([0.07, 0.58, 0.9, 0.37])
@@ -438,7 +432,7 @@ def profile(record: "Record", ax):
 
 def errors(record: "Record", ax):
     """Draw the estimated error of each point, with what was asked for."""
-    unit, scale = AXES[record.level]
+    unit, scale = quantity(record.level).axis, quantity(record.level).scale
     known = [point for point in record.points if point.get("relative_error")]
     at, sizes = zip(*((p[record.level] * scale, p["relative_error"]) for p in known), strict=True)
     curve(ax, at, sizes, "o", "slip", "estimated error", size=5.0)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
+from studies.record.quantities import described
 from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER, SceneError, nearest, needed
 from studies.results import Origin, result_directory
 from studies.results.content import plain, provenance
@@ -16,6 +17,7 @@ from studies.scene import Scene
 if TYPE_CHECKING:
     import numpy as np
     import pandas as pd
+    import xarray as xr
     from matplotlib.axes import Axes
 
 
@@ -59,6 +61,8 @@ class Record:
         Why this is no answer within its tolerance; empty when it is one.
     surface : dict of str to array
         Columns of surface.csv (driven stator) or of profile.csv (free wave).
+    pillars, slider_wave : dict of str to array
+        Columns of pillars.csv and slider_wave.csv at the last level (slider on pillars).
     trajectories : tuple of (level, contact.Trajectory or Motion)
         With a burst.
     surface_motion : studies.chain.surface_motion.SurfaceMotion or None
@@ -92,6 +96,8 @@ class Record:
     measured: dict = field(default_factory=dict)
     shortfall: str = ""
     surface: dict = field(default_factory=dict, repr=False)
+    pillars: dict = field(default_factory=dict, repr=False)
+    slider_wave: dict = field(default_factory=dict, repr=False)
     trajectories: tuple = field(default=(), repr=False)
     surface_motion: object = field(default=None, repr=False, compare=False)
     versions: dict = field(default_factory=dict, compare=False)
@@ -206,6 +212,35 @@ class Record:
             If pandas is not installed.
         """
         return needed("pandas", "to_dataframe").DataFrame(list(self.points))
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Return the points as an xarray Dataset over the drive's level, each variable and coordinate with its units.
+
+        Raises
+        ------
+        RunError
+            If xarray is not installed.
+
+        Examples
+        --------
+        >>> from studies import run
+        >>> data = run("twente-contact", tolerance=1e-2).to_xarray()
+        >>> data["velocity_m_per_s"].attrs["units"], data["normal_amplitude_m"].attrs["units"]
+        ('m/s', 'm')
+        """
+        import numpy as np
+
+        data = {}
+        for key in dict.fromkeys(key for point in self.points for key in point):
+            values = [point.get(key) for point in self.points]
+            words = any(isinstance(value, str) for value in values)
+            column = np.array(
+                [value or "" for value in values] if words else values, dtype=str if words else float
+            )
+            data[key] = (self.level, column, described(key))
+        about = {"title": self.scene.title, "tolerance": self.tolerance}
+        level = {self.level: data.pop(self.level)} if data else {}
+        return needed("xarray", "to_xarray").Dataset(data, level, about)
 
     def plot(self, ax: "Axes | None" = None) -> "Axes":
         """Draw the main result: velocity over voltage, without a slider the surface, else the wave's profile.

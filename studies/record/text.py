@@ -6,6 +6,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from studies.record.measured import comparison
+from studies.record.quantities import quantity
 
 if TYPE_CHECKING:
     from studies.record import Record
@@ -13,21 +14,10 @@ if TYPE_CHECKING:
 __all__ = ["answer", "labelled", "notebook_table", "points_table", "print_json", "table"]
 
 COLUMNS = (
-    ("voltage (V)", "voltage_V", lambda value: f"{value:g}"),
-    ("available (W)", "available_power_W", lambda value: f"{value:.4g}"),
-    ("u_z (nm)", "normal_amplitude_m", lambda value: f"{value * 1e9:.4g}"),
-    ("u_x (nm)", "tangential_amplitude_m", lambda value: f"{value * 1e9:.4g}"),
-    ("velocity (mm/s)", "velocity_m_per_s", lambda value: f"{value * 1e3:.5g}"),
-    ("95 % from", "velocity_low_m_per_s", lambda value: f"{value * 1e3:.5g}"),
-    ("to (mm/s)", "velocity_high_m_per_s", lambda value: f"{value * 1e3:.5g}"),
-    ("at burst end (mm/s)", "velocity_at_burst_end_m_per_s", lambda value: f"{value * 1e3:.5g}"),
-    ("moved by (um)", "displacement_m", lambda value: f"{value * 1e6:.5g}"),
-    ("regime", "regime", str),
-    ("rel. error", "relative_error", lambda value: f"{value:.1e}"),
-    ("model error", "model_relative_error", lambda value: f"{value:.1e}"),
-    ("status", "status", str),
-)  # of a point: its head, its key in run.json, and how it is written
-
+    "voltage_V", "available_power_W", "normal_amplitude_m", "tangential_amplitude_m", "velocity_m_per_s",
+    "velocity_low_m_per_s", "velocity_high_m_per_s", "velocity_at_burst_end_m_per_s", "displacement_m", "regime",
+    "relative_error", "model_relative_error", "status",
+)  # fmt: skip  # of a point, as it is printed
 SHARES = {
     "delivered": "W_per_V2",
     "network": "network_W_per_V2",
@@ -96,11 +86,13 @@ def table(rows: list[list[str]]) -> list[str]:
 
 def points_table(record: "Record", missing: str = "-") -> tuple[list[str], list[list[str]]]:
     """Return heads and rows of a run's points; what no point has is no column."""
-    shown = [column for column in COLUMNS if any(column[1] in point for point in record.points)]
+    shown = [quantity(key) for key in COLUMNS if any(key in point for point in record.points)]
+    keys = [each.key.rpartition(".")[2] for each in shown]
     rows = [
-        [text(point[key]) if key in point else missing for _, key, text in shown] for point in record.points
+        [each.text(point[key]) if key in point else missing for each, key in zip(shown, keys, strict=True)]
+        for point in record.points
     ]
-    return [name for name, _, _ in shown], rows
+    return [each.heading for each in shown], rows
 
 
 def notebook_table(record: "Record", caption: str) -> str:

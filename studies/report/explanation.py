@@ -69,8 +69,13 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
         from contact import kernels
 
         slider, levels = scene.slider, "voltages" if scene.wave is None else "amplitudes"
+        number = len(slider.offsets)
+        if slider.pillars is not None:
+            from studies.chain.pillars import layout
+
+            number = layout(slider)["x"].size
         contacts = len(set(slider.offsets))  # at one place they move as one
-        facts = [f"{slider.law} law; contacts: {len(slider.offsets)}, {levels}: {len(scene.levels)}"]
+        facts = [f"{slider.law} law; contacts: {number}, {levels}: {len(scene.levels)}"]
         seconds += POINT * len(scene.levels) * contacts**CONTACTS
         if scene.burst is not None:
             facts.append(f"burst: {scene.burst * scene.frequency:.4g} cycles of the wave at each of them")
@@ -119,7 +124,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
     from fem import LEVELS, isotropic_about_normal, planned_levels, stator_size
 
     slider, (along, _) = scene.slider, resolve.first_row(scene, (0.0, 0.0))
-    stator, row = resolve.stator(along.stator), resolve.transducers(along)
+    stator, row = resolve.whole_stator(along), resolve.transducers(along)
     sections = len(resolve.rows(scene)) if scene.crossed else 1
     planned = [*planned_levels(stator, tolerance if slider is None else tolerance * SHARE)]
     if scene.stator.ends != "absorbing" and planned[-1] + 1 < len(LEVELS):

@@ -1,7 +1,8 @@
 """The picture of the beam over the whole surface."""
 
 from studies.chain import resolve
-from studies.record.plots import AXES, COLOURS, finished
+from studies.record.plots import COLOURS, finished
+from studies.record.quantities import quantity
 from studies.record.surface_map import surface_map
 from studies.scene import Scene
 
@@ -25,7 +26,7 @@ def draw_surface_map(beam, scene: Scene, ax):
         ax.axhline(side * y[-1] * 1e3, color=COLOURS["line"], linewidth=2)
     ax.set_aspect("equal" if scene.stator.length < 12 * scene.stator.width else "auto")
     title = f"{scene.title}: u_z of the beam; frames: apertures, points: balls"
-    return finished(ax, AXES["x_m"][0], "y (mm)", title, columns=0, grid=False)
+    return finished(ax, quantity("x_m").axis, "y (mm)", title, columns=0, grid=False)
 
 
 def pixels(stator) -> tuple[int, int]:

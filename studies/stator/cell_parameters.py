@@ -12,7 +12,8 @@ from scipy.special import ellipk, eval_legendre
 
 import fem
 from studies.chain import passband, resolve
-from studies.record.plots import AXES, COLOURS, curve, finished, legend_below, shaded
+from studies.record.plots import COLOURS, curve, finished, legend_below, shaded
+from studies.record.quantities import quantity
 from studies.refusal import RunError
 from studies.scene import Scene
 from studies.study import Panel, StudyRecord, judged, of_record, study
@@ -105,6 +106,6 @@ def figure(record: Panel, ax):
         decay.axhline(height, color=COLOURS[colour], linestyle=":", linewidth=1, label=label)
     decay.set_ylabel("decay per finger (neper)")
     decay.set_ylim(0, 1.6 * max(data["shorted_reflectivity"], data["open_reflectivity"]))
-    finished(ax, AXES["frequency_Hz"][0], "phase per finger, below pi (rad)", record.title)
+    finished(ax, quantity("frequency_Hz").axis, "phase per finger, below pi (rad)", record.title)
     legend_below(ax, [each for side in (ax, decay) for each in side.get_legend_handles_labels()[0]])
     return ax

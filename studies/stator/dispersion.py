@@ -11,7 +11,8 @@ import numpy as np
 
 import fem
 from studies.chain import resolve
-from studies.record.plots import AXES, curve, finished
+from studies.record.plots import curve, finished
+from studies.record.quantities import quantity
 from studies.scene import Scene
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
@@ -66,7 +67,7 @@ def figure(record: Panel, ax):
     theory = data["line_Hz"] / 1e6, data["line_rad_per_m"] / 1e3
     curve(ax, *theory, "-", "line", "Rayleigh wave of the half-space (theory)")
     ax.set_ylim(bottom=0)
-    return finished(ax, AXES["frequency_Hz"][0], "wavenumber (rad/mm)", record.title)
+    return finished(ax, quantity("frequency_Hz").axis, "wavenumber (rad/mm)", record.title)
 
 
 def _propagating(stator, frequencies):

@@ -9,17 +9,9 @@ mean of Im Y/omega over the outer tenths of the band.
 import numpy as np
 
 import fem
-from studies.chain.spectrum import port_admittances
 from studies.lab.network import NetworkData
-from studies.scene import Scene
 
 EDGE = 0.1  # share of the band at either end from which C0 is taken
-
-
-def predicted_at(scene: Scene, seen: NetworkData, order: list[int], tolerance: float, progress) -> np.ndarray:
-    """Return the predicted S-parameters at a file's frequencies, (n, ports, ports)."""
-    ports = port_admittances(scene, seen.frequency, tolerance, progress)
-    return ports.scattering(seen.reference)[np.ix_(range(len(seen.frequency)), order, order)]
 
 
 def deviations(seen: NetworkData, predicted: np.ndarray, names: list[str]) -> list[tuple[str, str]]:

@@ -18,8 +18,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from studies.chain.predictor import Predictor
+from studies.record.quantities import described
 from studies.refusal import InterruptedRunError, SceneError, needed
 from studies.scene import Scene, read_table
+from studies.scene.keys import rule_at
+from studies.scene.keys import unit_of as scene_unit
 from studies.scene.numbers import Quantity
 from studies.sweeps.axes import Axis
 from studies.sweeps.driver import Driver
@@ -32,19 +35,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["Sweep", "sweep"]
-
-
-UNITS = {
-    "_m_per_s": "m/s",
-    "_per_m": "1/m",
-    "_W": "W",
-    "_S": "S",
-    "_Pa": "Pa",
-    "_m": "m",
-    "_N": "N",
-    "_V": "V",
-    "_Hz": "Hz",
-}  # by the ending of a column's name; the first that fits
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,7 +99,7 @@ class Sweep:
         """
         dims = ["+".join(each.keys) if len(each.keys) < 3 else "point" for each in self.axes]
         pairs = [
-            (key, (dim, list(column)))
+            (key, (dim, list(column), _units(key)))
             for each, dim in zip(self.axes, dims, strict=True)
             for key, column in zip(each.keys, each.columns, strict=True)
         ]
@@ -119,8 +109,7 @@ class Sweep:
                 continue
             text = any(isinstance(value, str) for value in column)
             values = np.array([value or "" for value in column] if text else np.array(column, float))
-            unit = next((UNITS[ending] for ending in UNITS if name.endswith(ending)), None)
-            data[name] = (dims, values.reshape(shape), {} if unit is None else {"units": unit})
+            data[name] = (dims, values.reshape(shape), described(name))
         return needed("xarray", "to_xarray").Dataset(data, dict(pairs))
 
 
@@ -179,6 +168,12 @@ def sweep(
             path=store.path, points=len(design), counts=store.counts(), cost=store.cost(),
             seconds=perf_counter() - begun, columns=store.columns, axes=design.axes,
         )  # fmt: skip
+
+
+def _units(key: str) -> dict[str, str]:
+    """Return the attributes in xarray of a scene's key."""
+    unit = scene_unit(rule_at(key))
+    return {} if unit is None else {"units": unit or "1"}
 
 
 def _table(scene) -> dict:

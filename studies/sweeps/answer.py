@@ -6,6 +6,7 @@ from collections import Counter
 from pathlib import Path
 
 from studies.progress import Progress, duration
+from studies.record.quantities import quantity
 from studies.record.text import labelled, print_json
 from studies.record.text import table as aligned
 from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER
@@ -74,7 +75,10 @@ def summary(found: Sweep) -> dict:
 def sweep_answer(found: Sweep, whole: dict) -> str:
     """Return a sweep's answer as text."""
     kinds = ", ".join(f"{number} {kind}" for kind, number in found.counts.items())
-    ranges = [[name, f"{low:.5g}", "to", f"{high:.5g}"] for name, (low, high) in whole["ranges"].items()]
+    ranges = [
+        [each.heading, each.text(low), "to", each.text(high)]
+        for each, (low, high) in ((quantity(name), ends) for name, ends in whole["ranges"].items())
+    ]
     notes = [
         ("not ok", f"{each['points']} (first: point {each['first_point']}): {each['status']}")
         for each in whole["reasons"]

@@ -73,7 +73,8 @@ class RunField:
     @property
     def radius(self) -> float:
         """Of the balls, m."""
-        return 0.0 if self.scene.slider is None else self.scene.slider.radius
+        slider = self.scene.slider
+        return 0.0 if slider is None else slider.radius or (slider.pillars.diameter or 0.0) / 2
 
     @property
     def focus(self) -> tuple[str, float]:
@@ -184,12 +185,12 @@ def motion_again(record: Record, *, progress) -> SurfaceMotion:
 
     if scene.crossed:
         return crossed_motion(scene, (), solve)
-    whole = resolve.stator(scene.stator), resolve.transducers(scene), resolve.drive(scene)
+    whole = resolve.whole_stator(scene), resolve.transducers(scene), resolve.drive(scene)
     return SurfaceMotion(wave=solve(*whole))
 
 
 def _free(record: Record) -> RunField:
-    scene, stator = record.scene, resolve.stator(record.scene.stator)
+    scene, stator = record.scene, resolve.whole_stator(record.scene)
     try:
         wave = fem.free_wave(stator, frequency=scene.frequency, tolerance=record.tolerance)
     except fem.ConvergenceError as error:

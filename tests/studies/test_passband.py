@@ -93,7 +93,7 @@ def test_what_does_not_apply_is_told_and_not_judged():
     away = judged("A statement.", "a number", 3.0, low=0.0, high=1.0, holds=None)
     assert away.confirmed is None
     assert str(away).endswith("between 0 and 1: not judged")
-    assert StudyRecord(name="admittance", panels=(), findings=(away,), seconds=0.0).shortfall == ""
+    assert StudyRecord(name="admittance", panels=(), findings=(away,), seconds=0.0).remark == ""
 
 
 @pytest.fixture(scope="module")
