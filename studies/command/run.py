@@ -39,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--measured",
         metavar="FILE",
-        help="measured velocities (voltage_V, velocity_m_per_s), a burst's trace (time_s) or a vibrometer's scan (x_m, u_z_...)",
+        help="measured velocities (voltage_V, velocity_m_per_s), a burst's trace or a vibrometer's scan",
     )
     parser.add_argument(
         "--report",
