@@ -45,7 +45,8 @@ GROUPS = (
 UNLIKE = (
     0.25  # of what is not followed; half as much fails beside one finger pair on PZT-8 (test_cut_source.py)
 )
-COARSER_SHARE = 0.5  # of the difference to fewer steps along the fingers that is left; 0.2 to 0.4 seen (test_finger_ends.py)
+# of the difference to fewer steps along the fingers that is left; 0.2 to 0.4 seen (test_finger_ends.py)
+COARSER_SHARE = 0.5
 RULE_GAIN = 1.5  # power of the coarse rule's error that bounds the fine one's; 1.8 measured, 2 in theory
 CHUNK = 2000  # points at a time whose distances to all fingers, or whose spectra, are tabulated
 FULL_GRID = 4  # points of the grid of all x and y per point asked for, up to which the whole grid is computed
