@@ -17,12 +17,18 @@ _PUBLIC = {
     "answers.thresholds": "release_amplitude release_factor threshold_amplitude threshold_factor",
     "answers.transient": "burst Trajectory",
     "answers.waveforms": "contact_history History",
+    "averaged.pillar_motion": "pillar_load_line pillar_motion pillar_traction PillarLoadLine PillarMotion",
+    "averaged.pillars": "PassingWave Pillars",
+    "choice": "Answer",
     "convergence": "ConvergenceError",
     "envelope": "Envelope",
+    "input_error": "InputError",
     "jit": "kernels",
+    "law.falling": "FallingFriction",
+    "law.user": "UserLaw",
     "orbit": "Orbit",
     "slider": "Slider",
-    "solve.riding": "riding_height",
+    "solve.riding": "mean_load riding_height",
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names.split()}
 __all__ = sorted(_HOME)

@@ -1,12 +1,14 @@
 """What a physical parameter may be, and the sentence that says so when it is not.
 
-A refusal is a ``ValueError`` that names parameter, rule, value and unit:
+A refusal is an `InputError` that names parameter, rule, value and unit:
 ``slider.radius must be positive and finite, got -1e-06 m``.
 """
 
 import math
 
 import numpy as np
+
+from contact.input_error import InputError
 
 
 def positive(name: str, value: float, unit: str) -> float:
@@ -27,13 +29,13 @@ def finite(name: str, value: float, unit: str) -> float:
 def finite_complex(name: str, value: complex, unit: str) -> complex:
     """Return `value` as a complex number if both its parts are finite, else raise."""
     if isinstance(value, bool | str) or np.ndim(value) != 0:
-        raise ValueError(_sentence(name, "a finite complex number", value, unit))
+        raise InputError(name, "must be a finite complex number", value, unit)
     try:
         number = complex(value)
     except (TypeError, ValueError):
-        raise ValueError(_sentence(name, "a finite complex number", value, unit)) from None
+        raise InputError(name, "must be a finite complex number", value, unit) from None
     if not (math.isfinite(number.real) and math.isfinite(number.imag)):
-        raise ValueError(_sentence(name, "finite", value, unit))
+        raise InputError(name, "must be finite", value, unit)
     return number
 
 
@@ -46,28 +48,24 @@ def count(name: str, value: int, least: int) -> int:
         or int(value) != value
         or value < least
     ):
-        raise ValueError(_sentence(name, f"a whole number of at least {least}", value, ""))
+        raise InputError(name, f"must be a whole number of at least {least}", value)
     return int(value)
 
 
 def choice(name: str, value: str, allowed: tuple[str, ...]) -> str:
     """Return `value` if it is one of `allowed`, else raise."""
     if value not in allowed:
-        raise ValueError(_sentence(name, "one of " + ", ".join(map(repr, allowed)), repr(value), ""))
+        raise InputError(name, "must be one of " + ", ".join(map(repr, allowed)), value)
     return value
 
 
 def _checked(name, value, unit, rule, holds):
     if isinstance(value, bool | str | complex) or np.ndim(value) != 0:
-        raise ValueError(_sentence(name, rule, value, unit))
+        raise InputError(name, f"must be {rule}", value, unit)
     try:
         number = float(value)
     except (TypeError, ValueError):
-        raise ValueError(_sentence(name, rule, value, unit)) from None
+        raise InputError(name, f"must be {rule}", value, unit) from None
     if not holds(number):
-        raise ValueError(_sentence(name, rule, value, unit))
+        raise InputError(name, f"must be {rule}", value, unit)
     return number
-
-
-def _sentence(name, rule, value, unit):
-    return f"{name} must be {rule}, got {value} {unit}".rstrip()

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contact.input_error import InputError
+
 
 @dataclass(frozen=True, kw_only=True)
 class Envelope:
@@ -29,13 +31,13 @@ class Envelope:
             values.setflags(write=False)
             object.__setattr__(self, name, values)
         if self.time.ndim != 1 or self.time.size < 1 or not np.all(np.diff(self.time) > 0.0):
-            raise ValueError("envelope.time must be a rising list of at least one instant in s")
+            raise InputError("envelope.time", "must be a rising list of at least one instant in s")
         for name in ("amplitude", "phase"):
             values = getattr(self, name)
             if values.shape != self.time.shape or not np.all(np.isfinite(values)):
-                raise ValueError(f"envelope.{name} must be finite and as long as envelope.time, got {values}")
+                raise InputError(f"envelope.{name}", "must be finite and as long as envelope.time", values)
         if np.any(self.amplitude < 0.0):
-            raise ValueError(f"envelope.amplitude must be zero or positive, got {self.amplitude.min()}")
+            raise InputError("envelope.amplitude", "must be zero or positive", self.amplitude.min())
 
     def at(self, time: np.ndarray) -> np.ndarray:
         """Return the complex factor at given times in s."""

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from contact import bounds
+from contact.input_error import InputError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,12 +62,12 @@ def as_orbits(orbits: "Orbit | Sequence[Orbit]") -> tuple[Orbit, ...]:
     """Return one orbit per contact as a tuple; all must have one frequency."""
     listed = (orbits,) if isinstance(orbits, Orbit) else tuple(orbits)
     if not listed:
-        raise ValueError("orbits must hold at least one Orbit, one per contact, got none")
+        raise InputError("orbits", "must hold at least one Orbit, one per contact, got none")
     for orbit in listed:
         if not isinstance(orbit, Orbit):
-            raise ValueError(f"orbits must hold objects of type Orbit, got {orbit!r}")
+            raise InputError("orbits", "must hold objects of type Orbit", orbit)
         if orbit.frequency != listed[0].frequency:
-            raise ValueError(
-                f"orbits must share one frequency, got {listed[0].frequency} and {orbit.frequency} Hz"
+            raise InputError(
+                "orbits", f"must share one frequency, got {listed[0].frequency} and {orbit.frequency} Hz"
             )
     return listed

@@ -17,7 +17,10 @@ _PUBLIC = {
     "materials.medium": "medium",
     "materials.christoffel": "slowest_wavelength",
     "materials.strength": "Strength strength",
+    "mesh.section_mesh": "MeshError read_mesh SectionMesh",
+    "mesh.piece": "MeshPiece",
     "geometry": "check_layout check_plan covers outer_gaps Stator Transducer",
+    "analytic.wave_compliance": "wave_compliance",
     "analytic.half_space": "automatic_period coupling HalfSpaceWave rayleigh surface_named",
     "analytic.slowness": "Slowness",
     "analytic.point_load": "point_load PointLoad",
@@ -53,6 +56,7 @@ _PUBLIC = {
     "beam.rows": "rows_of",
     "direct": "direct_solution sparse_solution",
     "convergence": "ConvergenceError",
+    "input_error": "InputError",
     "threads": "blas_on_one_thread one_blas_thread set_workers side_by_side",
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names.split()}

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from fem.condense.sparse import sparse_solution
 from fem.discretize.elements import discretise
 from fem.discretize.forms import scikit_fem_derivatives
 from fem.discretize.grading import Resolution, edge_layers, graded
@@ -68,8 +69,10 @@ def direct_solution(
     from skfem import Basis, ElementQuadP, MeshQuad
 
     check_layout(stator, transducers)
-    if stator.absorbs_below or stator.above != "none":
-        raise ValueError("the direct solver takes a stator with a real bottom and nothing above")
+    if stator.absorbs_below or stator.above != "none" or stator.pieces:
+        raise ValueError(
+            "the direct solver takes a stator with a real bottom, nothing above and no meshed pieces"
+        )
     transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
     names = fields(stator.solid)
     section = discretise(
@@ -257,32 +260,3 @@ def _reduced_solution(system, basis, names, electrodes, held, wavelength, unit_p
         return np.stack([probes @ nodal[names.index(name) :: len(names)] for name in ("ux", "uz")])
 
     return _Strips(charges=charges, unknowns=len(free), surface=surface)
-
-
-def sparse_solution(matrix, load: np.ndarray) -> np.ndarray:
-    """Solve a sparse complex symmetric system (n, n) for loads (n, m), shape (n, m)."""
-    from scipy.sparse.linalg import splu
-
-    try:
-        return _pardiso_solution(matrix, load)
-    except (ImportError, AttributeError, TypeError):  # no pypardiso, no MKL, or another private interface
-        factor = splu(
-            matrix.tocsc().astype(complex),
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.01,
-            options={"SymmetricMode": True},
-        )
-        return factor.solve(load.astype(complex))
-
-
-def _pardiso_solution(matrix, load: np.ndarray) -> np.ndarray:
-    """Solve with MKL Pardiso; the public ``solve`` of pypardiso takes float64 only."""
-    from pypardiso import PyPardisoSolver
-    from scipy.sparse import triu
-
-    solver = PyPardisoSolver(mtype=6, phase=13)  # complex symmetric
-    upper = triu(matrix, format="csr").astype(complex)
-    upper.sort_indices()
-    answer = solver._call_pardiso(upper, np.asfortranarray(load, dtype=complex))
-    solver.free_memory(everything=True)
-    return answer

@@ -9,23 +9,21 @@ weighting), "o" an open strip, at whatever potential leaves it without charge.  
 
 from dataclasses import dataclass
 from itertools import combinations, pairwise
+from numbers import Integral
 from typing import Literal, get_args
 
 import numpy as np
 
+from fem.input_error import InputError
 from fem.materials import Solid
+from fem.mesh.layout import Placement, check_pieces, placement
+from fem.mesh.piece import MeshPiece
 
 Bottom = Literal["free", "grounded", "clamped", "absorbing"]
 Ends = Literal["absorbing", "free", "clamped"]
 Above = Literal["none", "vacuum"]
 SIGNS = "+-0o"
 CLEARANCE = 0.45  # of the bare surface between two transducers that one of them may take for its outer gap
-
-
-def _require_positive(owner: str, unit: str, **values: float) -> None:
-    for name, value in values.items():
-        if not (np.isfinite(value) and value > 0):
-            raise ValueError(f"{owner}.{name} must be positive and finite, got {value!r} {unit}".rstrip())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,6 +40,8 @@ class Stator:
         Extent along z in m; infinite for a half-space.
     bottom, ends, above : str
         Conditions on the other sides, the words of the scene file.
+    pieces : tuple of MeshPiece
+        Parts of the section that are given as meshes.
     """
 
     solid: Solid
@@ -50,21 +50,28 @@ class Stator:
     bottom: Bottom = "free"
     ends: Ends
     above: Above = "none"
+    pieces: tuple[MeshPiece, ...] = ()
 
     def __post_init__(self):
-        _require_positive("stator", "m", length=self.length)
+        if not (np.isfinite(self.length) and self.length > 0):
+            raise InputError("stator.length", "must be positive and finite", self.length, "m")
         if not self.thickness > 0:
-            raise ValueError(f"stator.thickness must be positive, got {self.thickness!r} m")
+            raise InputError("stator.thickness", "must be positive", self.thickness, "m")
         for name, allowed in (("bottom", Bottom), ("ends", Ends), ("above", Above)):
             if getattr(self, name) not in get_args(allowed):
-                raise ValueError(
-                    f"stator.{name} must be one of {', '.join(get_args(allowed))}, got {getattr(self, name)!r}"
+                raise InputError(
+                    f"stator.{name}", f"must be one of {', '.join(get_args(allowed))}", getattr(self, name)
                 )
 
     @property
     def absorbs_below(self) -> bool:
         """Whether nothing comes back from the bottom."""
         return self.bottom == "absorbing" or not np.isfinite(self.thickness)
+
+    @property
+    def placement(self) -> Placement:
+        """Meshed pieces by their part in the row, and where the uniform stator begins and ends."""
+        return placement(self.pieces, length=self.length, thickness=self.thickness)
 
     @property
     def bare_surface(self) -> str:
@@ -115,31 +122,29 @@ class Transducer:
     angle: float = 0.0
 
     def __post_init__(self):
-        owner = f"transducer {self.name!r}"
-        _require_positive(owner, "m", period=self.period, aperture=self.aperture)
+        def refuse(name: str, rule: str, unit: str = ""):
+            raise InputError(f"transducer.{name}", rule, getattr(self, name), unit, owner=self.name)
+
+        for name in ("period", "aperture"):
+            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0):
+                refuse(name, "must be positive and finite", "m")
         for name, unit in (("center", "m"), ("center_y", "m"), ("angle", "rad")):
             if not np.isfinite(getattr(self, name)):
-                raise ValueError(f"{owner}.{name} must be finite, got {getattr(self, name)!r} {unit}")
-        if self.finger_pairs != int(self.finger_pairs) or self.finger_pairs < 1:
-            raise ValueError(
-                f"{owner}.finger_pairs must be an integer of at least 1, got {self.finger_pairs!r}"
-            )
+                refuse(name, "must be finite", unit)
+        if not isinstance(self.finger_pairs, Integral) or self.finger_pairs < 1:
+            refuse("finger_pairs", "must be an integer of at least 1")
         if not 0 < self.metallisation < 1:
-            raise ValueError(f"{owner}.metallisation must lie between 0 and 1, got {self.metallisation!r}")
+            refuse("metallisation", "must lie between 0 and 1")
         count = self.finger_pairs * (4 if self.split else 2)
         if self.pattern is not None and (len(self.pattern) != count or set(self.pattern) - set(SIGNS)):
-            raise ValueError(
-                f"{owner}.pattern must be {count} of the signs {' '.join(SIGNS)}, one per finger, got {self.pattern!r}"
-            )
+            refuse("pattern", f"must be {count} of the signs {' '.join(SIGNS)}, one per finger")
         if set(self.signs) == {"0"}:
-            raise ValueError(f"{owner}.pattern must leave at least one finger, got {self.pattern!r}")
+            refuse("pattern", "must leave at least one finger")
         if isinstance(self.termination, str):
             if self.termination not in ("open", "short"):
-                raise ValueError(
-                    f"{owner}.termination must be open, short or an impedance in ohm, got {self.termination!r}"
-                )
+                refuse("termination", "must be open, short or an impedance in ohm")
         elif not np.isfinite(self.termination):
-            raise ValueError(f"{owner}.termination must be a finite impedance, got {self.termination!r} ohm")
+            refuse("termination", "must be a finite impedance", "ohm")
 
     @property
     def signs(self) -> str:
@@ -200,19 +205,32 @@ def check_layout(stator: Stator, transducers: tuple[Transducer, ...]) -> None:
     _check_names(transducers)
     for transducer in transducers:
         if transducer.angle:
-            raise ValueError(
-                f"transducer {transducer.name!r} must have the angle 0 in a section along x, got {transducer.angle:g} "
-                "rad: what follows the circuit of one section is not known for turned transducers"
+            raise InputError(
+                "transducer",
+                f"must have the angle 0 in a section along x, got {transducer.angle:g} "
+                "rad: what follows the circuit of one section is not known for turned transducers",
+                owner=transducer.name,
             )
     placed = sorted(transducers, key=lambda transducer: transducer.center)
     for transducer in placed:
         _check_along(transducer.name, *transducer.extent, stator.length)
     for first, second in pairwise(placed):
         if first.extent[1] >= second.extent[0]:
-            raise ValueError(
-                f"transducers {first.name!r} and {second.name!r} must not overlap: the first ends at "
-                f"{first.extent[1]:g} m, the second begins at {second.extent[0]:g} m"
+            raise InputError(
+                "transducer",
+                f"{first.name!r} and {second.name!r} must not overlap: the first ends at "
+                f"{first.extent[1]:g} m, the second begins at {second.extent[0]:g} m",
             )
+    check_pieces(
+        stator.pieces,
+        length=stator.length,
+        thickness=stator.thickness,
+        bottom=stator.bottom,
+        ends=stator.ends,
+        above=stator.above,
+        absorbs_below=stator.absorbs_below,
+        transducers={each.name: (*each.extent, each.signs) for each in transducers},
+    )
 
 
 def check_plan(stator: Stator, width: float, transducers: tuple[Transducer, ...]) -> None:
@@ -228,20 +246,24 @@ def check_plan(stator: Stator, width: float, transducers: tuple[Transducer, ...]
         (left, low), (right, high) = each.corners.min(axis=0), each.corners.max(axis=0)
         _check_along(each.name, left, right, stator.length, axis="x = ")
         if max(-low, high) > width / 2 * (1 + 1e-12):
-            raise ValueError(
-                f"transducer {each.name!r} must lie on the stator, y from -{width / 2:g} to {width / 2:g} m, but its "
-                f"fingers reach from y = {low:g} to {high:g} m"
+            raise InputError(
+                "transducer",
+                f"must lie on the stator, y from -{width / 2:g} to {width / 2:g} m, but its "
+                f"fingers reach from y = {low:g} to {high:g} m",
+                owner=each.name,
             )
     for one, other in combinations(transducers, 2):
         if separation(one, other)[0] <= 0:
-            raise ValueError(f"transducers {one.name!r} and {other.name!r} must not overlap on the surface")
+            raise InputError("transducer", f"{one.name!r} and {other.name!r} must not overlap on the surface")
 
 
 def _check_along(name: str, left: float, right: float, length: float, axis: str = "") -> None:
     if left <= 0 or right >= length:
-        raise ValueError(
-            f"transducer {name!r} must lie on the stator, 0 to {length:g} m, but its fingers reach "
-            f"from {axis}{left:g} to {right:g} m"
+        raise InputError(
+            "transducer",
+            f"must lie on the stator, 0 to {length:g} m, but its fingers reach "
+            f"from {axis}{left:g} to {right:g} m",
+            owner=name,
         )
 
 
@@ -276,7 +298,7 @@ def turn(angle: float) -> np.ndarray:
 def _check_names(transducers: tuple[Transducer, ...]) -> None:
     names = [transducer.name for transducer in transducers]
     if len(set(names)) < len(names):
-        raise ValueError(f"transducer names must differ, got {', '.join(names)}")
+        raise InputError("transducer", f"names must differ, got {', '.join(names)}")
 
 
 def outer_gaps(stator: Stator, transducers: tuple[Transducer, ...]) -> list[tuple[float, float]]:
@@ -284,12 +306,12 @@ def outer_gaps(stator: Stator, transducers: tuple[Transducer, ...]) -> list[tupl
 
     Half a gap, or less where a neighbour or an end is near.
     """
-    gaps = []
-    for index, transducer in enumerate(transducers):
+    gaps, placed = [], stator.placement
+    others = [each.extent for each in (*placed.between, *transducers)]
+    for transducer in transducers:
         half = transducer.half_gap
         left, right = transducer.extent
-        before = left - (transducers[index - 1].extent[1] if index else 0.0)
-        last = index == len(transducers) - 1
-        after = (stator.length if last else transducers[index + 1].extent[0]) - right
+        before = left - max([stop for start, stop in others if start < left], default=placed.start)
+        after = min([start for start, stop in others if stop > right], default=placed.stop) - right
         gaps.append((min(half, CLEARANCE * before), min(half, CLEARANCE * after)))
     return gaps

@@ -1,8 +1,8 @@
 """The command ``sawmotor``, also ``python -m studies``.
 
-stdout carries the answer, stderr progress, warnings and refusals.  Exit code 0: an answer within its
-tolerance; 1: the run could not give one; 2: bad input.  Nothing heavy is imported before a command asks for
-it.
+stdout carries the answer, stderr progress, warnings and refusals.  Exit codes: 0 an answer within its tolerance; 1 one
+that misses it, or is refused for its model error; 2 bad input; 3 no answer; 70 a defect of sawmotor, its traceback in
+the file that is named; 130 interrupted.  Nothing heavy is imported before a command asks for it.
 """
 
 import os
@@ -17,7 +17,7 @@ def main(words: list[str] | None = None) -> int:
             signal.signal(signal.SIGTERM, _ended)  # as an interrupt: work files and locks are cleared away
         return _guarded(sys.argv[1:] if words is None else words)
     except KeyboardInterrupt:
-        return _said("interrupted, nothing was written", 1)
+        return _said("interrupted, nothing was written", 130)
 
 
 def _ended(*_):
@@ -30,7 +30,7 @@ def _guarded(words: list[str]) -> int:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")  # a letter that the terminal's encoding lacks
-    from studies.refusal import RunError, SceneError
+    from studies.refusal import EXIT_NO_ANSWER, RunError, SceneError
 
     try:
         try:
@@ -39,24 +39,36 @@ def _guarded(words: list[str]) -> int:
             sys.stdout.flush()
         return status
     except SceneError as error:
-        return max(_said(problem, 2) for problem in error.problems)
+        return max(_said(problem, problem.exit_code) for problem in error.problems)
     except RunError as error:
-        return _said(error, 1)
+        return _said(error, error.exit_code)
     except BrokenPipeError:
         # whoever read stdout has left; keep the interpreter from flushing into the closed pipe at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
+        return EXIT_NO_ANSWER
     except MemoryError:
-        return _said(
-            "the run needs more memory than this machine gives it; a looser --tolerance needs less", 1
-        )
+        text = "the run needs more memory than this machine gives it; a looser --tolerance needs less"
+        return _said(text, EXIT_NO_ANSWER)
     except Exception as error:
-        if os.environ.get("SAWMOTOR_TRACEBACK"):
-            raise
-        name, text = type(error).__name__, " ".join(str(error).split())
-        return _said(
-            f"a defect of sawmotor, not of your scene: {name}: {text} (SAWMOTOR_TRACEBACK=1 shows where)", 1
-        )
+        return _defect(error)
+
+
+def _defect(error: Exception) -> int:
+    """Say that the program has a defect, with the traceback in a file that a report of it can hold."""
+    import tempfile
+    import traceback
+
+    from studies.refusal import EXIT_DEFECT
+
+    if os.environ.get("SAWMOTOR_TRACEBACK"):
+        raise error
+    name, text = type(error).__name__, " ".join(str(error).split())
+    with tempfile.NamedTemporaryFile("w", prefix="sawmotor-defect-", suffix=".txt", delete=False) as file:
+        file.write(f"sawmotor {' '.join(sys.argv[1:])}\n\n{''.join(traceback.format_exception(error))}")
+    return _said(
+        f"a defect of sawmotor, not of your scene: {name}: {text}; its traceback is in {file.name}",
+        EXIT_DEFECT,
+    )
 
 
 def _dispatch(words: list[str]) -> int:
@@ -70,9 +82,7 @@ def _dispatch(words: list[str]) -> int:
     if arguments.call is None:
         top.print_help()
         return 0
-    from studies.command import calls
-
-    return getattr(calls, arguments.call)(arguments)
+    return arguments.function(arguments)
 
 
 def _said(message, status: int) -> int:

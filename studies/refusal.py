@@ -4,6 +4,11 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from importlib import import_module
 
+# Exit codes of the command
+EXIT_INEXACT = 1  # an answer that misses its tolerance, or is refused for its model error
+EXIT_BAD_INPUT, EXIT_NO_ANSWER = 2, 3
+EXIT_DEFECT = 70  # EX_SOFTWARE of sysexits.h: a defect of the program
+EXIT_INTERRUPTED = 130  # 128 + SIGINT, as shells report it
 MAX_PROBLEMS = 20  # printed for one scene; a table of numbers with a wrong unit would give 36
 
 
@@ -13,6 +18,8 @@ class SceneError(ValueError):
     ``path`` is the key, such as ``slider.mass``, or empty; ``rule`` the rest of the sentence: what is allowed and what
     was given; ``place`` where the key stands, such as ``motor.toml, line 12``, or empty.
     """
+
+    exit_code = EXIT_BAD_INPUT
 
     def __init__(self, path: str, rule: str, place: str = ""):
         sentence = _on_one_line(f"{path} {rule}" if path else rule)
@@ -51,6 +58,14 @@ class SceneError(ValueError):
 
 class RunError(RuntimeError):
     """A run of a sound scene that could not give an answer; the text says why and what to try."""
+
+    exit_code = EXIT_NO_ANSWER
+
+
+class InterruptedRunError(RunError):
+    """A run that the user has interrupted; the text says what is kept."""
+
+    exit_code = EXIT_INTERRUPTED
 
 
 def _on_one_line(text: str) -> str:

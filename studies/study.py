@@ -16,11 +16,12 @@ from pathlib import Path
 import contact
 from studies.chain import run as run_chain
 from studies.chain.bridge import DrivenContact
+from studies.chain.resolve import resolved
 from studies.record import Record
+from studies.record.text import labelled
 from studies.refusal import RunError, SceneError, nearest
 from studies.results.content import plain, provenance, write_json
 from studies.scene import Scene
-from studies.scene.resolved import resolved
 
 COMMON_ARGUMENTS = """\
 ``scene`` is a path, a shipped name or a `Scene` that has what the study asks about; ``progress`` is a callable that is
@@ -81,12 +82,13 @@ class Panel:
 
 @dataclass(frozen=True, kw_only=True)
 class StudyRecord:
-    """What a study found."""
+    """What a study answers: its answer in words, panels to look at, and checks of what the theory expects."""
 
     name: str
     panels: tuple[Panel, ...]
     findings: tuple[Finding, ...]
     seconds: float
+    answer: tuple[tuple[str, str], ...] = ()  # label and text of each line, said before anything is judged
 
     def panel(self, name: str | None = None) -> Panel:
         """Return the panel of a name, the first without one."""
@@ -98,26 +100,31 @@ class StudyRecord:
         return panels[name]
 
     @property
-    def shortfall(self) -> str:
-        """Why the answer is not what was expected; empty where it is."""
+    def remark(self) -> str:
+        """Which checks are contradicted, as a warning; empty where none is."""
         against = [finding for finding in self.findings if finding.confirmed is False]
         if not against:
             return ""
         first = f"{against[0].quantity} is {against[0].found:.6g}, expected {against[0].expected}"
-        return f"{len(against)} of {len(self.findings)} findings are contradicted: {first}"
+        return f"warning: {len(against)} of {len(self.findings)} checks are contradicted: {first}"
+
+    exit_code = 0  # a contradicted check is a remark; a study without an answer raises
 
     def to_dict(self) -> dict:
         """Return what study.json holds."""
         whole = {
-            "name": self.name, "question": question(self.name),
+            "name": self.name, "question": question(self.name), "answer": [list(line) for line in self.answer],
             "findings": [vars(finding) for finding in self.findings],
             "panels": {panel.name: {"title": panel.title, **panel.data} for panel in self.panels},
             "seconds": self.seconds, "provenance": provenance(),
         }  # fmt: skip
-        return {key: plain(key, value) for key, value in whole.items()}
+        return {key: plain(key, value) for key, value in whole.items() if value or key != "answer"}
 
     def __str__(self):
-        lines = [question(self.name), "", *(str(finding) for finding in self.findings)]
+        lines = [question(self.name), ""]
+        if self.answer:
+            lines += [*labelled(list(self.answer), 2 + max(len(label) for label, _ in self.answer)), ""]
+        lines += map(str, self.findings)
         return "\n".join([*lines, "", f"seconds  {self.seconds:.1f}"])
 
 
@@ -188,6 +195,8 @@ def of_record(draw: Callable) -> Callable:
 def study(run: Callable) -> Callable:
     """Make a study's ``run`` of a function that takes a `Scene` and ``progress`` and returns panels and findings.
 
+    A third value may be the answer in words, pairs of label and text; it is printed first.
+
     The result takes a path, a shipped name or a scene, first the function's own default, and an optional ``progress``;
     it returns a `StudyRecord`, named as the module, with the time it took.  Its docstring says so.
     """
@@ -200,12 +209,12 @@ def study(run: Callable) -> Callable:
         begun = time.perf_counter()
         chosen = scene if isinstance(scene, Scene) else Scene.load(scene)
         try:
-            panels, findings = run(chosen, progress=progress or (lambda text: None), **given)
+            panels, findings, *answer = run(chosen, progress=progress or (lambda text: None), **given)
         except contact.ConvergenceError as error:
             raise RunError(" ".join(str(error).split())) from None
         return StudyRecord(
             name=run.__module__.rpartition(".")[2], panels=tuple(panels), findings=tuple(findings),
-            seconds=time.perf_counter() - begun,
+            seconds=time.perf_counter() - begun, answer=tuple(answer[0]) if answer else (),
         )  # fmt: skip
 
     timed.__doc__ = f"{cleandoc(run.__doc__)}\n\n{COMMON_ARGUMENTS}"
@@ -238,7 +247,7 @@ def run_study(
         asked["scene"] = scene
     record = chosen.run(progress=progress, **(chosen.QUICK if quick else {}) | asked)
     if isinstance(record, Record):
-        from studies.report.files import write_run
+        from studies.record.files import write_run
 
         write_run(record, folder, field=False)
         return record
@@ -257,7 +266,7 @@ def draw_study(
     if hasattr(chosen, "draw"):
         chosen.draw(record, folder, progress=progress)
         return
-    from studies.report.figures import saved
+    from studies.record.plots import saved
 
     panels = {name: record} if isinstance(record, Record) else {each.name: each for each in record.panels}
     for file, panel in panels.items():

@@ -12,6 +12,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+# no test measures time: an example may take long on a machine that is busy
+settings.register_profile("sawmotor", deadline=None)
+settings.load_profile("sawmotor")
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -39,9 +44,9 @@ def _small_pictures():
 
     What a picture looks like is asked of its figure (`tests/studies/legible.py`), which is laid out.
     """
-    from studies.report import figures
+    from studies.record import plots
 
-    whole = figures.new_figure
+    whole = plots.new_figure
 
     def hasty(*given, **options):
         from matplotlib.layout_engine import PlaceHolderLayoutEngine
@@ -51,8 +56,8 @@ def _small_pictures():
         return figure, axes
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(figures, "new_figure", hasty)
-        patch.setattr(figures, "DPI", 40)
+        patch.setattr(plots, "new_figure", hasty)
+        patch.setattr(plots, "DPI", 40)
         yield
 
 

@@ -39,31 +39,35 @@ STICKS = (
 NOT_FINITE = "not converged", "the averaged motion was not finite; use method exact"
 
 
-def why_not(slider: Slider, orbits: tuple[Orbit, ...], stiffest: float = STIFFEST) -> str:
-    """Return why averaging does not apply, or an empty string."""
+def refusals(slider: Slider, orbits: tuple[Orbit, ...], stiffest: float = STIFFEST) -> tuple[str, ...]:
+    """Return why averaging does not apply; nothing where it does."""
+    why = ()
     if slider.law != "elastic" or slider.reciprocal:
-        return "it knows the elastic law without its reciprocal force only"
+        why += ("it knows the elastic law without its reciprocal force only",)
     if slider.stick_band > 0.0:
-        return "slider.stick_band needs the events"
+        why += ("slider.stick_band needs the events",)
     if slider.limit_slope == 0.0 or slider.preload == 0.0:
-        return "there is no friction force"
+        why += ("there is no friction force",)
     if all(orbit.normal == 0 and orbit.tangential == 0 for orbit in orbits):
-        return "there is no wave"
+        why += ("there is no wave",)
     ratio = slider.normal_resonance(len(orbits)) / orbits[0].frequency
     if ratio > stiffest:
-        return f"the contact is too stiff: it resonates at {ratio:.3g} of the wave's frequency, more than {stiffest}"
+        why += (
+            f"the contact is too stiff: it resonates at {ratio:.3g} of the wave's frequency, more than {stiffest}",
+        )
     rate = max(slider.normal_damping, slider.tangential_damping) / (slider.mass * orbits[0].omega)
     if rate > stiffest**2:
-        return f"the dampers act within {1.0 / rate:.3g} radians of the wave"
-    return ""
+        why += (f"the dampers act within {1.0 / rate:.3g} radians of the wave",)
+    return why
 
 
 def refuse_unless_applicable(slider: Slider, orbits: tuple[Orbit, ...], stiffest: float = STIFFEST) -> None:
     """Raise if averaging does not apply."""
-    reason = why_not(slider, orbits, stiffest)
-    if reason:
+    why = refusals(slider, orbits, stiffest)
+    if why:
         raise ConvergenceError(
-            "not applicable", f"the averaged way does not apply: {reason}; use method stepped or exact"
+            "not applicable",
+            f"the averaged way does not apply: {', '.join(why)}; use method stepped or exact",
         )
 
 

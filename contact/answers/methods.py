@@ -6,14 +6,17 @@ of the last v and what it counted; each refuses where it does not apply. The err
 
 import math
 import os
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
 
-from contact.answers.averaged import averaged_run, why_not
+from contact.answers.averaged import averaged_run, refusals
+from contact.choice import Choice, Method, Result, choose, refused
 from contact.convergence import ConvergenceError
 from contact.drive import reference_speed
+from contact.kinematics import Paths
 from contact.law.normal import load
 from contact.orbit import Orbit
 from contact.problem import Problem, largest_resonance, scaled, without_wave
@@ -21,22 +24,34 @@ from contact.slider import Slider
 from contact.solve.collocation import collocation
 from contact.solve.equilibrium import opposed
 from contact.solve.motion import Motion
+from contact.solve.segment import ROW_VELOCITY, VELOCITY
 from contact.solve.time_stepping import steps
 
 # up to here "auto" follows every event, whatever the tolerance
 EXACT_CYCLES = 3000
 # of the velocity, per cycle that is followed exactly
 ROUNDING = 1e-15
+# up to here it takes over from another method that misses the tolerance, some ten seconds
+MAX_EXACT_CYCLES = 100_000
+# cycles of a longer burst in which the errors of the other methods are calibrated
+WINDOW = 1000
+# factors on that calibration, on an estimate beyond the window, and on the error of a run that cannot be calibrated
+CALIBRATION, BEYOND, UNCHECKED = 2.0, 1.5, 5.0
 # segments that the exact method takes on at most, some minutes
 MAX_SEGMENTS = 1e8
 # steps per cycle that are tried, and the tolerance down to which each has been seen to serve
 STEPS = ((24, 2e-3), (32, 4e-4), (56, 4e-5), (80, 1e-5), (128, 1.5e-6), (192, 2e-7), (256, 0.0))
-# order that is counted on between two step sizes, and instants in the second half at which two runs are compared
-ORDER, COMPARED = 1.75, 24
+# Order in the step size that is counted on. Spheres converge with 1.5 to 2, punches and contact dampers with 1, and
+# either may do so more slowly between two neighbouring step sizes.
+ORDER = 1.0
+# instants in the second half of a burst at which two runs are compared
+COMPARED = 24
 # share of the tolerance down to which a step size serves that no comparison takes away
 FLOOR = 0.01
-# nodes per segment, truncation of a segment, and the tolerance down to which each serves
-ORDERS = ((8, 1e-5, math.inf), (8, 1e-7, 1e-8), (12, 1e-9, 1e-10), (16, 1e-12, 0.0))
+# Nodes per segment, truncation of a segment, its longest length over that of the problem, and the tolerance down to
+# which each serves. Neighbours differ in all three: where events set the segments' lengths the truncation changes
+# nothing, and where the forces are polynomials (a punch) the nodes do not either.
+ORDERS = ((8, 1e-5, 0.8, math.inf), (10, 1e-7, 1.0, 1e-8), (12, 1e-9, 0.8, 1e-10), (16, 1e-12, 1.0, 0.0))
 # amplitude over the envelope's largest below which a surface that rings down stands still; least steps per cycle there
 SPENT, RINGING_STEPS = 1e-3, 80
 # change of the contact's own oscillation in a step, omega_n dt, above which fixed steps are refused
@@ -51,14 +66,27 @@ def rest_problem(slider, orbits):
     return scaled(slider, orbits, direction=opposed(slider, orbits), start=start)
 
 
-def rest(slider, orbits, problem, *, nodes, truncation):
-    """Return the motion at phase 0 of a slider at rest, its contacts deformed by the load alone."""
+def rest(slider, orbits, problem, *, nodes, truncation, factor=1.0):
+    """Return the motion at phase 0 of a slider at rest, its contacts deformed by the load alone.
+
+    `factor` is that on the wave at phase 0, the envelope's first: a contact that the wave has not parted keeps its
+    deformation.
+    """
     contacts = len(orbits)
-    motion = Motion(problem, grid=collocation(nodes), truncation=truncation)
+    begun = problem._replace(paths=_times(problem.paths, factor))
+    motion = Motion(begun, grid=collocation(nodes), truncation=truncation)
     depth = slider.rest_approach(contacts) / problem.length
     x = slider.rest_deformations(contacts) / problem.length
     motion.place(-depth, 0.0, 0.0, math.copysign(1.0, problem.load) * x)
+    motion.problem = problem
     return motion
+
+
+def _times(paths, factor):
+    """Return the paths of a wave times a complex factor."""
+    normal = factor * (paths.normal_cos - 1j * paths.normal_sin)
+    tangential = factor * (paths.tangential_cos - 1j * paths.tangential_sin)
+    return Paths(paths.height, normal.real.copy(), -normal.imag, tangential.real.copy(), -tangential.imag)
 
 
 def silence(motion):
@@ -73,10 +101,10 @@ def silence(motion):
 def shaped_steps(slider, problem, least: int) -> int:
     """Return the fewest steps per cycle, a number of `STEPS` or the least, in which an envelope can be followed."""
     for number in (least, *(number for number, _ in STEPS if number > least)):
-        reason = why_not_stepped(slider, problem, number)
-        if not reason:
+        reasons = stepped_refusals(slider, problem, number)
+        if not reasons:
             return number
-    raise ConvergenceError("not applicable", f"an envelope needs fixed steps: {reason}")
+    raise refused("an envelope", {"stepped": reasons}, ENVELOPE_OUT)
 
 
 def ring_down(slider, motion, envelope, *, longest=math.inf, samples=0):
@@ -96,6 +124,11 @@ def ring_down(slider, motion, envelope, *, longest=math.inf, samples=0):
     return stride * np.arange(1, len(rows) + 1) / frequency, rows
 
 
+ENVELOPE_OUT = (
+    "leave the envelope out, or give the elastic law without reciprocal force and stick band, and more mass"
+)
+
+
 class Burst(NamedTuple):
     """A burst to follow from rest; a row every `stride` cycles, `envelope` as in `time_stepping.steps`."""
 
@@ -107,6 +140,20 @@ class Burst(NamedTuple):
     tolerance: float
     envelope: np.ndarray
 
+    @property
+    def inner(self) -> int:
+        """Cycles between the rows that are compared: a divisor of `stride`."""
+        return _divisor(self.stride, max(1, self.cycles // (2 * COMPARED)))
+
+    @property
+    def every(self) -> int:
+        """Compared rows from one reported row to the next."""
+        return self.stride // self.inner
+
+    def allowed(self, velocity: float) -> float:
+        """Return the error allowed in a velocity, scaled."""
+        return self.tolerance * self.reference(velocity)
+
     def reference(self, velocity: float = 0.0) -> float:
         """Return the reference speed of a velocity; both scaled."""
         return reference_speed(velocity * self.problem.speed, self.orbits) / self.problem.speed
@@ -114,58 +161,97 @@ class Burst(NamedTuple):
 
 def _exact(burst):
     """Follow every event at two orders; where they do not agree to the tolerance, at the next."""
-    if burst.cycles * burst.problem.segments > MAX_SEGMENTS:
-        raise ConvergenceError(
-            "out of reach",
-            f"{burst.cycles} cycles of at least {burst.problem.segments:.3g} segments of the motion are more than can "
-            "be followed; shorten the burst, raise the mass or lower the dampers",
-        )
 
     def follow(level):
-        nodes, truncation, _ = ORDERS[level]
-        motion = rest(burst.slider, burst.orbits, burst.problem, nodes=nodes, truncation=truncation)
-        motion.begin()
-        rows = motion.turn(burst.cycles, stride=burst.stride)
-        return motion.state[2:3].copy(), motion, rows
+        return _every_event(burst, *ORDERS[level][:3])
 
-    def error(level, difference, reference):
+    def error(level, run, difference, reference):
         # two runs may agree by chance, but not so much better than their segments are laid out
         return max(difference, 3e-6 * ORDERS[level][1] * reference) + ROUNDING * burst.cycles * reference
 
-    _, (_, motion, rows), estimate = _refined(burst, follow, error, ORDERS, 1)
-    return motion, rows, estimate, motion.events()
+    for least in range(1, len(ORDERS)):
+        try:
+            _, (_, motion, rows), result = _refined(burst, follow, error, ORDERS, least)
+            break
+        except ConvergenceError:  # with few nodes events may follow each other without end
+            if least == len(ORDERS) - 1:
+                raise
+    return result._replace(run=(motion, rows[burst.every - 1 :: burst.every]), statistics=motion.events())
+
+
+def _every_event(burst, nodes, truncation, longest):
+    """Return (velocities to compare, motion, rows) of an event-driven run."""
+    problem = burst.problem._replace(longest=longest * burst.problem.longest)
+    motion = rest(burst.slider, burst.orbits, problem, nodes=nodes, truncation=truncation)
+    motion.begin()
+    rows = motion.turn(burst.cycles, stride=burst.inner)
+    motion.problem = burst.problem
+    return _compared(rows, motion.state), motion, rows
+
+
+def _compared(rows, state):
+    """Return the velocities in the second half of a burst and at its end."""
+    return np.append(rows[len(rows) // 2 :, ROW_VELOCITY], state[VELOCITY])
+
+
+def _exact_refusals(burst):
+    reasons = ("it takes no envelope",) if burst.envelope.size else ()
+    if burst.cycles * burst.problem.segments > MAX_SEGMENTS:
+        reasons += (
+            f"{burst.cycles} cycles of at least {burst.problem.segments:.3g} segments of the motion are too many "
+            "(shorten the burst, raise the mass or lower the dampers)",
+        )
+    return reasons
 
 
 def _stepped(burst):
-    """Refine the steps until two runs agree; their differences on the way tell the error of the finer one."""
-    begin = rest(burst.slider, burst.orbits, burst.problem, nodes=16, truncation=1e-12)
-    most = max(1, burst.cycles // (2 * COMPARED))
-    inner = _divisor(burst.stride, most)
-    late = burst.cycles // inner // 2
+    """Refine the steps until the error keeps the tolerance."""
+    start = _at_rest(burst)
+    window = Window.of(burst)
+
+    def gain(level):
+        return (STEPS[level][0] / STEPS[level - 1][0]) ** ORDER - 1.0
 
     def follow(level):
-        state = begin.state.copy()
+        state = start.state.copy()
         rows = steps(
-            burst.problem, state, burst.cycles, STEPS[level][0], stride=inner, envelope=burst.envelope
+            burst.problem, state, burst.cycles, STEPS[level][0], stride=burst.inner, envelope=burst.envelope
         )
-        return np.append(rows[late:, 0], state[2]), state, rows
+        return _compared(rows, state), state, rows
 
-    def error(level, difference, reference):
+    def in_window(level):
+        coarse, fine = (
+            steps(window.burst.problem, _at_rest(window.burst).state.copy(), window.burst.cycles, STEPS[k][0],
+                  stride=window.burst.inner)[:, ROW_VELOCITY]
+            for k in (level - 1, level)
+        )  # fmt: skip
+        return fine, float(np.max(np.abs(fine - coarse))) / gain(level)
+
+    def error(level, run, difference, reference):
         # events fall anywhere in a step: one difference may vanish by chance, the largest of many does not
-        gain = (STEPS[level][0] / STEPS[level - 1][0]) ** ORDER - 1.0
-        return difference / gain + FLOOR * STEPS[level][1] * reference if reference > 0.0 else 0.0
+        estimate = difference / gain(level) + FLOOR * STEPS[level][1] * reference
+        return window.error(estimate, run[0][-1], lambda: in_window(level)) if reference > 0.0 else 0.0
 
-    fits = [
-        k for k, (number, *_) in enumerate(STEPS) if not why_not_stepped(burst.slider, burst.problem, number)
-    ]
-    level, (_, state, rows), estimate = _refined(burst, follow, error, STEPS, fits[1])
-    begin.state[:] = state
+    level, (_, state, rows), result = _refined(burst, follow, error, STEPS, _serving_steps(burst)[1])
+    start.state[:] = state
     statistics = {
         "steps_per_cycle": STEPS[level][0], "cycles": burst.cycles,
         "omega_n_dt": largest_resonance(burst.problem) * 2.0 * math.pi / STEPS[level][0],
     }  # fmt: skip
-    every = burst.stride // inner
-    return begin, rows[every - 1 :: every], estimate, statistics
+    return result._replace(run=(start, rows[burst.every - 1 :: burst.every]), statistics=statistics)
+
+
+def _serving_steps(burst):
+    """Return the levels of `STEPS` that are fine enough for the slider."""
+    return [
+        k for k, (number, *_) in enumerate(STEPS) if not stepped_refusals(burst.slider, burst.problem, number)
+    ]
+
+
+def _at_rest(burst):
+    """Return the motion at the beginning of a burst."""
+    factor = burst.envelope[0] if burst.envelope.size else 1.0
+    return rest(burst.slider, burst.orbits, burst.problem, nodes=16, truncation=1e-12, factor=factor)
 
 
 def _divisor(number, most):
@@ -175,11 +261,77 @@ def _divisor(number, most):
 
 def _averaged(burst):
     """Follow the averaged equations."""
-    return averaged_run(burst, rest(burst.slider, burst.orbits, burst.problem, nodes=14, truncation=1e-11))
+    window = Window.of(burst)
+
+    def follow(asked):
+        return averaged_run(
+            asked, rest(asked.slider, asked.orbits, asked.problem, nodes=14, truncation=1e-11)
+        )
+
+    def in_window():
+        _, rows, error, _ = follow(window.burst._replace(stride=window.burst.inner))
+        return rows[:, ROW_VELOCITY], error
+
+    motion, rows, error, statistics = follow(burst)
+    velocity = float(motion.state[VELOCITY])
+    return Result(
+        (motion, rows), window.error(error, velocity, in_window), burst.allowed(velocity), statistics
+    )
+
+
+def _averaged_refusals(burst):
+    reasons = refusals(burst.slider, burst.orbits)
+    if burst.envelope.size:
+        reasons += ("it takes no envelope",)
+    return (*reasons, f"{burst.cycles} cycles are too few") if burst.cycles < 3 else reasons
+
+
+class Window(NamedTuple):
+    """The first cycles of a burst, followed exactly: what the error of another method is there.
+
+    Under an envelope the wave is taken at its largest size throughout.
+    """
+
+    burst: Burst
+    velocities: np.ndarray | None  # None where they could not be followed
+    exact_error: float
+    whole: bool  # whether the window is the burst
+
+    @classmethod
+    def of(cls, burst: Burst) -> "Window":
+        """Return the window of a burst."""
+        size = float(np.max(np.abs(burst.envelope))) if burst.envelope.size else 1.0
+        cycles = burst.cycles if burst.cycles <= EXACT_CYCLES else WINDOW
+        problem = burst.problem._replace(paths=_times(burst.problem.paths, size))
+        short = burst._replace(problem=problem, cycles=cycles, stride=cycles, envelope=np.empty(0, complex))
+        whole = cycles == burst.cycles and not burst.envelope.size
+        try:
+            if _exact_refusals(short):
+                return cls(short, None, math.inf, whole)
+            runs = [
+                _every_event(short, *ORDERS[k][:3])[2][:, ROW_VELOCITY] for k in ((1, 2) if whole else (2,))
+            ]
+        except ConvergenceError:
+            return cls(short, None, math.inf, whole)
+        return cls(short, runs[-1], float(abs(runs[-1][-1] - runs[0][-1])), whole)
+
+    def error(self, estimate: float, velocity: float, in_window: Callable) -> float:
+        """Return the error of a velocity at the burst's end, of which a method states an estimate.
+
+        `in_window()` returns the velocities in the window by the same method, and the error that it states for them.
+        The estimate is taken as many times larger as it is too small there.
+        """
+        if self.velocities is None:
+            return UNCHECKED * estimate
+        if self.whole:
+            return abs(velocity - float(self.velocities[-1])) + self.exact_error
+        velocities, stated = in_window()
+        true = float(np.max(np.abs(velocities - self.velocities)))
+        return max(BEYOND * estimate * max(1.0, CALIBRATION * true / (stated + 1e-300)), true)
 
 
 def _refined(burst, follow, error, levels, least):
-    """Return (level, run, error) of the first level of resolution whose run agrees with that of the level before.
+    """Return (level, run, result) of the first level of resolution whose run agrees with that of the level before.
 
     A run begins with the velocities to compare, of which the last is that at the end; a level ends with the tolerance
     down to which it serves.
@@ -188,10 +340,10 @@ def _refined(burst, follow, error, levels, least):
     level = max(next(serving, len(levels) - 1), least)
     coarse, fine = _both(follow, level - 1, level)
     while True:
-        reference = burst.reference(float(fine[0][-1]))
-        estimate = error(level, float(np.max(np.abs(fine[0] - coarse[0]))), reference)
-        if estimate <= burst.tolerance * reference or level == len(levels) - 1:
-            return level, fine, estimate
+        velocity = float(fine[0][-1])
+        estimate = error(level, fine, float(np.max(np.abs(fine[0] - coarse[0]))), burst.reference(velocity))
+        if estimate <= burst.allowed(velocity) or level == len(levels) - 1:
+            return level, fine, Result(None, estimate, burst.allowed(velocity), {})
         level += 1
         coarse, fine = fine, follow(level)
 
@@ -206,87 +358,48 @@ def _both(work, first, second):
         return job.result(), result
 
 
-def _exact_refusal(burst, by_name):
-    return "it takes no envelope; use method stepped or leave the envelope out" if burst.envelope.size else ""
+# The cheapest comes first. Error of averaging: half the steps and fewer nodes, first against second order; of stepping:
+# two step sizes; both calibrated by the exact method. Of the exact method: two collocation orders, rounding per cycle.
+BURST_METHODS = {
+    "averaged": Method(_averaged, _averaged_refusals),
+    "stepped": Method(_stepped, lambda burst: stepped_refusals(burst.slider, burst.problem, STEPS[-2][0])),
+    "exact": Method(_exact, _exact_refusals),
+}
+METHODS = ("auto", *BURST_METHODS)
 
 
-def _stepped_refusal(burst, by_name):
-    # by name two step sizes are enough
-    reason = why_not_stepped(burst.slider, burst.problem, STEPS[-2 if by_name else 0][0])
-    return f"{reason}; use method exact" if reason else ""
+def run(method: str, burst: Burst) -> Choice:
+    """Return the run (motion at the end, rows) of a burst, its error and the method used.
 
-
-def _averaged_refusal(burst, by_name):
-    reason = why_not(burst.slider, burst.orbits)
-    return (
-        _exact_refusal(burst, by_name)
-        or (f"{burst.cycles} cycles are too few; use method exact" if burst.cycles < 3 else "")
-        or (f"{reason}; use method stepped or exact" if reason else "")
+    Up to `EXACT_CYCLES` cycles "auto" follows every event. The exact method leaves the energies in the motion's sums.
+    """
+    if method == "auto" and burst.cycles <= EXACT_CYCLES and not _exact_refusals(burst):
+        method = "exact"
+    way = "leave the envelope out and use method exact" if burst.envelope.size else "shorten the burst"
+    return choose(
+        BURST_METHODS, burst, method, what="a burst", exact=burst.cycles <= MAX_EXACT_CYCLES, way=way
     )
 
 
-# Method: (function, why it does not apply). The cheapest comes first: beyond EXACT_CYCLES cycles "auto" takes the first
-# whose estimated error keeps the tolerance, up to there it follows every event.
-STRATEGY = {
-    # error: half the steps and fewer nodes; first against second order; shares of what second order leaves
-    "averaged": (_averaged, _averaged_refusal),
-    # error: two step sizes, compared at 24 instants
-    "stepped": (_stepped, _stepped_refusal),
-    # error: two collocation orders with two truncations; rounding per cycle
-    "exact": (_exact, _exact_refusal),
-}
-METHODS = ("auto", *STRATEGY)
-
-
-def run(method: str, burst: Burst):
-    """Return (motion at the end, rows, error of v, statistics, method used) of a burst.
-
-    The exact method leaves the energies in the motion's sums. A method asked for by name is refused where it does not
-    apply, by a ConvergenceError of the status "not applicable".
-    """
-    if method != "auto":
-        follow, refusal = STRATEGY[method]
-        reason = refusal(burst, True)
-        if reason:
-            raise ConvergenceError("not applicable", f"the {method} method does not apply: {reason}")
-        return (*follow(burst), method)
-    best = None
-    for name, (follow, refusal) in STRATEGY.items():
-        if burst.cycles <= EXACT_CYCLES and burst.envelope.size == 0:
-            break
-        if refusal(burst, False):
-            continue
-        try:
-            answer = (*follow(burst), name)
-        except ConvergenceError:
-            continue
-        if best is None or answer[2] <= best[2]:
-            best = answer
-        if answer[2] <= burst.tolerance * burst.reference(float(answer[0].state[2])):
-            break
-        if name == "stepped" and burst.cycles > 100 * EXACT_CYCLES:
-            break  # minutes of events are asked for by name
-    return best or run("exact", burst)
-
-
-def why_not_stepped(slider, problem, per_cycle):
-    """Return why fixed steps cannot follow this motion, or an empty string."""
+def stepped_refusals(slider, problem, per_cycle) -> tuple[str, ...]:
+    """Return why fixed steps cannot follow this motion; nothing where they can."""
+    why = ()
     if slider.stick_band > 0.0:
-        return "slider.stick_band needs the events"
+        why += ("slider.stick_band needs the events",)
     if slider.law != "elastic" or slider.reciprocal:
-        return "it knows the elastic law without its reciprocal force only"
+        why += ("it knows the elastic law without its reciprocal force only",)
     if slider.limit_slope == 0.0:
-        return "no friction"
+        why += ("there is no friction",)
     step = 2.0 * math.pi / per_cycle
     turn = step * largest_resonance(problem)
     if turn > MAX_STEP:
-        return (
+        why += (
             f"the contact resonance is too fast: omega_n dt = {turn:.3g} with {per_cycle} steps "
-            f"per cycle, more than {MAX_STEP}"
+            f"per cycle, more than {MAX_STEP}",
         )
     # Hunt-Crossley's force enters by the rate, to first order in the step
     if step * problem.contact_damping * problem.stiffness * load(2.0, problem.shape) > MAX_DAMPING:
-        return f"the contact's damper is too fast for {per_cycle} steps per cycle"
+        why += (f"the contact's damper is too fast for {per_cycle} steps per cycle",)
     if step * max(problem.normal_damping, problem.tangential_damping) > MAX_STEP:
-        return f"the dampers are too fast for {per_cycle} steps per cycle"
-    return ""
+        why += (f"the dampers are too fast for {per_cycle} steps per cycle",)
+    return why

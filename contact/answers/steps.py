@@ -21,7 +21,7 @@ from contact.answers.methods import (
     ring_down,
     shaped_steps,
     silence,
-    why_not_stepped,
+    stepped_refusals,
 )
 from contact.codes import Regime
 from contact.convergence import ConvergenceError
@@ -93,13 +93,15 @@ def step(
     """
     listed = as_orbits(orbits)
     cycles = bounds.count("cycles", cycles, 1)
-    if slider.friction_coefficient * slider.preload <= slider.load:
+    if slider.static_friction(len(listed)) <= slider.load:
         raise ConvergenceError(
             "runaway", "friction cannot hold the load, so the slider never stops; lower slider.load"
         )
     side, driven = towards_plus(listed)
     problem = rest_problem(slider, driven)
-    motion, unit = rest(slider, driven, problem, nodes=12, truncation=1e-10), side * problem.length
+    factor = complex(envelope.at(np.zeros(1))[0]) if envelope is not None else 1.0
+    motion = rest(slider, driven, problem, nodes=12, truncation=1e-10, factor=factor)
+    unit = side * problem.length
     travelled = _drive(slider, motion, cycles, envelope)
     velocity, rang, followed = float(motion.state[2]), 0.0, 0.0
     if after is not None:
@@ -175,7 +177,7 @@ def _drive(slider, motion, cycles, envelope):
     """Move through the burst; return the distance travelled, scaled."""
     problem = motion.problem
     if envelope is None:
-        if cycles <= EXACT_CYCLES or why_not_stepped(slider, problem, STEPS_PER_CYCLE):
+        if cycles <= EXACT_CYCLES or stepped_refusals(slider, problem, STEPS_PER_CYCLE):
             motion.turn(cycles)
             return float(motion.sums[DISPLACEMENT])
         return _distance(steps(problem, motion.state, cycles, STEPS_PER_CYCLE))
@@ -199,7 +201,9 @@ def _stopped(slider, motion):
     still = silence(motion)
     # long enough to brake, and then bounce periods until no contact slips through a whole one
     period = problem.omega / slider.tangential_resonance(contacts)
-    friction = slider.friction_coefficient * slider.preload - slider.load
+    friction = slider.least_friction(contacts) - slider.load
+    if friction <= 0.0:  # the slips are waited for in any case
+        friction = slider.static_friction(contacts) - slider.load
     brake = speed * problem.speed * slider.mass / friction * problem.omega
     phase, last, quiet, largest = 0.0, 0.0, 0, 0.0
     while quiet < 12:

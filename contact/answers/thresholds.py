@@ -49,10 +49,11 @@ def threshold_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float
     listed = as_orbits(orbits)
     if all(orbit.normal == 0 and orbit.tangential == 0 for orbit in listed):
         return math.inf
-    if slider.friction_coefficient * slider.preload <= slider.load:
+    if slider.static_friction(len(listed)) <= slider.load:
         return 0.0
-    elastic = _elastic_threshold(replace(slider, heights=()) if slider.heights else slider, listed)
-    if slider.law == "elastic" and not slider.reciprocal and not slider.heights and _alike(listed):
+    bent = bool(slider.tangential_law.bent)
+    elastic = _elastic_threshold(_guess(slider) if slider.heights or bent else slider, listed)
+    if slider.law == "elastic" and not (slider.reciprocal or slider.heights or bent) and _alike(listed):
         return elastic
     _, driven = towards_plus(listed)
     return _edge(lambda k: not balanced(slider, tuple(o.scaled(k) for o in driven)).held, elastic)
@@ -77,7 +78,7 @@ def release_factor(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
         return float(np.min(h + heights - factor * reach))
 
     elastic = _falling_root(least, slider, listed)
-    friction = slider.friction_coefficient * slider.preload
+    friction = slider.static_friction(len(listed))
     if not slider.reciprocal or slider.law != "elastic" or friction <= slider.load:
         return elastic
     _, driven = towards_plus(listed)
@@ -100,6 +101,11 @@ def threshold_amplitude(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> fl
 def release_amplitude(slider: Slider, orbits: Orbit | tuple[Orbit, ...]) -> float:
     """Return the amplitude |u_z| of the first orbit in m at which a contact is first lost once per cycle."""
     return release_factor(slider, orbits) * abs(as_orbits(orbits)[0].normal)
+
+
+def _guess(slider):
+    """Return the slider with all contacts at one height, and one coefficient of friction."""
+    return replace(slider, heights=(), friction=None, friction_coefficient=slider.static_coefficient)
 
 
 def _elastic_threshold(slider, orbits):
@@ -131,7 +137,7 @@ def _holding_margin(slider, orbits, factor):
     It is the least of the room left for the offsets and of the distances of the load from the mean tractions that
     the highest and the lowest offsets give.
     """
-    c, mu, shape = slider.limit_slope, slider.friction_coefficient, slider.contact_shape
+    c, mu, shape = slider.limit_slope, slider.static_coefficient, slider.contact_shape
     scaled = tuple(orbit.scaled(factor) for orbit in orbits)
     h = riding_height(slider, scaled)
     load = math.copysign(slider.load, sum(orbit.crest_velocity for orbit in orbits))

@@ -19,7 +19,8 @@ import numpy as np
 from contact import bounds
 from contact.answers.ledger import Ledger, ledger, together
 from contact.answers.methods import METHODS, Burst, rest_problem, ring_down, run, silence
-from contact.drive import relative_to_reference, towards_plus
+from contact.choice import Answer
+from contact.drive import reference_speed, relative_to_reference, towards_plus
 from contact.envelope import Envelope
 from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
@@ -46,12 +47,10 @@ class Trajectory:
         The same in cycles.
     rang : float
         How long the surface was followed as it rang down after the burst, s; 0 without a ring-down.
-    velocity_at_burst_end : float
-        m/s.
-    relative_error : float
-        Estimated error of `velocity_at_burst_end` over max(|v|, omega |u_x|/10), from a second computation.
-    status, message, method : str
-        "ok" or what is to be known; a sentence; "exact", "stepped" or "averaged".
+    answer : Answer
+        The velocity at the burst's end, m/s, its error, status and reasons.
+    method : str
+        "exact", "stepped" or "averaged".
     ledger : Ledger or None
         Energies of burst and slide after it; None where the burst was not followed event by event, or rang down.
     after_ledger : Ledger or None
@@ -71,15 +70,32 @@ class Trajectory:
     duration: float
     cycles: int
     rang: float
-    velocity_at_burst_end: float
-    relative_error: float
-    status: str
-    message: str
+    answer: Answer
     method: str
     ledger: Ledger | None
     after_ledger: Ledger | None
     statistics: dict
     seconds: float
+
+    @property
+    def velocity_at_burst_end(self) -> float:
+        """Slider velocity at the end of the burst, m/s."""
+        return self.answer.value
+
+    @property
+    def relative_error(self) -> float:
+        """Estimated error of `velocity_at_burst_end` over max(|v|, omega |u_x|/10)."""
+        return relative_to_reference(self.answer.error, self.answer.value, self.orbits)
+
+    @property
+    def status(self) -> str:
+        """What `Answer.status` says."""
+        return self.answer.status
+
+    @property
+    def message(self) -> str:
+        """A sentence: how the answer was found, and what is to be known about it."""
+        return self.answer.message
 
 
 def burst(
@@ -138,9 +154,9 @@ def burst(
     problem = rest_problem(slider, driven)
     shape = envelope.at(np.arange(cycles + 1) / frequency) if envelope is not None else np.empty(0, complex)
     asked = Burst(slider, driven, problem, cycles, stride, tolerance, shape)
-    motion, rows, error, statistics, method = run(method, asked)
+    result, method, reasons = run(method, asked)
+    (motion, rows), statistics = result.run, result.statistics
     end = side * float(motion.state[VELOCITY]) * problem.speed
-    relative = relative_to_reference(error * problem.speed, end, listed)
     ends = stride * np.arange(1, len(rows) + 1)
     start = np.full(1, -slider.rest_approach(len(listed)) / problem.length)
     parts = [
@@ -158,15 +174,13 @@ def burst(
         statistics |= {f"after_{name}": number for name, number in still.events().items()}
         books += [after_book] if books else []
     time, velocity, position = (np.concatenate(series) for series in zip(*parts, strict=True))
-    status, message = "ok", f"{cycles} cycles from rest"
-    if relative > tolerance:
-        status = "above tolerance"
-        message += f"; estimated error {relative:.2g} exceeds {tolerance:.2g}; ask for method exact"
+    answer = Answer(
+        value=end, error=result.error * problem.speed, reasons=(f"{cycles} cycles from rest", *reasons)
+    ).judged(tolerance, reference_speed(end, listed), "" if method == "exact" else "ask for method exact")
     return Trajectory(
         slider=slider, orbits=listed, time=time, velocity=side * velocity * problem.speed,
         position=position * problem.length,
-        duration=cycles / frequency, cycles=cycles, rang=rang, velocity_at_burst_end=end,
-        relative_error=float(relative), status=status, message=message, method=method,
+        duration=cycles / frequency, cycles=cycles, rang=rang, answer=answer, method=method,
         ledger=together(*books) if books and not rang else None, after_ledger=after_book, statistics=statistics,
         seconds=clock.perf_counter() - begun,
     )  # fmt: skip

@@ -16,6 +16,7 @@ import numpy as np
 
 from fem.analytic.stroh import SurfaceImpedance, limiting_velocity
 from fem.convergence import ConvergenceError
+from fem.input_error import InputError
 from fem.materials import Solid, fields
 from fem.materials.medium import Medium, medium
 
@@ -87,7 +88,7 @@ class HalfSpaceWave:
 
         depth = np.atleast_1d(np.asarray(depth, dtype=float))
         if not np.all(depth >= 0):
-            raise ValueError(f"depth must be 0 or positive, got {depth.min()!r} wavelengths")
+            raise InputError("depth", "must be 0 or positive", depth.min(), "wavelengths")
         amplitudes = expm(2j * np.pi * depth[:, None, None] * self._decay) @ self._amplitude
         return _expanded(amplitudes, self.fields, self._potential_unit)
 
@@ -96,7 +97,7 @@ def surface_named(word: str) -> Surface:
     """Return the member of `SURFACES` that a word stands for, "free" for "vacuum"; a ValueError for any other word."""
     surface = "vacuum" if word == "free" else word
     if surface not in SURFACES:
-        raise ValueError(f"surface must be one of {', '.join(SURFACES)} or free, got {word!r}")
+        raise InputError("surface", f"must be one of {', '.join(SURFACES)} or free", word)
     return surface
 
 

@@ -82,17 +82,16 @@ class ElectrodeCharges:
         return out
 
     @cached_property
-    def pairs(self) -> tuple[np.ndarray, np.ndarray]:
-        """Places (m) and charges of two lumps per finger with its charge, dipole and spread: for static fields."""
-        places, charges = [], []
-        for number in dict.fromkeys(self.finger.tolist()):
-            x, charge = (each[self.finger == number] for each in (self.x, self.charge))
-            middle = 0.5 * (x[0] + x[-1])
-            total, dipole, spread = (np.sum(charge * (x - middle) ** power) for power in range(3))
-            half = np.sqrt(abs(spread / total)) or x[-1] - x[0]
-            places += [middle - half, middle + half]
-            charges += [(total - dipole / half) / 2, (total + dipole / half) / 2]
-        return np.array(places), np.array(charges)
+    def lumps(self) -> tuple[np.ndarray, np.ndarray]:
+        """Places (m) and charges of three lumps per finger with its charge, dipole and spread: for static fields."""
+        fingers = Fingers.of(self.x, self.charge, self.finger)
+        half = np.maximum(fingers.last - fingers.first, np.finfo(float).tiny) / 2  # of lines
+        total, dipole, spread = (
+            fingers.moments[:, power] * (fingers.half_width / half) ** power for power in range(3)
+        )
+        places = np.add.outer(np.array([-1, 0, 1]), np.zeros(len(half))) * half + fingers.middles
+        charges = np.stack([(spread - dipole) / 2, total - spread, (spread + dipole) / 2])
+        return places.ravel(), charges.ravel()
 
 
 def electrode_charges(solution: Solution, index: int) -> ElectrodeCharges:
@@ -127,7 +126,7 @@ def electrode_charges(solution: Solution, index: int) -> ElectrodeCharges:
     finger = np.cumsum(np.diff(covered.astype(int), prepend=0) == 1)
     unit = -section.solid.stress_unit / section.solid.potential_unit
     x, charge, finger = place[first][covered], unit * charge[covered], finger[covered]
-    if solution.fields.dipoles:
+    if solution.fields.dipoles and len(solution.fields.dipoles[index]):
         added = solution.fields.dipoles[index] @ solution.circuit.voltages * (unit * section.length_unit)
         x, charge, finger = _with_dipoles(
             x, charge, finger, solution.fields.transducers[index].signs.replace("0", ""), added

@@ -27,9 +27,26 @@ from fem.beam.line_source import line_source
 from fem.beam.own_aperture import finger_coupling, polarisability
 from fem.condense.transducer import finger_ports
 from fem.geometry import Stator, Transducer
+from fem.input_error import InputError
 from fem.materials import isotropic_about_normal
 from fem.waveguide.network import Network, PortSolution, Scatterer
 from fem.waveguide.port_fields import PortFields, Solve, connected
+
+SHORTEST = 0.5  # aperture over wavelength: shorter fingers are no line sources, and their charges vary all along them
+
+
+def refuse_short_apertures(transducers: tuple[Transducer, ...], wavelength: float) -> None:
+    """Refuse apertures below half a wavelength (m) of the surface wave."""
+    for each in transducers:
+        if each.aperture < SHORTEST * abs(wavelength):
+            raise InputError(
+                "transducer.aperture",
+                f"must be at least half a wavelength, {SHORTEST * abs(wavelength):.4g} m, unless "
+                "stator.diffraction is false",
+                each.aperture,
+                "m",
+                owner=each.name,
+            )
 
 
 def aperture_coupling(
@@ -101,7 +118,7 @@ def with_apertures(fields: PortFields, mirror_width: float | None = None) -> Por
 
 def aperture_solver(stator: Stator, mirror_width: float | None = None) -> Solve | None:
     """What solves a stator's network for finite apertures; None beyond the limits above."""
-    if stator.ends != "absorbing" or not isotropic_about_normal(stator.solid):
+    if stator.pieces or stator.ends != "absorbing" or not isotropic_about_normal(stator.solid):
         return None
     return partial(_solved, mirror_width=mirror_width)
 
@@ -111,6 +128,8 @@ def _solved(
 ) -> tuple[Network, PortSolution]:
     """The network with a potential for every finger, and the fields of its ports."""
     section = network.modes.section
+    surface = network.modes.wavenumbers[network.modes.rayleigh].real.mean() / section.length_unit
+    refuse_short_apertures(transducers, 2 * np.pi / surface)
     segments = network.segments[1:-1]
     kept = network.survivors(float(np.diff(segments, axis=1).min())) if len(segments) else np.empty(0, int)
     m = len(kept)
@@ -221,7 +240,7 @@ def _response(
     reactions = scatterer.superelement.matrix[2 * n :] @ sides
     by_waves, by_fingers = reactions[:, : 2 * m], reactions[:, 2 * m :]
     # one potential on all fingers of a floating section makes no charge
-    gauge = abs(np.diag(by_fingers)).mean() / fingers if modes.section.floating_potential else 0.0
+    gauge = abs(np.diag(by_fingers)).sum() / max(fingers, 1) ** 2 if modes.section.floating_potential else 0.0
     dipole = np.linalg.solve((by_fingers + gauge).T, (dipoles @ sides[:, 2 * m :]).T).T
     charges, mixed, moments, polarisability = change
     gradient = mixed.T + moments @ dipole  # by the charges

@@ -29,7 +29,7 @@ from fem.beam.charges import MAX_PHASE, ElectrodeCharges, Fingers, electrode_cha
 from fem.beam.cut_source import CutSource, cut_source
 from fem.beam.faces import Faces, faces
 from fem.beam.line_source import Branch, LineSource, line_source
-from fem.beam.reception import with_apertures
+from fem.beam.reception import refuse_short_apertures, with_apertures
 from fem.circuit import Circuit
 from fem.geometry import Stator
 from fem.materials import isotropic_about_normal
@@ -323,7 +323,7 @@ class SurfaceBeam:
         if self.source.static == 0:
             return out
         for charges, aperture, center in zip(self.charges, self.apertures, self.centers, strict=True):
-            nodes, charge = charges.pairs
+            nodes, charge = charges.lumps
             for start in range(0, len(x), CHUNK):
                 some = slice(start, start + CHUNK)
                 distance = np.subtract.outer(x[some], nodes)
@@ -346,6 +346,8 @@ class _Nodes(NamedTuple):
 
 def beam_refusal(stator: Stator) -> str:
     """Why the field in three dimensions of a stator is not known, in a sentence; empty where it is."""
+    if stator.pieces:
+        return "the field in three dimensions of a stator with meshed pieces is not computed"
     if stator.ends != "absorbing" and not isotropic_about_normal(stator.solid):
         return (
             f"in this cut the field in three dimensions needs stator.ends = 'absorbing', got {stator.ends!r}"
@@ -441,11 +443,14 @@ def surface_beam(wave: SurfaceWave, *, mirror_width: float | None = None) -> Sur
     ------
     BeamError
         For free or clamped ends in cuts that are not isotropic about z, and a width smaller than an aperture.
+    InputError
+        For an aperture below half a wavelength.
     """
     solution = wave.solution
     refusal = beam_refusal(solution.fields.stator)
     if refusal:
         raise BeamError(refusal)
+    refuse_short_apertures(solution.fields.transducers, wave.phase_velocity / wave.frequency)
     apertures = tuple(each.aperture for each in solution.fields.transducers)
     if mirror_width is not None and not max(apertures) <= mirror_width < np.inf:
         raise BeamError(

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.input_error import InputError
+
 EQUAL = 1e-9  # relative difference of stored energies that is rounding
 
 
@@ -36,9 +38,9 @@ class Element:
 
     def __post_init__(self):
         if self.place not in ("series", "shunt") or self.kind not in ("L", "C", "R"):
-            raise ValueError(f"an element must be a series or shunt L, C or R, got {self.place}_{self.kind}")
+            raise InputError("element", f"must be a series or shunt L, C or R, got {self.place}_{self.kind}")
         if not (np.isfinite(self.value) and self.value > 0 and self.quality > 0):
-            raise ValueError(f"an element must have a positive value and quality, got {self}")
+            raise InputError("element", "must have a positive value and quality", self)
 
     def impedance(self, omega: float) -> complex:
         """Impedance in ohm at an angular frequency in rad/s."""
@@ -110,9 +112,9 @@ def best_match(source: complex, admittance: complex, frequency: float) -> Ladder
     series_L 1.092e-06
     """
     if not source.real > 0:
-        raise ValueError(f"a match needs a source with a resistance, got {source:g} ohm")
+        raise InputError("match", "needs a source with a resistance", source, "ohm")
     if not admittance.real > 0:
-        raise ValueError(f"a match needs a load that takes power, got an admittance of {admittance:g} S")
+        raise InputError("match", f"needs a load that takes power, got an admittance of {admittance:g} S")
     omega, found = 2 * np.pi * frequency, []
     # Seen towards the load the section must be the conjugate of the source's impedance.
     for susceptance in _partners(admittance.real, source.real):  # shunt at the load, then series

@@ -14,6 +14,7 @@ import numpy as np
 
 from fem.circuit.ladder import Ladder, carried
 from fem.geometry import Transducer
+from fem.input_error import InputError
 
 MATCHING_ROUNDS = (
     200  # load and source in turn; each round multiplies the error by the gain to and fro, below 1
@@ -46,14 +47,14 @@ class Drive:
 
     def __post_init__(self):
         if not self.sources:
-            raise ValueError("sources must name at least one transducer, got none")
+            raise InputError("sources", "must name at least one transducer, got none")
         for name, amplitude in self.sources.items():
             if not np.isfinite(amplitude):
-                raise ValueError(f"sources.{name} must be finite, got {amplitude!r}")
+                raise InputError(f"sources.{name}", "must be finite", amplitude)
         if not any(self.sources.values()):
-            raise ValueError("sources must have at least one amplitude that is not 0")
+            raise InputError("sources", "must have at least one amplitude that is not 0")
         if not np.isfinite(self.impedance):
-            raise ValueError(f"the source impedance must be finite, got {self.impedance!r} ohm")
+            raise InputError("source_impedance", "must be finite", self.impedance, "ohm")
 
 
 def as_drive(drive: "str | Drive") -> Drive:
@@ -176,9 +177,11 @@ def solve_circuit(
     everyone = {transducer.name: transducer for transducer in transducers}
     for name in drive.sources:
         if name not in everyone:
-            raise ValueError(f"the driven transducer must be one of {', '.join(everyone)}, got {name!r}")
+            raise InputError("sources", f"must name transducers of the stator, {', '.join(everyone)}", name)
         if name not in names:
-            raise ValueError(f"the driven transducer must have two electrodes, but {name!r} has not")
+            raise InputError(
+                "sources", f"must name transducers that have two electrodes, but {name!r} has not"
+            )
     size, omega = len(names), 2 * np.pi * frequency
     across, along = _source_rows(drive, omega)
     system, source = np.eye(size, dtype=complex), np.zeros(size, dtype=complex)
@@ -248,7 +251,7 @@ def matched_load(
     for _ in range(MATCHING_ROUNDS):
         own = shown(receiver, dict.fromkeys(drive.sources, source))
         if not own.real > 0:
-            raise ValueError(f"a matched load needs a transducer that shows a resistance, got {own:g} S")
+            raise InputError("matched_load", f"needs a transducer that shows a resistance, got {own:g} S")
         load = 1 / own.conjugate()
         if not source_matched:
             break

@@ -6,6 +6,8 @@ A file of two ports lists S11 S21 S12 S22, others go row by row, four pairs to a
 
 import numpy as np
 
+from fem.input_error import InputError
+
 UNITS = {"hz": 1.0, "khz": 1e3, "mhz": 1e6, "ghz": 1e9}
 PAIRS = 4  # on a line
 
@@ -55,7 +57,7 @@ def read_touchstone(text: str, ports: int) -> tuple[np.ndarray, np.ndarray, floa
     for line in text.splitlines():
         content = line.partition("!")[0].split()
         if content and content[0].startswith("["):
-            raise ValueError(f"must be a Touchstone file of version 1, got the keyword {content[0]}")
+            raise InputError("file", f"must be a Touchstone file of version 1, got the keyword {content[0]}")
         if content and content[0].startswith("#"):
             given = " ".join(content).lstrip("#").lower().split()
             options = _options(given, options)
@@ -66,10 +68,10 @@ def read_touchstone(text: str, ports: int) -> tuple[np.ndarray, np.ndarray, floa
     try:
         table = np.array([float(number) for number in numbers])
     except ValueError:
-        raise ValueError(f"must hold numbers only beside comments and options, got {numbers[:3]}") from None
+        raise InputError("file", "must hold numbers only beside comments and options", numbers[:3]) from None
     if len(table) == 0 or len(table) % width:
-        raise ValueError(
-            f"must have {width} numbers for each frequency of {ports} ports, got {len(table)} in all"
+        raise InputError(
+            "file", f"must have {width} numbers for each frequency of {ports} ports, got {len(table)} in all"
         )
     table = table.reshape(-1, width)
     one, other = table[:, 1::2], table[:, 2::2]
@@ -94,5 +96,7 @@ def _options(given: list[str], options: list[str]) -> list[str]:
         elif word == "r" and given:
             options[4] = given.pop(0)
         elif word != "s":
-            raise ValueError(f"must hold S-parameters in Hz to GHz as RI, MA or DB, got the option {word!r}")
+            raise InputError(
+                "file", f"must hold S-parameters in Hz to GHz as RI, MA or DB, got the option {word!r}"
+            )
     return options

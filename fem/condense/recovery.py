@@ -9,8 +9,11 @@ apart from everything the solution was made with, so that
 is an audit of the whole solve, and not an identity of one matrix.
 """
 
+from functools import cached_property
+
 import numpy as np
 
+from fem.condense.join import alike_columns
 from fem.condense.superelement import (
     Column,
     ElementSets,
@@ -21,7 +24,7 @@ from fem.condense.superelement import (
 )
 from fem.discretize.forms import element_matrix
 from fem.discretize.section import FIELD_COLUMN
-from fem.discretize.spectral import gll_nodes
+from fem.discretize.spectral import gll_nodes, lagrange
 
 
 class ColumnField:
@@ -76,6 +79,55 @@ class ColumnField:
         between = self.column.faces[section.surface // section.order][:, fields] - len(sides)
         inside = self.column.faces_from[between] @ sides
         return np.concatenate([sides[None, corner], inside, sides[None, corner + section.size]])
+
+
+class ColumnsField:
+    """Field of a superelement of columns for given lines and electrode potentials; lengths in the section's unit."""
+
+    def __init__(self, superelement: Superelement, sides: np.ndarray):
+        kinds: dict[tuple, tuple] = {}
+        for part, starts, own in alike_columns(superelement, sides):
+            _column, places, values = kinds.setdefault(
+                (part.width, part.column.electrode), (part.column, [], [])
+            )
+            places.append(starts)
+            values.append(own)
+        # recovery, left edges from that of the superelement (places,), sides (2 n + 2, places)
+        self.kinds = [
+            (ColumnField(column), np.concatenate(places), np.concatenate(values, axis=-1))
+            for column, places, values in kinds.values()
+        ]
+
+    def loss(self) -> float:
+        """Power lost between the lines, scaled."""
+        return sum(recovery.loss(sides) for recovery, _, sides in self.kinds)
+
+    def in_row(self, of) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Columns from left to right: left edges and widths, fields (columns, ...).
+
+        ``of``: recovery and sides of some columns -> their fields, shape (..., columns).
+        """
+        starts, widths, values = [], [], []
+        for recovery, left, sides in self.kinds:
+            starts.append(left)
+            widths.append(np.full(len(left), recovery.column.width))
+            values.append(np.moveaxis(of(recovery, sides), -1, 0))
+        in_row = np.argsort(np.concatenate(starts))
+        return tuple(np.concatenate(each)[in_row] for each in (starts, widths, values))
+
+    @cached_property
+    def surface_nodes(self) -> tuple[np.ndarray, np.ndarray]:
+        """Edges of the columns, and u_x and u_z at their surface nodes, (columns, order + 1, 2)."""
+        start, width, values = self.in_row(ColumnField.surface_motion)
+        return np.append(start, start[-1] + width[-1]), values
+
+    def motion(self, x: np.ndarray) -> np.ndarray:
+        """u_x and u_z of the surface at places x from the left edge, shape (2, places)."""
+        edges, values = self.surface_nodes
+        columns = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(values) - 1)
+        local = (x - edges[columns]) / (edges[columns + 1] - edges[columns])
+        basis, _ = lagrange(values.shape[1] - 1, local)
+        return np.einsum("pi,pif->fp", basis, values[columns])
 
 
 def finger_dipole(cell: Superelement) -> np.ndarray:

@@ -48,6 +48,7 @@ class Superelement:
     expand: Callable[[np.ndarray], tuple["Superelement", np.ndarray]] | None = field(default=None, repr=False)
     # shape (2 n + 2,): for half a finger's cell on reduced lines: `fem.condense.recovery.finger_moment`
     moment: np.ndarray | None = field(default=None, repr=False)
+    floating_potential = False  # the electrodes' potentials hold that of the lines
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -125,12 +125,15 @@ def units(solid: Solid) -> tuple[float, float]:
     return stress, float(np.sqrt(stress / np.max(np.diag(solid.permittivity))))
 
 
-def medium(solid: Solid, fields: tuple[str, ...], *, lossy: bool = True) -> Medium:
+def medium(
+    solid: Solid, fields: tuple[str, ...], *, lossy: bool = True, scales: tuple[float, float] | None = None
+) -> Medium:
     """Scaled coefficients of a solid in the stator's frame for some fields; real tables where there is no loss.
 
-    ``lossy``: complex moduli if the solid has loss.
+    ``lossy``: complex moduli if the solid has loss; ``scales``: stress and potential unit, by default `units` of the
+    solid itself.
     """
-    stress, potential = units(solid)
+    stress, potential = scales or units(solid)
     stiffness = solid.stiffness_lossy if lossy else solid.stiffness
     permittivity = solid.permittivity_lossy if lossy else solid.permittivity
     law = np.block(

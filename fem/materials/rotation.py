@@ -13,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from fem.input_error import InputError
 from fem.materials.solids import Solid
 
 # [phi, theta, psi] in degrees.  X and YZ send crystal axis 3 along x; the normal is -1 for X and +2 for YZ.
@@ -43,8 +44,8 @@ def rotation_matrix(orientation: Orientation) -> np.ndarray:
     if isinstance(orientation, str):
         if orientation not in ORIENTATIONS:
             names = ", ".join(ORIENTATIONS)
-            raise ValueError(
-                f"orientation must be one of {names} or [phi, theta, psi] degrees, got {orientation!r}"
+            raise InputError(
+                "orientation", f"must be one of {names} or [phi, theta, psi] degrees", orientation
             )
         orientation = ORIENTATIONS[orientation]
     try:
@@ -52,7 +53,7 @@ def rotation_matrix(orientation: Orientation) -> np.ndarray:
     except (TypeError, ValueError):
         angles = np.empty(0)
     if angles.shape != (3,) or not np.all(np.isfinite(angles)):
-        raise ValueError(f"orientation must be three finite angles in degrees, got {orientation!r}")
+        raise InputError("orientation", "must be three finite angles in degrees", orientation)
     phi, theta, psi = angles
     return _about_z(psi) @ _about_z(theta)[np.ix_([2, 0, 1], [2, 0, 1])] @ _about_z(phi)
 

@@ -11,6 +11,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fem.input_error import InputError
+
 VACUUM_PERMITTIVITY = 8.8541878188e-12  # F/m, CODATA 2022
 _ASYMMETRY = 1e-9  # relative; a mistyped digit is larger, the rounding of a rotation smaller
 _SHAPES = {"stiffness": (6, 6), "coupling": (3, 6), "permittivity": (3, 3)}
@@ -61,11 +63,11 @@ class Solid:
         for key in ("density", "mechanical_quality", "dielectric_loss"):
             object.__setattr__(self, key, float(getattr(self, key)))
         if not (np.isfinite(self.density) and self.density > 0):
-            raise ValueError(f"density must be positive and finite, got {self.density!r} kg/m3")
+            raise InputError("density", "must be positive and finite", self.density, "kg/m3")
         if not self.mechanical_quality > 0:
-            raise ValueError(f"mechanical_quality must be positive, got {self.mechanical_quality!r}")
+            raise InputError("mechanical_quality", "must be positive", self.mechanical_quality)
         if not (np.isfinite(self.dielectric_loss) and self.dielectric_loss >= 0):
-            raise ValueError(f"dielectric_loss must be 0 or positive, got {self.dielectric_loss!r}")
+            raise InputError("dielectric_loss", "must be 0 or positive", self.dielectric_loss)
 
     @property
     def is_piezoelectric(self) -> bool:
@@ -164,9 +166,9 @@ def isotropic(
         Naming the constant, the rule, the value and the unit.
     """
     if not (np.isfinite(youngs_modulus) and youngs_modulus > 0):
-        raise ValueError(f"youngs_modulus must be positive and finite, got {youngs_modulus!r} Pa")
+        raise InputError("youngs_modulus", "must be positive and finite", youngs_modulus, "Pa")
     if not -1 < poisson_ratio < 0.5:
-        raise ValueError(f"poisson_ratio must lie between -1 and 0.5, got {poisson_ratio!r}")
+        raise InputError("poisson_ratio", "must lie between -1 and 0.5", poisson_ratio)
     shear = youngs_modulus / (2 * (1 + poisson_ratio))
     lame = 2 * shear * poisson_ratio / (1 - 2 * poisson_ratio)
     stiffness = np.diag([2 * shear] * 3 + [shear] * 3)
@@ -192,10 +194,10 @@ def _table(key: str, value: ArrayLike, unit: str) -> np.ndarray:
     if table is None or table.shape != shape:
         form = f"a table of {shape[0]} rows of {shape[1]} numbers ({unit})"
         given = repr(value)[:60] if table is None else f"one of shape {table.shape}"
-        raise ValueError(f"{key} must be {form}, got {given}")
+        raise InputError(key, f"must be {form}, got {given}")
     if not np.all(np.isfinite(table)):
         place = tuple(int(i) + 1 for i in np.argwhere(~np.isfinite(table))[0])
-        raise ValueError(f"{key} must be finite; entry {place} is {table[place[0] - 1, place[1] - 1]} {unit}")
+        raise InputError(key, f"must be finite; entry {place} is {table[place[0] - 1, place[1] - 1]} {unit}")
     return table
 
 
@@ -205,9 +207,9 @@ def _positive_definite(key: str, table: np.ndarray, unit: str) -> np.ndarray:
     i, j = (int(k) for k in np.unravel_index(np.argmax(skew), skew.shape))
     if skew[i, j] > _ASYMMETRY * np.abs(table).max():
         places = f"entries ({i + 1}, {j + 1}) and ({j + 1}, {i + 1})"
-        raise ValueError(f"{key} must be symmetric; {places} are {table[i, j]:g} and {table[j, i]:g} {unit}")
+        raise InputError(key, f"must be symmetric; {places} are {table[i, j]:g} and {table[j, i]:g} {unit}")
     table = (table + table.T) / 2
     smallest = float(np.linalg.eigvalsh(table)[0])
     if not smallest > 0:
-        raise ValueError(f"{key} must be positive definite; its smallest eigenvalue is {smallest:.3g} {unit}")
+        raise InputError(key, f"must be positive definite; its smallest eigenvalue is {smallest:.3g} {unit}")
     return table

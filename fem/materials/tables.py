@@ -11,6 +11,7 @@ from functools import cache
 
 import numpy as np
 
+from fem.input_error import InputError
 from fem.materials.solids import VACUUM_PERMITTIVITY, Solid, isotropic
 
 # Constants of each symmetry class in the order of the tables below, and which of them stands where; "-" turns the sign,
@@ -157,4 +158,4 @@ def material(name: str) -> Solid:
     by_folded = {known.casefold(): known for known in solids}
     close = get_close_matches(str(name).casefold(), by_folded, n=1, cutoff=0.0)
     nearest = f"; the nearest known one is {by_folded[close[0]]!r}" if close else ""
-    raise ValueError(f"material must be in the catalogue ({', '.join(solids)}), got {name!r}{nearest}")
+    raise InputError("material", f"must be in the catalogue ({', '.join(solids)}), got {name!r}{nearest}")

@@ -129,9 +129,9 @@ def bases_of(
         found = []
         for part in fields_seen:
             own = group[np.any(part[group], axis=1)]  # without a finger's potential, which is its electrode's
-            here = part[own] / abs(part).max()
-            values, vectors = np.linalg.eigh(np.real(here @ np.conj(here.T)))
-            found.append((own, vectors[:, ::-1], np.sqrt(np.maximum(values[::-1], 0.0))))
+            here = np.hstack([part[own].real, part[own].imag]) / abs(part).max()
+            vectors, values, _ = np.linalg.svd(np.linalg.qr(here.T, mode="r").T)
+            found.append((own, vectors, values))
         count = max(int(np.sum(values > kept * values[0])) for _, _, values in found)
         count = min(count, *(len(own) for own, _, _ in found))
         for side, (own, vectors, _) in enumerate(found):

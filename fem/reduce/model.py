@@ -11,10 +11,12 @@ the reduced lines are lifted to them.
 """
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 
 from fem.circuit import Drive
+from fem.condense.recovery import ColumnsField
 from fem.condense.superelement import Superelement
 from fem.condense.transducer import Condensation, FingerShape, half_cells
 from fem.discretize.grading import Resolution
@@ -22,7 +24,7 @@ from fem.discretize.spectral import lagrange_weights
 from fem.geometry import Stator, Transducer
 from fem.reduce.basis import WALL_WIDTH, ReducedSection, even_rows
 from fem.results.solution import Solution, driven_solution
-from fem.waveguide.ends import EndPieces, Walls, end_pieces
+from fem.waveguide.ends import EndPieces, Wall, end_pieces
 from fem.waveguide.modes import guided_modes
 from fem.waveguide.port_fields import PortFields, Solve, joined_fields
 
@@ -58,12 +60,13 @@ class FullPieces:
         lifted = np.concatenate([lines[0] @ sides[:r], lines[1] @ sides[r : 2 * r], sides[2 * r :]])
         return self._halves[shape][side], lifted
 
-    def end(self, side: int, line: np.ndarray) -> tuple[Superelement, np.ndarray]:
-        """Return the columns beside the left (0) or right (1) end, and their sides from the reduced inner line."""
+    def end(self, side: int, line: np.ndarray):
+        """Return the field in the columns beside the left (0) or right (1) end, from the reduced inner line."""
         model, full = self.model, self.model.section.full
         if self._ends is None:
             self._ends = end_pieces(full, self.frequency, model.stator, model.resolution, width=WALL_WIDTH)
-        return self._ends.superelements[side], self._ends.sides(side, model.section.lift(line))
+        sides = self._ends.sides(side, model.section.lift(line))
+        return ColumnsField(self._ends.superelements[side], sides)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,15 +98,18 @@ class ReducedModel:
         pieces = even_rows(make, self.transducers, lambda shape: self._cell(make, shape, weights, full))
         walls = None
         if self.walls is not None:
-            matrices = tuple(np.tensordot(weights, self.walls, axes=1))
-            walls = Walls(matrices=matrices, width=WALL_WIDTH, recover=full.end)
+            matrices = np.tensordot(weights, self.walls, axes=1)
+            walls = tuple(
+                Wall(matrix=matrix, recover=partial(full.end, side)) for side, matrix in enumerate(matrices)
+            )
         return joined_fields(
             self.stator,
             self.transducers,
             pieces,
             modes=guided_modes(self.section, frequency),
             resolution=self.resolution,
-            walls=walls,
+            ends=walls,
+            inset=0.0 if walls is None else WALL_WIDTH,
             solve=solve,
         )
 

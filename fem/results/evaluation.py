@@ -4,14 +4,12 @@ from collections.abc import Callable
 
 import numpy as np
 
-from fem.condense.join import alike_columns
 from fem.condense.recovery import ColumnField
-from fem.condense.superelement import Superelement
 from fem.results.solution import Solution
-from fem.results.surface import MeshedPiece, Surface, UniformSegment
-from fem.waveguide.ends import Walls
+from fem.results.surface import CondensedPiece, Surface, UniformSegment
+from fem.waveguide.ends import Wall
 
-ENDS = (-1, -2)  # "transducer" numbers of the left and the right end where they are columns of elements
+ENDS = (-1, -2)  # "scatterer" numbers of the left and the right end where they are condensed pieces
 
 
 def surface_of(solution: Solution, solve: Callable[[], Solution] | None = None) -> Surface:
@@ -32,26 +30,69 @@ def surface_of(solution: Solution, solve: Callable[[], Solution] | None = None) 
 
 def _pieces(solution: Solution, solve: Callable[[], Solution]) -> tuple:
     """Pieces of the surface from left to right, in m and m per volt."""
-    network = solution.fields.network
-    unit = solution.fields.section.length_unit
+    fields = solution.fields
+    network, length = fields.network, fields.stator.length
     segments = [_segment(solution, index) for index in range(len(network.scatterers) + 1)]
 
-    def meshed(start: float, stop: float, index: int, beside: UniformSegment | None = None) -> MeshedPiece:
-        return MeshedPiece(
-            start=start, stop=stop, beside=beside, recover=lambda: _surface_columns(solve(), index)
+    def condensed(start: float, stop: float, index: int, **rest) -> CondensedPiece:
+        unit = fields.section.length_unit
+        origin = start if np.isfinite(start) else stop
+        return CondensedPiece(
+            start=start,
+            stop=stop,
+            recover=lambda: _in_metres(recovered(solve(), index), origin, unit),
+            **rest,
         )
 
     pieces: list = []
     for index, segment in enumerate(segments):
         if index:
-            pieces.append(meshed(segments[index - 1].stop, segment.start, index - 1))
+            meshed = fields.owners[index - 1] is None
+            span = segments[index - 1].stop, segment.start
+            pieces.append(condensed(*span, index - 1, transducer=not meshed))
         pieces.append(segment)
-    if isinstance(network.ends, Walls):
-        width = network.ends.width * unit
-        pieces.insert(0, meshed(0.0, width, ENDS[0], segments[0]))
-        length = solution.fields.stator.length
-        pieces.append(meshed(length - width, length, ENDS[1], segments[-1]))
+    for side, wall in enumerate(network.ends):
+        if not isinstance(wall, Wall):
+            continue
+        beside = segments[-side]
+        meshed = fields.stator.placement.ends[side] if fields.stator.pieces else None
+        span = (0.0, beside.start) if side == 0 else (beside.stop, length)
+        if meshed is not None:
+            low, high = meshed.extent
+            span = (low, beside.start) if side == 0 else (beside.stop, high)
+        piece = condensed(*span, ENDS[side], beside=None if meshed else beside, transducer=False)
+        outside = [] if wall.beyond is None else [_beyond(solution, side, length)]
+        pieces = [*outside, piece, *pieces] if side == 0 else [*pieces, piece, *outside]
     return tuple(pieces)
+
+
+def _in_metres(field, origin: float, unit: float) -> Callable[[np.ndarray], np.ndarray]:
+    """Surface motion of a recovered field as a function of x in m."""
+    return lambda x: field.motion((x - origin) / unit)
+
+
+def _beyond(solution: Solution, side: int, length: float) -> UniformSegment:
+    """The stator of another thickness behind a step: what leaves there."""
+    wall, unit = solution.fields.network.ends[side], solution.fields.section.length_unit
+    outside = wall.beyond
+    modes, line = outside.modes, outside.far_line @ end_line(solution, side)
+    right, left = (np.zeros(len(line), dtype=complex) for _ in range(2))
+    if side:
+        right = modes.right_amplitudes(line)
+    else:
+        left = modes.left_amplitudes(line)
+    place = outside.place * unit
+    return UniformSegment(
+        start=place if side else min(0.0, place),
+        stop=max(length, place) if side else place,
+        right=right,
+        left=left,
+        wavenumbers=modes.wavenumbers / unit,
+        backwards=modes.backwards / unit,
+        right_shapes=modes.section.surface_rows @ modes.right,
+        left_shapes=modes.section.surface_rows @ modes.left,
+        rayleigh=modes.rayleigh,
+    )
 
 
 def _segment(solution: Solution, index: int) -> UniformSegment:
@@ -84,9 +125,9 @@ def _amplitudes(solution: Solution, index: int) -> tuple[np.ndarray, np.ndarray]
     if index < last:
         out = solution.sides(index)[:n] - solution.incoming(index)[:n]
         left = modes.left_amplitudes(out)
-    if network.ends != "absorbing" and index == 0:
+    if network.reflections[0] is not None and index == 0:
         right = _reflected(network, 0, left * np.exp(1j * modes.backwards * length))
-    if network.ends != "absorbing" and index == last:
+    if network.reflections[1] is not None and index == last:
         left = _reflected(network, 1, right * np.exp(-1j * modes.wavenumbers * length))
     return right, left
 
@@ -96,12 +137,9 @@ def _reflected(network, side, at_end):
     return sent @ at_end[arriving]
 
 
-def _superelement(solution: Solution, index: int) -> tuple[Superelement, np.ndarray, float]:
-    """Superelement of a transducer or of an end (`ENDS`), its sides, and where it begins in length units."""
+def end_line(solution: Solution, side: int) -> np.ndarray:
+    """Unknowns of the line where the uniform stator meets an end that is a condensed piece."""
     modes, network = solution.fields.modes, solution.fields.network
-    if index not in ENDS:
-        return network.scatterers[index].superelement, solution.sides(index), network.places[index]
-    side = ENDS.index(index)
     right, left = _amplitudes(solution, len(network.scatterers) if side else 0)
     here, stop = network.segments[-side]
     if side:
@@ -111,22 +149,35 @@ def _superelement(solution: Solution, index: int) -> tuple[Superelement, np.ndar
     (left if side else right)[modes.wavenumbers == 0] = (
         0.0  # a matter of gauge: the potential refers to the transducer
     )
-    line = modes.right @ right + modes.left @ left
-    superelement, sides = network.ends.recover(side, line)
-    return superelement, sides, stop if side else 0.0
+    return modes.right @ right + modes.left @ left
+
+
+def recovered(solution: Solution, index: int):
+    """Field inside a scatterer or an end (`ENDS`): `fem.condense.piece.RecoveredField`."""
+    network = solution.fields.network
+    if index in ENDS:
+        side = ENDS.index(index)
+        return network.ends[side].recover(end_line(solution, side))
+    return network.scatterers[index].recover(solution.sides(index))
+
+
+def left_edge(solution: Solution, index: int) -> float:
+    """Where a scatterer or an end that is a condensed piece begins, m."""
+    network, unit = solution.fields.network, solution.fields.section.length_unit
+    if index not in ENDS:
+        return network.places[index] * unit
+    side = ENDS.index(index)
+    ends = solution.fields.stator.placement.ends
+    if side == 0:
+        return 0.0 if ends[0] is None else ends[0].extent[0]
+    return network.stop * unit
 
 
 def column_fields(solution: Solution, index: int):
-    """Columns of a transducer or of an end by kind: (recovery, left edges in m, sides (2 n + 2, places))."""
+    """Columns of a transducer by kind: (recovery, left edges in m, sides (2 n + 2, places))."""
     unit = solution.fields.section.length_unit
-    superelement, sides, begin = _superelement(solution, index)
-    kinds: dict[tuple, tuple] = {}
-    for part, starts, own in alike_columns(superelement, sides, begin):
-        column, places, found = kinds.setdefault((part.width, part.column.electrode), (part.column, [], []))
-        places.append(starts * unit)
-        found.append(own)
-    for column, places, found in kinds.values():
-        yield ColumnField(column), np.concatenate(places), np.concatenate(found, axis=-1)
+    for recovery, starts, sides in recovered(solution, index).kinds:
+        yield recovery, left_edge(solution, index) + starts * unit, sides
 
 
 def columns_in_row(
@@ -136,16 +187,6 @@ def columns_in_row(
 
     ``of``: recovery and sides of some columns -> their fields, shape (..., columns).
     """
-    starts, widths, values = [], [], []
-    for recovery, left, sides in column_fields(solution, index):
-        starts.append(left)
-        widths.append(np.full(len(left), recovery.column.width * solution.fields.section.length_unit))
-        values.append(np.moveaxis(of(recovery, sides), -1, 0))
-    in_row = np.argsort(np.concatenate(starts))
-    return tuple(np.concatenate(each)[in_row] for each in (starts, widths, values))
-
-
-def _surface_columns(solution: Solution, index: int) -> tuple[np.ndarray, np.ndarray]:
-    """Edges of the columns of a transducer or an end (m), and u_x and u_z at their surface nodes, left to right."""
-    start, width, motion = columns_in_row(solution, index, ColumnField.surface_motion)
-    return np.append(start, start[-1] + width[-1]), motion
+    unit = solution.fields.section.length_unit
+    starts, widths, values = recovered(solution, index).in_row(of)
+    return left_edge(solution, index) + starts * unit, widths * unit, values

@@ -14,7 +14,7 @@ from fem.results.densities import Densities, densities, shared, upward_slope
 from fem.results.evaluation import ENDS, columns_in_row
 from fem.results.segment_modes import FreeWave
 from fem.results.solution import Solution
-from fem.results.surface import MeshedPiece
+from fem.results.surface import CondensedPiece
 from fem.results.surface_wave import SurfaceWave
 
 SAME_LINE = 1e-6  # of the lines' distance: places nearer than this are one
@@ -94,7 +94,7 @@ def wave_field(
     for piece in wave.pieces:
         start, stop = max(piece.start, low), min(piece.stop, high)
         seen = start < stop
-        if isinstance(piece, MeshedPiece):
+        if isinstance(piece, CondensedPiece):
             end = piece.beside is not None
             if seen:
                 which = ENDS[transducer > 0] if end else transducer

@@ -14,8 +14,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from fem.results.evaluation import column_fields
+from fem.results.evaluation import end_line, recovered
 from fem.results.solution import Solution
+from fem.waveguide.ends import Wall
 from fem.waveguide.modes import power
 
 
@@ -54,9 +55,10 @@ def power_balance(solution: Solution) -> PowerBalance:
     fields, circuit = solution.fields, solution.circuit
     modes, n = fields.modes, fields.section.size
     frequency = modes.frequency
+    unit = fields.section.solid.stress_unit
     apertures = [
-        fields.section.solid.stress_unit * (each.aperture if fields.own_apertures else circuit.aperture)
-        for each in fields.transducers
+        unit * (fields.transducers[owner].aperture if fields.own_apertures else circuit.aperture)
+        for owner in fields.owners
     ]
     worst, lost_under, into_loads, through = 0.0, 0.0, 0.0, []
     for index, (scatterer, aperture) in enumerate(zip(fields.network.scatterers, apertures, strict=True)):
@@ -70,10 +72,14 @@ def power_balance(solution: Solution) -> PowerBalance:
         )
         reaction = scatterer.superelement.matrix[2 * n :] @ sides
         taken = aperture * np.pi * frequency * np.imag(np.sum(reaction * np.conj(sides[2 * n :])))
-        lost = aperture * sum(recovery.loss(places) for recovery, _, places in column_fields(solution, index))
+        lost = aperture * recovered(solution, index).loss()
         worst = max(worst, abs(taken - (fluxes[1] - fluxes[0]) - lost))
-        name = fields.transducers[index].name
+        owner = fields.owners[index]
+        names = [fields.transducers[owner].name] if owner is not None else []
+        if owner is None:
+            names = [port.name[:-1] for port in scatterer.superelement.ports]
         beyond = 0.0
+        name = names[0] if names else ""
         if fields.own_apertures:
             at_port = 0.0
             if name in circuit.names:
@@ -81,12 +87,19 @@ def power_balance(solution: Solution) -> PowerBalance:
                 at_port = 0.5 * np.real(circuit.voltages[port] * np.conj(circuit.currents[port]))
             beyond, taken = at_port - taken, at_port
         lost_under += lost
-        into_loads -= 0.0 if name in circuit.driven else taken
+        into_loads -= 0.0 if not name or name in circuit.driven else taken
         through.append((fluxes[0] - beyond / 2, fluxes[1] + beyond / 2))
-    left, right = -through[0][0], through[-1][1]
+    leaving = [-through[0][0], through[-1][1]]
     between = sum(one[1] - other[0] for one, other in pairwise(through))
-    if fields.network.ends != "absorbing":  # what leaves towards an end is lost on the way there and back
-        between, left, right = between + left + right, 0.0, 0.0
+    for side, end in enumerate(fields.network.ends):
+        if end == "absorbing":
+            continue
+        # what leaves towards an end is lost on the way there and back, or behind a step of thickness
+        behind = 0.0
+        if isinstance(end, Wall) and end.beyond is not None:
+            behind = unit * circuit.aperture * _behind(solution, side)
+        between, leaving[side] = between + leaving[side] - behind, behind
+    left, right = leaving
     return PowerBalance(
         input=circuit.power,
         solid=float(lost_under + between),
@@ -95,3 +108,12 @@ def power_balance(solution: Solution) -> PowerBalance:
         right=float(right),
         residual=worst / circuit.apparent_power,
     )
+
+
+def _behind(solution: Solution, side: int) -> float:
+    """Power that leaves behind a step of thickness, away from the stator, scaled."""
+    outside = solution.fields.network.ends[side].beyond
+    line = outside.far_line @ end_line(solution, side)
+    impedance = outside.modes.right_impedance if side else -outside.modes.left_impedance
+    flow = float(power(line, impedance @ line, outside.modes.frequency))
+    return flow if side else -flow

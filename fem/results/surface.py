@@ -1,6 +1,6 @@
 """Motion of the surface: complex u_x and u_z per volt of the drive, anywhere along the stator.
 
-Under a transducer the motion is a polynomial in every column of elements; between transducers it is a sum of guided
+On a condensed piece the motion is a polynomial in every element; between pieces it is a sum of guided
 modes, so that it is known at once at any x.  The Rayleigh part is the surface mode's share of that sum.  With
 exp(+i omega t) a wave that runs to +x has u_x = +i r u_z: retrograde, at the crest the surface moves against the wave.
 """
@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from fem.convergence import ConvergenceError
-from fem.discretize.spectral import lagrange
+from fem.input_error import InputError
 
 MAX_SAMPLES = 50_000  # along the whole surface
 # M per V; a resonant PZT stator reaches 1e-8: beyond this an answer is a numerical artefact
@@ -52,30 +52,25 @@ class UniformSegment:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MeshedPiece:
-    """A part of the surface with columns of elements: under a transducer, or an end of the stator."""
+class CondensedPiece:
+    """A part of the surface on a condensed piece: under a transducer, on a mesh, or an end of the stator."""
 
     # start, stop: m
     start: float
     stop: float
-    # returns the columns' edges (m), shape (columns + 1,), and u_x and u_z at their nodes, shape (columns,
-    # order + 1, 2); called when they are first asked for
-    recover: Callable[[], tuple[np.ndarray, np.ndarray]] = field(repr=False)
-    # for an end: the segment whose surface mode goes on in it.  None under a transducer.
+    # returns the motion as a function of x (m) -> (2, places); called when it is first asked for
+    recover: Callable[[], Callable[[np.ndarray], np.ndarray]] = field(repr=False)
+    # for an end of the plain section: the segment whose surface mode goes on in it
     beside: UniformSegment | None = field(default=None, repr=False)
+    transducer: bool = True  # whether fingers stand on it
 
     @cached_property
-    def columns(self) -> tuple[np.ndarray, np.ndarray]:
-        """Edges of the columns (m) and nodal values."""
+    def _motion(self) -> Callable[[np.ndarray], np.ndarray]:
         return self.recover()
 
     def motion(self, x: np.ndarray) -> np.ndarray:
         """u_x and u_z at places in the piece (m), shape (2, places)."""
-        edges, values = self.columns
-        columns = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, len(values) - 1)
-        local = (x - edges[columns]) / (edges[columns + 1] - edges[columns])
-        basis, _ = lagrange(values.shape[1] - 1, local)
-        return np.einsum("pi,pif->fp", basis, values[columns])
+        return self._motion(x)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,7 +83,7 @@ class Surface:
         Hz.
     length : float
         Of the stator, m.
-    pieces : tuple of UniformSegment and MeshedPiece
+    pieces : tuple of UniformSegment and CondensedPiece
         From left to right.
     phase_velocity : float
         Of the surface mode on the bare surface, m/s.
@@ -118,19 +113,18 @@ class Surface:
         """Part of the motion in the bare surface's mode, shape (2, *x.shape); a ValueError under a transducer."""
 
         def part(piece, at):
-            segment = piece.beside if isinstance(piece, MeshedPiece) else piece
+            segment = piece.beside if isinstance(piece, CondensedPiece) else piece
             if segment is None:
-                raise ValueError(
-                    f"x = {at[0]:g} m lies under a transducer: the Rayleigh part is not defined there"
-                )
+                where = "under a transducer" if piece.transducer else "on a meshed piece"
+                raise InputError("x", f"= {at[0]:g} m lies {where}: the Rayleigh part is not defined there")
             return segment.motion(at, only=segment.rayleigh)
 
         return self._gather(x, part)
 
     def covered(self, x: float) -> bool:
-        """Whether a place lies under a transducer."""
+        """Whether a place lies under a transducer or on a meshed piece."""
         return any(
-            isinstance(piece, MeshedPiece) and piece.beside is None and piece.start <= x <= piece.stop
+            isinstance(piece, CondensedPiece) and piece.beside is None and piece.start <= x <= piece.stop
             for piece in self.pieces
         )
 
@@ -152,7 +146,7 @@ class Surface:
 
     def standing_wave_ratio(self, x: float) -> float:
         """Largest over smallest |u_z| within one wavelength either side of x."""
-        reach = self.phase_velocity / self.frequency
+        reach = abs(self.phase_velocity) / self.frequency  # of a backward plate mode it is negative
         places = np.linspace(max(0.0, x - reach), min(self.length, x + reach), 401)
         size = abs(self.normal_at(places))
         return float(size.max() / size.min())
@@ -172,7 +166,7 @@ class Surface:
     def _gather(self, x, part):
         x = np.asarray(x, dtype=float)
         if not np.all((x >= 0) & (x <= self.length)):
-            raise ValueError(f"x must lie on the stator, 0 to {self.length:g} m, got {x[()]!r} m")
+            raise InputError("x", f"must lie on the stator, 0 to {self.length:g} m", x[()], "m")
         flat = x.reshape(-1)
         out = np.zeros((2, flat.size), dtype=complex)
         starts = np.array([piece.start for piece in self.pieces[1:]])

@@ -14,6 +14,7 @@ from fem.circuit import Drive
 from fem.convergence import ConvergenceError
 from fem.discretize.refinement import LEVELS, first_level
 from fem.geometry import Stator, Transducer, outer_gaps
+from fem.input_error import InputError
 from fem.reduce.model import ReducedModel
 from fem.reduce.projection import BandProblem, NodeSolutions, project, solve_at_nodes
 from fem.results.evaluation import surface_of
@@ -21,7 +22,7 @@ from fem.results.solution import Solution, driven_solution
 from fem.results.surface_wave import SurfaceWave, surface_wave
 from fem.solve.harmonic import check_driven, driven_wave, solution_differences
 from fem.threads import one_blas_thread, side_by_side
-from fem.waveguide.port_fields import Solve, solve_ports
+from fem.waveguide.port_fields import PortFields, Solve, solve_ports
 
 # Shares of the tolerance below which a singular value of the lines' fields is left out: at first, at last, and from
 # one attempt to the next.
@@ -66,12 +67,11 @@ class Band:
         Places under a transducer and beside a free or clamped end, the interior and the power balance take the time
         of a condensation when they are first asked for.
         """
-        solution = driven_solution(self.model.port_fields(frequency), drive)
         return surface_wave(
-            solution,
+            driven_solution(self._port_fields(frequency), drive),
             relative_error=self.relative_error,
             admittance_error=self.admittance_error,
-            solve=lambda: self.model.solution(frequency, drive),
+            solve=lambda: driven_solution(self._port_fields(frequency), drive),
         )
 
     def waves(self, frequencies: np.ndarray, drive: str | Drive) -> list[SurfaceWave]:
@@ -83,21 +83,21 @@ class Band:
 
         ``solve``: what solves the section's network, for instance `fem.beam.reception.aperture_solver`'s.
         """
+        return np.array(
+            side_by_side(
+                lambda frequency: self._port_fields(float(frequency), solve).admittances, frequencies
+            )
+        )
+
+    def _port_fields(self, frequency: float, solve: Solve | None = None) -> PortFields:
+        """Fields of the reduced model or, where its few lines cannot close the ends, of the full discretisation."""
         model = self.model
-
-        def at(frequency: float) -> np.ndarray:
-            try:
-                return model.port_fields(float(frequency), solve).admittances
-            except ConvergenceError:  # too few reduced lines to close the ends with, at this frequency
-                return solve_ports(
-                    model.stator,
-                    model.transducers,
-                    frequency=float(frequency),
-                    resolution=model.resolution,
-                    solve=solve,
-                ).admittances
-
-        return np.array(side_by_side(at, frequencies))
+        try:
+            return model.port_fields(frequency, solve)
+        except ConvergenceError:
+            return solve_ports(
+                model.stator, model.transducers, frequency=frequency, resolution=model.resolution, solve=solve
+            )
 
 
 @one_blas_thread
@@ -133,16 +133,23 @@ def frequency_band(
         If the tolerance is not met; the band comes with it, with the error that it has.
     """
     if not 0 < lowest < highest < np.inf:
-        raise ValueError(
-            f"the band must run from a lower to a higher frequency, got {lowest!r} to {highest!r} Hz"
+        raise InputError(
+            "band", f"must run from a lower to a higher frequency, got {lowest!r} to {highest!r} Hz"
         )
     check_driven(stator, transducers, highest, tolerance)
+    if stator.pieces:
+        raise InputError(
+            "piece",
+            "must be absent over a band of frequencies, and under a burst: solve one frequency at a time",
+        )
     transducers = tuple(sorted(transducers, key=lambda transducer: transducer.center))
     for transducer, gaps in zip(transducers, outer_gaps(stator, transducers), strict=True):
         if min(gaps) < (1 - 1e-9) * transducer.half_gap:
-            raise ValueError(
-                f"a band takes transducers with half a gap of bare surface on either side, "
-                f"{transducer.half_gap:g} m; {transducer.name!r} has {min(gaps):g} m"
+            raise InputError(
+                "transducer",
+                f"needs in a band half a gap of bare surface on either side, {transducer.half_gap:g} m, and has "
+                f"{min(gaps):g} m",
+                owner=transducer.name,
             )
     problem = BandProblem(
         stator=stator,

@@ -27,6 +27,7 @@ import numpy as np
 from fem.circuit import Drive
 from fem.convergence import ConvergenceError
 from fem.discretize.refinement import refine
+from fem.input_error import InputError
 from fem.results.surface_wave import SurfaceWave
 
 FLAT = 0.5  # of the way from the drive's frequency to either end of the band: up to here G = 1
@@ -197,7 +198,7 @@ def burst_response(
     """
     low, high = band.limits
     if not low < frequency < high:
-        raise ValueError(f"frequency must lie in the band, {low:g} to {high:g} Hz, got {frequency!r} Hz")
+        raise InputError("frequency", f"must lie in the band, {low:g} to {high:g} Hz", frequency, "Hz")
     _refuse_endless(duration)
     known: dict[float, tuple[complex, complex, float]] = {}
 
@@ -244,7 +245,7 @@ def burst_response(
 
 def _refuse_endless(duration: float) -> None:
     if not (np.isfinite(duration) and duration > 0):
-        raise ValueError(f"duration must be positive and finite, got {duration!r} s")
+        raise InputError("duration", "must be positive and finite", duration, "s")
 
 
 def _envelope(

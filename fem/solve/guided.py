@@ -20,6 +20,7 @@ from fem.discretize.grading import Resolution
 from fem.discretize.refinement import absorbs_slowly, refine
 from fem.discretize.section import FIELD_COLUMN, Section
 from fem.geometry import Stator
+from fem.input_error import InputError
 from fem.materials.christoffel import slowest_wavelength
 from fem.results.segment_modes import FreeWave, SegmentModes
 from fem.threads import one_blas_thread
@@ -36,7 +37,7 @@ def _refined_modes(
 ) -> tuple[GuidedModes, GuidedModes, float]:
     """Modes of the finest section that was needed, of the one before, and the error by their ``difference``."""
     if not (np.isfinite(tolerance) and tolerance > 0):
-        raise ValueError(f"tolerance must be positive and finite, got {tolerance!r}")
+        raise InputError("tolerance", "must be positive and finite", tolerance)
     unit = slowest_wavelength(stator.solid, frequency)
 
     @cache
@@ -185,9 +186,9 @@ def guided_modes(
     True
     """
     if not (np.isfinite(frequency) and frequency > 0):
-        raise ValueError(f"frequency must be positive and finite, got {frequency!r} Hz")
+        raise InputError("frequency", "must be positive and finite", frequency, "Hz")
     if not np.isfinite(lateral_wavenumber):
-        raise ValueError(f"lateral_wavenumber must be finite, got {lateral_wavenumber!r} rad/m")
+        raise InputError("lateral_wavenumber", "must be finite", lateral_wavenumber, "rad/m")
     modes, coarse, error = _refined_modes(
         stator,
         frequency,

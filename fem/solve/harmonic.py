@@ -14,6 +14,7 @@ from fem.convergence import ConvergenceError
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import refine_stator
 from fem.geometry import Stator, Transducer, check_layout
+from fem.input_error import InputError
 from fem.materials import fields
 from fem.results.evaluation import surface_of
 from fem.results.power_balance import power_balance
@@ -92,11 +93,11 @@ def check_driven(
     check_layout(stator, transducers)
     if "phi" not in fields(stator.solid):
         why = "uncouples phi in this orientation" if stator.solid.is_piezoelectric else "is not piezoelectric"
-        raise ValueError(f"a transducer needs a piezoelectric stator, and {stator.solid.name} {why}")
+        raise InputError("transducer", f"needs a piezoelectric stator, and {stator.solid.name} {why}")
     if not tolerance > 0:
-        raise ValueError(f"tolerance must be positive, got {tolerance!r}")
+        raise InputError("tolerance", "must be positive", tolerance)
     if not (np.isfinite(frequency) and frequency > 0):
-        raise ValueError(f"frequency must be positive and finite, got {frequency!r} Hz")
+        raise InputError("frequency", "must be positive and finite", frequency, "Hz")
 
 
 def solution_differences(

@@ -68,7 +68,9 @@ class PMatrix:
     relative_error: float
 
     def loaded(self, impedance: complex) -> np.ndarray:
-        """Return the scattering matrix with an impedance (ohm) across the electrodes; infinite: open."""
+        """Return the scattering matrix with an impedance (ohm) across the electrodes; 0: short, infinite: open."""
+        if impedance == 0:
+            return self.scattering
         load = 0.0 if np.isinf(impedance) else 1 / impedance
         return self.scattering - np.outer(self.excitation, self.detection) / (self.admittance + load)
 
@@ -117,7 +119,7 @@ def p_matrix(
     True
     """
     length = (len(transducer.signs) + 4) * transducer.pitch
-    alone = replace(stator, length=length, ends="absorbing")
+    alone = replace(stator, length=length, ends="absorbing", pieces=())
     row = replace(transducer, center=length / 2, termination="open")
 
     def at_level(resolution) -> PMatrix:

@@ -10,6 +10,7 @@ from fem.circuit import Drive
 from fem.convergence import ConvergenceError
 from fem.discretize.refinement import refine_stator
 from fem.geometry import Stator, Transducer
+from fem.input_error import InputError
 from fem.solve.band import frequency_band
 from fem.solve.harmonic import check_driven
 from fem.threads import one_blas_thread
@@ -124,7 +125,7 @@ def _difference(fine: PortFields, coarse: PortFields) -> tuple[float]:
 def _check_ports(transducers: tuple[Transducer, ...]) -> tuple[str, ...]:
     names = tuple(each.name for each in transducers if {"+", "-"} <= set(each.signs))
     if not names:
-        raise ValueError("port_admittance needs a transducer with two electrodes, and none has")
+        raise InputError("transducer", "must have two electrodes, at least one of them, and none has")
     return names
 
 

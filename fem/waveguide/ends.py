@@ -21,33 +21,56 @@ END_COLUMNS = 2
 
 
 @dataclass(frozen=True, kw_only=True)
-class Walls:
-    """Ends of the stator as superelements."""
+class Wall:
+    """End of the stator as a condensed piece with one line."""
 
-    # shape (n, n): outward nodal flux of the left piece on its right line, of the right piece on its left
-    # line, per unknown
-    matrices: tuple[np.ndarray, np.ndarray]
-    width: float  # of a piece, length units
-    # side (0 left, 1 right) and unknowns of the inner line -> superelement of the end and its sides
-    recover: Callable[[int, np.ndarray], tuple[Superelement, np.ndarray]] = field(repr=False)
+    matrix: np.ndarray  # shape (n, n): nodal flux out of the piece on its line, per unknown
+    # unknowns of the line -> the piece's field (`fem.condense.piece.RecoveredField`)
+    recover: Callable[[np.ndarray], object] = field(repr=False)
+    floating_potential: bool = False  # as of `fem.condense.piece.Piece`; here the gauge is then set
+    beyond: "Beyond | None" = field(default=None, repr=False)  # what follows a step of thickness
 
     def sent_back(self, modes: GuidedModes, side: int, arriving: np.ndarray) -> np.ndarray:
         """Amplitudes of all modes sent back for each that arrives at the line: (E - X_back) q = -(E + X_on) p."""
-        wall = self.matrices[side]
         impedances = modes.left_impedance, modes.right_impedance
         on, back = impedances if side == 0 else impedances[::-1]
         shapes = (modes.left if side == 0 else modes.right)[:, arriving]
-        returned = -np.linalg.solve(wall - back, (wall + on) @ shapes)
+        system = self.matrix - back
+        if self.floating_potential:
+            system = with_gauge(system, modes.section.constant_potential)
+        returned = -np.linalg.solve(system, (self.matrix + on) @ shapes)
         return modes.right_amplitudes(returned) if side == 0 else modes.left_amplitudes(returned)
 
 
-def end_reflection(modes: GuidedModes, ends: str | Walls, side: int, arriving: np.ndarray) -> np.ndarray:
+@dataclass(frozen=True, kw_only=True)
+class Beyond:
+    """The uniform stator of another thickness behind a step, without end."""
+
+    modes: GuidedModes
+    place: float  # where it begins, length units
+    far_line: np.ndarray = field(repr=False)  # its line as a function of the wall's, shape (n of beyond, n)
+
+
+End = str | Wall  # "absorbing", "free", "clamped", or a condensed piece
+
+
+def with_gauge(system: np.ndarray, constant: np.ndarray) -> np.ndarray:
+    """A system whose null vector is the constant potential, on its first lines, with the mean potential set to zero.
+
+    With S c = 0 and a load orthogonal to c, (S + w w^T) u = b has the solution with w^T u = 0.
+    """
+    weights = np.zeros(len(system))
+    weights[: len(constant)] = constant / np.linalg.norm(constant)
+    return system + abs(system).max() * np.outer(weights, weights)
+
+
+def end_reflection(modes: GuidedModes, ends: End, side: int, arriving: np.ndarray) -> np.ndarray:
     """Amplitudes of all modes sent back by an end for each of some modes that arrive there, shape (n, arriving).
 
-    ``ends``: "free" (no traction, D_n = 0), "clamped" (u = 0, D_n = 0) or walls; ``side``: 0 for the left end, 1 for
+    ``ends``: "free" (no traction, D_n = 0), "clamped" (u = 0, D_n = 0) or a wall; ``side``: 0 for the left end, 1 for
     the right.
     """
-    if isinstance(ends, Walls):
+    if isinstance(ends, Wall):
         return ends.sent_back(modes, side, arriving)
     shapes = (modes.left, modes.right) if side == 0 else (modes.right, modes.left)
     fluxes = (modes.left_flux, modes.right_flux) if side == 0 else (modes.right_flux, modes.left_flux)

@@ -32,6 +32,7 @@ from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
 from fem.discretize.spectral import chebyshev_nodes, lagrange_weights
 from fem.geometry import Stator, Transducer
+from fem.input_error import InputError
 from fem.materials import Solid, fields
 from fem.materials.christoffel import slowest_wavelength
 
@@ -222,7 +223,9 @@ def grating(
         "none" or "vacuum".
     """
     if "phi" not in fields(solid):
-        raise ValueError(f"a grating of fingers needs a piezoelectric solid, and {solid.name} is not one")
+        raise InputError(
+            "solid", f"must be piezoelectric under a grating of fingers, and {solid.name} is not"
+        )
     row = Transducer(
         name="grating", center=0.0, finger_pairs=1, period=period, metallisation=metallisation, aperture=1.0
     )

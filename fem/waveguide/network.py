@@ -1,7 +1,7 @@
-"""Transducers in a waveguide: what each sends and scatters, and how segments and ends tie them together.
+"""Pieces in a waveguide: what each sends and scatters, and how segments and ends tie them together.
 
-A transducer sits between two uniform segments whose exact ends X_right and X_left are known (guided.py).  With p
-the part of the field that goes right and q the part that goes left, its lines obey
+A piece - a transducer, or a mesh - sits between two uniform segments whose exact ends X_right and X_left are known
+(modes.py).  With p the part of the field that goes right and q the part that goes left, its lines obey
 
     (A - diag(X_left, X_right)) u = [-(X_right + X_left) p_in, -(X_left + X_right) q_in] - A_ports V,
 
@@ -15,8 +15,10 @@ from functools import cached_property
 
 import numpy as np
 
-from fem.condense.superelement import PORTS, Superelement
-from fem.waveguide.ends import Walls, end_reflection
+from fem.condense.piece import Piece, RecoveredField
+from fem.condense.recovery import ColumnsField
+from fem.condense.superelement import Superelement
+from fem.waveguide.ends import End, end_reflection, with_gauge
 from fem.waveguide.modes import GuidedModes
 
 NEGLIGIBLE = 1e-18  # a mode's amplitude after a segment, relative: far below rounding
@@ -24,13 +26,19 @@ NEGLIGIBLE = 1e-18  # a mode's amplitude after a segment, relative: far below ro
 
 @dataclass(frozen=True, kw_only=True)
 class Scatterer:
-    """A transducer's superelement in the waveguide."""
+    """A condensed piece in the waveguide."""
 
-    superelement: Superelement
+    superelement: Piece
     modes: GuidedModes
     # shape (2, ports), or a row for each finger: electrode potentials of each port: half and minus half for the
     # voltage; one and one for the mean where the section is grounded (elsewhere the mean is a matter of gauge)
     potentials: np.ndarray
+
+    def recover(self, sides: np.ndarray) -> RecoveredField:
+        """Field inside for given lines and potentials of the electrodes."""
+        if isinstance(self.superelement, Superelement):
+            return ColumnsField(self.superelement, sides)
+        return self.superelement.recover(sides)
 
     @cached_property
     def _between_ends(self):
@@ -38,6 +46,8 @@ class Scatterer:
         system = self.superelement.matrix[: 2 * n, : 2 * n].astype(complex)
         system[:n, :n] -= self.modes.left_impedance
         system[n:, n:] -= self.modes.right_impedance
+        if self.superelement.floating_potential:
+            system = with_gauge(system, self.modes.section.constant_potential)
         return system
 
     def sides(self, incoming: np.ndarray, potentials: np.ndarray) -> np.ndarray:
@@ -68,15 +78,25 @@ class Network:
     modes: GuidedModes
     scatterers: tuple[Scatterer, ...]  # from left to right
     places: tuple[float, ...]  # where their left lines lie, length units
-    # start, stop: the stator's ends, length units
+    # start, stop: where the uniform stator begins and ends, length units
     start: float
     stop: float
-    ends: str | Walls  # "absorbing", "free", "clamped", or condensed pieces that begin at start and stop
+    ends: tuple[End, End]  # at start and at stop
+    # of each scatterer: the network's ports that its potentials follow; one after the other if not given
+    port_numbers: tuple[np.ndarray, ...] | None = None
 
     @property
     def ports(self) -> int:
-        """Ports of all transducers."""
-        return sum(scatterer.potentials.shape[1] for scatterer in self.scatterers)
+        """Ports of the network."""
+        return 1 + max((int(each.max()) for each in self.numbers if len(each)), default=-1)
+
+    @property
+    def numbers(self) -> tuple[np.ndarray, ...]:
+        """Ports of the network that each scatterer's potentials follow."""
+        if self.port_numbers is not None:
+            return self.port_numbers
+        counts = [each.potentials.shape[1] for each in self.scatterers]
+        return tuple(np.split(np.arange(sum(counts)), np.cumsum(counts)[:-1]))
 
     @property
     def segments(self) -> np.ndarray:
@@ -101,27 +121,24 @@ class Network:
         modes, n = self.modes, self.modes.section.size
         lengths = np.diff(self.segments, axis=1)[:, 0]
         kept = [self.survivors(length) for length in lengths]
-        walls = self.ends != "absorbing"
+        closed = [end != "absorbing" for end in self.ends]
         # unknowns: in the middle of every segment, amplitudes going right and going left
         slots, total = [], 0
         for segment, keep in enumerate(kept):
-            outer = segment in (0, len(kept) - 1)
-            count = len(keep) if (walls or not outer) else 0
+            open_ends = [not closed[side] for side, end in ((0, 0), (1, len(kept) - 1)) if segment == end]
+            count = 0 if any(open_ends) else len(keep)
             slots.append((slice(total, total + count), slice(total + count, total + 2 * count)))
             total += 2 * count
         system = np.eye(total, dtype=complex)
         load = np.zeros((total, self.ports), dtype=complex)
         answers = []
-        port = 0
-        for index, scatterer in enumerate(self.scatterers):
+        for index, (scatterer, mine) in enumerate(zip(self.scatterers, self.numbers, strict=True)):
             before, after = kept[index], kept[index + 1]
             from_left, to_left = slots[index]
             to_right, from_right = slots[index + 1]
             arrive_left = before[: from_left.stop - from_left.start]
             arrive_right = after[: from_right.stop - from_right.start]
-            count = scatterer.potentials.shape[1]
-            mine = slice(port, port + count)
-            port += count
+            count = len(mine)
             # columns: what arrives from the left, from the right, and the ports
             left = slice(0, len(arrive_left))
             right = slice(left.stop, left.stop + len(arrive_right))
@@ -131,7 +148,7 @@ class Network:
             incoming = np.zeros((2 * n, own.stop), dtype=complex)
             incoming[:n, left] = modes.right[:, arrive_left] * way
             incoming[n:, right] = modes.left[:, arrive_right] * back
-            potentials = np.zeros((PORTS, own.stop))
+            potentials = np.zeros((len(scatterer.potentials), own.stop))
             potentials[:, own] = scatterer.potentials
             sides = scatterer.sides(incoming, potentials)
             out = sides - incoming
@@ -141,11 +158,10 @@ class Network:
             ):
                 system[slot, from_left] -= rows[:, left]
                 system[slot, from_right] -= rows[:, right]
-                load[slot, mine] += rows[:, own]
+                load[slot.start : slot.stop, mine] += rows[:, own]
             sources = [(left, from_left), (right, from_right)]
             answers.append((sides, potentials, incoming, sources, own, mine))
-        if walls:
-            self._reflect(system, slots, kept, lengths)
+        self._reflect(system, slots, kept, lengths)
         amplitudes = np.linalg.solve(system, load) if total else load
         labels = [
             keep for keep, slot in zip(kept, slots, strict=True) for one in slot if one.stop > one.start
@@ -154,18 +170,24 @@ class Network:
         return self._gathered(amplitudes, answers, np.eye(total) - system, waves)
 
     @cached_property
-    def reflections(self) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
-        """Of the left and the right end: the modes that arrive, and all modes sent back for each, (n, arriving)."""
+    def reflections(self) -> tuple[tuple[np.ndarray, np.ndarray] | None, ...]:
+        """Of the left and the right end: the modes that arrive, and all modes sent back for each, (n, arriving).
+
+        None for an absorbing end.
+        """
         found = []
         for segment, side in ((0, 0), (-1, 1)):
             start, stop = self.segments[segment]
-            arriving = self.survivors(stop - start)
-            found.append((arriving, end_reflection(self.modes, self.ends, side, arriving)))
+            arriving, end = self.survivors(stop - start), self.ends[side]
+            sent = None if end == "absorbing" else end_reflection(self.modes, end, side, arriving)
+            found.append(None if sent is None else (arriving, sent))
         return tuple(found)
 
     def _reflect(self, system, slots, kept, lengths):
-        """Equations of the two ends: amplitudes leaving an end from those that arrive there."""
+        """Equations of the ends that reflect: amplitudes leaving an end from those that arrive there."""
         for segment, side in ((0, 0), (len(kept) - 1, 1)):
+            if self.reflections[side] is None:
+                continue
             going_right, going_left = slots[segment]
             keep, sent = self.reflections[side]
             length = lengths[segment]
@@ -202,10 +224,10 @@ class Network:
             weights = np.zeros((lines.shape[1], ports), dtype=complex)
             for columns, slot in sources:
                 weights[columns] = amplitudes[slot]
-            weights[own, mine] = np.eye(own.stop - own.start)
+            weights[np.arange(own.start, own.stop), mine] = 1.0
             sides.append(np.concatenate([lines, potentials]) @ weights)
             incoming.append(arriving @ weights)
-            charges[mine] = scatterer.charge(*np.split(sides[-1], [len(lines)]))
+            charges[mine] += scatterer.charge(*np.split(sides[-1], [len(lines)]))
         return PortSolution(
             sides=tuple(sides), incoming=tuple(incoming), charges=charges, coupling=coupling, waves=waves
         )

@@ -26,13 +26,15 @@ from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
 from fem.geometry import Stator, Transducer, outer_gaps
 from fem.materials.christoffel import slowest_wavelength
-from fem.waveguide.ends import Walls
+from fem.waveguide.ends import End
 from fem.waveguide.modes import GuidedModes, guided_modes
 from fem.waveguide.network import Network, PortSolution, Scatterer
+from fem.waveguide.row import CondensedPieces, condensed_pieces, no_pieces
 
 CUT_OFF = 1e-3  # rad per slowest wavelength: a mode's wavenumber below which its square, all that is known, is rounding
 # From a network and its transducers to the network whose ports were solved (perhaps with other ports), and its fields
 Solve = Callable[[Network, tuple[Transducer, ...]], tuple[Network, PortSolution]]
+PASSIVE = 1e-3  # negative conductance over the largest admittance that counts as the discretisation's error
 MAX_COLUMNS = 150_000  # finger-edge element columns of all transducers; about 1 min of condensation
 
 
@@ -44,10 +46,12 @@ class PortFields:
     transducers: tuple[Transducer, ...]  # from left to right
     modes: GuidedModes  # of the uniform segments
     network: Network
+    # of each scatterer of the network: number of its transducer, None for a meshed piece
+    owners: tuple[int | None, ...]
     resolution: Resolution
     names: tuple[str, ...]  # transducers that are ports, from left to right
-    # shape (2 n + 2, ports): of each transducer: left line, right line, potentials of the positive and
-    # negative electrode, or of every finger (fem.beam.reception); scaled
+    # shape (2 n + 2, ports): of each scatterer: left line, right line, potentials of the positive and
+    # negative electrode, or of every finger (fem.beam.reception), or of a piece's ports; scaled
     sides: tuple[np.ndarray, ...] = field(repr=False)
     # shape (2 n, ports): the part of its lines that comes in
     incoming: tuple[np.ndarray, ...] = field(repr=False)
@@ -76,8 +80,13 @@ class PortFields:
     @property
     def unknowns(self) -> int:
         """Unknowns of the discretised problem that was condensed."""
-        columns = sum(1 for each in self.network.scatterers for _ in widths(each.superelement))
-        return columns * self.resolution.order * self.section.size
+        columns, meshed = 0, 0
+        for scatterer, owner in zip(self.network.scatterers, self.owners, strict=True):
+            if owner is None:
+                meshed += scatterer.superelement.unknowns
+            else:
+                columns += sum(1 for _ in widths(scatterer.superelement))
+        return columns * self.resolution.order * self.section.size + meshed
 
     def amplification(self, swing: float) -> tuple[float, float]:
         """Resonant amplification of small errors at this frequency, and the largest near it.
@@ -140,7 +149,10 @@ def solve_ports(
             f"a mode of the section is at its cut-off at {frequency:.12g} Hz, where the last digits decide: "
             "change the frequency by a part in 100000, or give the solid a mechanical_quality"
         )
-    return joined_fields(stator, transducers, superelements, modes=modes, resolution=resolution, solve=solve)
+    pieces = condensed_pieces(stator, modes, resolution)
+    return joined_fields(
+        stator, transducers, superelements, modes=modes, resolution=resolution, pieces=pieces, solve=solve
+    )
 
 
 def joined_fields(
@@ -150,13 +162,16 @@ def joined_fields(
     *,
     modes: GuidedModes,
     resolution: Resolution,
-    walls: Walls | None = None,
+    ends: tuple[End, End] | None = None,
+    inset: float = 0.0,
+    pieces: CondensedPieces | None = None,
     solve: Solve | None = None,
 ) -> PortFields:
     """Tie superelements, uniform segments and ends together.
 
     ``superelements``: one for each transducer from left to right, the same object for equal ones, from the outer gap's
-    beginning to its end; ``walls``: the stator's ends as superelements; ``solve``: by default `Network.solve`.
+    beginning to its end; ``ends``: in the place of the stator's, and by which length ``inset`` they begin before its
+    ends (length units); ``pieces``: the stator's meshed pieces; ``solve``: by default `Network.solve`.
     """
     section = modes.section
     unit = section.length_unit
@@ -165,18 +180,47 @@ def joined_fields(
         id(superelement): Scatterer(superelement=superelement, modes=modes, potentials=own)
         for superelement, own in zip(superelements, potentials, strict=True)
     }
-    gaps = outer_gaps(stator, transducers)
-    inset = 0.0 if walls is None else walls.width
+    gaps, pieces = outer_gaps(stator, transducers), pieces or no_pieces(stator, unit)
+    first = np.cumsum([0, *(own.shape[1] for own in potentials)])
+    row = [  # place, scatterer, its ports of the network, its transducer
+        (
+            (each.extent[0] - gap[0]) / unit,
+            scatterers[id(superelement)],
+            np.arange(*first[index : index + 2]),
+            index,
+        )
+        for index, (each, gap, superelement) in enumerate(zip(transducers, gaps, superelements, strict=True))
+    ]
+    names = [each.name for each in transducers]
+    for place, piece in pieces.between:
+        own, numbers = _wired_potentials(piece, names, potentials, first)
+        row.append((place, Scatterer(superelement=piece, modes=modes, potentials=own), numbers, None))
+    row.sort(key=lambda each: each[0])
     network = Network(
         modes=modes,
-        scatterers=tuple(scatterers[id(superelement)] for superelement in superelements),
-        places=tuple((each.extent[0] - gap[0]) / unit for each, gap in zip(transducers, gaps, strict=True)),
-        start=inset,
-        stop=stator.length / unit - inset,
-        ends=walls or stator.ends,
+        scatterers=tuple(scatterer for _, scatterer, _, _ in row),
+        places=tuple(place for place, _, _, _ in row),
+        start=pieces.start + inset,
+        stop=pieces.stop - inset,
+        ends=ends or pieces.ends,
+        port_numbers=tuple(numbers for _, _, numbers, _ in row),
     )
     network, solution = (network, network.solve()) if solve is None else solve(network, transducers)
-    return connected(stator, transducers, network, solution, resolution=resolution)
+    owners = tuple(owner for _, _, _, owner in row)
+    return connected(stator, transducers, network, solution, resolution=resolution, owners=owners)
+
+
+def _wired_potentials(piece, names: list[str], potentials: list[np.ndarray], first: np.ndarray):
+    """Potentials of a meshed piece's ports for each port of the network that one of them follows, and these ports."""
+    rows = []
+    for port in piece.ports:
+        transducer, sign = names.index(port.name[:-1]), "+-".index(port.name[-1])
+        row = np.zeros(first[-1])
+        row[first[transducer] : first[transducer + 1]] = potentials[transducer][sign]
+        rows.append(row)
+    table = np.array(rows).reshape(len(rows), first[-1])
+    numbers = np.flatnonzero(np.any(table != 0, axis=0))
+    return table[:, numbers], numbers
 
 
 def connected(
@@ -186,35 +230,61 @@ def connected(
     solution: PortSolution,
     *,
     resolution: Resolution,
+    owners: tuple[int | None, ...] | None = None,
 ) -> PortFields:
-    """Fields per volt at the ports from those per unit of potential: no transducer carries a net charge."""
+    """Fields per volt at the ports from those per unit of potential: no transducer carries a net charge.
+
+    ``owners``: as of `PortFields`; by default every scatterer is a transducer.
+    """
     section, modes = network.modes.section, network.modes
     medium = section.solid
-    potentials = [scatterer.potentials for scatterer in network.scatterers]
+    rows = tuple(range(len(transducers))) if owners is None else owners
+    potentials = [
+        scatterer.potentials
+        for scatterer, row in zip(network.scatterers, rows, strict=True)
+        if row is not None
+    ]
     counts = [own.shape[1] for own in potentials]
-    owners = np.repeat(np.arange(len(transducers)), counts)
-    apertures = np.array([transducer.aperture for transducer in transducers])[owners]
+    port_owners = np.repeat(np.arange(len(transducers)), counts)
+    apertures = np.array([transducer.aperture for transducer in transducers])[port_owners]
     widths = apertures[:, None] if solution.own_apertures else np.minimum.outer(apertures, apertures)
     charge_unit = medium.stress_unit / medium.potential_unit**2
     admittances = charge_admittances(solution.charges * charge_unit, widths, modes.frequency)
-    voltage = np.concatenate([own.sum(axis=0) == 0 for own in potentials])  # +1/2 and -1/2; a mean has 1s
+    voltage = np.concatenate([(own < 0).any(axis=0) for own in potentials])  # +1/2 and -1/2; a mean has 1s
     uncharged = _uncharged(admittances, voltage)
+    between = (admittances @ uncharged)[voltage]
+    _refuse_a_source(between, [transducers[owner].name for owner in port_owners[voltage]])
     volts = uncharged / medium.potential_unit
     return PortFields(
         stator=stator,
         transducers=transducers,
         modes=modes,
         network=network,
+        owners=rows,
         resolution=resolution,
-        names=tuple(transducers[owner].name for owner in owners[voltage]),
+        names=tuple(transducers[owner].name for owner in port_owners[voltage]),
         sides=tuple(lines @ volts for lines in solution.sides),
         incoming=tuple(lines @ volts for lines in solution.incoming),
-        admittances=(admittances @ uncharged)[voltage],
+        admittances=between,
         coupling=solution.coupling,
         waves=solution.waves,
         own_apertures=solution.own_apertures,
         dipoles=tuple(each @ volts for each in solution.dipoles),
     )
+
+
+def _refuse_a_source(admittances: np.ndarray, names: list[str]) -> None:
+    """Refuse an admittance matrix by which passive transducers would give out power, beyond what rounding does."""
+    if not len(names):
+        return
+    powers, volts = np.linalg.eigh((admittances.real + admittances.real.T) / 2)
+    if powers[0] < -PASSIVE * abs(admittances).max():
+        name = names[int(np.argmax(abs(volts[:, 0])))]
+        raise ConvergenceError(
+            f"transducer {name!r} would give out power, a conductance of {powers[0]:.3g} S beside an admittance of "
+            f"{abs(admittances).max():.3g} S: the computed field is not good enough here; ask for a smaller error, or "
+            "take a longer aperture"
+        )
 
 
 def charge_admittances(charges: np.ndarray, widths: np.ndarray, frequency: float) -> np.ndarray:

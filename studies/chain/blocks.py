@@ -5,6 +5,7 @@ import numpy as np
 from studies.chain.surface_motion import SurfaceMotion
 from studies.scene import Scene
 
+NODE = 1e-9  # of the largest |u_z| of the section: smaller ones are rounding
 PER_WAVELENGTH = 12  # lines of surface.csv where no section lies along x
 
 
@@ -31,6 +32,17 @@ def wave_block(scene: Scene, motion: SurfaceMotion, place: tuple[float, float], 
     if ringing is not None and ringing.found is not None:
         block["settling_time_s"] = ringing.found.settling
     return block
+
+
+def node(motion: SurfaceMotion, places) -> str:
+    """Return why there is no answer where u_z vanishes under every contact, by symmetry say; else nothing."""
+    here, largest = abs(motion.at(places)[2]).max(), abs(motion.wave.samples()[1][1]).max()
+    if here > NODE * largest:
+        return ""
+    return (
+        f"no answer: u_z vanishes under the slider ({here:.1e} m per V, {largest:.1e} elsewhere), as in the middle of "
+        "a transducer by symmetry: another slider.position"
+    )
 
 
 def amplitude_blocks(

@@ -6,8 +6,9 @@ Each part of the chain is a list of conditions and of the sentences that are sai
 from collections.abc import Iterator
 
 import fem
+from studies.chain import resolve
 from studies.chain.ring_up import RingUp
-from studies.scene import Scene, resolved
+from studies.scene import Scene
 
 UNCOUPLED = "out-of-plane displacement: uncoupled in this orientation"
 
@@ -35,7 +36,7 @@ def left_out(
 
 
 def _free(scene: Scene) -> Iterator[tuple[bool, str]]:
-    names = fem.fields(resolved.solid(scene.stator))
+    names = fem.fields(resolve.solid(scene.stator))
     yield True, "electrodes: the scene has no transducer"
     yield True, "elements along x: the wave is a mode of the section"
     yield "uy" not in names, UNCOUPLED
@@ -43,7 +44,7 @@ def _free(scene: Scene) -> Iterator[tuple[bool, str]]:
 
 
 def _driven(scene: Scene) -> Iterator[tuple[bool, str]]:
-    stator = resolved.stator(scene.stator)
+    stator = resolve.stator(scene.stator)
     names = fem.fields(stator.solid)
     symmetric = fem.medium(stator.solid, names).parity is not None
     thin = stator.thickness * scene.frequency < _surface_speed(stator)
@@ -72,7 +73,7 @@ def _diffraction(scene: Scene, beam: bool, reason: str) -> Iterator[tuple[bool, 
         return
     where = "the interior field" if scene.driven_obliquely else "surface.csv and the interior field"
     burst, reflects = scene.burst is not None and scene.slider is not None, scene.stator.ends != "absorbing"
-    cut = len(scene.transducer) > 1 and not fem.isotropic_about_normal(resolved.solid(scene.stator))
+    cut = len(scene.transducer) > 1 and not fem.isotropic_about_normal(resolve.solid(scene.stator))
     between = "spreading between the transducers: in this cut they receive as in the plane section"
     back = "spreading of what comes back to the transducers: their circuit is that of the plane section"
     yield True, f"diffraction in {where}: of the plane section; --field adds surface_map.csv"
@@ -113,20 +114,44 @@ def _contact(scene: Scene) -> Iterator[tuple[bool, str]]:
     if slider is None:
         yield True, "slider and contact: the scene has none"
         return
+    if slider.pillars is not None:
+        yield from _pillars(scene)
+        return
     alike = slider.contacts - 1 if isinstance(slider.contacts, int) else 0
     yield alike > 0, f"{alike} of {slider.contacts} contacts: in phase they move as one"
     at_once = "motion from rest: no burst, the periodic state is found without waiting for it"
     yield scene.burst is None, at_once
-    yield slider.law == "elastic", "contact memory: the law is elastic, Q depends on z and x alone"
+    yield not slider.remembers, f"contact memory: the law is {slider.law}, Q depends on z, x and slip alone"
     reaction = "the tangential spring's reaction on the normal motion: reciprocal is false"
     yield not slider.reciprocal, reaction
     for key, force in (("contact", "R_n1"), ("normal", "R_n2"), ("tangential", "R_t")):
         yield getattr(slider.damping, key) == 0, f"{force}: slider.damping.{key} is zero"
     if scene.stator is not None:
-        from studies.scene.modulus import direction_dependence
+        from studies.chain.moduli import direction_dependence
 
-        sizes = direction_dependence(resolved.solid(scene.stator))
+        sizes = direction_dependence(resolve.solid(scene.stator))
         yield bool(sizes), f"the contact's dependence on direction: {sizes}"
         stays = scene.burst is not None and slider.travel is False
         yield stays, "the slider's travel along the wave field: slider.travel is false"
     yield True, "the slider's reaction on the wave"
+
+
+def _pillars(scene: Scene) -> Iterator[tuple[bool, str]]:
+    slider = scene.slider
+    known = scene.wave is None or scene.wave.compliance is not None
+    yield True, "the slider's bounce and vibration: it is heavy on the wave's time scale, a plane on pillars"
+    yield (
+        scene.burst is None,
+        "motion from rest: no burst, the averaged equilibrium is found without waiting for it",
+    )
+    yield not known, "the slider's reaction on the wave: wave.compliance is absent"
+    yield known and slider.loading is False, "the slider's reaction on the wave: slider.loading is false"
+    if known and slider.loading is not False:
+        yield True, "overtones of the wave, and what pillars scatter into other waves; sizes in model_error"
+        yield scene.stator is not None, "what the slider takes and reflects of the wave, at the transducers"
+    yield (
+        not slider.pillars.interaction,
+        "neighbours that stiffen a pillar: slider.pillars.interaction is false",
+    )
+    yield slider.pillars.height is None, "the pillars' own compliance: slider.pillars.height is absent"
+    yield slider.damping.tangential == 0, "R_t: slider.damping.tangential is zero"

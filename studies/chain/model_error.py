@@ -18,9 +18,8 @@ from dataclasses import replace
 import numpy as np
 
 import fem
-from studies.chain import bridge
+from studies.chain import bridge, resolve
 from studies.record import Record
-from studies.scene import resolved
 
 FINGER_END = 0.0745  # periods that each end adds to the aperture: static, endless comb, no busbar
 # of it, what charges that are uniform along y have: fem.beam.own_aperture, 20 and 40 weakly coupled pairs, extrapolated
@@ -32,18 +31,67 @@ ALUMINIUM, FILM = 2700.0, 100e-9  # kg/m3, m
 
 
 Rows = Iterator[tuple[str, str, float, str]]
+SHARED = (
+    "u_z",
+    "velocity",
+)  # quantities at the slider, whose relative changes are the model error of an answer
+NO_ANSWER = 1.0  # relative change from which on the answer is refused
+NEVER_DECISIVE = ("overtones of the wave under the pillars",)  # an upper bound by first order: a warning
 # What an effect changes, by which share (or in the quantity's unit), and where the estimate comes from
 KEYS = ("effect", "quantity", "size", "source")
 
 
 def model_error(record: Record) -> tuple[dict, ...]:
     """Return the neglected effects of a run with a driven stator, as in run.json."""
-    if record.surface_wave is None:
-        return ()
     rows: list[tuple] = []
-    for each in (_aperture, _finger_ends, _vacuum, _electrode_mass, _contact, _travel, _power):
+    if record.scene.slider is not None and record.scene.slider.pillars is not None:
+        from studies.chain.pillar_budget import pillar_rows
+
+        rows += pillar_rows(record)
+    parts = (
+        ()
+        if record.surface_wave is None
+        else (_aperture, _finger_ends, _vacuum, _electrode_mass, _contact, _travel, _power)
+    )
+    for each in parts:
         rows += each(record)
     return tuple(dict(zip(KEYS, row, strict=True)) for row in rows if math.isfinite(row[2]))
+
+
+def with_model_error(record: Record) -> Record:
+    """Return the record with its model error: the effects, what they make of each point, and whether they decide.
+
+    The effects on u_z and on the velocity are added up as if all had the same sign. A point's
+    ``model_relative_error`` is their sum in the sense of ``relative_error``: the change of u_z times
+    ``amplitude_sensitivity``, the relative change of the velocity for one of the wave. An effect as large as the
+    quantity itself leaves no answer.
+    """
+    rows = model_error(record)
+    shares = {
+        quantity: sum(abs(row["size"]) for row in rows if row["quantity"] == quantity) for quantity in SHARED
+    }
+    if not rows:
+        return record
+    points = tuple(
+        point | {"model_relative_error": shares["velocity"] + shares["u_z"] * point["amplitude_sensitivity"]}
+        if "amplitude_sensitivity" in point
+        else point
+        for point in record.points
+    )
+    error = record.error | ({"model": sum(shares.values())} if record.error else {})
+    decisive = [
+        row
+        for row in rows
+        if row["quantity"] in SHARED and abs(row["size"]) >= NO_ANSWER and row["effect"] not in NEVER_DECISIVE
+    ]
+    shortfall = record.shortfall
+    if decisive:
+        worst = max(decisive, key=lambda row: abs(row["size"]))
+        shortfall = (
+            f"no answer: the model leaves out what changes {worst['quantity']} by about {100 * worst['size']:+.2g} % "
+            f"({worst['effect']}); {100 * NO_ANSWER:g} % or more is refused"
+        )
+    return replace(record, model_error=rows, points=points, error=error, shortfall=shortfall)
 
 
 def _wavelength(record: Record) -> float:
@@ -79,7 +127,7 @@ def _aperture(record: Record) -> Rows:
 def _crossed(record: Record, places) -> Rows:
     """Yield what is left out where beams cross: images in the side faces, and metal in one another's way."""
     beam, (x, y) = record.surface_motion.beam, zip(*places, strict=True)
-    here, solid = abs(beam.motion(x, y)[2]), resolved.solid(record.scene.stator)
+    here, solid = abs(beam.motion(x, y)[2]), resolve.solid(record.scene.stator)
     images = float((beam.first_images(x, y) / here).max())
     how = "first images of the beams in both side faces, as if these reflected everything and in phase"
     yield "side faces", "u_z", images, how
@@ -91,7 +139,7 @@ def _crossed(record: Record, places) -> Rows:
 
 def _spread(record: Record, x, y) -> np.ndarray:
     """Return the amplitude of the driven aperture over that of a plane wave at places from left end and axis, m."""
-    driven, stator = record.scene.driven_transducer, resolved.stator(record.scene.stator)
+    driven, stator = record.scene.driven_transducer, resolve.stator(record.scene.stator)
     wave, frequency = record.wave, record.wave["frequency_Hz"]
     try:
         curve = fem.Slowness.of_half_space(stator.solid, frequency, stator.bare_surface)
@@ -104,7 +152,7 @@ def _finger_ends(record: Record) -> Rows:
     """Yield what the charges leave out: how they vary along the fingers, and that these end where it is left out."""
     driven, beam = record.scene.driven_transducer, record.surface_motion.beam
     responds = beam is not None and record.scene.stator.ends == "absorbing"
-    responds = responds and fem.isotropic_about_normal(resolved.solid(record.scene.stator))
+    responds = responds and fem.isotropic_about_normal(resolve.solid(record.scene.stator))
     longer = 2 * (FINGER_END - responds * UNIFORM_END) * driven.period / driven.aperture
     how = "static field of an endless comb that ends, without busbars"
     yield "charge at the finger ends", "the aperture", longer, how
@@ -117,7 +165,7 @@ def _finger_ends(record: Record) -> Rows:
 
 def _vacuum(record: Record) -> Rows:
     if record.scene.stator.above == "none":
-        permittivity = resolved.solid(record.scene.stator).permittivity
+        permittivity = resolve.solid(record.scene.stator).permittivity
         within = permittivity[0, 0] * permittivity[2, 2] - permittivity[0, 2] ** 2
         how = "strips on a half-space: capacitance in proportion to eps_0 + eps_p"
         share = fem.VACUUM_PERMITTIVITY / math.sqrt(within)
@@ -130,7 +178,7 @@ def _amplitude_per_power(record: Record) -> float | None:
     P is half of the power taken in, u_z the surface mode's half a wavelength beside the driven fingers.
     """
     scene, wave, power = record.scene, record.surface_wave, record.electrical["power_W_per_V2"]
-    driven = resolved.driven(scene)
+    driven = resolve.driven(scene)
     if scene.crossed:  # in the section's own axes
         row = record.surface_motion.beam.rows[0].transducers
         driven = next(each for each in row if scene.drive.driven.get(each.name))
@@ -158,9 +206,9 @@ def _electrode_mass(record: Record) -> Rows:
 
 def _contact(record: Record) -> Rows:
     slider = record.scene.slider
-    if slider is None or not slider.preload > 0:
+    if slider is None or slider.pillars is not None or not slider.preload > 0:
         return
-    solid, count = resolved.solid(record.scene.stator), len(slider.offsets)
+    solid, count = resolve.solid(record.scene.stator), len(slider.offsets)
     share, omega = slider.preload / count, 2 * math.pi * record.wave["frequency_Hz"]
     body, places = bridge.contact_slider(slider), 1 if isinstance(slider.contacts, int) else count
     stiffness = (2 * math.pi * body.normal_resonance(places)) ** 2 * body.mass / places

@@ -3,7 +3,8 @@
 import numpy as np
 
 import fem
-from studies.scene import Scene, resolved
+from studies.chain import resolve
+from studies.scene import Scene
 
 LOBES = 1.5  # bandwidths 1/N either side of the middle: the main lobe and half of its neighbours
 WIDEST = 0.45  # of the middle frequency, for transducers of few fingers
@@ -15,7 +16,7 @@ def driven_scene(scene: str | Scene) -> Scene:
     loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
     if not loaded.transducer:
         loaded.refuse("transducer", "is missing: the study drives one")
-    return resolved.resolved(loaded)
+    return resolve.resolved(loaded)
 
 
 def place(scene: Scene) -> tuple[float, float]:
@@ -34,7 +35,7 @@ def frequencies(scene: Scene, count: int | None, least: int = 2):
     Without a count they are at least so many, and follow the ripple of waves that return: 4 in v / (2 length).
     """
     driven = scene.driven_transducer
-    velocity = fem.rayleigh(resolved.solid(scene.stator), "open").velocity
+    velocity = fem.rayleigh(resolve.solid(scene.stator), "open").velocity
     middle = velocity / driven.period
     half = middle * min(LOBES / driven.finger_pairs, WIDEST)
     if count is None:
@@ -62,5 +63,5 @@ def group_delay(at, transfer, way: float):
 
 def expected(scene: Scene):
     """Return the ``fem.TransducerEstimate`` of the driven transducer: no reflections, bulk waves, bottom or ends."""
-    stator = resolved.stator(scene.stator)
-    return fem.transducer_estimate(stator.solid, resolved.driven(scene), stator.bare_surface)
+    stator = resolve.stator(scene.stator)
+    return fem.transducer_estimate(stator.solid, resolve.driven(scene), stator.bare_surface)

@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 import contact
 from studies.chain.bridge import DrivenContact
-from studies.chain.propagation import velocity_error
+from studies.chain.propagation import velocity_sensitivities
 from studies.chain.tally import burst_tally, steady_tally
 from studies.refusal import SceneError
 from studies.scene import Scene
@@ -28,6 +28,8 @@ class SliderAnswer:
     parts: tuple[tuple[float, float], ...]
     summary: dict  # threshold and release
     trajectories: tuple  # with a burst
+    pillars: dict = field(default_factory=dict)  # columns of pillars.csv
+    slider_wave: dict = field(default_factory=dict)  # columns of slider_wave.csv
 
     def blocks(self, tolerance: float) -> dict:
         """Return the record's blocks, the error that of the worst point."""
@@ -36,6 +38,7 @@ class SliderAnswer:
             part for part, point in zip(self.parts, self.points, strict=True) if "relative_error" in point
         ]
         blocks = {"points": self.points, "summary": self.summary, "trajectories": self.trajectories}
+        blocks |= {"pillars": self.pillars, "slider_wave": self.slider_wave}
         if known:
             stator, contact = max(known, key=sum)
             error = stator + contact
@@ -56,6 +59,10 @@ def slider_answer(
 ) -> SliderAnswer:
     """Solve the contact at every level of its scene; its solvers are asked for a quarter of the tolerance."""
     scene = driven.scene
+    if scene.slider.pillars is not None:
+        from studies.chain.pillar_points import pillar_answer
+
+        return SliderAnswer(**pillar_answer(driven, tolerance=tolerance, progress=progress))
     slider = _refusing(lambda: driven.slider)
     points, parts, trajectories = [], [], []
     summary, threshold = _summary(driven)
@@ -66,7 +73,7 @@ def slider_answer(
         point = {} if scene.wave is not None else {"voltage_V": level}
         for side, amplitude in zip(("normal", "tangential"), driven.amplitudes, strict=True):
             point[f"{side}_amplitude_m"] = amplitude * level
-        found, part, trajectory = _point(driven, level, tolerance)
+        found, part, trajectory = point_answer(driven, level, tolerance)
         points.append(point | found | contact_load(slider, here, threshold / level if level else math.inf))
         parts.append(part)
         trajectories += [] if trajectory is None else [(level, trajectory)]
@@ -75,8 +82,11 @@ def slider_answer(
     )
 
 
-def _point(driven: DrivenContact, level: float, tolerance: float):
-    """Return the point's values, the parts of its error and its trajectory; a failure is its status."""
+def point_answer(driven: DrivenContact, level: float, tolerance: float, *, bursting: bool = True):
+    """Return the point's values, the parts of its error and its trajectory; a failure is its status.
+
+    ``bursting``: whether a burst of the scene is followed, and not its steady state alone.
+    """
     orbits, asked = driven.at(level), CONTACT_SHARE * tolerance
     method = _method(driven.scene, "the steady state", STEADY_METHODS)
 
@@ -86,12 +96,15 @@ def _point(driven: DrivenContact, level: float, tolerance: float):
     try:
         state = _refusing(lambda: steady(orbits))
         nearby = _nearby(driven.slider, state, steady)
-        from_stator = velocity_error(state.velocity, orbits, driven.stator_error, nearby)
+        sensitivities = velocity_sensitivities(state.velocity, orbits, driven.stator_error, nearby)
+        from_stator = driven.stator_error * math.hypot(*sensitivities)
         from_contact, status, message = state.relative_error, state.status, state.message
         values, trajectory = {"velocity_m_per_s": state.velocity, "regime": state.regime}, None
+        if driven.stator_error > 0:
+            values["amplitude_sensitivity"] = sensitivities[0]
         tally = steady_tally(state)
-        if driven.scene.burst is not None:
-            trajectory = _burst(driven, orbits, state.velocity, asked)
+        if bursting and driven.scene.burst is not None:
+            trajectory = followed_burst(driven, orbits, state.velocity, asked)
             if driven.along is not None and driven.scene.slider.travel is not False:
                 trajectory, moved = _along(driven, trajectory, level)
                 values |= moved
@@ -129,13 +142,15 @@ def _nearby(slider, state, steady):
     return velocity
 
 
-def _burst(driven: DrivenContact, orbits: tuple, velocity: float, tolerance: float):
-    """Follow the burst, and the slider until it has stopped and rung for some periods."""
+def followed_burst(
+    driven: DrivenContact, orbits: tuple, velocity: float, tolerance: float, after: float | None = None
+):
+    """Follow the burst, and the slider until it has stopped and rung for some periods, or for a time ``after`` it."""
     slider, duration, ringing = driven.slider, driven.scene.burst, driven.ringing
-    friction = slider.friction_coefficient * slider.preload
+    friction = slider.least_friction(len(orbits))
     stopping = abs(velocity) * slider.mass / friction if friction > 0 else 0.0
     after_ring = 20 / slider.tangential_resonance(len(orbits)) if slider.preload > 0 else 0.0
-    after = min(1.2 * stopping + after_ring, 10 * duration)
+    after = min(1.2 * stopping + after_ring, 10 * duration) if after is None else after
     method = _method(driven.scene, "a burst", BURST_METHODS)
 
     def followed(envelope=None, after=after):
@@ -174,8 +189,9 @@ def _along(driven: DrivenContact, trajectory, level: float):
     # what the averaged equation misses of the burst at one place, it misses of the change too
     speed = reference_speed(trajectory.velocity_at_burst_end, trajectory.orbits)
     missed = abs(found.held_velocity[-1] - trajectory.velocity_at_burst_end) / speed
-    error = trajectory.relative_error + (found.error + missed * abs(found.change)) / speed
-    return replace(with_travel(trajectory, found), relative_error=error), {"travel_m": float(found.place[-1])}
+    moved = with_travel(trajectory, found)
+    error = trajectory.answer.error + found.error + missed * abs(found.change)
+    return replace(moved, answer=replace(moved.answer, error=error)), {"travel_m": float(found.place[-1])}
 
 
 def contact_load(slider, orbits: tuple, threshold: float) -> dict:
@@ -189,31 +205,6 @@ def contact_load(slider, orbits: tuple, threshold: float) -> dict:
         deepest = contact.riding_height(slider, orbits) + max(crests)
         found["contact_pressure_Pa"] = float(slider.pressure(deepest))
     return found
-
-
-def averaged(asked: list[tuple], threads: int | None = None) -> list[tuple]:
-    """Return averaged steady states, each of (slider, orbits, wave error, factor on the orbits).
-
-    An answer is velocity, regime, error, error from the wave and blocked thrust.  Those with equally many orbits are
-    computed side by side, in one compiled loop (`contact.steady_sweep`); what averaging does not know has the regime
-    "unknown".
-    """
-    answers: list[tuple] = [()] * len(asked)
-    for count in {len(orbits) for _, orbits, _, _ in asked}:
-        members = [at for at, each in enumerate(asked) if len(each[1]) == count]
-        sliders, waves, which, factors = {}, {}, [], []
-        for slider, orbits, error, factor in (asked[at] for at in members):
-            first = sliders.setdefault(slider, len(sliders))
-            which.append((first, waves.setdefault((orbits, error), len(waves))))
-            factors.append(factor)
-        orbits, errors = zip(*waves, strict=True)
-        given = {"which": which, "factors": factors, "wave_errors": errors, "threads": threads}
-        found = contact.steady_sweep(list(sliders), orbits, **given)
-        names = ("velocity", "regime", "relative_error", "error_from_wave", "blocked_thrust")
-        rows = zip(*(getattr(found, name).tolist() for name in names), strict=True)
-        for at, row in zip(members, rows, strict=True):
-            answers[at] = row
-    return answers
 
 
 def half_thrust(slider, orbits: tuple, thrust: float, tolerance: float) -> tuple[float, float]:
@@ -252,7 +243,7 @@ def _refusing(call: Callable):
     """Return what a call gives; the contact's refusal of a slider is the scene's."""
     try:
         return call()
-    except ValueError as error:
-        if str(error).startswith("slider."):
-            raise SceneError("", str(error)) from None
+    except contact.InputError as error:
+        if error.key.startswith("slider."):
+            raise SceneError(error.key, error.rule) from None
         raise

@@ -27,9 +27,20 @@ def velocity_error(
 
     ``solve`` returns the steady velocity of other orbits.
     """
+    return relative_error * math.hypot(*velocity_sensitivities(velocity, orbits, relative_error, solve))
+
+
+def velocity_sensitivities(
+    velocity: float, orbits: tuple, relative_error: float, solve: Callable[[tuple], float]
+) -> tuple[float, float, float]:
+    """Return the changes of the velocity, over the reference speed, for a relative change of one of the orbits.
+
+    Of both amplitudes (the larger of growing and shrinking), of their ratio, and of their phase. Arguments as for
+    `velocity_error`; all zero without an error or a reference speed.
+    """
     speed = reference_speed(velocity, orbits)
     if relative_error == 0 or speed == 0:
-        return 0.0
+        return 0.0, 0.0, 0.0
     step = max(relative_error, LEAST_STEP)
     tried = (
         tuple(orbit.scaled(1 + step) for orbit in orbits),
@@ -38,7 +49,7 @@ def velocity_error(
         tuple(_sheared(orbit, cmath.exp(1j * step * _slenderness(orbit))) for orbit in orbits),
     )
     grown, shrunk, ratio, phase = (abs(solve(each) - velocity) for each in tried)
-    return math.hypot(max(grown, shrunk), ratio, phase) * (relative_error / step) / speed
+    return max(grown, shrunk) / (step * speed), ratio / (step * speed), phase / (step * speed)
 
 
 def _slenderness(orbit) -> float:

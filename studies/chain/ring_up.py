@@ -12,8 +12,9 @@ import numpy as np
 
 import contact
 import fem
+from studies.chain import resolve
 from studies.chain.spectrum import response
-from studies.scene import Scene, resolved
+from studies.scene import Scene
 
 LOBES = 1.2  # of 1/N: the band taken on either side, the main lobe and a little
 WIDEST = 0.22  # of the frequency: one band of frequencies
@@ -61,7 +62,7 @@ class RingUp:
 
 def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str], None]) -> RingUp:
     """Return the ring-up at a place (x, y) in m of a scene with transducers, a burst and a frequency in Hz."""
-    scene, place = resolved.first_row(scene, place)
+    scene, place = resolve.first_row(scene, place)
     driven = scene.driven_transducer
     half = min(LOBES / driven.finger_pairs, WIDEST) * scene.frequency
     prepared = response(
@@ -77,7 +78,7 @@ def ring_up(scene: Scene, place: tuple[float, float], *, progress: Callable[[str
         found = fem.burst_response(
             prepared,
             place,
-            drive=resolved.drive(scene),
+            drive=resolve.drive(scene),
             frequency=scene.frequency,
             duration=scene.burst,
             tolerance=TOLERANCE,

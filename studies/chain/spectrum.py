@@ -13,8 +13,9 @@ from itertools import pairwise
 import numpy as np
 
 import fem
+from studies.chain import resolve
 from studies.refusal import RunError
-from studies.scene import Scene, resolved
+from studies.scene import Scene
 
 WIDEST = 1.6  # highest over lowest frequency of one band
 FEW = 5  # frequencies that cost less one by one than the set-up of a band
@@ -22,7 +23,7 @@ FEW = 5  # frequencies that cost less one by one than the set-up of a band
 
 @dataclass(frozen=True, kw_only=True)
 class Response:
-    """A driven stator that answers at any frequency of a range; what ``fem.burst`` asks of a band."""
+    """A driven stator that answers at any frequency of a range; what ``fem.burst_response`` asks of a band."""
 
     limits: tuple[float, float]  # Hz
     # fem.Band, from low to high; empty where every frequency is solved by itself
@@ -58,8 +59,8 @@ def response(
 
     ``places``: where the motion is wanted, m from the left end; ``tolerance``: relative, of the motion there.
     """
-    block, transducers = resolved.stator(scene.stator), resolved.section_row(scene)
-    common = {"drive": resolved.drive(scene), "tolerance": tolerance, "places": tuple(places)}
+    block, transducers = resolve.whole_stator(scene), resolve.section_row(scene)
+    common = {"drive": resolve.drive(scene), "tolerance": tolerance, "places": tuple(places)}
 
     def alone(frequency: float):
         progress(f"stator: {frequency / 1e6:.5g} MHz")
@@ -82,7 +83,7 @@ def response(
 
 def port_admittances(scene: Scene, frequencies, tolerance: float, progress: Callable[[str], None]):
     """Return the ``fem.PortAdmittance`` of a resolved scene over rising frequencies in Hz, as a run has it at one."""
-    block, row = resolved.stator(scene.stator), resolved.section_row(scene)
+    block, row = resolve.whole_stator(scene), resolve.section_row(scene)
     edges = _edges(frequencies[0], frequencies[-1])[1:-1]
     groups = np.split(frequencies, np.searchsorted(frequencies, edges))
     if len(frequencies) <= FEW * len(groups) or not _takes_bands(block, row, ()):
@@ -91,7 +92,7 @@ def port_admittances(scene: Scene, frequencies, tolerance: float, progress: Call
     for group in groups:
         progress(f"stator: {len(group)} frequencies from {group[0] / 1e6:.5g} MHz")
         try:
-            parts.append(resolved.port_admittance(scene, group, tolerance))
+            parts.append(resolve.port_admittance(scene, group, tolerance))
         except fem.ConvergenceError as error:
             raise RunError(f"from {group[0] / 1e6:.6g} to {group[-1] / 1e6:.6g} MHz {error}") from None
     return fem.PortAdmittance(

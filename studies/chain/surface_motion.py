@@ -11,8 +11,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 import fem
+from studies.chain import resolve
 from studies.refusal import RunError
-from studies.scene import Scene, resolved
+from studies.scene import Scene
 from studies.scene.blocks import Stator
 
 # places where the beam's standing wave is looked at; a minimum between them is missed by 1 %
@@ -31,12 +32,12 @@ class SurfaceMotion:
 
     @property
     def circuit(self):
-        """The `fem.Circuit` that belongs to this motion, per volt of the source."""
+        """The `fem.circuit.Circuit` that belongs to this motion, per volt of the source."""
         return (self.beam or self.wave).circuit
 
     @property
     def power(self):
-        """The `fem.PowerBalance` that belongs to it."""
+        """The `fem.results.power_balance.PowerBalance` that belongs to it."""
         return (self.beam or self.wave).power
 
     def at(self, places):
@@ -90,7 +91,9 @@ class SurfaceMotion:
         x, y = place
         if self.beam is None:
             return self.wave.standing_wave_ratio(x)
-        reach = self.wave.phase_velocity / self.wave.frequency * np.linspace(-1, 1, 2 * PER_WAVELENGTH + 1)
+        reach = (
+            abs(self.wave.phase_velocity) / self.wave.frequency * np.linspace(-1, 1, 2 * PER_WAVELENGTH + 1)
+        )
         along = x + reach[(x + reach >= 0) & (x + reach <= self.beam.length)]
         size = abs(self.beam.motion(along, y)[2])
         return float(size.max() / size.min())
@@ -119,23 +122,26 @@ def solved_motion(
     try:
         if scene.crossed:
             return crossed_motion(scene, places, solve)
-        whole = resolved.stator(scene.stator), resolved.transducers(scene), resolved.drive(scene)
+        whole = resolve.whole_stator(scene), resolve.transducers(scene), resolve.drive(scene)
         wave = solve(*whole, tuple(dict.fromkeys(x for x, _ in places)))
         return surface_motion(wave, scene.stator, places, slider=slider)
     except fem.ConvergenceError as error:
         raise RunError(str(error)) from None
     except fem.BeamError as error:
         scene.refuse("stator.diffraction", f"must be false or absent: {error}")
+    except fem.InputError as error:
+        index = [each.name for each in scene.transducer].index(error.owner)
+        scene.refuse(error.key.replace("transducer", f"transducer.{index}", 1), error.rule)
 
 
 def crossed_motion(scene, places, solve) -> SurfaceMotion:
     """Return the motion of a scene with turned transducers; ``solve`` as of `fem.crossed_beam`."""
     beam = fem.crossed_beam(
-        resolved.stator(scene.stator),
-        resolved.transducers(scene),
+        resolve.whole_stator(scene),
+        resolve.transducers(scene),
         width=scene.stator.width,
         frequency=scene.frequency,
-        drive=resolved.drive(scene),
+        drive=resolve.drive(scene),
         solve=solve,
         places=tuple(places),
     )
@@ -146,14 +152,14 @@ def surface_motion(wave, block: Stator, places, *, slider: bool = True) -> Surfa
     """Return what stands for the motion of a solved stator (fem.SurfaceWave) at places (x, y) in m.
 
     ``stator.diffraction`` is True: the finite aperture (fem.BeamError where it cannot be computed); False: the plane
-    section; None: the finite aperture under a slider, where `resolved.default_refusal` has nothing against it and the
+    section; None: the finite aperture under a slider, where `resolve.default_refusal` has nothing against it and the
     error that it adds to the section's is smaller than what it changes.
     """
     diffraction = wanted_diffraction(block.diffraction, slider)
     if diffraction is False:
         return SurfaceMotion(wave=wave)
     stator = wave.solution.fields.stator
-    refusal = resolved.default_refusal(stator, places) if diffraction is None else ""
+    refusal = resolve.default_refusal(stator, places) if diffraction is None else ""
     if refusal:
         return SurfaceMotion(wave=wave, reason=refusal)
     found = SurfaceMotion(wave=wave, beam=fem.surface_beam(wave, mirror_width=block.mirror_width))

@@ -169,7 +169,7 @@ def with_travel(trajectory, travel: Travel):
         old = np.append(end, trajectory.velocity[~on])
         known = np.append(0.0, after)
         velocity[~on] = _slide(known, old, new_end, after)
-    return replace(trajectory, velocity=velocity, velocity_at_burst_end=float(new_end))
+    return replace(trajectory, velocity=velocity, answer=replace(trajectory.answer, value=float(new_end)))
 
 
 def _slide(known, old, start: float, after):

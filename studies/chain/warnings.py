@@ -11,59 +11,40 @@ from itertools import pairwise
 import numpy as np
 
 import fem
+from studies.chain import resolve
 from studies.chain.bridge import DrivenContact
+from studies.chain.model_error import SHARED
 from studies.chain.points import contact_load
+from studies.chain.scene_warnings import scene_warnings
 from studies.record import Record
-from studies.scene import Scene, resolved
+from studies.scene import Scene
 
 OFF_RESONANCE = 1.15  # largest over present amplitude from which it is said; the ripple of a plate makes 1.1
 PASCHEN_A, PASCHEN_B, PASCHEN_GAMMA = 11.25, 273.8, 0.01  # 1/(Pa m), V/(Pa m), -: air
 AIR = 101325.0  # Pa
 SIDEWAYS = 0.1  # |u_y| over |u_x| from which it is said
+NODE_RATIO = 1e6  # standing-wave ratio: waves from both sides that cancel to rounding
 CREEP = 0.01  # of the surface's own speed along x
 SPREADS = 0.1  # of u_z that the finite aperture changes, from which it is said that the section leaves it out
-LIFTED = 0.999  # of the weight: a preload below it does not hold the slider against gravity alone
-MAX_USUAL_LENGTH = 1.0  # m of a stator: a longer one is probably a mistaken unit
+DECIDES = 0.1  # relative change of u_z or of the velocity from which an effect outside the model is a warning
 
 
 def warnings_of(record: Record) -> tuple[str, ...]:
     """Return every warning about a run, in the order of the chain."""
     found = list(scene_warnings(record.scene))
     if record.scene.transducer:
-        for each in (_drive, _off_resonance, _section):
+        for each in (_drive, _off_resonance, _section, _left_out):
             found += each(record)
     if record.scene.slider is not None:
         driven = DrivenContact.of_run(record)
         for each in (_contact, _points, _other_motion):
             found += each(record, driven)
+        if record.scene.slider.pillars is not None:
+            from studies.chain.pillar_budget import pillar_warnings
+
+            found += _left_out(record) if not record.scene.transducer else ()
+            found += pillar_warnings(record)
     return tuple(found)
-
-
-def scene_warnings(scene: Scene) -> Iterator[str]:
-    """Yield warnings that need no computation: a length in the wrong unit, balls at one place or over fingers."""
-    stator, slider = scene.stator, scene.slider
-    if stator is not None and stator.length > MAX_USUAL_LENGTH:
-        yield f"stator.length is {stator.length:g} m: a number without a unit is in m"
-    if slider is None:
-        return
-    for each in scene.transducer:
-        half = each.finger_pairs * each.period / 2 if isinstance(each.period, float) else 0.0
-        if slider.position is None or each.turned:
-            continue
-        if abs(slider.center[0] - each.place[0]) < half:
-            yield f"the slider lies over the fingers of transducer {each.name}: its balls would rub on the metal"
-    weight = slider.mass * slider.gravity
-    if isinstance(slider.preload, float) and 0.0 < slider.preload < LIFTED * weight:
-        yield (
-            f"slider.preload, {slider.preload * 1e3:.4g} mN, is less than the weight of the slider's "
-            f"{slider.mass * 1e3:.4g} g, {weight * 1e3:.4g} mN, which it includes: something lifts the slider, or a "
-            "unit is mistaken"
-        )
-    if isinstance(slider.contacts, int) and slider.contacts > 1:
-        yield (
-            f"contacts = {slider.contacts} means {slider.contacts} balls at one place, moved by the same wave: "
-            'give their offsets along x instead, such as contacts = ["-5 mm", "5 mm"]'
-        )
 
 
 def _strength(scene: Scene):
@@ -93,7 +74,7 @@ def _drive(record: Record) -> Iterator[str]:
         )
     if limits is None or limits.tensile_stress is None:
         return
-    c = resolved.solid(scene.stator).stiffness
+    c = resolve.solid(scene.stator).stiffness
     stiffness = c[0, 0] - c[0, 2] ** 2 / c[2, 2]  # plane strain, no traction on the surface
     wavenumber = 2 * math.pi * record.wave["frequency_Hz"] / record.wave["phase_velocity_m_per_s"]
     motion = highest * float(abs(record.surface["u_x_m_per_V"]).max())
@@ -121,12 +102,12 @@ def _off_resonance(record: Record) -> Iterator[str]:
     scene, driven, drive = record.scene, record.scene.driven_transducer, record.scene.drive
     if driven.pattern is not None or driven.split or drive.source_impedance or drive.match != "none":
         return
-    stator, present = resolved.stator(scene.stator), scene.frequency
+    stator, present = resolve.stator(scene.stator), scene.frequency
     reach = 2 / max(driven.finger_pairs, 4)
     frequencies = np.append(np.linspace(1 - reach, 1 + reach, 801) * present, present)
     try:
         sizes = fem.relative_amplitude(
-            stator.solid, resolved.driven(scene), frequencies, surface=stator.bare_surface
+            stator.solid, resolve.driven(scene), frequencies, surface=stator.bare_surface
         )
     except fem.ConvergenceError:
         return  # a cut whose half-space has no such wave: there is no estimate
@@ -146,13 +127,13 @@ def _section(record: Record) -> Iterator[str]:
     """Yield warnings where the section leaves out much, reflecting ends meet no loss, or the plate is too thin."""
     for each in record.model_error:
         if each["effect"] == "finite aperture" and abs(each["size"]) > SPREADS:
-            refused = fem.beam_refusal(resolved.stator(record.scene.stator))
+            refused = fem.beam_refusal(resolve.whole_stator(record.scene))
             yield (
                 f"the plane section leaves out that the aperture is finite, about {100 * each['size']:+.0f} % of u_z: "
                 + (refused or "stator.diffraction = true takes it in")
             )
     stator, wave, frequency = record.scene.stator, record.surface_wave, record.scene.frequency
-    if stator.ends != "absorbing" and math.isinf(resolved.solid(stator).mechanical_quality):
+    if stator.ends != "absorbing" and math.isinf(resolve.solid(stator).mechanical_quality):
         yield (
             "the stator is lossless and its ends reflect, so that the amplitude depends on fractions of a wavelength "
             f"(standing-wave ratio {record.wave['standing_wave_ratio']:.3g}): give stator.mechanical_quality, "
@@ -160,7 +141,7 @@ def _section(record: Record) -> Iterator[str]:
         )
     if isinstance(stator.thickness, str) or stator.bottom == "absorbing":
         return
-    thickness = stator.thickness * frequency / wave.phase_velocity
+    thickness = stator.thickness * frequency / abs(wave.phase_velocity)
     if wave.transfer_length < stator.length:
         yield (
             f"the plate is thin, {thickness:.2g} wavelengths: the wave passes to its other face and back, fully after "
@@ -174,8 +155,26 @@ def _section(record: Record) -> Iterator[str]:
         )
 
 
+def _left_out(record: Record) -> Iterator[str]:
+    """Yield a warning for every effect outside the model that changes the wave or the velocity by a tenth or more."""
+    for row in record.model_error:
+        size, quantity = row["size"], row["quantity"]
+        if (
+            quantity in SHARED and abs(size) >= DECIDES and row["effect"] != "finite aperture"
+        ):  # `_section` has it
+            yield (
+                f"model error: {row['effect']} changes {quantity} by about {100 * size:+.2g} %, which the model leaves "
+                f"out ({row['source']}); the numerical error does not contain it"
+            )
+
+
 def _contact(record: Record, driven: DrivenContact) -> Iterator[str]:
     """Yield warnings where a ball is moved sideways, or presses harder than it or the stator bears."""
+    if record.wave.get("standing_wave_ratio", 1.0) > NODE_RATIO:
+        yield (
+            "u_z vanishes at the slider's centre or within a wavelength of it: the amplitudes of the points are taken "
+            "at the centre and say nothing about the wave under the balls: another slider.position"
+        )
     ratio = record.wave.get("largest_lateral_ratio", 0.0)
     if ratio > SIDEWAYS:
         nearer = "keep the balls nearer to the middle of the beam"

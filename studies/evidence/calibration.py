@@ -199,7 +199,7 @@ def _findings(seed: int, checked: list[Checked], refused: list[Checked]) -> tupl
 @of_record
 def figure(record: Panel, ax):
     """Draw true error against estimate, with the promise."""
-    from studies.report.figures import COLOURS
+    from studies.record.plots import COLOURS
 
     marks = {
         "motor": ("slip", "o"),

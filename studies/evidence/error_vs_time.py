@@ -98,8 +98,8 @@ def run(
 
 
 def _scene(source: str):
+    from studies.chain.resolve import resolved
     from studies.scene import Scene
-    from studies.scene.resolved import resolved
 
     return resolved(Scene.load(source))
 
@@ -184,14 +184,14 @@ def _contact(source: str, way: str, motion) -> dict:
 
 
 def _mesh(source: str, per_wavelength: int) -> dict:
+    from studies.chain import resolve
     from studies.evidence.peers.uniform_mesh import uniform_solution
-    from studies.scene import resolved
 
     scene = _scene(source)
-    transducers = tuple(sorted(resolved.transducers(scene), key=lambda each: each.center))
+    transducers = tuple(sorted(resolve.transducers(scene), key=lambda each: each.center))
     begun = time.perf_counter()
     _, motion, unknowns = uniform_solution(
-        resolved.stator(scene.stator),
+        resolve.stator(scene.stator),
         transducers,
         frequency=scene.frequency,
         wavelength=transducers[0].period,

@@ -99,12 +99,13 @@ def run(
 
 def problem(ends: str) -> Problem:
     """Return the stator of the scene with other ends, the driven transducer first."""
-    from studies.scene import Scene, resolved
+    from studies.chain import resolve
+    from studies.scene import Scene
 
-    scene = resolved.resolved(Scene.load(SCENE))
-    transducers = sorted(resolved.transducers(scene), key=lambda each: each.center)
+    scene = resolve.resolved(Scene.load(SCENE))
+    transducers = sorted(resolve.transducers(scene), key=lambda each: each.center)
     return Problem(
-        stator=replace(resolved.stator(scene.stator), ends=ends),
+        stator=replace(resolve.stator(scene.stator), ends=ends),
         transducers=tuple(transducers),
         frequency=scene.frequency,
         wavelength=transducers[0].period,

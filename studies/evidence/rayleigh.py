@@ -123,7 +123,7 @@ def figure(record: Panel, ax):
 
 
 def _profile(record: Panel, ax):
-    from studies.report.figures import COLOURS
+    from studies.record.plots import COLOURS
 
     depth = record.data["depth_wavelengths"]
     for axis, name, colour in ((0, "Im u_x", "intermittent"), (2, "Re u_z", "slip")):

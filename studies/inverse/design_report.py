@@ -2,10 +2,11 @@
 
 from pathlib import Path
 
-from studies.inverse.design import GOALS, Design
+from studies.inverse.optimum import GOALS, Design
 from studies.inverse.parameters import Parameter
-from studies.report.answer import labelled, table
-from studies.report.figures import COLOURS, finished, saved
+from studies.record.plots import COLOURS, finished, saved
+from studies.record.quantities import quantity
+from studies.record.text import labelled, table
 from studies.results.content import write_json
 from studies.scene.toml import document
 
@@ -25,7 +26,7 @@ def draw_design(found: Design, path: Path) -> None:
     ]
     rows = [row for row in found.rows if all(row.get(name) is not None for name in columns)]
 
-    single = len(columns) == 1
+    single, axes = len(columns) == 1, [quantity(name) for name in columns]
     best, label = [found.optimum], "best that keeps the constraints"
     if not single:
         best, label = found.front, "front: no evaluation beats these in both"
@@ -33,10 +34,13 @@ def draw_design(found: Design, path: Path) -> None:
     def drawn(ax):
         looks = ((rows, ".", "stick", "evaluations"), (best, "o-", "intermittent", label))
         for some, marks, colour, name in looks:
-            values = [[abs(row[column]) for row in some] for column in columns]
+            values = [
+                [abs(row[name]) * each.scale for row in some]
+                for name, each in zip(columns, axes, strict=True)
+            ]
             at = [[rows.index(row) for row in some], *values] if single else values
             ax.plot(*at, marks, color=COLOURS[colour], markersize=4, label=name)
-        finished(ax, "evaluation" if single else columns[0], columns[-1], "")
+        finished(ax, "evaluation" if single else axes[0].axis, axes[-1].axis, "")
 
     saved(path, drawn)
 

@@ -8,16 +8,16 @@ import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from studies.chain.solved_stator import PLACE_KEYS
 from studies.inverse.parameters import Parameter
 from studies.refusal import RunError
 from studies.scene.override import replaced, value_at
-from studies.sweep.axes import Axis, level_key
-from studies.sweep.design import Design as SweepDesign
-from studies.sweep.design import designed
-from studies.sweep.driver import Driver
-from studies.sweep.predictor import PLACE_KEYS
-from studies.sweep.store import Store
-from studies.sweep.workers import workers as chosen_workers
+from studies.sweeps.axes import Axis, level_key
+from studies.sweeps.driver import Driver
+from studies.sweeps.plan import Design as SweepDesign
+from studies.sweeps.plan import designed
+from studies.sweeps.store import Store
+from studies.sweeps.workers import workers as chosen_workers
 
 
 @dataclass(frozen=True, kw_only=True)

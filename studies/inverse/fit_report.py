@@ -1,18 +1,21 @@
 """What a fit leaves: its answer as text, fit.json, the fitted scene with its intervals, and a picture."""
 
+import math
 from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 
 from studies.inverse.result import Fit
-from studies.report.answer import labelled, table
-from studies.report.figures import COLOURS, finished, new_figure
-from studies.report.measured import UNITS, Measurement
+from studies.record.measured import QUANTITIES, Measurement
+from studies.record.plots import COLOURS, finished, new_figure
+from studies.record.quantities import quantity
+from studies.record.text import labelled, table
 from studies.results.content import write_json
 from studies.scene.toml import document
 
 SHOWN_CANDIDATES = 6
+INFORMED = 2.0  # times narrower than its range, from which a measurement tells something of a number
 DOUBTFUL = 0.01  # probability of the sum of squares below which the model does not explain the data
 
 
@@ -20,8 +23,14 @@ def fit_answer(fit: Fit) -> str:
     """Return what a fit prints."""
     rows = [["parameter", "value", "95 % from", "to"]]
     for key, value in fit.values.items():
-        ends = ("open" if end is None else f"{end:.4g}" for end in fit.intervals[key])
-        rows.append([key, f"{value:.5g}", *ends])
+        ends = fit.intervals[key]
+        width = abs(ends[1] - ends[0]) if None not in ends else abs(value)
+        digits = (
+            4 + max(0, math.ceil(-math.log10(max(width / (abs(value) or 1.0), 1e-12)))) - 1
+        )  # shows the interval
+        digits = max(digits, 4)
+        texts = ("open" if end is None else f"{end:.{digits}g}" for end in ends)
+        rows.append([key, f"{value:.{digits + 1}g}", *texts])
     notes = [("goodness of fit", _goodness(fit))]
     notes += [("undetermined", each.sentence) for each in fit.directions]
     for rival in fit.rivals:
@@ -33,6 +42,10 @@ def fit_answer(fit: Fit) -> str:
     for (i, one), (j, other) in combinations(enumerate(fit.values), 2):
         if abs(fit.correlation[i, j]) > 0.5:
             notes.append(("correlation", f"{one}, {other}: {fit.correlation[i, j]:+.3f}"))
+    if len(fit.informs) > 1:
+        for name, gains in fit.informs:
+            known = [f"{key} ({gain:.3g} times narrower)" for key, gain in gains.items() if gain > INFORMED]
+            notes.append(("informs", f"{name}: {', '.join(known) or 'none of the numbers'}"))
     for each in fit.candidates[:SHOWN_CANDIDATES]:
         gain = f"{each.key} from {100 * each.before:.3g} % to {100 * each.after:.3g} %"
         notes.append(("measure next", f"{each.name}: {gain}"))
@@ -42,10 +55,10 @@ def fit_answer(fit: Fit) -> str:
 
 def _goodness(fit: Fit) -> str:
     if fit.deviation is not None:
-        _, factor, shown = UNITS[fit.problem.measurements[0].quantity]
+        measured = QUANTITIES[fit.problem.measurements[0].quantity]
         return (
-            f"standard deviation from the residuals {fit.deviation * factor:.3g} {shown}: the data state none, so "
-            "they cannot contradict the model"
+            f"standard deviation from the residuals {fit.deviation * measured.scale:.3g} {measured.shown}: the data "
+            "state none, so they cannot contradict the model"
         )
     text = f"chi^2 {fit.chi2:.4g} with {fit.degrees_of_freedom} degrees of freedom"
     if fit.probability is None:
@@ -92,13 +105,20 @@ def draw_fit(fit: Fit, path: Path) -> None:
 
 def _draw(fit: Fit, measurement: Measurement, residuals, upper, lower) -> None:
     """Draw one measurement with band and curve into Axes, its residuals into others below."""
-    at, scale, label = measurement.levels, 1e9, "normal amplitude (nm)"
+    at, along = measurement.levels, quantity(measurement.level_key or "normal_amplitude_m")
+    data = measurement.network or measurement.scan
+    if data is not None:
+        by_frequency = measurement.network is not None or data.kind == "frequency"
+        at, along = measurement.coordinate, quantity("frequency_Hz" if by_frequency else "place_m")
     if measurement.time:
-        at, scale, label = measurement.time, 1e3, "time (ms)"
-    elif measurement.level_key == "voltage_V":
-        scale, label = 1.0, "drive voltage, peak (V)"
-    _, factor, unit = UNITS[measurement.quantity]
+        at, along = measurement.time, quantity("time_s")
+    scale, drawn = along.scale, QUANTITIES[measurement.quantity]
+    factor = drawn.scale
     where, best, low, high = fit.band(measurement)
+    if data is not None:  # real and imaginary parts lie on one axis: a line each
+        half = len(where) // len(data.coordinate)
+        where, best, low, high = (np.insert(each.astype(float), [len(each) // half] if half > 1 else [], np.nan)
+                                  for each in (where, best, low, high))  # fmt: skip
     upper.fill_between(where * scale, low * factor, high * factor, color=COLOURS["slip"], alpha=0.25, linewidth=0,
                        label="95 % of the fitted motors")  # fmt: skip
     upper.plot(where * scale, best * factor, color=COLOURS["slip"], linewidth=1.2, label="best fit")
@@ -107,14 +127,13 @@ def _draw(fit: Fit, measurement: Measurement, residuals, upper, lower) -> None:
         np.array(at) * scale, values, yerr=scatter, fmt="o", color=COLOURS["line"], markersize=3.5, linewidth=0.8,
         capsize=2, label="measured, 1 standard deviation",
     )  # fmt: skip
-    quantity = "normal amplitude" if measurement.quantity == "amplitude" else "slider velocity"
     fixed = [
         f"{key} = {value:g}" for key, value in measurement.settings.items() if isinstance(value, (int, float))
     ]
     title = " ".join([measurement.name, *([f"({', '.join(fixed)})"] if fixed else [])])
-    finished(upper, "", f"{quantity} ({unit})", title, columns=0)
+    finished(upper, "", drawn.axis, title, columns=0)
     upper.legend(frameon=False, fontsize="small", loc="best")
     lower.axhspan(-2.0, 2.0, color=COLOURS["stick"], alpha=0.2, linewidth=0)
     lower.axhline(0.0, color=COLOURS["line"], linewidth=0.8)
     lower.plot(np.array(at) * scale, residuals, "o", color=COLOURS["line"], markersize=3.5)
-    finished(lower, label, "residual (std. deviations)", "", columns=0)
+    finished(lower, along.axis, "residual (std. deviations)", "", columns=0)

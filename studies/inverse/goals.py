@@ -5,6 +5,7 @@ import re
 from dataclasses import dataclass
 
 from studies.inverse.parameters import Parameter, read_parameter
+from studies.record.quantities import quantity
 from studies.refusal import SceneError, nearest, shown
 from studies.scene.keys import rule_at
 from studies.scene.quantity import si_value
@@ -17,14 +18,14 @@ GOALS = {
     "efficiency": (("motor_efficiency", "contact_efficiency"), "efficiency", False),
     "step_resolution": (("step_m",), "step", True),
 }
-# what a constraint may name beside keys of the scene: column, unit, what the sweep is asked for
+# what a constraint may name beside keys of the scene: column, what the sweep is asked for
 BOUNDED = {
-    "velocity": ("velocity_m_per_s", "m/s", ""),
-    "thrust": ("thrust_N", "N", "thrust"),
-    "contact_pressure": ("contact_pressure_Pa", "Pa", "pressure"),
-    "stick_margin": ("stick_margin", "", "pressure"),
-    "normal_amplitude": ("normal_amplitude_m", "m", ""),
-    "power_W": ("power_W", "", ""),
+    "velocity": ("velocity_m_per_s", ""),
+    "thrust": ("thrust_N", "thrust"),
+    "contact_pressure": ("contact_pressure_Pa", "pressure"),
+    "stick_margin": ("stick_margin", "pressure"),
+    "normal_amplitude": ("normal_amplitude_m", ""),
+    "power_W": ("power_W", ""),
 }
 
 
@@ -65,7 +66,8 @@ def read_constraint(text: str) -> Constraint:
         raise SceneError("--subject", f"must be NAME <= VALUE or NAME >= VALUE, got {shown(text)}")
     name, sign, value = match.groups()
     if name in BOUNDED:
-        column, unit, also = BOUNDED[name]
+        column, also = BOUNDED[name]
+        unit = quantity(column).unit.removeprefix("1")
         bound = float(value) if is_number(value) else si_value(f"--subject {name}", value, unit)
     elif "." in name:
         column, also, bound = name, "", rule_at(name).read(name, float(value) if is_number(value) else value)

@@ -13,8 +13,8 @@ from scipy.stats import qmc
 
 from studies.inverse.parameters import Parameter
 from studies.inverse.prediction import MeasurementPredictor
+from studies.record.measured import Measurement
 from studies.refusal import RunError
-from studies.report.measured import Measurement
 
 STEP = 1e-4  # of the logarithm, or of the range: differences err by its square, predictions by 1e-9
 STATOR_STEP = 1e-3  # a stator's answer is known to the predictor's tolerance only
@@ -151,7 +151,7 @@ class Problem:
 
     def starts(self) -> list[np.ndarray]:
         """Return where minima are looked for: the scene's own values, then a Latin hypercube where that is cheap."""
-        own = [p.start(self.predictor.value(p.key)) for p in self.parameters]
+        own = [p.start(self.predictor.value(p.key) if p.value is None else p.value) for p in self.parameters]
         shared = [0.0] * len(self.systematic)
         starts = [np.array([*own, *shared])]
         slow = any(self.predictor.needs_stator(p.key) for p in self.parameters)

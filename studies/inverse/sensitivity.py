@@ -3,22 +3,26 @@
 Method: d ln(answer) / d ln(number) for every positive number of the scene as resolved (a preload of "weight" is a force
 here, held while the mass changes), at the largest voltage or amplitude: extrapolated differences whose step follows the
 accuracy of the answer (its fifth root), each with its error; of the velocity also by the implicit function theorem in
-the averaged equilibrium.  Numbers of the stator take four solutions each, good to 1e-2.  Expected: both ways agree to a
+the averaged equilibrium.  Beside each stands what 1 % more and 1 % less of the number really make of the answer: near a
+resonance, or where a wave's phase turns, these differ from the elasticity and from each other, and the study says so.
+Numbers of the stator take six solutions each, good to 1e-2.  Expected: both ways agree to a
 few (f_n/f)^2, the elasticities keep the contact's scaling law, preload + E* - friction coefficient = 0, and a change of
-everything that has no effect changes nothing.  Run time: 10 s; of twente with its stator 40 s of one processor.
+everything that has no effect changes nothing.  Run time: 10 s; of twente with its stator 60 s of one processor.
 """
 
+import math
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 
 import numpy as np
 
-from studies.chain.points import averaged, half_thrust
+from studies.chain.points import half_thrust
+from studies.chain.solved_stator import Driven
+from studies.chain.steady import averaged
 from studies.inverse.prediction import MeasurementPredictor
 from studies.refusal import SceneError
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord, judged, of_record, study
-from studies.sweep.predictor import Driven
 
 QUICK = {"outcomes": ("velocity", "threshold")}
 # accuracy of each answer: rounding and, where it is solved to a tolerance, that
@@ -29,6 +33,11 @@ STATOR_STEP, PHASE_STEP = 1e-3, 2e-4  # of the logarithms of its numbers
 PHASED = ("center", "position", "thickness", "frequency")  # many wavelengths: a change is one of phase
 NO_EFFECT = 1e-4  # elasticity below which a number is said to have none
 RISE = 1.0 - 0.36787944117144233  # of the final velocity, reached after the start-up time
+LIMITS = ("threshold", "release")
+COLUMNS = ("key", "elasticity", "error", "change_for_1_percent_more", "change_for_1_percent_less")
+NAMED = 4  # numbers in the answer's line
+SIDE = 0.01  # change of a number to either side, beside its elasticity
+BENDS = 0.2  # difference of both sides, over the larger, from which the study says that the answer bends
 SILENT_STEP = 0.02  # by which the numbers without effect are changed together
 AGREEMENT = 1e-2  # of both ways, of the largest elasticity
 
@@ -56,16 +65,20 @@ def run(
     title, findings, panels = predictor.table.get("title", ""), [], []
     for name, rows in found.items():
         findings += _without_effect(predictor, name, rows, level)
+        keys = [*numbers(predictor), *(["level"] if name not in LIMITS else [])] if rows else []
+        sides = both_sides(predictor, name, level, tuple(keys))
         order = sorted(rows, key=lambda key, rows=rows: -abs(rows[key][0]))
         panels.append(
             Panel(name=name.replace(" ", "_").replace("-", "_"), title=f"{title}: {name}", data={
                 "key": order, "elasticity": [rows[key][0] for key in order], "error": [rows[key][1] for key in order],
-                "level": level, "outcome": name,
+                "change_for_1_percent_more": [sides[key][0] for key in order],
+                "change_for_1_percent_less": [sides[key][1] for key in order],
+                "bends": [[key, *sides[key]] for key in keys if _bends(*sides[key])], "level": level, "outcome": name,
             })
         )  # fmt: skip
     if "velocity" in found:
         findings += _checks(predictor, found["velocity"], level)
-    return panels, findings
+    return panels, findings, [line for panel in panels for line in _in_words(panel.data)]
 
 
 def numbers(predictor: MeasurementPredictor) -> list[str]:
@@ -98,7 +111,7 @@ def elasticities(
     (centre,) = _answers(outcome, [(base, level)])
     if not np.isfinite(centre) or centre == 0.0:
         return {}
-    for key in [*numbers(predictor), *(["level"] if outcome not in ("threshold", "release") else [])]:
+    for key in [*numbers(predictor), *(["level"] if outcome not in LIMITS else [])]:
         progress(f"{outcome}: {key}")
         moved = key != "level" and predictor.needs_stator(key)
         accuracy = max(ACCURACY[outcome], STATOR_ACCURACY if moved else 0.0)
@@ -125,11 +138,32 @@ def elasticities(
     return found
 
 
+def both_sides(
+    predictor: MeasurementPredictor, outcome: str, level: float, keys: tuple[str, ...]
+) -> dict[str, tuple[float | None, float | None]]:
+    """Return {key: relative change of the answer for 1 % more and 1 % less of the number}; None where it has none."""
+    base = predictor.contact({})
+    (centre,) = _answers(outcome, [(base, level)])
+    asked, known = [], []
+    for key in keys:
+        for factor in (1.0 + SIDE, 1.0 - SIDE):
+            try:
+                moved = base if key == "level" else predictor.contact({key: predictor.value(key) * factor})
+                asked.append((moved, level * factor if key == "level" else level))
+                known.append(True)
+            except SceneError:  # at the edge of what a scene may say
+                known.append(False)
+    values = iter(_answers(outcome, asked))
+    changes = [next(values) / centre - 1.0 if each else math.nan for each in known]
+    changes = [each if math.isfinite(each) else None for each in changes]
+    return dict(zip(keys, zip(changes[0::2], changes[1::2], strict=True), strict=True))
+
+
 def _answers(outcome: str, asked: list[tuple[Driven, float]]) -> list[float]:
     """Return an answer for each (contact, level)."""
     import contact as library
 
-    if outcome in ("threshold", "release"):
+    if outcome in LIMITS:
         factor = getattr(library, f"{outcome}_factor")
         return [factor(contact.slider, contact.orbits) for contact, _ in asked]
     rows = averaged([(each.slider, each.orbits, 0.0, level) for each, level in asked])
@@ -207,32 +241,58 @@ def _checks(predictor: MeasurementPredictor, rows: dict, level: float) -> list[F
     return found
 
 
+def _in_words(data: dict) -> Iterator[tuple[str, str]]:
+    """Yield what matters most to an answer, in % for 1 % of the number, and where both sides disagree."""
+    rows = list(zip(*(data[name] for name in COLUMNS), strict=True))
+    most = [f"{key} {value:+.3g}" for key, value, *_ in rows[:NAMED] if abs(value) >= NO_EFFECT]
+    yield data["outcome"], f"% for 1 % of {', '.join(most) or 'any number: none'}"
+    for key, more, less in data["bends"]:
+        yield "", f"bends with {key}: {100 * more:+.3g} % for 1 % more, {100 * less:+.3g} % for 1 % less"
+
+
+def _bends(more: float | None, less: float | None) -> bool:
+    """Return whether 1 % more and 1 % less of a number do not make opposite changes of one size."""
+    if more is None or less is None:
+        return False
+    return abs(more + less) > max(BENDS * max(abs(more), abs(less)), NO_EFFECT * SIDE)
+
+
+def _cell(value: float | None) -> str:
+    return "" if value is None else repr(value)
+
+
 def tables(record: StudyRecord) -> dict[str, str]:
     """Return sensitivity.csv."""
-    lines = ["outcome,key,elasticity,error"]
+    lines = ["outcome,key,elasticity,error,change_for_1_percent_more,change_for_1_percent_less"]
     for panel in record.panels:
         data = panel.data
         lines += [
-            f"{data['outcome']},{key},{value!r},{error!r}"
-            for key, value, error in zip(data["key"], data["elasticity"], data["error"], strict=True)
+            f"{data['outcome']},{key},{value!r},{error!r},{_cell(more)},{_cell(less)}"
+            for key, value, error, more, less in zip(*(data[name] for name in COLUMNS), strict=True)
         ]
     return {"sensitivity.csv": "\n".join(lines) + "\n"}
 
 
 @of_record
 def figure(record: Panel, ax):
-    """Draw the elasticities of one answer as bars, the largest on top."""
-    from studies.report.figures import COLOURS
+    """Draw what 1 % more and 1 % less of each number make of one answer, and its elasticity, the largest on top."""
+    from studies.record.plots import COLOURS
 
-    data = record.data
-    kept = [k for k, value in enumerate(data["elasticity"]) if abs(value) >= NO_EFFECT][:14]
-    values = [data["elasticity"][k] for k in kept]
-    colours = [COLOURS["slip"] if value > 0 else COLOURS["intermittent"] for value in values]
-    ax.barh(range(len(kept)), values, xerr=[data["error"][k] for k in kept], color=colours, height=0.7)
-    ax.set_yticks(range(len(kept)), [data["key"][k] for k in kept], fontsize="small")
+    rows = [
+        row for row in zip(*(record.data[name] for name in COLUMNS), strict=True) if abs(row[1]) >= NO_EFFECT
+    ]
+    rows = rows[:14]
+    for side, (colour, label, sign) in enumerate((("slip", "1 % more", 1), ("intermittent", "1 % less", -1))):
+        changes = [100 * (row[3 + side] or 0.0) for row in rows]
+        places = [k - sign * 0.18 for k in range(len(rows))]
+        ax.barh(places, changes, color=COLOURS[colour], height=0.34, label=label)
+    given = {"fmt": "D", "markersize": 4, "color": COLOURS["line"], "label": "elasticity"}
+    ax.errorbar([row[1] for row in rows], range(len(rows)), xerr=[row[2] for row in rows], **given)
+    ax.set_yticks(range(len(rows)), [row[0] for row in rows], fontsize="small")
     ax.invert_yaxis()
     ax.axvline(0.0, color=COLOURS["line"], linewidth=0.8)
-    ax.set_xlabel(f"change of the {data['outcome']} in % for 1 % of the number")
+    ax.set_xlabel(f"change of the {record.data['outcome']} (%)")
     ax.set_title(record.title, fontsize="medium", parse_math=False)
     ax.grid(axis="x", alpha=0.3)
+    ax.legend(fontsize="small", loc="best")
     return ax

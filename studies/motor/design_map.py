@@ -16,16 +16,16 @@ from matplotlib.colors import BoundaryNorm
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
+from studies.chain.resolve import resolved
+from studies.record.plots import finished, logarithmic, own
 from studies.refusal import RunError, SceneError
-from studies.report.figures import finished, logarithmic, own
 from studies.report.intermediate import prefixed, si
 from studies.scene import Scene
 from studies.scene.keys import rule_at, unit_of
 from studies.scene.override import replaced, value_at
-from studies.scene.resolved import resolved
 from studies.study import Panel, StudyRecord, judged, of_record, study
-from studies.sweep import sweep
-from studies.sweep.axes import axis, level_key
+from studies.sweeps import sweep
+from studies.sweeps.axes import axis, level_key
 
 QUICK = {"counts": (3, 3)}
 SMALLEST = 100.0  # largest value of a map over the smallest that has a colour of its own
@@ -97,11 +97,10 @@ def run(
     ]
     moving, passed = grid["velocity_m_per_s"] != 0.0, grid["threshold_factor"] < 1.0
     parted, released = np.reshape(columns["regime"], shape) == "intermittent", grid["release_factor"] < 1.0
+    own = {"preload": chosen.slider.preload, "friction_coefficient": chosen.slider.static_coefficient}
     preload, mu = (
-        np.reshape(columns.get(f"slider.{key}", [getattr(chosen.slider, key)] * known.size), shape).astype(
-            float
-        )
-        for key in ("preload", "friction_coefficient")
+        np.reshape(columns.get(f"slider.{key}", [value] * known.size), shape).astype(float)
+        for key, value in own.items()
     )
     findings = (
         *(judged(f"The closed form of the {name} parts the map.", "share of points on their side",
@@ -174,7 +173,7 @@ def _plain(values) -> list:
 def _usual(scene: Scene, level: str, counts: tuple[int, int]) -> dict:
     """Return axes of amplitude or voltage and of preload that show every regime."""
     preload = scene.slider.preload
-    if preload == 0.0 or scene.slider.friction_coefficient == 0.0:
+    if preload == 0.0 or scene.slider.static_coefficient == 0.0:
         scene.refuse("slider.preload", "must be positive, with friction, for a map of regimes")
     alone = replaced(scene.to_table(), level, [max(scene.levels)])
     columns = sweep(alone, {}, also=("limits",), tolerance=1e-2).columns()

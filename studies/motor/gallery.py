@@ -17,7 +17,7 @@ from studies.chain import run as run_chain
 from studies.chain.bridge import DrivenContact
 from studies.motor import regime_map
 from studies.record import Record
-from studies.report.figures import velocity
+from studies.record.plots import velocity
 from studies.scene import Scene
 from studies.stator import admittance
 from studies.study import Panel, StudyRecord
@@ -80,7 +80,7 @@ def run(
     slow = contact_moments(record, level=voltage, progress=say)
     say("bursts")
     slider = driven.slider
-    acceleration = slider.friction_coefficient * slider.preload / slider.mass
+    acceleration = slider.least_friction(len(driven.orbits)) / slider.mass
     largest = abs(contact.steady(slider, driven.at(max(voltages)), tolerance=1e-3).velocity)
     duration = float(f"{LONG * largest / acceleration:.2g}")
     given = {"duration": duration, "after": duration, "tolerance": 1e-3, "samples": 1500}

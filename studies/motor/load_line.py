@@ -10,7 +10,7 @@ and the stator's.
 import numpy as np
 
 import contact
-from studies.report.figures import curve, family, finished
+from studies.record.plots import curve, family, finished
 from studies.scene import Scene
 from studies.study import Panel, StudyRecord, driven_contact, judged, of_record, study
 
@@ -35,7 +35,7 @@ def run(scene: str | Scene = "twente-contact", *, points: int = 17, progress=Non
         lines[driven.named(level)] = line
     # of the balls that are computed as one, the whole thrust
     balls = chosen.slider.preload / slider.preload
-    friction = slider.friction_coefficient * slider.preload
+    friction = slider.static_friction(len(driven.orbits))
     findings = (
         judged("Velocity falls with load, to zero at the blocked thrust.",
                "blocked thrust over mu times preload, the largest",

@@ -17,7 +17,8 @@ import contact
 from studies.chain import bridge
 from studies.chain.bridge import DrivenContact
 from studies.chain.propagation import reference_speed
-from studies.report.figures import AXES, curve, finished, logarithmic, own
+from studies.record.plots import curve, finished, logarithmic, own
+from studies.record.quantities import quantity
 from studies.scene import Scene
 from studies.study import Panel, StudyRecord, driven_contact, judged, of_record, study
 
@@ -49,7 +50,7 @@ def run(
     if slider.shape != "sphere" or slider.heights:
         chosen.refuse("slider", "must stand on balls of equal height for a map of regimes")
     own = slider.preload
-    if own == 0.0 or slider.friction_coefficient == 0.0:
+    if own == 0.0 or slider.static_coefficient == 0.0:
         chosen.refuse("slider.preload", "must be positive, with friction, for a map of regimes")
     at, loads, reach = _grid(driven, per_metre, amplitudes, preloads)
     progress(f"regime map: {at.size * loads.size} steady states")
@@ -125,4 +126,4 @@ def figure(record: Panel, ax):
     ax.set_xlim(A[0], A[-1])
     logarithmic(ax.xaxis)
     logarithmic(ax.yaxis)
-    return finished(ax, AXES["normal_amplitude_m"][0], "preload (mN)", record.title, grid=False)
+    return finished(ax, quantity("normal_amplitude_m").axis, "preload (mN)", record.title, grid=False)

@@ -18,7 +18,7 @@ import numpy as np
 
 import contact
 from studies.chain.steps import Steps
-from studies.report.figures import COLOURS, curve, family, finished, logarithmic
+from studies.record.plots import COLOURS, curve, family, finished, logarithmic
 from studies.scene import Scene
 from studies.study import Finding, Panel, StudyRecord, driven_contact, judged, of_record, study
 

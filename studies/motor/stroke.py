@@ -11,11 +11,12 @@ mean.  Expected: Fresnel's fringes of the aperture.  Run time: about 30 s.
 import numpy as np
 
 import contact
-from studies.chain import bridge
-from studies.chain.points import averaged
+from studies.chain import bridge, resolve
+from studies.chain.steady import averaged
 from studies.chain.travel import travelled
-from studies.report.figures import AXES, COLOURS, curve, family, finished, lines
-from studies.scene import Scene, resolved
+from studies.record.plots import COLOURS, curve, family, finished, lines
+from studies.record.quantities import quantity
+from studies.scene import Scene
 from studies.study import Panel, StudyRecord, driven_contact, judged, of_record, study
 
 QUICK = {"count": 10, "duration": 2e-3}
@@ -94,7 +95,7 @@ def _span(scene: Scene, wavelength: float) -> tuple[float, float]:
     center = scene.slider.center[0]
     balls = [x - center for x, _ in scene.slider.places]
     clear = CLEAR * wavelength
-    rows = [each.extent for each in resolved.transducers(scene)]
+    rows = [each.extent for each in resolve.transducers(scene)]
     left = max((right + clear for _, right in rows if right <= center), default=0.0)
     right = min((left - clear for left, _ in rows if left >= center), default=scene.stator.length)
     return left - min(balls), right - max(balls)
@@ -119,4 +120,4 @@ def figure(record: Panel, ax):
         curve(ax, data["path_m"][name] * 1e3, data["path_velocity_m_per_s"][name] * 1e3, "--", "line")
     ax.fill_between([], [], color=COLOURS["line"], label=label, **band)
     curve(ax, [], [], "--", "line", "starting at the scene's place")
-    return finished(ax, AXES["position_m"][0], "slider velocity (mm/s)", record.title)
+    return finished(ax, quantity("position_m").axis, "slider velocity (mm/s)", record.title)

@@ -36,6 +36,6 @@ def run(
 
 def figure(record: Record, ax):
     """Draw velocity against voltage, or against amplitude where the wave is given."""
-    from studies.report.figures import velocity
+    from studies.record.plots import velocity
 
     return velocity(record, ax)

@@ -65,7 +65,7 @@ def figure(panel: Panel, ax):
 
     A published range is drawn in grey, everything of its row over the range's geometric mean.
     """
-    from studies.report.figures import COLOURS, titled
+    from studies.record.plots import COLOURS, titled
 
     data = panel.data
     count = len(data["quantity"])

@@ -132,7 +132,7 @@ def run(
 @of_record
 def figure(panel: Panel, ax):
     """Draw band and case by case over the published value."""
-    from studies.report.figures import COLOURS, legend_below
+    from studies.record.plots import COLOURS, legend_below
 
     data, marks = panel.data, {"open": "o", "connected": "s"}
     for at, key in enumerate(PUBLISHED):

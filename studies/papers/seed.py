@@ -3,8 +3,8 @@
 from collections.abc import Callable
 
 from studies.chain import bridge
+from studies.chain.resolve import resolved
 from studies.scene import Scene
-from studies.scene.resolved import resolved
 
 __all__ = ["Seed"]
 

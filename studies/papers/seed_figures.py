@@ -47,7 +47,7 @@ def run(*, steps: tuple[float, ...] = (), progress: Callable[[str], None] | None
 @of_record
 def figure(record: Panel, ax):
     """Draw a panel: curves of the left axis, and of a second axis on the right where there are any."""
-    from studies.report.figures import COLOURS, legend_below, titled
+    from studies.record.plots import COLOURS, legend_below, titled
 
     data = record.data
     palette = iter(

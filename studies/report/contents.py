@@ -4,10 +4,10 @@ import cmath
 import math
 from collections.abc import Iterator
 
+from studies.chain.moduli import direction_dependence
+from studies.chain.resolve import solid
 from studies.scene import Scene
 from studies.scene.blocks import Stator
-from studies.scene.modulus import direction_dependence
-from studies.scene.resolved import solid
 
 __all__ = ["contents", "section"]
 
@@ -35,7 +35,18 @@ def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
         slider = scene.slider
         moduli = f"E* {slider.effective_modulus / 1e9:.4g} GPa, G* {slider.tangential_modulus / 1e9:.4g} GPa"
         weight = f"{slider.mass * 1e3:g} g, preload {slider.preload * 1e3:g} mN"
-        lines = [f"{weight}, contacts {len(slider.offsets)}, {moduli}"]
+        if slider.pillars is not None:
+            from studies.chain.pillars import layout, stiffnesses
+
+            place, (k_n, k_t) = layout(slider), stiffnesses(slider)
+            lines = [
+                f"{weight}, {place['x'].size} pillars of {place['diameter'].mean() * 1e6:.4g} um, {moduli}",
+                f"stiffness of a pillar {k_n.mean():.4g} N/m, along the surface {k_t.mean():.4g} N/m",
+            ]
+            yield "slider", lines
+            return
+        shape = "radius" if slider.shape == "sphere" else f"{slider.shape} radius"
+        lines = [f"{weight}, contacts {len(slider.offsets)}, {shape} {slider.radius * 1e3:g} mm, {moduli}"]
         if scene.stator is not None and (spread := direction_dependence(solid(scene.stator))):
             lines.append(f"E* and G* are means over the directions in the surface: {spread}")
         yield "slider", lines

@@ -5,22 +5,25 @@ says so.  Errors are those of the computation: the stator's and the contact's, c
 own numbers, friction above all, are taken as exact.
 """
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 import contact
-from studies.chain import run
+from studies.chain import resolve, run
 from studies.chain.bridge import DrivenContact
 from studies.chain.steps import Steps
 from studies.record import Record
 from studies.refusal import RunError
-from studies.scene import Scene, resolved
+from studies.scene import Scene
 
 __all__ = ["Datasheet", "Row", "datasheet"]
 
+LOGGER = logging.getLogger("studies.datasheet")
 LOADS = 13  # of a load line
 LINES = (0.5, 0.75, 1.0)  # of the rated level: the scene's nearest levels have a load line
 STEPS = (1e-9, 1e-8, 1e-7)  # m
@@ -40,6 +43,7 @@ class Row(NamedTuple):
     unit: str
     error: float | None = None  # relative; None where the number is given by the scene or counted
     condition: str = ""  # what it holds for beyond the rated level
+    model_error: float | None = None  # relative, by what the model leaves out; None where it is not known
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,13 +73,13 @@ class Datasheet:
 
 
 def datasheet(
-    scene: Scene, *, tolerance: float = 1e-3, progress: Callable[[str], None] | None = None
+    scene: Scene | str | Path, *, tolerance: float = 1e-3, progress: Callable[[str], None] | None = None
 ) -> Datasheet:
     """Return the datasheet of a motor.
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or name of a shipped scene
         With a slider and either a driven stator or a given wave.
     tolerance : float
         Of the slider velocity, as for a run.
@@ -89,7 +93,8 @@ def datasheet(
     RunError
         If a number of the datasheet has no answer.
     """
-    say = progress or (lambda text: None)
+    say = progress or LOGGER.info
+    scene = scene if isinstance(scene, Scene) else Scene.load(scene)
     if scene.slider is None:
         scene.refuse("slider", "is missing: a datasheet is of a whole motor")
     block = "wave" if scene.wave is not None else "drive"
@@ -137,7 +142,7 @@ def datasheet(
 def _start_stop(driven: DrivenContact, rated: float):
     """Return a burst from rest that reaches the steady velocity, and the stop after it."""
     slider, orbits = driven.slider, driven.at(rated)
-    acceleration = slider.friction_coefficient * slider.preload / slider.mass
+    acceleration = slider.least_friction(len(orbits)) / slider.mass
     steady = contact.steady(slider, orbits, tolerance=CONTACT_TOLERANCE).velocity
     least = abs(steady) / acceleration
     return contact.burst(
@@ -150,12 +155,15 @@ def _speeds(record: Record, driven: DrivenContact, rated: float):
     # the point's error is stated over max(|v|, omega |u_x| / 10)
     speed, omega = abs(point["velocity_m_per_s"]), 2.0 * np.pi * record.scene.frequency
     error = point["relative_error"] * max(speed, omega * point["tangential_amplitude_m"] / 10.0) / speed
-    yield Row("speed", "speed", speed, "m/s", error, "no load, steady")
+    scale, model = error / point["relative_error"] if error else 1.0, point.get("model_relative_error")
+    yield Row(
+        "speed", "speed", speed, "m/s", error, "no load, steady", None if model is None else scale * model
+    )
     unit, key = ("m", "amplitude_m") if record.scene.wave is not None else ("V", "voltage_V")
     for name, words in (("threshold", "starts to move"), ("release", "leaves the surface in every cycle")):
         if f"{name}_{key}" in record.summary:
             value, condition = record.summary[f"{name}_{key}"], f"the slider {words}"
-            yield Row("speed", name, value, unit, driven.stator_error, condition)
+            yield Row("speed", name, value, unit, driven.stator_error, condition, record.error.get("model"))
 
 
 def _forces(driven: DrivenContact, rated: float, balls: float):
@@ -163,7 +171,7 @@ def _forces(driven: DrivenContact, rated: float, balls: float):
     stall, held = contact.blocked_thrust(slider, driven.at(rated))
     more, _ = contact.blocked_thrust(slider, driven.at(rated * (1.0 + driven.stator_error)))
     friction, error = (
-        slider.friction_coefficient * slider.preload,
+        slider.static_friction(len(driven.orbits)),
         abs(more / stall - 1.0) + CONTACT_TOLERANCE,
     )
     yield Row("force", "blocked thrust", balls * stall, "N", error, "load at which the motor stalls")
@@ -225,7 +233,7 @@ def _resonances(record: Record, driven: DrivenContact, say):
     yield Row("resonance", "drive frequency", scene.frequency, "Hz")
     if scene.transducer:
         say("stator: looking for the strongest wave")
-        best = resolved.resolved(replace(scene, drive=replace(scene.drive, frequency="center"))).frequency
+        best = resolve.resolved(replace(scene, drive=replace(scene.drive, frequency="center"))).frequency
         condition = "per volt, sent by the driven fingers alone"
         yield Row("resonance", "frequency of the strongest wave", best, "Hz", CENTRE, condition)
     for name, frequency, springs in (

@@ -1,8 +1,8 @@
 """A motor's datasheet as one self-contained page, A4 when printed: table, characteristics, limits."""
 
-from studies.report.answer import sentences
+from studies.record.plots import COLOURS, as_uri, curve, family, finished, velocity
+from studies.record.text import sentences
 from studies.report.datasheet import SETTLED, Datasheet, Row
-from studies.report.figures import COLOURS, as_uri, curve, family, finished, velocity
 from studies.report.intermediate import si
 from studies.report.page import rendered
 from studies.results.content import provenance
@@ -17,7 +17,7 @@ GROUPS = {
     "power": "Power and efficiency",
     "resonance": "Resonance",
 }
-PICTURE = (4.6, 3.9)  # inches
+PICTURE = (4.1, 3.4)  # inches
 
 
 def page(sheet: Datasheet) -> str:
@@ -101,4 +101,6 @@ def _written(row: Row) -> dict:
     error = "" if row.error is None else "< 0.0001 %"
     if row.error and row.error > 5e-7:
         error = f"\u00b1 {float(f'{100 * row.error:.1g}'):g} %"  # 30, not 3e+01
+    if row.model_error:
+        error += f", model {float(f'{100 * row.model_error:.2g}'):g} %"
     return {"name": row.name, "value": value, "error": error, "condition": row.condition}

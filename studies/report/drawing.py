@@ -45,7 +45,7 @@ class Drawing:
     def draw(self, record: Record, folder: Path) -> None:
         """Draw the pictures that a record has, into a directory; raises what the drawing raised."""
         if self._process is None:
-            from studies.report.figures import draw_run
+            from studies.record.plots import draw_run
 
             return draw_run(record, folder)
         needed = pickle.dumps((replace(record, surface_motion=None), folder.resolve()))
@@ -64,7 +64,7 @@ def serve() -> None:
     import matplotlib.backends.backend_agg
     import matplotlib.figure  # noqa: F401
 
-    from studies.report.figures import draw_run
+    from studies.record.plots import draw_run
 
     given = sys.stdin.buffer.read()
     if not given:  # the run ended without pictures, and nobody reads an answer

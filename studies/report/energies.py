@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from studies.chain import SHARE
 from studies.chain.bridge import DrivenContact
 from studies.chain.points import STEADY_METHODS
+from studies.chain.runs import SHARE
 from studies.record import Record
 
 __all__ = ["LEDGER", "Balance", "balances"]
@@ -18,7 +18,7 @@ LEDGER = {
     "normal_damper": "normal damper",
     "tangential_damper": "tangential damper",
     "load": "work against the load",
-    "leak": "leak of the elastic law",
+    "leak": "not conserved by the elastic law",
     "stored": "held by the springs",
     "lifted": "held by the preload",
     "slider": "held by the slider",
@@ -40,7 +40,7 @@ def balances(record: Record) -> tuple[Balance, ...]:
     import contact
 
     scene = record.scene
-    if scene.slider is None:
+    if scene.slider is None or scene.slider.pillars is not None:  # the points have these powers
         return ()
     driven = DrivenContact.of_run(record)
     share = len(scene.slider.offsets) if isinstance(scene.slider.contacts, int) else 1

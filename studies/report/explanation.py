@@ -2,30 +2,34 @@
 
 Unknowns, lines and pieces are counted from the geometry, as the run will have them.  At which discretisation the stator
 ends only the run can tell: what ordinary layouts need is taken.  The stator's work is dense algebra whose operations
-are counted and divided by one measured speed; the contact takes milliseconds for each point, and a burst that is
-followed event by event about 5e-5 s for each cycle of the wave.
+are counted and divided by one measured speed; a point of the contact takes a time that grows with its contacts at
+different places, and a burst that is followed event by event about 5e-5 s for each cycle of the wave.
 """
 
 import textwrap
 
-from studies.chain import SHARE
+from studies.chain import resolve
 from studies.chain.left_out import left_out
 from studies.chain.ring_up import RingUp
+from studies.chain.runs import SHARE
 from studies.chain.surface_motion import wanted_diffraction
+from studies.record.text import labelled, table
 from studies.refusal import RunError
-from studies.report.answer import labelled, table
 from studies.report.contents import section
-from studies.scene import Scene, resolved
+from studies.scene import Scene
 
 __all__ = ["MEMORY_WITHIN", "TIME_WITHIN", "explanation", "plan"]
 
 TIME_WITHIN, MEMORY_WITHIN = 3.0, 2.0  # factors within which the predictions have been seen to hold
 SPEED = 2.5e10  # real operations per second of the stator's algebra: one core of an x86_64 machine of 2026
-START, COMPILE = 0.3, 15.0  # s: imports and the contact's points; its kernels when they are not there yet
+START, COMPILE = 0.3, 15.0  # s: imports; the contact's kernels when they are not there yet
+# s of a point with one contact, and the power of their number: 1, 4, 16 and 64 balls take 0.05, 0.04, 0.4 and 6 s
+POINT, CONTACTS = 0.02, 1.2
 JOIN, MODES = 51, 100  # real operations over n^3 of joining two pieces, and of n guided modes
 BEAM, CUT_BEAM = 1.5e10, 1e11  # operations of the beam under the slider; where the lateral direction matters
 BAND = 10  # solutions that a band of frequencies is worth
 PROCESS, KEPT = 90e6, 1.35  # bytes of Python with its libraries; memory over that of the blocks alone
+MINUTE = 60.0  # s
 WIDTH = 110  # columns of a line of what is left out
 HEADS = {
     "order": "order", "edge_layers": "edge layers", "elements": "elements in depth", "line": "line, modes",
@@ -49,7 +53,7 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
     RunError
         If a run would refuse its size.
     """
-    scene = resolved.resolved(scene)
+    scene = resolve.resolved(scene)
     parts, missing, operations, kept, seconds = [], {}, 0.0, 0.0, START
     if scene.transducer:
         from fem import ConvergenceError
@@ -65,7 +69,14 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
         from contact import kernels
 
         slider, levels = scene.slider, "voltages" if scene.wave is None else "amplitudes"
-        facts = [f"{slider.law} law; contacts: {len(slider.offsets)}, {levels}: {len(scene.levels)}"]
+        number = len(slider.offsets)
+        if slider.pillars is not None:
+            from studies.chain.pillars import layout
+
+            number = layout(slider)["x"].size
+        contacts = len(set(slider.offsets))  # at one place they move as one
+        facts = [f"{slider.law} law; contacts: {number}, {levels}: {len(scene.levels)}"]
+        seconds += POINT * len(scene.levels) * contacts**CONTACTS
         if scene.burst is not None:
             facts.append(f"burst: {scene.burst * scene.frequency:.4g} cycles of the wave at each of them")
         if not kernels.ready():
@@ -78,6 +89,15 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
         "title": scene.title, "scene": scene.to_table(), "tolerance": tolerance, "parts": parts,
         "left_out": left_out(scene, **missing), "expected": expected,
     }  # fmt: skip
+
+
+def long_wait(scene: Scene, *, tolerance: float) -> tuple[str, ...]:
+    """Return a sentence on the expected time of a run that takes more than a minute; nothing for a shorter one."""
+    expected = plan(scene, tolerance=tolerance)["expected"]["seconds"]
+    if expected < MINUTE:
+        return ()
+    hours = f"{expected / 3600:.2g} hours" if expected > 2 * 3600 else f"{expected / MINUTE:.2g} minutes"
+    return (f"expected time: about {hours}, within a factor of {TIME_WITHIN:g} (--explain tells of what)",)
 
 
 def explanation(plan: dict) -> str:
@@ -103,9 +123,9 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
     """Return the parts of a driven stator, what `left_out` asks about them, their operations, their blocks' bytes."""
     from fem import LEVELS, isotropic_about_normal, planned_levels, stator_size
 
-    slider, (along, _) = scene.slider, resolved.first_row(scene, (0.0, 0.0))
-    stator, row = resolved.stator(along.stator), resolved.transducers(along)
-    sections = len(resolved.rows(scene)) if scene.crossed else 1
+    slider, (along, _) = scene.slider, resolve.first_row(scene, (0.0, 0.0))
+    stator, row = resolve.whole_stator(along), resolve.transducers(along)
+    sections = len(resolve.rows(scene)) if scene.crossed else 1
     planned = [*planned_levels(stator, tolerance if slider is None else tolerance * SHARE)]
     if scene.stator.ends != "absorbing" and planned[-1] + 1 < len(LEVELS):
         planned.append(planned[-1] + 1)  # resonances of the block multiply the error
@@ -131,7 +151,7 @@ def _driven(scene: Scene, tolerance: float) -> tuple[list[dict], dict, float, fl
         sum(sorted(sizes[k].block_bytes for k in planned)[-2:]),
     )
     diffraction = wanted_diffraction(scene.stator.diffraction, slider is not None)
-    refusal = resolved.default_refusal(stator, slider.places) if diffraction is None else ""
+    refusal = resolve.default_refusal(stator, slider.places) if diffraction is None else ""
     spreads = diffraction is not False and not refusal
     if spreads:
         how = "guided modes at every wavenumber across the aperture, under the slider"

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import fem
 from fem import VACUUM_PERMITTIVITY, rotation_matrix, surface_named
+from studies.record.plots import COLOURS, arrow, saved
+from studies.record.text import labelled, table
 from studies.refusal import RunError, SceneError
-from studies.report.answer import labelled, table
-from studies.report.figures import COLOURS, arrow, saved
 from studies.results.content import plain
 from studies.scene.blocks import ORIENTATION
 
@@ -47,8 +47,8 @@ def half_space_wave(material: str, *, orientation="Z", surface: str = "vacuum") 
     try:
         solid = fem.rotated(fem.material(material), orientation)
         surface = surface_named(surface)
-    except ValueError as error:
-        raise SceneError("", str(error)) from None
+    except fem.InputError as error:
+        raise SceneError(error.key, error.rule) from None
     try:
         wave = fem.rayleigh(solid, surface)
         coupled = "phi" in wave.fields

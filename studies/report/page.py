@@ -9,9 +9,9 @@ from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
 
-from studies.record import Record
-from studies.report import energies, figures
-from studies.report.answer import points_table, sentences
+from studies.record import Record, plots
+from studies.record.text import points_table, sentences
+from studies.report import energies
 from studies.report.intermediate import intermediate_numbers, si
 from studies.results.content import provenance
 from studies.scene.toml import document
@@ -24,7 +24,7 @@ CAPTIONS = {
     "trajectory": "Velocity during the bursts and after them.",
     "surface": "Motion of the surface per volt; grey: transducers.",
     "errors": "Estimated error of each point, and what was asked for.",
-}  # of `figures.pictures`
+}  # of `plots.pictures`
 
 
 def write_report(record: Record, folder: Path) -> None:
@@ -70,11 +70,11 @@ def report(record: Record) -> str:
 
 
 def _pictures(record: Record) -> list[dict]:
-    drawn = figures.pictures(record)
+    drawn = plots.pictures(record)
     if len([point for point in record.points if point.get("relative_error")]) > 1:
-        drawn["errors"] = partial(figures.errors, record)
+        drawn["errors"] = partial(plots.errors, record)
     captions = CAPTIONS if record.scene.transducer else CAPTIONS | {"surface": "The wave against depth."}
-    return [{"data": figures.as_uri(draw), "caption": captions[name]} for name, draw in drawn.items()]
+    return [{"data": plots.as_uri(draw), "caption": captions[name]} for name, draw in drawn.items()]
 
 
 def _machine() -> str:

@@ -1,24 +1,12 @@
-"""The beam over the whole surface: its motion on a grid of places (x, y), as files and as a picture."""
+"""The picture of the beam over the whole surface."""
 
-from studies.report.figures import AXES, COLOURS, finished
-from studies.scene import Scene, resolved
+from studies.chain import resolve
+from studies.record.plots import COLOURS, finished
+from studies.record.quantities import quantity
+from studies.record.surface_map import surface_map
+from studies.scene import Scene
 
-__all__ = ["draw_surface_map", "pixels", "surface_map"]
-
-PER_WAVELENGTH, LINES = 4, 81  # places along x, and across the width
-CROSSED = 6  # places per wavelength along both where beams cross
-
-
-def surface_map(beam, stator):
-    """Return x in m, y in m, and u_x, u_y and u_z of a beam on a scene's stator in m per V, (3, len(x), len(y))."""
-    import numpy as np
-
-    wave, crossed = beam.wave, hasattr(beam, "rows")
-    step = wave.phase_velocity / wave.frequency / (CROSSED if crossed else PER_WAVELENGTH)
-    x = np.linspace(0.0, stator.length, int(np.ceil(stator.length / step)) + 1)
-    lines = int(np.ceil(stator.width / step)) + 1 if crossed else LINES
-    y = np.linspace(-stator.width / 2, stator.width / 2, lines)
-    return x, y, beam.motion(x[:, None], y)
+__all__ = ["draw_surface_map", "pixels"]
 
 
 def draw_surface_map(beam, scene: Scene, ax):
@@ -29,7 +17,7 @@ def draw_surface_map(beam, scene: Scene, ax):
     size = abs(motion[2]).T * 1e9
     drawn = ax.pcolormesh(x * 1e3, y * 1e3, size, cmap="viridis", shading="gouraud", rasterized=True)
     ax.figure.colorbar(drawn, ax=ax, label="|u_z| (nm per V)")
-    for each in resolved.transducers(scene):
+    for each in resolve.transducers(scene):
         ax.add_patch(Polygon(each.corners * 1e3, fill=False, edgecolor="white", linewidth=1.2))
     ball = {"color": COLOURS["intermittent"], "markeredgecolor": "white", "markersize": 6}
     for place in () if scene.slider is None else scene.slider.places:
@@ -38,7 +26,7 @@ def draw_surface_map(beam, scene: Scene, ax):
         ax.axhline(side * y[-1] * 1e3, color=COLOURS["line"], linewidth=2)
     ax.set_aspect("equal" if scene.stator.length < 12 * scene.stator.width else "auto")
     title = f"{scene.title}: u_z of the beam; frames: apertures, points: balls"
-    return finished(ax, AXES["x_m"][0], "y (mm)", title, columns=0, grid=False)
+    return finished(ax, quantity("x_m").axis, "y (mm)", title, columns=0, grid=False)
 
 
 def pixels(stator) -> tuple[int, int]:

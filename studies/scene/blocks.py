@@ -5,6 +5,7 @@ stator's left end, z out of the surface.  The sentence beside each key is its en
 """
 
 from dataclasses import dataclass
+from pathlib import PurePath
 from typing import Annotated, ClassVar
 
 from studies.refusal import shown
@@ -64,6 +65,14 @@ class IsotropicSolid(Block):
     def check_stable(self):
         if self.poisson_ratio <= -1:
             yield "poisson_ratio", f"must be above -1 and below 0.5, got {self.poisson_ratio!r}"
+
+
+SOLIDS = Named(
+    'a table of solids by surface group such as { strip = "aluminium" }',
+    TEXT | Within(PiezoelectricSolid, IsotropicSolid),
+)
+CONNECTIONS = Named('a table by electrode such as { strip = "floating", a = "left+" }', TEXT)
+LENGTHS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "inch": 0.0254}  # m
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,6 +189,34 @@ class Transducer(Block):
     def has_two_combs(self) -> bool:
         """Whether a voltage can stand between its combs."""
         return self.pattern is None or {"+", "-"} <= set(self.pattern)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Piece(Block):
+    """A part of the section given as a mesh: a groove, a strip, an end; the block is given once for each file.
+
+    name: Name in messages. Absent: that of the file.
+    file: gmsh file, format 2.2 or 4.1, in the plane (x, z), z = 0 the surface; from the scene's folder on.
+    length_unit: Unit of the file's coordinates, which has none.
+    position: Where the file's x = 0 lies, from the stator's left end; several: a list or a range.
+    materials: Solids of the surface groups other than "stator": a name of the catalogue or a table, in the stator's
+        orientation.
+    electrodes: What the line groups electrode:NAME are connected to: floating (also those not named here), grounded,
+        or a comb of a transducer such as "left+".
+    """
+
+    block: ClassVar[str] = "piece"
+    name: Annotated[str | None, TEXT] = None
+    file: Annotated[str, TEXT]
+    length_unit: Annotated[str, choice(*LENGTHS)]
+    position: Annotated[tuple[float, ...], Listed(Quantity("m", negative=True), ranged=True)]
+    materials: Annotated[tuple | None, SOLIDS] = None
+    electrodes: Annotated[tuple | None, CONNECTIONS] = None
+
+    @property
+    def label(self) -> str:
+        """Its name, or that of its file."""
+        return self.name or PurePath(self.file).stem
 
 
 @dataclass(frozen=True, kw_only=True)

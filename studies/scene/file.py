@@ -32,7 +32,8 @@ class SceneFile:
         path = scene_path(source)
         text = _text(path)
         try:
-            return cls(path=path, table=tomllib.loads(text), lines=key_lines(text))
+            table = _with_whole_paths(tomllib.loads(text), path)
+            return cls(path=path, table=table, lines=key_lines(text))
         except tomllib.TOMLDecodeError as error:
             line, sentence = explained(text, error)
             raise SceneError("", sentence, f"{path}, line {line}") from None
@@ -61,6 +62,24 @@ class SceneFile:
                 placed.append((line or 0, SceneError(problem.path, problem.rule, place)))
             placed.sort(key=lambda pair: pair[0])
             raise SceneError.together(problem for _, problem in placed) from None
+
+
+def _with_whole_paths(table: dict, scene: Path) -> dict:
+    """Return a scene's table with the files of its meshes and its law from the root on: it runs from anywhere."""
+    pieces, slider = table.get("piece"), table.get("slider")
+    if isinstance(pieces, list):
+        table = table | {"piece": [_with_whole_path(each, scene, "file") for each in pieces]}
+    law = slider.get("law") if isinstance(slider, dict) else None
+    if isinstance(law, str) and law.endswith(".py"):
+        table = table | {"slider": _with_whole_path(slider, scene, "law")}
+    return table
+
+
+def _with_whole_path(block, scene: Path, key: str):
+    name = block.get(key) if isinstance(block, dict) else None
+    if not isinstance(name, str) or not name or Path(name).is_absolute():
+        return block
+    return block | {key: str((scene.parent / name).resolve())}
 
 
 def shipped_scenes() -> dict[str, Path]:

@@ -8,7 +8,7 @@ from typing import Annotated, ClassVar, Self
 from studies.refusal import SceneError
 from studies.scene import consistency
 from studies.scene.block import Block, Blocks, Within
-from studies.scene.blocks import Drive, Stator, Transducer
+from studies.scene.blocks import Drive, Piece, Stator, Transducer
 from studies.scene.file import SceneFile
 from studies.scene.override import merged
 from studies.scene.rule import TEXT
@@ -23,6 +23,7 @@ class Scene(Block):
     title: Shown on results.
     stator: The block of material that carries the wave.
     transducer: The transducers on its surface; none: the free wave of the section is the result.
+    piece: Parts of the stator's section given as meshes.
     drive: The source; required with a stator.
     wave: A given surface motion, instead of stator, transducers and drive.
     slider: The slider; absent: the wave is the result.
@@ -34,6 +35,7 @@ class Scene(Block):
     title: Annotated[str, TEXT] = ""
     stator: Annotated[Stator | None, Within(Stator)] = None
     transducer: Annotated[tuple[Transducer, ...], Blocks(Transducer)] = ()
+    piece: Annotated[tuple[Piece, ...], Blocks(Piece)] = ()
     drive: Annotated[Drive | None, Within(Drive)] = None
     wave: Annotated[Wave | None, Within(Wave)] = None
     slider: Annotated[Slider | None, Within(Slider)] = None
@@ -99,6 +101,7 @@ class Scene(Block):
     check_turned = consistency.check_turned
     check_direction = consistency.check_direction
     check_slider = consistency.check_slider
+    check_pieces = consistency.check_pieces
 
     @property
     def crossed(self) -> bool:
@@ -134,12 +137,12 @@ class Scene(Block):
 
 def _unknown_solids(table: dict) -> Iterator[SceneError]:
     """Yield the names of solids that the catalogue lacks, to be said beside the faults of the text."""
-    from fem import material
+    from fem import InputError, material
 
     for block, key in (("stator", "material"), ("slider", "ball")):
         name = table[block].get(key) if isinstance(table.get(block), dict) else None
         if isinstance(name, str):
             try:
                 material(name)
-            except ValueError as error:
-                yield SceneError(f"{block}.{key}", str(error).removeprefix("material "))
+            except InputError as error:
+                yield SceneError(f"{block}.{key}", error.rule)

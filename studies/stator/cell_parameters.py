@@ -11,10 +11,11 @@ import numpy as np
 from scipy.special import ellipk, eval_legendre
 
 import fem
-from studies.chain import passband
+from studies.chain import passband, resolve
+from studies.record.plots import COLOURS, curve, finished, legend_below, shaded
+from studies.record.quantities import quantity
 from studies.refusal import RunError
-from studies.report.figures import AXES, COLOURS, curve, finished, legend_below, shaded
-from studies.scene import Scene, resolved
+from studies.scene import Scene
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"count": 8, "tolerance": 0.5}
@@ -36,7 +37,7 @@ def run(
     """
     chosen = passband.driven_scene(scene)
     driven = chosen.driven_transducer
-    solid, above, m = resolved.solid(chosen.stator), chosen.stator.above, driven.metallisation
+    solid, above, m = resolve.solid(chosen.stator), chosen.stator.above, driven.metallisation
     period = driven.period / (2 if driven.split else 1)  # of two fingers and two gaps
     progress(f"gratings of {solid.name}")
     try:
@@ -105,6 +106,6 @@ def figure(record: Panel, ax):
         decay.axhline(height, color=COLOURS[colour], linestyle=":", linewidth=1, label=label)
     decay.set_ylabel("decay per finger (neper)")
     decay.set_ylim(0, 1.6 * max(data["shorted_reflectivity"], data["open_reflectivity"]))
-    finished(ax, AXES["frequency_Hz"][0], "phase per finger, below pi (rad)", record.title)
+    finished(ax, quantity("frequency_Hz").axis, "phase per finger, below pi (rad)", record.title)
     legend_below(ax, [each for side in (ax, decay) for each in side.get_legend_handles_labels()[0]])
     return ax

@@ -10,8 +10,10 @@ plate: no such thing).  Run time: about 5 s.
 import numpy as np
 
 import fem
-from studies.report.figures import AXES, curve, finished
-from studies.scene import Scene, resolved
+from studies.chain import resolve
+from studies.record.plots import curve, finished
+from studies.record.quantities import quantity
+from studies.scene import Scene
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"count": 9}
@@ -32,8 +34,8 @@ def run(scene: str | Scene = "rayleigh", *, count: int = 60, progress=None) -> S
     """
     if scene.stator is None:
         scene.refuse("stator", "is missing: a given wave has no section to guide it")
-    scene = resolved.resolved(scene)
-    stator, drive = resolved.stator(scene.stator), scene.frequency
+    scene = resolve.resolved(scene)
+    stator, drive = resolve.stator(scene.stator), scene.frequency
     frequencies = np.linspace(LOWEST, HIGHEST, count) * drive
     progress(f"{count} frequencies of {scene.title}")
     at, wavenumbers, near = _propagating(stator, frequencies)
@@ -65,7 +67,7 @@ def figure(record: Panel, ax):
     theory = data["line_Hz"] / 1e6, data["line_rad_per_m"] / 1e3
     curve(ax, *theory, "-", "line", "Rayleigh wave of the half-space (theory)")
     ax.set_ylim(bottom=0)
-    return finished(ax, AXES["frequency_Hz"][0], "wavenumber (rad/mm)", record.title)
+    return finished(ax, quantity("frequency_Hz").axis, "wavenumber (rad/mm)", record.title)
 
 
 def _propagating(stator, frequencies):

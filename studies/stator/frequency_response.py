@@ -12,11 +12,12 @@ Run time: about 8 s.
 import numpy as np
 
 import fem
-from studies.chain import passband
+from studies.chain import passband, resolve
 from studies.chain.spectrum import response
 from studies.chain.surface_motion import solved_motion
-from studies.report.figures import curve, lines, shaded
-from studies.scene import Scene, resolved
+from studies.record.plots import curve, draw_scan, lines, shaded
+from studies.scene import Scene
+from studies.stator.scan_panel import said, scan_file, scan_panel
 from studies.study import Finding, Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"count": 9, "tolerance": 0.1}
@@ -24,28 +25,36 @@ QUICK = {"count": 9, "tolerance": 0.1}
 
 @study
 def run(
-    scene: str | Scene = "twente-left", *, count: int | None = None, tolerance: float = 1e-2, progress=None
+    scene: str | Scene = "twente-left",
+    *,
+    measured: str | None = None,
+    count: int | None = None,
+    tolerance: float = 1e-2,
+    progress=None,
 ) -> StudyRecord:
     """Return amplitude and group delay against frequency.
 
     Parameters
     ----------
+    measured : str, optional
+        File of a vibrometer's scan over frequency, CSV or UFF; drawn over the prediction at its own frequencies.
     count : int, optional
         Frequencies; without it 161, or as many as resolve the ripple of waves that return.
     tolerance : float
         Relative, of the surface motion.
     """
     chosen = passband.driven_scene(scene)
+    scan = None if measured is None else scan_file(chosen, measured, "frequency")
     place, at = passband.place(chosen)[0], passband.frequencies(chosen, count, 161)
     driven = chosen.driven_transducer
     prepared = response(chosen, at[0], at[-1], places=(place,), tolerance=tolerance, progress=progress)
     progress(f"stator: {len(at)} frequencies")
-    waves = prepared.waves(at, resolved.drive(chosen))
+    waves = prepared.waves(at, resolve.drive(chosen))
     normal = np.array([each.motion(place)[1] for each in waves])
     covered = any(each.covered(place) for each in waves)
     surface = normal if covered else np.array([each.rayleigh_motion(place)[1] for each in waves])
     way = abs(place - driven.place[0])
-    free = fem.free_wave(resolved.stator(chosen.stator), frequency=float(np.median(at)), tolerance=1e-4)
+    free = fem.free_wave(resolve.stator(chosen.stator), frequency=float(np.median(at)), tolerance=1e-4)
     theory, late = passband.expected(chosen).normal(at) * np.exp(-free.attenuation * way), way / free.velocity
     delay = passband.group_delay(at, surface, late)
     band = np.array(_half_power(at, abs(surface)))
@@ -78,12 +87,14 @@ def run(
             "frequency_Hz": at[inside], "group_delay_s": delay[inside], "way_s": late,
         }),
     )  # fmt: skip
-    return panels, findings + spreading
+    if scan is not None:
+        panels += (scan_panel(chosen, scan, tolerance=tolerance, progress=progress),)
+    return panels, findings + spreading, said(panels)
 
 
 def _aperture(scene: Scene, place: float, tolerance: float, progress) -> tuple[dict, tuple[Finding, ...]]:
     """Return the amplitude of the finite aperture at the drive's frequency, where it counts, and what it changes."""
-    if not resolved.diffracts(scene):
+    if not resolve.diffracts(scene):
         return {}, ()
     progress("stator: the beam at the drive's frequency")
     at = (place, 0.0) if scene.slider is None else scene.slider.center
@@ -102,6 +113,8 @@ def _aperture(scene: Scene, place: float, tolerance: float, progress) -> tuple[d
 def figure(record: Panel, ax):
     """Draw the amplitude with its estimate, or the group delay with the way's."""
     data = record.data
+    if "scan" in data:
+        return draw_scan(data, ax)
     if "group_delay_s" in data:
         ax.axhline(data["way_s"] * 1e6, color="black", linewidth=1, label="way over velocity (theory)")
         rows = (("group_delay_s", "o", "slip", "surface mode"),)

@@ -12,11 +12,11 @@ from dataclasses import replace
 import numpy as np
 
 import fem
-from studies.chain import passband
+from studies.chain import passband, resolve
 from studies.chain.spectrum import port_admittances
+from studies.record.plots import COLOURS, curve, lines
 from studies.refusal import RunError
-from studies.report.figures import curve, lines
-from studies.scene import Scene, resolved
+from studies.scene import Scene
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"count": 3, "tolerance": 0.2}
@@ -36,8 +36,8 @@ def run(
         Of the P-matrices and of the admittances.
     """
     chosen = passband.driven_scene(scene)
-    block = resolved.stator(chosen.stator)
-    row = tuple(sorted(resolved.section_row(chosen), key=lambda each: each.center))
+    block = resolve.stator(chosen.stator)
+    row = tuple(sorted(resolve.section_row(chosen), key=lambda each: each.center))
     if len({each.aperture for each in row}) > 1:
         chosen.refuse("transducer", "must have equal apertures for this study: their waves are one beam")
     ports = [k for k, each in enumerate(row) if {"+", "-"} <= set(each.signs)]
@@ -104,8 +104,16 @@ def figure(record: Panel, ax):
     curve(ax, at, data["admittance_S"].real * 1e3, "o", "slip", "Re P33 (mS)")
     sent = data["excitation_squared_S"] * 1e3
     curve(ax, at, sent, "-", "slip", "|P13|\u00b2 + |P23|\u00b2 (mS): the surface wave's part")
-    rows = (
-        ("reflection_shorted", "--", "stick", "|P11|, electrodes shorted"),
-        ("reflection_open", ":", "stick", "|P11|, electrodes open"),
-    )
-    return lines(ax, record, "frequency_Hz", rows, "conductance (mS), reflection (1)", columns=2)
+    reflection = ax.twinx()
+    for key, style, name in (
+        ("reflection_shorted", "--", "|P11|, electrodes shorted"),
+        ("reflection_open", ":", "|P11|, electrodes open"),
+    ):
+        curve(reflection, at, data[key], style, "intermittent", name)
+        ax.plot(
+            [], [], style, color=COLOURS["intermittent"], label=name
+        )  # its line in the legend of both axes
+    reflection.set_ylim(0, 1)
+    reflection.set_ylabel("reflection of the surface wave (1)", color=COLOURS["intermittent"])
+    ax.set_ylim(bottom=0)
+    return lines(ax, record, "frequency_Hz", (), "conductance (mS)", columns=2)

@@ -12,9 +12,8 @@ from pathlib import Path
 import numpy as np
 
 import fem
-from studies.record import Record
+from studies.record import Record, plots
 from studies.refusal import RunError, SceneError
-from studies.report import figures
 from studies.report.page import rendered
 from studies.report.surface_map import draw_surface_map, pixels
 from studies.view import field_data, movie, wave_page
@@ -135,22 +134,19 @@ def _beam_writers(record: Record, wanted: Wanted, progress) -> dict[str, Callabl
         raise RunError(f"no beam to show: {error}") from None
 
     size, draw = (
-        tuple(each / figures.DPI for each in wanted.size or pixels(scene.stator)),
+        tuple(each / plots.DPI for each in wanted.size or pixels(scene.stator)),
         partial(draw_surface_map, beam, scene),
     )
 
     def still(file) -> None:
-        figures.saved(file, draw, size=size)
+        plots.saved(file, draw, size=size)
 
     def page(file) -> None:
-        shown = {
-            "data": figures.as_uri(draw, size=size, kind="png"),
-            "caption": "size of u_z over the surface",
-        }
+        shown = {"data": plots.as_uri(draw, size=size, kind="png"), "caption": "size of u_z over the surface"}
         text = rendered("pictures.html", title=f"{scene.title}: beam", pictures=[shown])
         Path(file).write_text(text, encoding="utf-8")
 
-    return {"screenshot": still, "html": page, "window": lambda: figures.show(draw)}
+    return {"screenshot": still, "html": page, "window": lambda: plots.show(draw)}
 
 
 def _refuse_without_display() -> None:

@@ -18,9 +18,9 @@ import contact
 from studies.chain.bridge import DrivenContact
 from studies.chain.surface_motion import surface_motion
 from studies.record import Record
+from studies.record.files import write_columns
+from studies.record.plots import COLOURS, arrow, curve, data_uri, new_figure, refuse_without_toolkit
 from studies.refusal import RunError, SceneError
-from studies.report.figures import COLOURS, arrow, curve, data_uri, new_figure, refuse_without_toolkit
-from studies.report.files import write_columns
 from studies.report.page import rendered
 from studies.view import movie
 from studies.view.run_field import motion_again

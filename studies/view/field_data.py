@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from fem import write_instant, write_vtu
-from studies.report.files import write_columns
+from studies.record.files import write_columns
 from studies.view.run_field import LINES, RunField
 
 __all__ = ["save"]

@@ -13,8 +13,8 @@ from PIL import Image
 
 import fem
 from fem import reference_matrices
-from studies.report.energies import LEDGER
-from studies.report.figures import (
+from studies.chain import resolve
+from studies.record.plots import (
     COLOURS,
     arrow,
     curve,
@@ -27,11 +27,11 @@ from studies.report.figures import (
     titled,
     velocity,
 )
-from studies.scene import resolved
+from studies.report.energies import LEDGER
 from studies.view import movie
 from studies.view.contact_view import film_contact, strip
 from studies.view.picture import Picture
-from studies.view.quantities import DIVERGING, palette
+from studies.view.quantities import DIVERGING, SEQUENTIAL, palette
 from studies.view.views import chosen_views, views
 
 __all__ = [
@@ -45,7 +45,7 @@ ORBITS = 12
 MOVIE, SOLID, STILL = (720, 300), (1000, 470), (1200, 720)
 FRAMES = 16
 PALETTE_COLOURS = 128  # of a diagram
-DPI = 80
+DPI = 110
 DEPTH = 3.0  # wavelengths
 GIVEN_FIELD = {"quantity": "u_z", "phase": 0.0, "factor": None}
 GIVEN = ("wave_normal", "wave_tangential")
@@ -140,8 +140,8 @@ def amplitude(record, *, wavelength: float, focus: tuple[str, float]):
     figure, (whole, near) = new_figure(7.2, 5.6, rows=2)
     name, place = focus
     size = abs(record.surface["u_z_m_per_V"][abs(record.surface["x_m"] - place) <= wavelength])
-    for ax in (whole, near):
-        surface(record, ax)
+    surface(record, whole)
+    surface(record, near, curves=True)
     whole.get_legend().remove()
     titled(whole, f"{record.scene.title}\namplitude along the surface (grey: transducers)")
     near.set_xlim((place - 4 * wavelength) * MM, (place + 4 * wavelength) * MM)
@@ -251,7 +251,7 @@ def depth_weights(z: np.ndarray, order: int) -> np.ndarray:
 
 def _depth(found):
     """Profiles of the section's free wave and of the driven stator under the slider, on the half-space's."""
-    stator, scene, (name, place) = resolved.stator(found.scene.stator), found.scene, found.focus
+    stator, scene, (name, place) = resolve.stator(found.scene.stator), found.scene, found.focus
     free = fem.free_wave(stator, frequency=scene.frequency, tolerance=1e-6)
     line = found.field.displacement[np.searchsorted(found.field.x, place - 1e-9)]
 
@@ -286,6 +286,6 @@ def _reduce(picture: Path) -> None:
     """Write a picture again with a palette: a third of the size."""
     with Image.open(picture) as image:
         plain = image.convert("RGB")
-    field = picture.stem in ("wave", "wave_power_flow", "solid")
-    colours = palette(DIVERGING) if field else plain.quantize(PALETTE_COLOURS)
+    maps = {"wave": DIVERGING, "wave_power_flow": DIVERGING, "solid": SEQUENTIAL}
+    colours = palette(maps[picture.stem]) if picture.stem in maps else plain.quantize(PALETTE_COLOURS)
     plain.quantize(palette=colours, dither=Image.Dither.NONE).save(picture, optimize=True)

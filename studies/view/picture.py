@@ -16,8 +16,8 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 from PIL import Image
 
+from studies.chain import resolve
 from studies.refusal import needed
-from studies.scene import resolved
 from studies.view import description
 from studies.view.quantities import shade
 from studies.view.run_field import RunField
@@ -30,6 +30,9 @@ MM = 1e3
 BARE, EDGE = "#D9D9D9", "#606060"
 LINES = 24  # per wavelength, of what is drawn of a solid
 LETTERS = 13  # pixels
+MIN_PIXELS = (
+    12  # per wavelength along a solid: below it stripes of the wave are an artefact, the amplitude is drawn
+)
 
 
 class _Moving(NamedTuple):
@@ -93,7 +96,10 @@ class Picture:
         for number, frame in enumerate(self.frames):
             self._go_to(number)
             if self.spreads:
-                self.shade, sheet, motion = beam_sheet(self.found, name)
+                waves = self._length / self.found.wavelength
+                self.shade, sheet, motion = beam_sheet(
+                    self.found, name, envelope=self.size[0] < MIN_PIXELS * waves
+                )
                 self._lay(sheet)
             else:
                 drawn = self._piece(frame)
@@ -203,7 +209,7 @@ class Picture:
             self.plotter.add_mesh(box, style="wireframe", color=EDGE, line_width=1)
         if not self.spreads:
             return
-        for each in resolved.transducers(found.scene):
+        for each in resolve.transducers(found.scene):
             outline = np.insert(each.corners[[0, 1, 2, 3, 0]], 2, 0.1 * found.wavelength, axis=-1)
             self.plotter.add_mesh(self.pyvista.lines_from_points(MM * outline), color="black", line_width=2)
 

@@ -9,11 +9,12 @@ import numpy as np
 
 import fem
 from fem import LEVELS, one_blas_thread, solve_driven, surface_beam, surface_wave
+from studies.chain import resolve
 from studies.chain import run as run_chain
 from studies.chain.surface_motion import SurfaceMotion, crossed_motion
 from studies.record import Record
 from studies.refusal import RunError, SceneError, shown
-from studies.scene import Scene, resolved
+from studies.scene import Scene
 
 __all__ = ["NO_STATOR", "RunField", "left_run", "motion_again", "run_field"]
 
@@ -72,7 +73,8 @@ class RunField:
     @property
     def radius(self) -> float:
         """Of the balls, m."""
-        return 0.0 if self.scene.slider is None else self.scene.slider.radius
+        slider = self.scene.slider
+        return 0.0 if slider is None else slider.radius or (slider.pillars.diameter or 0.0) / 2
 
     @property
     def focus(self) -> tuple[str, float]:
@@ -143,7 +145,7 @@ def run_field(run: str | Path | Record, *, progress: Callable[[str], None]) -> R
 def _driven(record: Record, progress) -> RunField:
     scene, motion = record.scene, motion_again(record, progress=progress)
     wave, crossed = motion.wave, motion.beam
-    rows = resolved.transducers(scene) if crossed is None else crossed.rows[0].transducers
+    rows = resolve.transducers(scene) if crossed is None else crossed.rows[0].transducers
     slider = scene.slider
     places = [(scene.stator.length / 2, 0.0)] if slider is None else [slider.center, *slider.places]
     places = tuple(dict.fromkeys(map(motion.in_section, places)))
@@ -183,12 +185,12 @@ def motion_again(record: Record, *, progress) -> SurfaceMotion:
 
     if scene.crossed:
         return crossed_motion(scene, (), solve)
-    whole = resolved.stator(scene.stator), resolved.transducers(scene), resolved.drive(scene)
+    whole = resolve.whole_stator(scene), resolve.transducers(scene), resolve.drive(scene)
     return SurfaceMotion(wave=solve(*whole))
 
 
 def _free(record: Record) -> RunField:
-    scene, stator = record.scene, resolved.stator(record.scene.stator)
+    scene, stator = record.scene, resolve.whole_stator(record.scene)
     try:
         wave = fem.free_wave(stator, frequency=scene.frequency, tolerance=record.tolerance)
     except fem.ConvergenceError as error:

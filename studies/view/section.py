@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
+from studies.chain import resolve
 from studies.refusal import SceneError
-from studies.scene import resolved
 from studies.view.quantities import QUANTITIES, Shade, shade_of
 from studies.view.run_field import LINES, RunField
 
@@ -100,8 +100,11 @@ def sheets(found: RunField, drawn: Piece, *, solid: bool) -> list[Sheet]:
     return listed
 
 
-def beam_sheet(found: RunField, name: str) -> tuple[Shade, Sheet, Callable]:
-    """Return the surface that the beam moves, coloured by a quantity, and its motion over (x, y) in m."""
+def beam_sheet(found: RunField, name: str, *, envelope: bool = False) -> tuple[Shade, Sheet, Callable]:
+    """Return the surface that the beam moves, coloured by a quantity, and its motion over (x, y) in m.
+
+    ``envelope``: the colour is the amplitude, for a picture in which a wavelength is a few pixels.
+    """
     if name not in MOTIONS:
         rule = f"must be one of {', '.join(MOTIONS)} on the surface of the beam, got {name!r}"
         raise SceneError("--quantity", f"{rule}: --show field has it in the section")
@@ -111,16 +114,20 @@ def beam_sheet(found: RunField, name: str) -> tuple[Shade, Sheet, Callable]:
     y = np.linspace(-half, half, int(stator.width * lines) + 1 if crossed else ACROSS)
     moved = np.moveaxis(found.beam.motion(x[:, None], y), 0, -1)
     size = moved[..., MOTIONS.index(name), None]
-    shading = shade_of(QUANTITIES[name], abs(size), free=False)
+    chosen = QUANTITIES[name]
+    if envelope:
+        chosen = chosen._replace(title=f"amplitude of {chosen.title}", signed=False)
+    shading = shade_of(chosen, abs(size), free=False)
     rest, amplitude = np.stack(np.meshgrid(x, y, 0.0, indexing="ij"), axis=-1), size * shading.scale
-    sheet = Sheet("surface", rest, moved[:, :, None], 0.0 * amplitude.real, amplitude)
+    mean = abs(amplitude) if envelope else 0.0 * amplitude.real
+    sheet = Sheet("surface", rest, moved[:, :, None], mean, 0.0 * amplitude if envelope else amplitude)
     return shading, sheet, RegularGridInterpolator((x, y), moved)
 
 
 def strips(found: RunField, electrode, *, spreads: bool) -> np.ndarray:
     """Return the corners (x, y) of an electrode's strips in m, shape (4 n, 2), as they are or in the section."""
     if spreads:
-        rows = resolved.transducers(found.scene)
+        rows = resolve.transducers(found.scene)
         corners = np.concatenate([each.on_surface(each.strips(electrode.sign)) for each in rows])
         return corners.reshape(-1, 2)
     x = np.array(electrode.strips)[:, [0, 1, 1, 0]].ravel()

@@ -13,7 +13,7 @@ from importlib.resources import files
 import matplotlib
 import numpy as np
 
-from studies.report.figures import DPI, as_uri
+from studies.record.plots import DPI, as_uri
 from studies.report.surface_map import draw_surface_map, pixels
 from studies.view import description
 from studies.view.quantities import Shade, present, shade

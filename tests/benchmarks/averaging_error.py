@@ -39,7 +39,7 @@ def scenes(number: int, seed: int):
         angles = [0.0, *rng.uniform(0.0, 2.0 * np.pi, int(rng.integers(1, 3)))] if kind == 3 else [0.0]
         orbits = tuple(first.scaled(np.exp(1j * angle)) for angle in angles)
         cycles, tolerance = int(rng.integers(600, 5000)), 10 ** rng.uniform(-5, -3)
-        if not averaged.why_not(slider, orbits):
+        if not averaged.refusals(slider, orbits):
             kept += 1
             yield slider, orbits, cycles, tolerance
 

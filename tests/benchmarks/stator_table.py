@@ -32,7 +32,7 @@ from fem.materials.christoffel import slowest_wavelength
 from fem.results.evaluation import surface_of
 from fem.results.power_balance import power_balance
 from fem.results.solution import Solution, solve_driven
-from fem.waveguide.ends import Walls
+from fem.waveguide.ends import Wall
 from studies.evidence.fem_error_vs_time import LIMITS, problem, reference, seconds_at
 from studies.evidence.peers.attempt import attempted
 from studies.evidence.peers.contenders import CURVES, missing
@@ -223,7 +223,7 @@ def physics() -> None:
     piece = repeated(condensed(own.fields.section, 2.2e6, width=0.25, electrode=None), 8).matrix
     inner = np.linalg.solve(piece[n : 2 * n, n : 2 * n] - modes.right_impedance, piece[n : 2 * n, :n])
     wall = piece[:n, :n] - piece[:n, n : 2 * n] @ inner  # two wavelengths of elements, then the absorbing end
-    back = Walls(matrices=(wall, wall), width=2.0, recover=None).sent_back(modes, 1, modes.rayleigh)
+    back = Wall(matrix=wall, recover=None).sent_back(modes, 1, modes.rayleigh)
     sent = abs(back[modes.rayleigh]).max()
     row(
         "absorbing ends: reflection of the Rayleigh wave, met through two wavelengths of elements",

@@ -21,8 +21,8 @@ import time
 from contextlib import closing, contextmanager
 from pathlib import Path
 
+from studies.chain.resolve import resolved
 from studies.scene import Scene
-from studies.scene.resolved import resolved
 
 CONTACT = ("--over", "slider.preload=0.1 mN:10 mN:100:log", "--over", "wave.normal_amplitude=0.5 nm:20 nm:{}")
 LONG = (
@@ -106,7 +106,7 @@ def cluster(number: int):
 
 
 def _warm() -> None:
-    from studies.sweep import sweep
+    from studies.sweeps import sweep
 
     sweep(
         "twente-contact", {"wave.burst": [8e-4], "slider.method": ["exact"], "wave.normal_amplitude": [3e-9]}
@@ -131,7 +131,7 @@ def threads(folder: Path) -> None:
     """Measure two processes of one thread against two of two, for bursts, which can use two."""
     found = {}
     for number in (1, 2):
-        setting = f"from studies.sweep.workers import Processes; Processes.threads = {number}\n"
+        setting = f"from studies.sweeps.workers import Processes; Processes.threads = {number}\n"
         found[number] = swept(
             folder / f"threads{number}", "twente-contact", *LONG, "--workers", "2", before=setting
         )

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from contact import ConvergenceError, burst
-from contact.answers.methods import STEPS, _divisor, rest_problem, why_not_stepped
+from contact.answers.methods import STEPS, _divisor, rest_problem, stepped_refusals
 from contact.drive import reference_speed
 from studies.evidence.calibration_contact import TOLERANCES, ContactChecked, checked, drawn, kept, pessimism
 from tests.contact.motors import orbit, slider
@@ -18,8 +18,9 @@ def test_stated_errors_hold_on_random_motors():
     found = [each for number in range(4) for each in checked(number)]
     assert {each.way for each in found} == set(WAYS)
     assert min(kept(found).values()) >= 0.9  # of four draws; 0.95 of two hundred
-    # exact bursts are right to 1e-15 where 1e-12 is stated: 37 of eight draws
-    assert max(pessimism(found).values()) < 60.0
+    stated = pessimism(found)
+    assert stated.pop("burst, exact") < 1000.0  # of errors of 1e-12: what is stated is the coarser run's
+    assert max(stated.values()) < 60.0
 
 
 @pytest.mark.slow
@@ -27,7 +28,7 @@ def test_stated_errors_hold_on_two_hundred():
     found = [each for number in range(200) for each in checked(number)]
     assert min(kept(found).values()) >= 0.95
     stated = pessimism(found)
-    assert stated.pop("burst, exact") < 60.0  # of errors of 1e-13
+    assert stated.pop("burst, exact") < 1000.0  # of errors of 1e-12
     assert max(stated.values()) < 11.0
 
 
@@ -52,7 +53,7 @@ def test_stepped_wants_two_step_sizes_that_serve(mass):
     # with the last of the ladder alone there is nothing to compare, and no error to state
     light = slider(mass=mass, normal_damping=1e-6, tangential_damping=1e-6)
     problem = rest_problem(light, (orbit(5e-9),))
-    usable = [n for n, _ in STEPS if not why_not_stepped(light, problem, n)]
+    usable = [n for n, _ in STEPS if not stepped_refusals(light, problem, n)]
     asked = {"duration": 5e-5, "after": 0.0, "samples": 2}
     if len(usable) < 2:
         with pytest.raises(ConvergenceError, match="too fast"):

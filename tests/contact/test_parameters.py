@@ -18,7 +18,11 @@ from tests.contact.motors import orbit, slider
         ("mass", math.nan, "slider.mass must be positive and finite, got nan kg"),
         ("preload", -1e-3, "slider.preload must be zero or positive, and finite, got -0.001 N"),
         ("load", math.inf, "slider.load must be zero or positive, and finite, got inf N"),
-        ("effective_modulus", "stiff", "slider.effective_modulus must be positive and finite, got stiff Pa"),
+        (
+            "effective_modulus",
+            "stiff",
+            "slider.effective_modulus must be positive and finite, got 'stiff' Pa",
+        ),
         ("tangential_modulus", [1.0], "slider.tangential_modulus must be positive and finite, got [1.0] Pa"),
         (
             "friction_coefficient",
@@ -53,7 +57,7 @@ def test_zero_is_allowed_where_it_means_absence(name):
     [
         ({"frequency": 0.0}, "orbit.frequency must be positive and finite, got 0.0 Hz"),
         ({"normal": complex(math.nan, 0)}, "orbit.normal must be finite, got (nan+0j) m"),
-        ({"tangential": "far"}, "orbit.tangential must be a finite complex number, got far m"),
+        ({"tangential": "far"}, "orbit.tangential must be a finite complex number, got 'far' m"),
     ],
 )
 def test_an_orbit_refuses_what_is_not_finite(changed, sentence):
@@ -84,3 +88,16 @@ def test_calls_refuse_a_tolerance_of_zero_and_an_unknown_method():
         burst(slider(), orbit(3e-9), duration=1e-5, after=0.0, tolerance=1e-6, samples=1)
     with pytest.raises(ValueError, match="stage must be one of"):
         contact_history(slider(), orbit(3e-9), stage="end", skip=0, cycles=1, points_per_cycle=8)
+
+
+def test_a_refusal_names_key_rule_and_value():
+    import pickle
+
+    from contact import InputError
+
+    with pytest.raises(InputError) as caught:
+        slider(mass=-2e-3)
+    error = pickle.loads(pickle.dumps(caught.value))
+    assert (error.key, error.value) == ("slider.mass", -2e-3)
+    assert error.rule == "must be positive and finite, got -0.002 kg"
+    assert str(error) == f"slider.mass {error.rule}"

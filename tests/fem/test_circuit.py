@@ -110,9 +110,9 @@ def test_impossible_sources_are_refused(sources, message):
 
 
 def test_only_transducers_with_two_electrodes_are_driven():
-    with pytest.raises(ValueError, match="must have two electrodes, but 'b' has not"):
+    with pytest.raises(ValueError, match="must name transducers that have two electrodes, but 'b' has not"):
         solve_circuit(Y[:1, :1], ("a",), (A, replace(B, pattern="++")), "b", FREQUENCY)
-    with pytest.raises(ValueError, match=r"the driven transducer must be one of a, b, got 'c'"):
+    with pytest.raises(ValueError, match=r"sources must name transducers of the stator, a, b, got 'c'"):
         solve_circuit(Y, ("a", "b"), (A, B), "c", FREQUENCY)
 
 

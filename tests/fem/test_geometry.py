@@ -42,6 +42,7 @@ def test_fingers(center, pairs, period, metallisation):
         ({"center": np.inf}, "'left'.center must be finite, got inf m"),
         ({"finger_pairs": 0}, "'left'.finger_pairs must be an integer of at least 1, got 0"),
         ({"finger_pairs": 2.5}, "'left'.finger_pairs must be an integer of at least 1, got 2.5"),
+        ({"finger_pairs": 2.0}, "'left'.finger_pairs must be an integer of at least 1, got 2.0"),
         ({"metallisation": 1.0}, "'left'.metallisation must lie between 0 and 1, got 1.0"),
         ({"metallisation": np.nan}, "'left'.metallisation must lie between 0 and 1, got nan"),
         ({"termination": "closed"}, "'left'.termination must be open, short or an impedance in ohm"),
@@ -106,3 +107,24 @@ def test_automatic_period_lies_between_the_two_waves():
     assert automatic_period(solid, 1e8, 0.25) == pytest.approx(
         (0.25 * metal + 0.75 * vacuum) / 1e8, rel=1e-12
     )
+
+
+def test_a_refusal_names_key_rule_value_and_transducer():
+    import pickle
+
+    from fem import InputError
+
+    right = {
+        "name": "right",
+        "center": 4e-3,
+        "finger_pairs": 3,
+        "period": 1e-3,
+        "metallisation": 0.5,
+        "aperture": -2e-3,
+    }
+    with pytest.raises(InputError) as caught:
+        Transducer(**right)
+    error = pickle.loads(pickle.dumps(caught.value))
+    assert (error.key, error.owner, error.value) == ("transducer.aperture", "right", -2e-3)
+    assert error.rule == "must be positive and finite, got -0.002 m"
+    assert str(error) == f"transducer 'right'.aperture {error.rule}"

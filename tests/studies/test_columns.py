@@ -15,7 +15,7 @@ import fem
 from studies import Scene, sweep
 from studies.chain import bridge
 from studies.chain.surface_motion import SurfaceMotion
-from studies.report.files import write_run
+from studies.record.files import write_run
 
 
 def columns(path):

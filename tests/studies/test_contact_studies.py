@@ -7,12 +7,12 @@ import pytest
 
 from studies.chain import run
 from studies.chain.bridge import DrivenContact
+from studies.chain.resolve import resolved
 from studies.motor import load_line, regime_map, step_planner
+from studies.record.plots import new_figure
 from studies.refusal import SceneError
-from studies.report.figures import new_figure
 from studies.scene import Scene, read_table
 from studies.scene.override import assigned
-from studies.scene.resolved import resolved
 from tests.studies.legible import assert_legible
 
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from studies import Scene, run
+from studies.chain import resolve
 from studies.refusal import SceneError
 from studies.report.surface_map import draw_surface_map
-from studies.scene import resolved
 from studies.stator import beam
 
 ACROSS = {
@@ -39,7 +39,7 @@ def crossing(chip):
 
 def refused(scene, **changes) -> str:
     with pytest.raises(SceneError) as error:
-        resolved.resolved(scene.replace(**changes))
+        resolve.resolved(scene.replace(**changes))
     return str(error.value)
 
 
@@ -68,7 +68,7 @@ def test_a_run_of_crossing_beams(crossing):
 def test_the_map_shows_turned_frames(crossing, monkeypatch):
     from matplotlib.figure import Figure
 
-    monkeypatch.setattr("studies.report.surface_map.CROSSED", 1)
+    monkeypatch.setattr("studies.record.surface_map.CROSSED", 1)
     still = SimpleNamespace(
         wave=crossing.surface_wave, rows=(), motion=lambda x, y: np.zeros((3, len(x), len(y)))
     )
@@ -87,8 +87,8 @@ def test_places_and_angles_that_change_nothing(small):
     assert same.transducer[0].center == plain.center
     assert not same.crossed
     assert (
-        replace(resolved.transducers(resolved.resolved(same))[0], angle=0.0)
-        == resolved.transducers(resolved.resolved(small))[0]
+        replace(resolve.transducers(resolve.resolved(same))[0], angle=0.0)
+        == resolve.transducers(resolve.resolved(small))[0]
     )
 
 
@@ -112,10 +112,10 @@ def test_a_drive_across_is_refused(chip):
     assert "drive.sources must drive" in refused(
         chip, drive={"transducer": None, "sources": {"front": 1.0, "left": 0}}
     )
-    turned = resolved.resolved(
+    turned = resolve.resolved(
         chip.replace(drive={"transducer": "front"}, transducer={"front": {"angle": "40 deg"}})
     )
-    alone, place = resolved.first_row(turned, turned.slider.center)
+    alone, place = resolve.first_row(turned, turned.slider.center)
     (front,) = alone.transducer
     assert not alone.crossed
     assert place - front.place[0] == pytest.approx(9e-3 * np.sin(np.radians(40.0)))

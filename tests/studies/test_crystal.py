@@ -8,7 +8,6 @@ from PIL import Image
 
 from studies.__main__ import main
 from studies.refusal import RunError, SceneError
-from studies.report import figures
 from studies.report.free_surface import (
     axes,
     axes_figure,
@@ -82,7 +81,7 @@ def test_what_lies_across_the_section_is_marked():
 
 
 def test_the_picture_has_its_arrows(monkeypatch, tmp_path):
-    monkeypatch.setattr(figures, "DPI", 150)
+    monkeypatch.setattr("studies.record.plots.DPI", 150)
     save_axes(crystal("LiNbO3 (Kovacs)", "YZ"), tmp_path / "cut.png")
     pixels = np.asarray(Image.open(tmp_path / "cut.png").convert("RGB")).astype(int)
     height = pixels.shape[0]

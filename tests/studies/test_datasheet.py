@@ -16,11 +16,11 @@ from studies.__main__ import main
 from studies.chain import run
 from studies.chain.bridge import DrivenContact
 from studies.chain.steps import Steps
+from studies.record.plots import new_figure
+from studies.record.text import sentences
 from studies.refusal import SceneError
 from studies.report import datasheet_page
-from studies.report.answer import sentences
 from studies.report.datasheet import datasheet
-from studies.report.figures import new_figure
 from studies.scene import Scene, read_table
 from studies.scene.override import assigned
 from tests.studies.legible import assert_legible

@@ -13,11 +13,11 @@ import pytest
 
 from studies import Scene
 from studies.__main__ import main
-from studies.inverse.design import Options, design
 from studies.inverse.goals import read_constraint, read_variable
+from studies.inverse.optimum import Options, design
 from studies.inverse.search import REPEATED
 from studies.refusal import RunError, SceneError
-from studies.sweep import sweep
+from studies.sweeps import sweep
 
 RANGES = ("slider.preload=0.4 mN:10 mN", "wave.normal_amplitude=2 nm:30 nm")
 VARIABLES = [read_variable(text) for text in RANGES]

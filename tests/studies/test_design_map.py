@@ -8,11 +8,11 @@ import pytest
 
 from contact import steady, threshold_factor
 from studies.chain import bridge
+from studies.chain.resolve import resolved
 from studies.motor import design_map
+from studies.record.plots import new_figure
 from studies.refusal import SceneError
-from studies.report.figures import new_figure
 from studies.scene import Scene
-from studies.scene.resolved import resolved
 from tests.studies.legible import assert_legible
 
 OVER = {"wave.normal_amplitude": "0.5 nm:15 nm:7:log", "slider.radius": "0.5 mm:4 mm:4"}

@@ -6,10 +6,9 @@ import pytest
 import contact
 import fem
 from studies import Scene, run, sweep
-from studies.chain import bridge
+from studies.chain import bridge, resolve
 from studies.chain.surface_motion import surface_motion
 from studies.refusal import SceneError
-from studies.scene import resolved
 from studies.study import driven_contact
 
 BALLS = [["-0.3 mm", "4 mm"], ["-0.2 mm", "-3 mm"], "0.3 mm"]
@@ -119,8 +118,8 @@ def test_where_the_beam_is_not_known(small):
         stator={"ends": "free", "material": "LiNbO3 (Kovacs)", "orientation": "128YX"},
         drive={"voltage": "5 V"},
     )
-    refusal = fem.beam_refusal(resolved.stator(free.stator))
-    assert resolved.default_refusal(resolved.stator(free.stator), [(0.0, 1e-3)]) == refusal
+    refusal = fem.beam_refusal(resolve.stator(free.stator))
+    assert resolve.default_refusal(resolve.stator(free.stator), [(0.0, 1e-3)]) == refusal
     with pytest.raises(
         SceneError, match=r"stator\.diffraction must be false or absent: in this cut the field"
     ):
@@ -239,5 +238,5 @@ def test_side_faces_that_reflect_make_the_beam_of_its_images(small):
 def test_balls_beside_the_axis_ask_for_the_beam_in_any_cut():
     """The section does not know y: on 128YX it made the velocity of outer balls 2.4 times too large."""
     motor = Scene.load("lithium-niobate-128yx")
-    assert not resolved.diffracts(motor)
-    assert resolved.diffracts(motor.replace(slider={"contacts": (("0 mm", "-3.5 mm"), ("0 mm", "3.5 mm"))}))
+    assert not resolve.diffracts(motor)
+    assert resolve.diffracts(motor.replace(slider={"contacts": (("0 mm", "-3.5 mm"), ("0 mm", "3.5 mm"))}))

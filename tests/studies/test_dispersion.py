@@ -3,7 +3,7 @@
 import pytest
 
 from studies import SceneError
-from studies.report.figures import saved
+from studies.record.plots import saved
 from studies.stator import dispersion
 
 

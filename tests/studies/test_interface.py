@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 import threadpoolctl
 
-from studies import Record, RunError, Scene, SceneError, chain, run, sweep
+from studies import Record, RunError, Scene, SceneError, network, run, sweep
+from studies.chain import runs
+from studies.record.quantities import quantity
 from studies.results import MANIFEST
 
 LEVELS = (0.5e-9, 3e-9, 10e-9)
@@ -172,11 +174,13 @@ def test_a_sweep_as_a_data_set_has_the_runs_own_numbers(contact):
 
 
 def test_sweep_is_the_function_whatever_was_imported_before():
-    import studies.sweep.axes  # noqa: F401
-    from studies import sweep as chosen
+    import studies.sweep
+    from studies.sweep import Sweep, sweep
 
-    assert callable(chosen)
-    assert chosen.sweep is not None
+    import studies
+
+    assert (studies.sweep, studies.Sweep) == (sweep, Sweep)
+    assert sweep.__module__ == "studies.sweeps"
 
 
 def test_the_parts_of_the_time_add_up(driven, record):
@@ -193,13 +197,13 @@ def blas_threads():
 def test_a_run_has_one_blas_thread_and_restores_what_was(contact, monkeypatch):
     import scipy.linalg  # noqa: F401
 
-    seen, original = [], chain._run
+    seen, original = [], runs._run
 
     def watched(*arguments):
         seen.append(blas_threads())
         return original(*arguments)
 
-    monkeypatch.setattr(chain, "_run", watched)
+    monkeypatch.setattr(runs, "_run", watched)
     with threadpoolctl.threadpool_limits(limits=2, user_api="blas"):
         before = blas_threads()
         run(contact)
@@ -230,3 +234,43 @@ def test_two_runs_in_two_threads_leave_the_number_of_threads_as_it_was():
         other.join()
         assert seen == [{1}, {1}]
         assert blas_threads() == {2}
+
+
+def test_a_record_as_a_dataset_has_units_on_variables_and_coordinate(driven, record):
+    for each, level, unit in ((driven, "voltage_V", "V"), (record, "normal_amplitude_m", "m")):
+        data = each.to_xarray()
+        assert dict(data.sizes) == {level: len(each.points)}
+        assert data[level].attrs == {"units": unit, "long_name": quantity(level).label}
+        assert data["velocity_m_per_s"].attrs["units"] == "m/s"
+        assert data["relative_error"].attrs["units"] == "1"
+        assert "units" not in data["status"].attrs
+        assert np.array_equal(data["velocity_m_per_s"], each.velocity)
+        assert data.attrs["tolerance"] == each.tolerance
+
+
+def test_every_public_name_is_imported_from_studies_and_no_module_hides_it():
+    import studies
+    import studies.inverse.fitting
+    import studies.inverse.optimum
+    import studies.report.datasheet
+    import studies.stator.network
+    import studies.sweeps
+
+    assert sorted(studies.__all__) == studies.__all__
+    for name in studies.__all__:
+        assert callable(getattr(studies, name)), name
+    for name in ("run", "sweep", "fit", "design", "datasheet", "network"):
+        assert type(getattr(studies, name)).__name__ == "function", name
+
+
+def test_a_network_of_a_scene_is_scikit_rf_s(small):
+    skrf = pytest.importorskip("skrf")
+    found = network(small, [2.15e6, 2.2e6, 2.25e6], z0=75.0, tolerance=0.1)
+    assert isinstance(found, skrf.Network)
+    names = [each.name for each in small.transducer]
+    assert found.port_names == names
+    assert found.f.tolist() == [2.15e6, 2.2e6, 2.25e6]
+    assert found.z0[0].tolist() == [75.0] * len(names)
+    assert found.is_passive()
+    record = run(small.replace(drive={"voltage": 1.0}), tolerance=0.02)
+    assert found.y[1, 0, 0] == pytest.approx(complex(record.electrical["admittance_S"]), rel=0.1)

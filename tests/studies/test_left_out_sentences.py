@@ -2,7 +2,7 @@
 
 from studies import Scene
 from studies.chain.left_out import left_out
-from studies.scene.resolved import resolved
+from studies.chain.resolve import resolved
 
 
 def reasons(name, **stator):

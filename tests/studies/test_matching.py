@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from studies import Scene, run
+from studies.chain.resolve import resolved
+from studies.record.text import answer
 from studies.refusal import SceneError
-from studies.report.answer import answer
 from studies.scene import read_table
 from studies.scene.blocks import Element
-from studies.scene.resolved import resolved
 from studies.scene.toml import document
-from studies.sweep import sweep
+from studies.sweeps import sweep
 
 LADDER = [{"series_L": "2.6 uH", "Q": 80}, {"shunt_C": "1 nF"}, {"series_R": 3}]
 
@@ -139,8 +139,8 @@ def test_a_sweep_over_power_is_the_runs():
 def test_the_answer_and_the_picture_show_the_power():
     from matplotlib.figure import Figure
 
-    from studies.report.answer import answer
-    from studies.report.figures import velocity
+    from studies.record.plots import velocity
+    from studies.record.text import answer
 
     record = run(motor(power=["1 W", "4 W"], match="auto"), tolerance=1e-2)
     text = answer(record)

@@ -2,16 +2,18 @@
 
 import json
 import math
+from pathlib import Path
 
 import pytest
 
 from studies.__main__ import main
+from studies.chain import run
+from studies.chain.resolve import resolved
 from studies.record import Record
+from studies.record.measured import compared, comparison, read_measured, refuse_incomparable
+from studies.record.plots import velocity
 from studies.refusal import SceneError
-from studies.report.figures import velocity
-from studies.report.measured import compared, comparison, read_measured
 from studies.scene import Scene
-from studies.scene.resolved import resolved
 
 STRAIGHT = tuple(
     {"voltage_V": v, "velocity_m_per_s": -1e-3 * v, "regime": "slip", "tangential_amplitude_m": 1e-9}
@@ -39,7 +41,7 @@ def record():
 
 def test_deviations_are_those_worked_out_by_hand(record, measured):
     text = "voltage_V,velocity_mm_per_s,error_mm_per_s\n10,-11,2\n15,-15,0.5\n30,-27,1\n50,-60,1\n"
-    block = compared(record, measured(text))
+    block = compared(measured(text), [-0.01, -0.015, -0.03, None])
     assert [point.get("predicted_m_per_s") for point in block["points"]] == pytest.approx(
         [-0.01, -0.015, -0.03, None]
     )
@@ -58,11 +60,11 @@ def test_deviations_are_those_worked_out_by_hand(record, measured):
 
 
 def test_speeds_without_a_sign_take_the_prediction_s(record, measured):
-    block = compared(record, measured("voltage_V;velocity_m_per_s\n10;0.011\n20;0.02\n"))
+    block = compared(measured("voltage_V;velocity_m_per_s\n10;0.011\n20;0.02\n"), [-0.01, -0.02])
     assert block["sign_of_prediction_given"]
     assert block["points"][0]["velocity_m_per_s"] == -0.011
     assert block["rms_deviation_m_per_s"] == pytest.approx(1e-3 / math.sqrt(2))
-    one_backwards = compared(record, measured("voltage_V\tvelocity_m_per_s\n10\t0.011\n20\t-0.02\n"))
+    one_backwards = compared(measured("voltage_V\tvelocity_m_per_s\n10\t0.011\n20\t-0.02\n"), [-0.01, -0.02])
     assert not one_backwards["sign_of_prediction_given"]
 
 
@@ -88,13 +90,13 @@ def test_a_file_that_is_no_measurement_is_refused(measured, text, words):
 
 
 def test_what_cannot_be_compared_is_refused(record, measured):
-    with pytest.raises(SceneError, match=r"no point within the run's voltage_V, 10 to 40"):
-        compared(record, measured("voltage_V,velocity_m_per_s\n50,0.01\n"))
+    curve = measured("voltage_V,velocity_m_per_s\n50,0.01\n")
+    with pytest.raises(SceneError, match="the motor has no velocity at its levels"):
+        compared(curve, [None])
     with pytest.raises(SceneError, match="must have the column voltage_V for this scene"):
-        compared(record, measured("normal_amplitude_nm,velocity_m_per_s\n5,0.01\n"))
-    free = Record(scene=Scene.load("rayleigh"), tolerance=1e-3)
+        refuse_incomparable(record.scene, measured("normal_amplitude_nm,velocity_m_per_s\n5,0.01\n"))
     with pytest.raises(SceneError, match=r"needs a scene with a \[slider\]"):
-        compared(free, measured("voltage_V,velocity_m_per_s\n50,0.01\n"))
+        refuse_incomparable(Scene.load("rayleigh"), curve)
 
 
 def test_the_picture_shows_measured_points_with_their_errors(record, measured):
@@ -102,11 +104,14 @@ def test_the_picture_shows_measured_points_with_their_errors(record, measured):
 
     from matplotlib.figure import Figure
 
-    block = compared(record, measured("voltage_V,velocity_mm_per_s,error_mm_per_s\n10,-11,2\n30,-27,1\n"))
+    text = "voltage_V,velocity_mm_per_s,error_mm_per_s\n10,-11,2\n30,-27,1\n"
+    block = compared(measured(text), [-0.01, -0.032])
     ax = velocity(replace(record, measured=block), Figure().add_subplot())
     bars = ax.containers[0]
     assert bars.get_label() == "measured"
     assert bars[0].get_xydata().tolist() == [[10.0, -11.0], [30.0, -27.0]]
+    (line,) = [each for each in ax.lines if each.get_label() == "predicted"]
+    assert line.get_xydata().ravel() == pytest.approx([10, -10, 20, -20, 30, -32, 40, -40])
     ends = [segment[:, 1].tolist() for segment in bars[2][0].get_segments()]
     assert ends == [[-13.0, -9.0], [-28.0, -26.0]]
 
@@ -126,6 +131,24 @@ def test_a_run_is_compared_with_itself(tmp_path, capsys, monkeypatch):
     assert not (tmp_path / "third").exists()
 
 
+def test_the_prediction_is_computed_at_the_measured_levels_and_not_across_the_threshold(
+    tmp_path, monkeypatch
+):
+    """Below the threshold the slider rests, although it moves at the next level of the run."""
+    monkeypatch.chdir(tmp_path)
+    threshold = run("twente-contact", tolerance=1e-2).summary["threshold_amplitude_m"]
+    levels = [0.5 * threshold, 0.97 * threshold, 1.5 * threshold, 4 * threshold]
+    rows = "".join(f"{level!r},0.01\n" for level in levels)
+    Path("lab.csv").write_text(f"normal_amplitude_m,velocity_m_per_s\n{rows}")
+    words = ["run", "twente-contact", "--set", f"wave.normal_amplitude=[{0.5 * threshold}, {3 * threshold}]"]
+    assert main([*words, "--no-plot", "--measured", "lab.csv", "--out", "out"]) == 0
+    points = json.loads(Path("out/run.json").read_text())["measured"]["points"]
+    scene = Scene.load("twente-contact").replace(wave={"normal_amplitude": levels})
+    expected = run(scene).column("velocity_m_per_s")
+    assert [points[0]["predicted_m_per_s"], points[1]["predicted_m_per_s"]] == [0.0, 0.0]
+    assert [point["predicted_m_per_s"] for point in points] == pytest.approx(list(expected), rel=1e-3)
+
+
 def test_a_file_in_another_unit_than_it_says_is_wondered_at(record, measured):
     """mm/s under a heading in m/s: a thousand times the prediction."""
     right, wrong = (
@@ -133,6 +156,7 @@ def test_a_file_in_another_unit_than_it_says_is_wondered_at(record, measured):
         "voltage_V,velocity_m_per_s\n10,-11\n30,-27\n",
     )
     said = [
-        "\n".join(line for _, line in comparison(compared(record, measured(text)))) for text in (right, wrong)
+        "\n".join(line for _, line in comparison(compared(measured(text), [-0.01, -0.03])))
+        for text in (right, wrong)
     ]
     assert ["is the file in m/s?" in each for each in said] == [False, True]

@@ -5,10 +5,10 @@ import pytest
 import fem
 from studies.__main__ import main
 from studies.chain.left_out import left_out
+from studies.chain.moduli import direction_dependence, pair_moduli
+from studies.chain.resolve import resolved
 from studies.refusal import SceneError
 from studies.scene import Scene, read_table
-from studies.scene.modulus import direction_dependence, pair_moduli
-from studies.scene.resolved import resolved
 from tests.oracles import fem_surface_compliance as oracle
 
 

@@ -8,9 +8,9 @@ import fem
 from fem.waveguide.port_fields import solve_ports
 from studies import Scene
 from studies.__main__ import main
+from studies.chain.resolve import resolved, stator, transducers
 from studies.refusal import SceneError
 from studies.scene import read_table
-from studies.scene.resolved import resolved, stator, transducers
 from studies.stator import network
 from studies.study import run_study
 

@@ -7,7 +7,7 @@ import pytest
 
 from studies import Scene, SceneError
 from studies.chain import passband, run
-from studies.report.figures import saved
+from studies.record.plots import saved
 from studies.scene import read_table
 from studies.scene.override import assigned
 from studies.stator import admittance, frequency_response
@@ -93,7 +93,7 @@ def test_what_does_not_apply_is_told_and_not_judged():
     away = judged("A statement.", "a number", 3.0, low=0.0, high=1.0, holds=None)
     assert away.confirmed is None
     assert str(away).endswith("between 0 and 1: not judged")
-    assert StudyRecord(name="admittance", panels=(), findings=(away,), seconds=0.0).shortfall == ""
+    assert StudyRecord(name="admittance", panels=(), findings=(away,), seconds=0.0).remark == ""
 
 
 @pytest.fixture(scope="module")

@@ -7,9 +7,10 @@ import pytest
 from matplotlib.text import Text
 
 from contact import Orbit, Slider, burst, contact_history, steady
+from studies.chain import resolve
 from studies.record import Record
-from studies.report.figures import new_figure, pictures
-from studies.scene import Scene, resolved
+from studies.record.plots import new_figure, pictures
+from studies.scene import Scene
 from studies.view import gallery_pictures
 from studies.view.contact_view import SlowMotion, moments, strip
 from studies.view.gallery_pictures import start_and_stop
@@ -140,7 +141,7 @@ def test_amplitude_shows_a_run_s_surface_whole_and_from_near():
     u_z = 3e-10 * (np.exp(-1j * k * x) + 0.1 * np.exp(1j * k * x))
     columns = {"x_m": x, "u_z_m_per_V": u_z, "u_x_m_per_V": 0.7j * u_z}
     record = Record(
-        scene=resolved.resolved(Scene.load("twente-left")),
+        scene=resolve.resolved(Scene.load("twente-left")),
         tolerance=1e-3,
         wave={"frequency_Hz": 2.2e6},
         surface=columns,
@@ -210,7 +211,7 @@ def test_weights_of_the_depth_integrate_polynomials():
 @pytest.mark.parametrize("levels", [[0.3e-9, 0.5e-9], [0.5e-9, 3e-9, 10e-9]])
 def test_the_picture_of_the_velocity_says_when_nothing_moves(levels):
     from studies.chain import run
-    from studies.report.figures import velocity
+    from studies.record.plots import velocity
     from studies.scene import Scene, read_table
     from studies.scene.override import replaced
 
@@ -233,7 +234,7 @@ def test_the_surface_s_picture_marks_the_finite_aperture_under_the_slider():
         "u_z_m_per_V": np.full(2, 3e-10j),
         "u_x_m_per_V": np.full(2, 2e-10j),
     }
-    record = Record(scene=resolved.resolved(scene), tolerance=1e-3, wave=wave, surface=columns)
+    record = Record(scene=resolve.resolved(scene), tolerance=1e-3, wave=wave, surface=columns)
     for spreads in (False, True):
         figure, ax = new_figure(7.0, 4.3)
         if spreads:
@@ -254,7 +255,7 @@ def test_run_plot_shows_what_the_run_draws(tmp_path, monkeypatch, capsys):
     words = ["run", "twente-contact", "--set", "wave.normal_amplitude=[3e-9, 10e-9]", "--plot", "--no-plot"]
     monkeypatch.setattr("sys.argv", ["sawmotor", *words, "--out", str(tmp_path / "a")])
     monkeypatch.setattr(pyplot, "get_backend", lambda: "agg")
-    assert main() == 1
+    assert main() == 3
     assert "pip install PySide6" in capsys.readouterr().err
     assert not (tmp_path / "a").exists()
     monkeypatch.setattr(pyplot, "get_backend", lambda: "qtagg")

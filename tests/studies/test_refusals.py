@@ -3,9 +3,9 @@
 import pytest
 
 from studies import Scene, SceneError
+from studies.chain.resolve import resolved
 from studies.scene import read_table
 from studies.scene.override import assigned
-from studies.scene.resolved import resolved
 
 NAN = float("nan")
 CASES = [

@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 from studies.chain import run
+from studies.record.files import write_run
 from studies.refusal import RunError, SceneError
 from studies.report.drawing import Drawing
-from studies.report.files import write_run
 from studies.results import MANIFEST, Origin, result_directory
 from studies.results.manifest import FORMER, LOCK, WORK
 from studies.scene import Scene, read_table
@@ -140,6 +140,59 @@ def test_what_a_killed_process_left_is_put_back(tmp_path):
     with result_directory(tmp_path, RUN):
         assert (tmp_path / "run.json").read_text() == "old"
     assert contents(tmp_path) == ["run.json"]
+
+
+KILLED = """
+import os, pathlib, sys
+from studies.results import Origin, result_directory
+
+target, moves = pathlib.Path(sys.argv[1]), int(sys.argv[2])
+made = {"rename": os.rename, "replace": os.replace}
+
+def counted(name):
+    def move(*given, **more):
+        global moves
+        moves -= 1
+        if moves < 0:
+            os._exit(9)  # as SIGKILL: nothing is cleared away
+        return made[name](*given, **more)
+    return move
+
+for name in made:
+    setattr(os, name, counted(name))
+with result_directory(target, Origin(kind="run", name="motor")) as result:
+    for name in ("run.json", "velocity.csv", "wave.png"):
+        (result.folder / name).write_text("new " + name)
+    result.commit()
+print("whole")
+"""
+
+
+def test_a_kill_at_any_move_of_a_commit_loses_nothing(tmp_path):
+    """After it the former result stands, or the new one does; what somebody edited stays in either case."""
+    old = {name: f"old {name}" for name in ("run.json", "velocity.csv", "surface.csv")}
+    for moves in range(30):
+        target = tmp_path / str(moves)
+        written(target, old)
+        (target / "velocity.csv").write_text("mine")
+        (target / "notes.md").write_text("mine too")
+        words = [sys.executable, "-c", KILLED, str(target), str(moves)]
+        done = subprocess.run(words, capture_output=True, text=True, cwd=ROOT)
+        with result_directory(target, RUN):  # what the dead process left is put back
+            pass
+        held = {name: (target / name).read_text() for name in contents(target)}
+        assert held["notes.md"] == "mine too"
+        assert "mine" in held.values()
+        assert held["run.json"] in ("old run.json", "new run.json")
+        if held["run.json"] == "new run.json":  # it is moved last: then the others are there
+            assert held["wave.png"] == "new wave.png"
+            assert held["velocity.csv"] == "new velocity.csv"
+        else:
+            assert held["surface.csv"] == "old surface.csv"
+        if "whole" in done.stdout:
+            break
+        assert done.returncode == 9
+    assert 3 < moves < 29
 
 
 def test_a_second_run_in_the_same_directory_is_refused(tmp_path):

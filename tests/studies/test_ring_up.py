@@ -8,10 +8,10 @@ import pytest
 from studies import Scene
 from studies.chain import run
 from studies.chain.left_out import left_out
+from studies.chain.resolve import resolved
 from studies.chain.ring_up import ring_up
 from studies.scene import read_table
 from studies.scene.override import assigned
-from studies.scene.resolved import resolved
 
 
 def chip(*settings):

@@ -3,10 +3,10 @@
 import tomllib
 
 import fem
+from studies.chain.resolve import resolved, solid
 from studies.scene import Scene, shipped_scenes
 from studies.scene.block import keys_of
 from studies.scene.reference import BLOCKS, reference
-from studies.scene.resolved import resolved, solid
 
 PAGE = (shipped_scenes()["twente"].parent / "README.md").read_text(encoding="utf-8")
 

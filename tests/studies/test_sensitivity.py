@@ -7,7 +7,15 @@ import contact
 from studies import Scene
 from studies import run as run_chain
 from studies.inverse.prediction import MeasurementPredictor
-from studies.inverse.sensitivity import _answers, _without_effect, elasticities, numbers, run, tables
+from studies.inverse.sensitivity import (
+    _answers,
+    _without_effect,
+    both_sides,
+    elasticities,
+    numbers,
+    run,
+    tables,
+)
 
 
 @pytest.fixture(scope="module")
@@ -95,4 +103,35 @@ def test_the_study_says_what_has_no_effect():
     assert (
         record.findings[0].statement == "Without effect on the velocity: slider.mass, slider.damping.normal."
     )
-    assert "velocity,wave.tangential_ratio," in tables(record)["sensitivity.csv"]
+    cells = (
+        tables(record)["sensitivity.csv"]
+        .split("velocity,wave.tangential_ratio,")[1]
+        .split("\n")[0]
+        .split(",")
+    )
+    elasticity, _, more, less = map(float, cells)
+    assert (more, less) == pytest.approx((0.01 * elasticity, -0.01 * elasticity), rel=0.05)
+    assert more != -less
+
+
+def test_both_sides_are_those_of_whole_runs_and_a_bend_is_said(predictor):
+    """1 % more and 1 % less of the amplitude ratio just above the threshold: one side stops the slider."""
+    scene = Scene.load("twente-contact")
+    threshold = run_chain(scene).summary["threshold_amplitude_m"]
+    near = scene.replace(wave={"normal_amplitude": [1.005 * threshold]})
+    ratio = near.wave.tangential_ratio
+    speeds = [
+        run_chain(near.replace(wave={"tangential_ratio": ratio * factor}), tolerance=1e-5).velocity[0]
+        for factor in (1.0, 1.01, 0.99)
+    ]
+    assert speeds[2] == 0.0
+    more, less = both_sides(
+        MeasurementPredictor(near), "velocity", 1.005 * threshold, ("wave.tangential_ratio",)
+    )["wave.tangential_ratio"]
+    assert more == pytest.approx(speeds[1] / speeds[0] - 1.0, rel=1e-3)
+    assert less == -1.0
+    record = run(near, outcomes=("velocity",))
+    said = [text for _, text in record.answer if text.startswith("bends with wave.tangential_ratio")]
+    assert said == [
+        f"bends with wave.tangential_ratio: {100 * more:+.3g} % for 1 % more, -100 % for 1 % less"
+    ]

@@ -8,10 +8,10 @@ import pytest
 from fem import ConvergenceError, automatic_period, best_frequency, best_period
 from studies import Scene
 from studies.chain import run
+from studies.chain.resolve import drive, resolved, stator, transducers
 from studies.chain.spectrum import Response, response
 from studies.scene import read_table
 from studies.scene.override import assigned
-from studies.scene.resolved import drive, resolved, stator, transducers
 
 
 def quiet(text):

@@ -10,20 +10,21 @@ import time
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from studies.chain import run
+from studies.chain import predictor, run
+from studies.chain.predictor import Predictor
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene, read_table
 from studies.scene.override import replaced
-from studies.sweep import driver, predictor, sweep
-from studies.sweep.axes import axis
-from studies.sweep.design import designed
-from studies.sweep.predictor import Predictor
-from studies.sweep.store import FILE, Store
-from studies.sweep.workers import Workers
+from studies.sweeps import driver, sweep
+from studies.sweeps.axes import axis
+from studies.sweeps.plan import designed
+from studies.sweeps.store import FILE, Store
+from studies.sweeps.workers import Processes, Workers
 
 OVER = {"slider.preload": "0.1 mN:10 mN:8:log", "wave.normal_amplitude": "0.5 nm:20 nm:6"}
 SMALL = {
@@ -267,7 +268,7 @@ def test_a_stator_without_an_answer_costs_its_own_points_alone(monkeypatch):
 
 def test_a_point_near_the_threshold_gets_a_better_stator(tmp_path, monkeypatch):
     # a stator that is just good enough by itself
-    monkeypatch.setattr("studies.sweep.predictor.SHARE", 1.0)
+    monkeypatch.setattr("studies.chain.predictor.SHARE", 1.0)
     solved = counted(monkeypatch)
     voltages = [5.0, 11.2, 40.0]
     found = sweep(PLANE, {"drive.voltage": voltages}, tolerance=2.5e-4, out=tmp_path / "s")
@@ -367,7 +368,7 @@ def test_a_second_driver_is_refused_while_the_first_lives(tmp_path):
             sweep("twente-contact", OVER, out=tmp_path / "s")
         second = command("twente-contact", *words, "--out", str(tmp_path / "s"))
         out, err = second.communicate(timeout=60)
-        assert (second.returncode, out) == (1, "")
+        assert (second.returncode, out) == (3, "")
         assert "is writing into" in err
         assert err.count("\n") == 1
     assert rows(tmp_path / "s") == []
@@ -402,7 +403,7 @@ def test_a_full_disk_is_said_and_costs_nothing_that_was_kept(tmp_path):
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, 150_000)),
     )  # fmt: skip
     out, err = process.communicate(timeout=60)
-    assert (process.returncode, out) == (1, "")
+    assert (process.returncode, out) == (3, "")
     assert "is the disk full?" in err.splitlines()[-1]
     assert "Traceback" not in err
     kept = rows(tmp_path / "s")
@@ -434,7 +435,7 @@ class Poisoned(Workers):
 
 def test_a_point_that_kills_its_workers_is_a_row_and_is_tried_again(whole, tmp_path, monkeypatch):
     staff = Poisoned()
-    monkeypatch.setattr("studies.sweep.chosen_workers", lambda number: staff)
+    monkeypatch.setattr("studies.sweeps.chosen_workers", lambda number: staff)
     found = sweep("twente-contact", OVER, out=tmp_path / "s")
     assert found.counts == {"ok": 47, "lost": 1}
     assert found.columns()["status"][17] == "lost: 3 workers that computed it vanished"
@@ -464,7 +465,7 @@ def test_processes_give_the_same_bits_and_may_vanish(whole):
 def test_processes_that_do_not_start_are_said_to(tmp_path):
     script = tmp_path / "unguarded.py"
     script.write_text(
-        "from studies.sweep import sweep\nsweep('twente-contact', {'slider.radius': [1e-3]}, workers=2)\n"
+        "from studies.sweeps import sweep\nsweep('twente-contact', {'slider.radius': [1e-3]}, workers=2)\n"
     )
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
     done = subprocess.run(
@@ -485,10 +486,22 @@ def test_an_interrupt_from_the_terminal_stops_processes_and_keeps_points(tmp_pat
         time.sleep(0.1)
     os.killpg(process.pid, signal.SIGINT)
     _, err = process.communicate(timeout=300)
-    assert process.returncode == 1
+    assert process.returncode == 130
     assert "points are kept and the same command goes on" in err.splitlines()[-1]
     assert "Traceback" not in err
     assert 0 < len(rows(tmp_path / "s")) < 1_000_000
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="reads the signal mask of another process")
+def test_a_worker_starts_deaf_to_interrupts():
+    with closing(Processes(1)) as staff:
+        pid = staff.submit(os.getpid).result()
+        masks = dict(line.split(":") for line in Path(f"/proc/{pid}/status").read_text().splitlines())
+    assert (
+        int(masks["SigBlk"], 16) & 1 << signal.SIGINT - 1
+    )  # held back by who started it, from its first instruction
+    assert int(masks["SigIgn"], 16) & 1 << signal.SIGINT - 1
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())
 
 
 @pytest.mark.slow
@@ -562,3 +575,81 @@ def test_a_table_is_a_value_like_others():
 def test_a_tolerance_that_is_none_is_refused(tolerance):
     with pytest.raises(SceneError, match="tolerance"):
         sweep("twente-contact", {"slider.preload": [1e-3]}, tolerance=tolerance)
+
+
+# --- cases in which a wrong mask, unit or version shows
+
+
+def test_a_store_with_gaps_is_filled_where_the_stator_s_axis_is_not_the_first(tmp_path):
+    """Three loads, two frequencies, three voltages; five rows of both frequencies are lost."""
+    over = {
+        "slider.load": [0.0, 2e-6, 4e-6],
+        "drive.frequency": [2.18e6, 2.2e6],
+        "drive.voltage": [20.0, 60.0, 90.0],
+    }
+    whole = sweep(PLANE, over, tolerance=3e-2, out=tmp_path / "s").columns()
+    with sqlite3.connect(tmp_path / "s" / FILE) as connection:
+        connection.execute("delete from points where point in (1, 3, 8, 10, 17)")
+    connection.close()
+    found = sweep(PLANE, over, tolerance=3e-2, out=tmp_path / "s")
+    assert found.counts == {"ok": 18}
+    assert found.columns() == whole
+    assert whole["drive.frequency"] == ([2.18e6] * 3 + [2.2e6] * 3) * 3
+    assert len(set(whole["velocity_m_per_s"])) == 18
+
+
+def test_a_store_of_another_version_is_refused_by_name(tmp_path):
+    small = {"wave.normal_amplitude": "3 nm"}
+    sweep("twente-contact", small, out=tmp_path / "s")
+    kept = rows(tmp_path / "s")
+    with sqlite3.connect(tmp_path / "s" / FILE) as connection:
+        (text,) = connection.execute("select value from sweep where name = 'identity'").fetchone()
+        held = json.loads(text) | {"version of numpy": "1.0.0"}
+        connection.execute("update sweep set value = ? where name = 'identity'", (json.dumps(held),))
+    connection.close()
+    with pytest.raises(SceneError, match="another sweep: its version of numpy differs"):
+        sweep("twente-contact", small, out=tmp_path / "s")
+    assert rows(tmp_path / "s") == kept
+
+
+def test_every_number_of_a_dataset_has_the_unit_of_its_name():
+    over = {"wave.normal_amplitude": [3e-9, 1e-8], "slider.preload": [1e-3, 2e-3]}
+    also = ("limits", "thrust", "efficiency", "pressure", "step")
+    data = sweep("twente-contact", over, also=also).to_xarray()
+    endings = {
+        "_m_per_s": "m/s", "_per_m": "1/m", "_W": "W", "_Pa": "Pa", "_N": "N", "_V": "V", "_m": "m",
+    }  # fmt: skip
+    seen = set()
+    for name, values in data.items():
+        ending = next((each for each in endings if name.endswith(each)), None)
+        pure = "1" if values.dtype.kind == "f" else ""
+        assert values.attrs.get("units", "") == endings.get(ending, pure), name
+        seen.add(endings.get(ending))
+    assert {key: each.attrs["units"] for key, each in data.coords.items()} == {
+        "wave.normal_amplitude": "m", "slider.preload": "N",
+    }  # fmt: skip
+    assert {"m/s", "m", "N", "Pa"} <= seen
+
+
+def test_five_balls_in_phase_have_five_times_the_thrust_at_the_same_efficiency():
+    """Mass, preload, and viscous dampers five times as large: each ball moves as the one did."""
+    slider = PLANE["slider"] | {"preload": 0.9e-3, "mass": 0.089e-3}
+    five = {
+        "contacts": 5,
+        "mass": 5 * 0.089e-3,
+        "preload": 4.5e-3,
+        "damping": {"normal": 2.5, "tangential": 5e-4},
+    }
+
+    def answers(changes):
+        table = PLANE | {"slider": slider | changes}
+        found = sweep(table, {"drive.voltage": [90.0]}, also=("efficiency", "thrust"), tolerance=3e-2)
+        return {name: values[0] for name, values in found.columns().items()}
+
+    one, many = answers({}), answers(five)
+    assert many["velocity_m_per_s"] == pytest.approx(one["velocity_m_per_s"], rel=1e-6)
+    assert 0.1 < one["contact_efficiency"] < 0.9
+    assert many["contact_efficiency"] == pytest.approx(one["contact_efficiency"], rel=1e-3)
+    for key in ("thrust_N", "motor_efficiency"):
+        assert one[key] > 0
+        assert many[key] == pytest.approx(5 * one[key], rel=1e-3)

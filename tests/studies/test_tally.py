@@ -6,7 +6,7 @@ import json
 import contact
 from studies.chain import run
 from studies.chain.tally import EVENTS, burst_tally, steady_tally
-from studies.report.files import write_run
+from studies.record.files import write_run
 from studies.scene import Scene
 from tests.contact.motors import orbit, slider
 

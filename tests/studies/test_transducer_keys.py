@@ -11,9 +11,9 @@ import pytest
 
 from studies import Scene, SceneError
 from studies.chain import run
+from studies.chain.resolve import resolved, transducers
 from studies.scene import read_table
 from studies.scene.override import assigned
-from studies.scene.resolved import resolved, transducers
 from studies.scene.toml import document
 from studies.view.run_field import run_field
 
@@ -125,7 +125,7 @@ def test_a_termination_loads_the_driven_transducer(text, impedance):
 
 
 def test_the_picture_colours_fingers_by_their_comb(tmp_path):
-    from studies.report.files import write_run
+    from studies.record.files import write_run
 
     scene = chip("transducer.0.pattern=++-o", "transducer.1.pattern=0+-0", slider=True)
     record = run(replace(scene, slider=None), tolerance=3e-2)

@@ -8,11 +8,11 @@ import pytest
 
 from studies import Record, Scene, run
 from studies.__main__ import main
+from studies.chain.resolve import resolved
+from studies.record import plots
+from studies.record.plots import new_figure
+from studies.record.text import answer
 from studies.refusal import SceneError
-from studies.report import figures
-from studies.report.answer import answer
-from studies.report.figures import new_figure
-from studies.scene.resolved import resolved
 from studies.scene.toml import document
 
 PRELOAD, MODULUS = 8e-4, 64e9
@@ -66,6 +66,24 @@ def test_a_tolerance_of_the_level_moves_along_the_curve():
     )
 
 
+def test_where_the_answer_bends_the_band_holds_the_middle_and_both_ends(capsys):
+    """Across the threshold one end rests: half the difference to either side would reverse the slider."""
+    bare = Scene.load("twente-contact").replace(slider={"preload": PRELOAD, "effective_modulus": MODULUS})
+    threshold = run(bare).summary["threshold_amplitude_m"]
+    levels = [0.98 * threshold, 1.02 * threshold, 6e-9]
+    tolerance = 0.05
+    record = run(motor(levels, wave={"normal_amplitude": f"+- {100 * tolerance:g} %"}))
+    near = [factor * level for level in levels for factor in (1 - tolerance, 1 + tolerance)]
+    ends = run(bare.replace(wave={"normal_amplitude": near})).velocity.reshape(3, 2)
+    for (low, high), point in zip(ends[:2], record.points, strict=False):
+        assert point["velocity_low_m_per_s"] == pytest.approx(low, abs=1e-9)
+        assert point["velocity_high_m_per_s"] == pytest.approx(high, rel=1e-3)
+    assert record.uncertainty["bent"] == {"wave.normal_amplitude": 2}
+    assert "the answer bends within the tolerance of wave.normal_amplitude at 2 points" in answer(record)
+    half = (ends[2, 1] - ends[2, 0]) / 2  # and where it does not, the band is half the difference
+    assert record.points[2]["velocity_high_m_per_s"] - record.velocity[2] == pytest.approx(half, rel=1e-3)
+
+
 def test_a_value_with_its_tolerance_is_an_entry_of_the_block():
     """The tolerance takes the value's unit and the value the tolerance's."""
     text = {
@@ -104,7 +122,7 @@ def test_a_run_shows_its_bands_everywhere(tmp_path, capsys):
     assert again.uncertainty == record.uncertainty
     assert "+- 0.01" in answer(again)
     ax = new_figure(6.0, 4.0)[1]
-    figures.velocity(record, ax)
+    plots.velocity(record, ax)
     assert "95 % of the tolerances (linear)" in ax.get_legend_handles_labels()[1]
 
 

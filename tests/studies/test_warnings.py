@@ -14,12 +14,12 @@ import pytest
 import fem
 from studies.__main__ import main
 from studies.chain import run
+from studies.chain.resolve import resolved
 from studies.chain.surface_motion import SurfaceMotion
 from studies.chain.warnings import breakdown_voltage, warnings_of
 from studies.record import Record
 from studies.scene import Scene, read_table
 from studies.scene.override import assigned
-from studies.scene.resolved import resolved
 from tests.contact.motors import slider as slider_of
 
 
@@ -264,4 +264,54 @@ def test_a_finite_aperture_that_the_section_leaves_out_is_said():
         warnings_of(replace(record("twente"), model_error=(large,))),
         "-11 % of u_z",
         "stator.diffraction = true",
+    )
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        (
+            ["slider.radius=0.5"],
+            "slider.radius = 0.5 m means balls of 1 m on a stator whose surface is 0.035 m across",
+        ),
+        (["slider.radius=0.017"], None),
+        (["slider.radius=0.018"], "slider.radius = 0.018 m"),
+        (['slider.contacts=["0 mm", ["1.2 mm", "1.5 mm"], "-4 mm"]'], "1 and 2 are 1.921 mm apart"),
+        (['slider.contacts=["0 mm", ["1.2 mm", "1.65 mm"], "-4 mm"]'], None),
+        (["slider.friction_coefficient=15"], "slider.friction_coefficient is 15"),
+        (["slider.friction_coefficient=1.5"], None),
+        (['slider.preload="60 N"', 'slider.radius="5 mm"'], "radius of 152 um at rest, 0.15 wavelengths"),
+    ],
+)
+def test_sizes_that_no_motor_has(settings, words):
+    from studies.chain.scene_warnings import scene_warnings
+
+    said = [each for each in scene_warnings(scene("twente", *settings)) if "lies over" not in each]
+    assert (words is None) == (not said)
+    assert words is None or words in said[0]
+
+
+def test_radius_in_metres_of_a_given_wave():
+    from studies.chain.scene_warnings import scene_warnings
+
+    assert "slider.radius is 0.5 m" in next(scene_warnings(scene("twente-contact", "slider.radius=0.5")))
+
+
+def test_node_at_the_centre_of_balls_beside_it():
+    found = run(
+        scene("lithium-niobate-128yx", 'slider.position="6 mm"', 'drive.voltage="60 V"'), tolerance=0.05
+    )
+    assert not found.shortfall
+    assert any("u_z vanishes at the slider's centre" in each for each in found.warnings)
+
+
+def test_no_answer_where_the_wave_has_a_node_under_every_ball():
+    """In the middle of a transducer u_z vanishes by symmetry; a quarter wavelength beside it the balls only rub."""
+    middle = ['slider.position="6 mm"', "slider.contacts=1"]
+    found = run(scene("lithium-niobate-128yx", *middle, 'drive.voltage="60 V"'), tolerance=0.05)
+    assert found.shortfall.startswith("no answer: u_z vanishes under the slider")
+    beside = ['slider.position="6.1 mm"', "slider.contacts=1"]
+    assert (
+        "vanishes"
+        not in run(scene("lithium-niobate-128yx", *beside, 'drive.voltage="60 V"'), tolerance=0.05).shortfall
     )

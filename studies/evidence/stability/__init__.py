@@ -197,7 +197,7 @@ def against_estimate(panels: tuple[Panel, ...], ax):
 
 def draw(record: StudyRecord, folder, *, progress: Callable[[str], None]) -> None:
     """Draw a map for each part, as high as it has quantities, and the errors against the estimates."""
-    from studies.report.figures import saved
+    from studies.record.plots import saved
 
     for panel in record.panels:
         progress(f"drawing {panel.name}")

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.answers.methods import rest_problem, why_not_stepped
+from contact.answers.methods import rest_problem, stepped_refusals
 from contact.answers.steady import SteadyState
-from contact.codes import Law
+from contact.codes import Tangential
 from contact.convergence import ConvergenceError
 from contact.drive import reference_speed, towards_plus
 from contact.kinematics import normal_amplitude, tangential_amplitude
@@ -69,7 +69,7 @@ def second_opinion(state: SteadyState) -> SecondOpinion:
     begin = np.zeros(3 + len(driven))
     begin[0], begin[2] = -state.height / problem.length, side * state.velocity / unit
     reference = reference_speed(state.velocity, driven) / unit
-    stepped = not why_not_stepped(slider, problem, STEPS[0])
+    stepped = not stepped_refusals(slider, problem, STEPS[0])
     resolutions = STEPS if stepped else NODES
     cycles = STEPPED_CYCLES if stepped else _affordable(problem)
     runs = [_quarters(_rows(problem, stepped, n, begin, cycles)) for n in resolutions]
@@ -112,7 +112,7 @@ def _quarters(rows):
 
 def _affordable(problem):
     each = max(24.0, problem.segments)
-    cycles = int(EXACT_SEGMENTS / each / (6.0 if problem.law == Law.HYSTERETIC else 1.0))
+    cycles = int(EXACT_SEGMENTS / each / (6.0 if problem.law == Tangential.HYSTERETIC else 1.0))
     if cycles < LEAST_CYCLES:
         raise ConvergenceError(
             "out of reach",

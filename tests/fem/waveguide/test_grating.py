@@ -154,7 +154,7 @@ def test_a_stop_band_s_numbers_are_of_its_edges():
 @pytest.mark.parametrize(
     ("name", "period", "metallisation", "words"),
     [
-        ("steel", 1e-3, 0.5, "piezoelectric solid, and steel is not"),
+        ("steel", 1e-3, 0.5, "solid must be piezoelectric under a grating of fingers, and steel is not"),
         ("PZT-8", -1.0, 0.5, r"period must be positive and finite, got -1\.0 m"),
         ("PZT-8", 1e-3, 1.0, r"metallisation must lie between 0 and 1, got 1\.0"),
     ],

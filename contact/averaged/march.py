@@ -1,0 +1,86 @@
+r"""Rows of contacts on a surface wave that they load: the wave's two amplitudes from row to row.
+
+With the forces on the slider P = P_0 + Re P_1 exp(i omega t), Q likewise, C = u_x/u_z of the forward wave and
+g = Gamma/w, reciprocity gives
+
+    dU+/dx = +i g sum_i (P_1 + C* Q_1) exp(+i k x) delta(x - x_i),        U+ given on the left,
+    dU-/dx = -i g sum_i (P_1 + C Q_1) exp(-i k x) delta(x - x_i),         U- given on the right,
+
+(C = i r of a Rayleigh wave, the backward wave's is C*). At a row the forces belong to the amplitude half-way through
+its jump (implicit midpoint): the change of |U+|^2 + |U-|^2 is then the power that the contacts take, to rounding.
+"""
+
+import numpy as np
+
+from contact.jit.compiled import native
+
+
+@native(
+    "c1 c1 c1 c1 c1 c1 f c1 c1 c1 c2",
+    {"turn": "n", "forward_force": "n", "backward_force": "n", "normal_stiffness": "n", "tangential_stiffness": "n",
+     "orbit": "1", "incident": "2", "forward": "n", "backward": "n", "work": "n 4"},
+)  # fmt: skip
+def march(
+    turn,
+    forward_force,
+    backward_force,
+    normal_stiffness,
+    tangential_stiffness,
+    orbit,
+    g,
+    incident,
+    forward,
+    backward,
+    work,
+):
+    """Replace the amplitudes half-way through each row by those that the forces leave; returns 0.
+
+    `turn`: exp(-i k x) of the rows, from left to right. `forward`, `backward`: U+ exp(-i k x) and U- exp(i k x) at the
+    rows, with which the forces sum (P_1 + C* Q_1) and sum (P_1 + C Q_1) were taken. The stiffnesses sum P_1/u_z and
+    sum Q_1/u_x say how the forces follow the amplitudes: exact where contacts stick all the time. `orbit`: C;
+    `incident`: U+ on the left and U- on the right.
+
+    With these stiffnesses the rows are a linear chain. What lies to the right of a row answers U- = rho U+ + tau, which
+    is carried from the right end to the left; then the amplitudes follow from left to right.
+    """
+    half, n, c = 0.5j * g, turn.size, orbit[0]
+    rho, tau = 0.0j, incident[1]
+    for m in range(n):
+        j = n - 1 - m
+        normal, tangential = normal_stiffness[j], tangential_stiffness[j]
+        own = normal + (c.real * c.real + c.imag * c.imag) * tangential
+        across, back = normal + c.conjugate() ** 2 * tangential, normal + c**2 * tangential
+        right = half * (forward_force[j] - own * forward[j] - across * backward[j])
+        left = half * (backward_force[j] - back * forward[j] - own * backward[j])
+        # behind the row, in its frame: p-_in = rho p+_out + tau, p+_out = 2 p+ - p+_in
+        seen, rest = rho * turn[j].conjugate() ** 2, tau * turn[j].conjugate()
+        # p+ (1 - half own) - half across p- = p+_in + right
+        # -(half back + 2 seen) p+ + (1 - half own) p- = rest - seen p+_in + left
+        diagonal, upper, lower = 1.0 - half * own, -half * across, -(half * back + 2.0 * seen)
+        determinant = diagonal * diagonal - upper * lower
+        # p+ = work0 p+_in + work1, p- = work2 p+_in + work3
+        plus, plus_rest = (
+            (diagonal + upper * seen) / determinant,
+            (diagonal * right - upper * (rest + left)) / determinant,
+        )
+        minus = (-diagonal * seen - lower) / determinant
+        minus_rest = (diagonal * (rest + left) - lower * right) / determinant
+        work[j, 0], work[j, 1], work[j, 2], work[j, 3] = plus, plus_rest, minus, minus_rest
+        # before the row: p-_out = 2 p- - p-_in
+        out = 2.0 * minus - seen * (2.0 * plus - 1.0)
+        out_rest = 2.0 * minus_rest - seen * 2.0 * plus_rest - rest
+        rho, tau = out * turn[j] ** 2, out_rest * turn[j]
+    here = incident[0]
+    for j in range(n):
+        before = here * turn[j]
+        forward[j] = work[j, 0] * before + work[j, 1]
+        backward[j] = work[j, 2] * before + work[j, 3]
+        here = (2.0 * forward[j] - before) * turn[j].conjugate()
+    return 0
+
+
+def ends(turn, forward_force, backward_force, g, first, last):
+    """Return (U+, U-) at the right and at the left of each row, shape (2, n): U+ behind it, U- before it."""
+    forward = first + 1j * g * np.cumsum(forward_force * turn.conj())
+    backward = last + 1j * g * np.cumsum((backward_force * turn)[::-1])[::-1]
+    return np.array([forward, backward])

@@ -1,0 +1,133 @@
+"""All pillars of a slider through one cycle on the wave that they load: forces, and the wave's amplitudes at the rows.
+
+Pillars at the same x are a row. Those of a row with equal height and stiffness (and y, where the slider tilts about x)
+are computed once, with a weight.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from contact.averaged import flat_cycle as columns
+from contact.averaged.flat_cycle import COLUMNS, flat_cycles
+from contact.averaged.march import ends, march
+from contact.averaged.pillars import PassingWave, Pillars
+
+SAME_ROW = 1e-9  # of the slider's length: places that a file rounds differently
+# The stiffness that the tangential force shows the wave is taken from |u_x| above this share of its scale
+TANGENTIAL_SHARE = 0.3
+
+
+class Forces(NamedTuple):
+    """Means and first harmonics of the forces on the slider, per class of pillars (without weights)."""
+
+    cycles: np.ndarray  # (n, COLUMNS) of `flat_cycle`
+    normal: np.ndarray  # <P>, N
+    tangential: np.ndarray  # <Q>, N
+    first_normal: np.ndarray  # P_1, N, complex
+    first_tangential: np.ndarray  # Q_1
+
+
+class PillarCycle:
+    """The contacts in classes and rows, with the wave's amplitudes at the rows as they stand."""
+
+    def __init__(self, pillars: Pillars, wave: PassingWave, loading: bool):
+        self.pillars, self.wave = pillars, wave
+        self.g = wave.compliance / wave.strip_width if loading else 0.0
+        x, y = pillars.x, pillars.y
+        heights = pillars.heights - 0.5 * pillars.curvature * (x**2 + y**2)
+        across = y if pillars.tilt == "free" else np.zeros_like(y)
+        step = SAME_ROW * max(float(np.ptp(x)), 1e-300)
+        place = np.round((x - x.min()) / step) if np.ptp(x) > 0.0 else np.zeros_like(x)
+        table = np.stack([place, across, heights, pillars.normal_stiffness, pillars.tangential_stiffness])
+        # sorted by row first; equal columns are one class
+        order = np.lexsort(table[::-1])
+        new = np.ones(x.size, dtype=bool)
+        new[1:] = np.any(np.diff(table[:, order], axis=1) != 0.0, axis=0)
+        self.classes = np.empty(x.size, dtype=int)
+        self.classes[order] = np.cumsum(new) - 1
+        chosen = order[new]
+        self.weight = np.bincount(self.classes, pillars.weights)
+        self.x, self.y, self.height = x[chosen], across[chosen], heights[chosen]
+        self.k_n, self.k_t = pillars.normal_stiffness[chosen], pillars.tangential_stiffness[chosen]
+        self.limit_slope = pillars.friction_coefficient * self.k_n / self.k_t
+        _, self.first, self.row = np.unique(place[chosen], return_index=True, return_inverse=True)
+        self.row_x = self.x[self.first]
+        self.turn = np.exp(-1j * wave.wavenumber * self.row_x)
+        self.row_count = self.sums(np.ones_like(self.x))
+        self.orbit = np.array([wave.orbit])
+        self.incident = np.array([wave.forward, wave.backward])
+        self.evaluations = 0
+        self._out = np.empty((self.x.size, COLUMNS))
+        self._chain = np.empty((self.turn.size, 4), dtype=complex)
+        self.reset()
+
+    def reset(self):
+        """Let the wave pass as if nothing touched it."""
+        self.forward = self.wave.forward * self.turn
+        self.backward = self.wave.backward * self.turn.conj()
+
+    def sums(self, values):
+        """Return the sums over the pillars of each row of what the classes hold."""
+        return np.add.reduceat(self.weight * values, self.first)
+
+    def amplitudes(self):
+        """Return u_z and u_x at each row, half-way through its jump."""
+        orbit = self.wave.orbit
+        return self.forward + self.backward, orbit * self.forward + orbit.conjugate() * self.backward
+
+    def approaches(self, height, pitch: float, roll: float):
+        """Return the mean approach of each class, of a plane's height (or one for each row) and tilts in rad."""
+        own = height[self.row] if np.ndim(height) else height
+        return own + pitch * self.x + roll * self.y + self.height
+
+    def forces(self, approach, w: float, side: float) -> Forces:
+        """Return the forces at mean approaches in m and a velocity over omega in m."""
+        self.evaluations += 1
+        u_z, u_x = (each[self.row] for each in self.amplitudes())
+        out = self._out
+        flat_cycles(np.ascontiguousarray(approach), u_z, u_x, self.limit_slope, float(w), float(side), out)
+        size = abs(u_z)
+        crest = np.divide(u_z, size, out=np.ones_like(u_z), where=size > 0.0)
+        stretch = out[:, columns.COS_STRETCH] - 1j * out[:, columns.SIN_STRETCH]
+        return Forces(
+            out, self.k_n * out[:, columns.MEAN_APPROACH], self.k_t * out[:, columns.MEAN_STRETCH],
+            self.k_n * out[:, columns.FIRST_APPROACH] * crest, self.k_t * stretch * crest,
+        )  # fmt: skip
+
+    def advance(self, forces: Forces, share: float = 1.0) -> float:
+        """Move the wave's amplitudes by a share of the way to those that the forces leave.
+
+        Returns the whole way, over the incident amplitude.
+        """
+        if self.g == 0.0:
+            return 0.0
+        along, against, normal, tangential = self._row_forces(forces)
+        u_z, u_x = self.amplitudes()
+        reach = abs(self.forward) + abs(self.backward)
+        stiff = np.divide(normal, u_z, out=np.zeros_like(u_z), where=abs(u_z) > 1e-9 * reach)
+        seen = abs(u_x) > TANGENTIAL_SHARE * abs(self.wave.orbit) * reach
+        shear = np.divide(tangential, u_x, out=np.zeros_like(u_x), where=seen)
+        before = self.forward.copy(), self.backward.copy()
+        march(
+            self.turn, along, against, stiff, shear, self.orbit, self.g, self.incident, self.forward, self.backward,
+            self._chain,
+        )  # fmt: skip
+        change = max(
+            abs(new - old).max() for new, old in zip((self.forward, self.backward), before, strict=True)
+        )
+        if share < 1.0:
+            self.forward += (1.0 - share) * (before[0] - self.forward)
+            self.backward += (1.0 - share) * (before[1] - self.backward)
+        return float(change) / max(self.wave.amplitude, 1e-300)
+
+    def passed(self, forces: Forces):
+        """Return U+ behind each row and U- before it, with the forces that belong to the amplitudes as they stand."""
+        along, against, *_ = self._row_forces(forces)
+        return ends(self.turn, along, against, self.g, *self.incident)
+
+    def _row_forces(self, forces):
+        """Return sum (P_1 + C* Q_1), sum (P_1 + C Q_1), sum P_1 and sum Q_1 of each row."""
+        normal, tangential = self.sums(forces.first_normal), self.sums(forces.first_tangential)
+        orbit = self.wave.orbit
+        return normal + orbit.conjugate() * tangential, normal + orbit * tangential, normal, tangential

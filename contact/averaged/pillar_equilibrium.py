@@ -1,0 +1,245 @@
+r"""The averaged equilibrium of a slider on pillars, together with the wave that they load.
+
+Unknowns: the plane's height H, its tilts about y and x, and the velocity v, so that
+
+    sum <P> = F,  sum <P> x = F x_F,  sum <P> y = F y_F,  sum <Q> = load + R_t v,
+
+by Newton's method with Broyden's updates. The wave's amplitudes at the rows belong to the same fixed point: each
+evaluation moves them as well, until they change by less than `INNER` of the residual. A load at a height b above the
+surface tips the slider: x_F moves by -b load/F, load the mean of sum Q that balances it. At v = 0 a contact that never
+slips keeps its history, and sum <Q> has two limits, from either side: between them the slider is held.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from contact.averaged.pillar_cycle import Forces, PillarCycle
+from contact.convergence import ConvergenceError
+
+CLOSE = 1e-12  # of the scaled residuals, and of the wave's amplitudes
+INNER = 1e-3  # change of the wave's amplitudes over the residual, at which the unknowns are moved
+MAX_STEPS, MAX_SWEEPS = 80, 200
+SLOW, SHORTEST = (
+    0.7,
+    0.1,
+)  # ratio of successive changes above which, and down to which, a sweep moves a share only
+PATIENCE = 12  # steps in which the residual should fall to a third: at a kink, such as v = 0, it does not
+STEP = 1e-6  # of finite differences, of the scaled unknowns
+MAX_MOVE = 1.0  # of a scaled unknown in one step
+HEIGHT, PITCH, ROLL, SPEED = range(4)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Balance:
+    """An equilibrium."""
+
+    height: object  # H, m; with a soft backing one for each row
+    pitch: float  # rad, about y: approach grows towards +x
+    roll: float  # rad, about x: approach grows towards +y
+    w: float  # velocity over omega, m
+    side: float  # sign of the motion that a velocity of zero comes from
+    traction: float  # sum <Q>, N
+    forces: Forces = field(repr=False)
+    residual: float  # largest scaled residual
+    change: float  # last relative change of the wave's amplitudes
+    error: float  # of w, m: what the residuals and the last change leave
+
+
+class Equilibrium:
+    """The equations of one slider on one wave, warm: each solution starts from the last."""
+
+    def __init__(self, cycle: PillarCycle):
+        pillars, wave = cycle.pillars, cycle.wave
+        self.cycle = cycle
+        self.load = 0.0  # sum <Q> that balances it, N
+        self.preload, self.friction = pillars.preload, pillars.friction_coefficient * pillars.preload
+        mean_stiffness = float(np.sum(cycle.weight * cycle.k_n))
+        self.length = max(wave.amplitude, self.preload / mean_stiffness)
+        self.speed = max(abs(wave.orbit) * wave.amplitude, 1e-3 * self.length)
+        self.arm = np.array([max(float(np.ptp(each)), 1e-300) / 2.0 for each in (pillars.x, pillars.y)])
+        tilts = {"held": (), "pitch": (PITCH,), "free": (PITCH, ROLL)}[pillars.tilt]
+        self.soft = pillars.backing == "soft"
+        self.plane = () if self.soft else (HEIGHT, *tilts)
+        self.scale = np.array([self.length, *(self.length / self.arm), self.speed])
+        share = cycle.sums(np.ones_like(cycle.x)) / pillars.number
+        self.row_load = self.preload * share
+        mean_height = float(np.sum(cycle.weight * cycle.height)) / pillars.number
+        self.unknowns = np.zeros(4)
+        self.rows = np.zeros(cycle.turn.size)
+        if self.soft:
+            self.unknowns[HEIGHT] = 0.0
+        else:  # every contact in touch: too low; then Newton's method on <P>, convex in H
+            self.unknowns[HEIGHT] = self._own_height(self.preload / mean_stiffness - mean_height)
+        sign = abs(wave.forward) ** 2 - abs(wave.backward) ** 2
+        self.unknowns[SPEED] = -0.6 * wave.orbit.imag * sign / max(wave.amplitude, 1e-300)
+        self.residual = self.change = np.inf
+        self.forces = None
+
+    def _own_height(self, height: float) -> float:
+        """Return H of the untilted slider on the wave as it stands, from one that is too large."""
+        cycle, (u_z, _) = self.cycle, self.cycle.amplitudes()
+        size = abs(u_z)[cycle.row]
+        for _ in range(100):
+            mean, slope = mean_approach(height + cycle.height, size)
+            force, rate = np.sum(cycle.weight * cycle.k_n * mean), np.sum(cycle.weight * cycle.k_n * slope)
+            step = (force - self.preload) / rate
+            height -= step
+            if abs(step) < 1e-13 * self.length:
+                break
+        return float(height)
+
+    def _row_heights(self):
+        """Return H of each row under its own share of the preload."""
+        cycle, (u_z, _) = self.cycle, self.cycle.amplitudes()
+        size = abs(u_z)[cycle.row]
+        stiffness = cycle.sums(cycle.k_n)
+        heights = (self.row_load - cycle.sums(cycle.k_n * cycle.height)) / stiffness
+        if self.forces is not None:  # where the last ones carry at least the load, they are nearer
+            mean, slope = mean_approach(self.rows[cycle.row] + cycle.height, size)
+            force = cycle.sums(cycle.k_n * mean)
+            heights = np.where(force >= self.row_load, self.rows, heights)
+        for _ in range(100):
+            mean, slope = mean_approach(heights[cycle.row] + cycle.height, size)
+            step = (cycle.sums(cycle.k_n * mean) - self.row_load) / cycle.sums(cycle.k_n * slope)
+            heights = heights - step
+            if abs(step).max() < 1e-14 * self.length:
+                break
+        return heights
+
+    def _evaluate(self, unknowns, side: float):
+        """Return the scaled residuals (4,) at the wave's amplitudes as they stand."""
+        cycle, pillars = self.cycle, self.cycle.pillars
+        if self.soft:
+            self.rows = self._row_heights()
+        height = self.rows if self.soft else unknowns[HEIGHT]
+        w = unknowns[SPEED]
+        side = side if w == 0.0 else np.sign(w)
+        forces = cycle.forces(cycle.approaches(height, unknowns[PITCH], unknowns[ROLL]), w, side)
+        self.forces, P = forces, cycle.weight * forces.normal
+        self.traction = float(np.sum(cycle.weight * forces.tangential))
+        at_x = pillars.preload_at[0] - pillars.load_height * self.load / self.preload
+        moments = (
+            np.sum(P * cycle.x) - self.preload * at_x,
+            np.sum(P * cycle.y) - self.preload * pillars.preload_at[1],
+        )
+        excess = self.traction - self.load - pillars.tangential_damping * w * cycle.wave.omega
+        return np.array(
+            [
+                np.sum(P) / self.preload - 1.0, *(np.array(moments) / (self.preload * self.arm)),
+                excess / self.friction,
+            ]
+        )  # fmt: skip
+
+    def _settled(self, unknowns, side: float, active):
+        """Return the residuals with the wave's amplitudes settled as far as the residual is worth."""
+        share, last = 1.0, np.inf
+        for _ in range(MAX_SWEEPS):
+            residual = self._evaluate(unknowns, side)[list(active)]
+            self.residual = float(np.max(np.abs(residual), initial=0.0))
+            self.change = self.cycle.advance(self.forces, share)
+            # contacts that come to slip answer against the change: shorter steps where it does not shrink
+            share = max(SHORTEST, 0.5 * share) if self.change > SLOW * last else min(1.0, 1.2 * share)
+            last = self.change
+            if self.change <= max(0.1 * CLOSE, INNER * self.residual):
+                return residual
+        raise ConvergenceError(
+            "not converged", f"the wave below the pillars still changes by {self.change:.1e} a sweep"
+        )
+
+    def _jacobian(self, unknowns, side, active, base):
+        """Return the derivatives of the residuals, the wave's amplitudes kept."""
+        kept = self.cycle.forward.copy(), self.cycle.backward.copy()
+        base = self._evaluate(unknowns, side)[list(active)]
+        columns = []
+        for k in active:
+            step = STEP * self.scale[k]
+            if k == SPEED and unknowns[k] != 0.0:  # towards larger speeds: v = 0 is a kink
+                step *= np.sign(unknowns[k])
+            moved = unknowns.copy()
+            moved[k] += step
+            columns.append((self._evaluate(moved, side)[list(active)] - base) / (step / self.scale[k]))
+        self.cycle.forward, self.cycle.backward = kept
+        return np.array(columns).T
+
+    def solve(self, load: float, w: float | None = None, side: float = 0.0) -> Balance:
+        """Return the equilibrium under a load; `w`: a velocity over omega that is given instead of a load."""
+        self.load = load
+        active = self.plane if w is not None else (*self.plane, SPEED)
+        y = self.unknowns.copy()
+        if w is not None:
+            y[SPEED] = w
+        y = self._newton(y, side, active)
+        self.unknowns = y
+        if w is None:
+            side = np.sign(y[SPEED])
+        return Balance(
+            height=self.rows.copy() if self.soft else float(y[HEIGHT]), pitch=float(y[PITCH]), roll=float(y[ROLL]),
+            w=float(y[SPEED]), side=float(side), traction=self.traction, forces=self.forces, residual=self.residual,
+            change=self.change, error=self.error,
+        )  # fmt: skip
+
+    def _newton(self, y, side, active):
+        residual = self._settled(y, side, active)
+        if not active:
+            self.error = self.change * self.scale[SPEED]
+            return y
+        index, jacobian, poor, sizes = list(active), None, 0, []
+        for _ in range(MAX_STEPS):
+            size = float(np.max(np.abs(residual)))
+            sizes.append(size)
+            if len(sizes) > PATIENCE and size > 0.3 * sizes[-PATIENCE]:
+                break
+            if size < CLOSE and self.change < CLOSE:
+                self.error = self._left(jacobian, residual)
+                return y
+            if jacobian is None or poor > 2:
+                jacobian, poor = self._jacobian(y, side, active, residual), 0
+            try:
+                step = -np.linalg.solve(jacobian, residual)
+            except np.linalg.LinAlgError:
+                raise ConvergenceError(
+                    "not converged", "no pillar answers a change of the slider's height"
+                ) from None
+            step *= min(1.0, MAX_MOVE / float(np.max(np.abs(step))))
+            kept = self.cycle.forward.copy(), self.cycle.backward.copy()
+            for shorter in range(6):
+                moved = y.copy()
+                moved[index] += step * self.scale[index]
+                after = self._settled(moved, side, active)
+                if float(np.max(np.abs(after))) < size or size < 1e-9:
+                    break
+                if shorter < 5:
+                    step = 0.4 * step
+                    self.cycle.forward, self.cycle.backward = kept[0].copy(), kept[1].copy()
+            jacobian = jacobian + np.outer(after - residual - jacobian @ step, step) / (step @ step)
+            poor = poor + 1 if float(np.max(np.abs(after))) > 0.3 * size else 0
+            if shorter > 1:
+                jacobian = None
+            y, residual = moved, after
+        if float(np.max(np.abs(residual))) < 1e-9 and self.change < 1e-9:
+            self.error = self._left(jacobian, residual)
+            return y
+        raise ConvergenceError(
+            "not converged",
+            f"height, tilts and velocity leave a residual of {self.residual:.1e} of the preload",
+        )
+
+    def _left(self, jacobian, residual):
+        """Return what the residuals and the wave's last change leave of the error of w, m."""
+        if jacobian is None:
+            return max(self.residual, self.change) * self.scale[SPEED]
+        with np.errstate(all="ignore"):
+            left = float(np.max(np.abs(np.linalg.pinv(jacobian) @ residual)))
+        return (left + self.change) * self.scale[SPEED]
+
+
+def mean_approach(h, A):
+    """Return <z> of contacts at mean approaches h on amplitudes A, arrays, and its derivative in h."""
+    inside = np.abs(h) < A
+    p = np.where(h >= A, np.pi, 0.0)
+    ratio = np.divide(h + A, 2.0 * A, out=np.zeros_like(h), where=inside)
+    p[inside] = 2.0 * np.arcsin(np.sqrt(ratio[inside]))
+    mean = np.where(h >= A, h, 0.0)
+    mean[inside] = (h[inside] * p[inside] + A[inside] * np.sin(p[inside])) / np.pi
+    return mean, p / np.pi

@@ -1,0 +1,436 @@
+"""How fast a slider on pillars runs on a wave that it loads, what it takes from the wave, and its load line."""
+
+import math
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from contact import bounds
+from contact.averaged import flat_cycle as columns
+from contact.averaged.pillar_cycle import PillarCycle
+from contact.averaged.pillar_equilibrium import Balance, Equilibrium
+from contact.averaged.pillars import PassingWave, Pillars
+from contact.convergence import ConvergenceError
+from contact.input_error import InputError
+
+LOADED = 0.05  # loading number above which a slider acts back on the wave, where nobody decides
+FULL_SLIP = 1.001  # of the velocity beyond which every contact slips all the time
+MAX_HALVINGS = 60
+
+
+@dataclass(frozen=True, kw_only=True)
+class PillarMotion:
+    """Steady motion of a slider on pillars, averaged over the wave's cycle.
+
+    Attributes
+    ----------
+    velocity : float
+        m/s, along +x.
+    held : bool
+        True: v = 0, and contacts that stick carry the load.
+    approach : float
+        Mean approach H of a pillar of height 0 at the slider's centre, m; of a soft backing the mean over the rows.
+    tilt : tuple of float
+        Rotations in rad: growth of the approach along x (pitch) and along y (roll).
+    load : float
+        Force on the slider against which it runs, N, with the sign of the motion it opposes.
+    traction : float
+        Mean tangential force of all pillars, N.
+    row_x : ndarray, shape (m,)
+        Places of the rows, m.
+    forward, backward : ndarray, shape (m,), complex
+        U+ behind each row and U- before it (at smaller x), m, without the factors exp(-i k x) and exp(+i k x).
+    exit_over_entry, reflected_over_entry : complex
+        Of the larger incident wave: what leaves of it, and what leaves against it beyond the other incident wave, over
+        the incident amplitude.
+    share_in_contact, duty : float
+        Part of the pillars that touch at all, and the mean part of the cycle for which these do.
+    friction_power, thrust_power, damping_power : float
+        Of slip, of the load, and of the viscous damper, W.
+    wave_power_in, wave_power_out : float
+        Of both waves within the strip, W; 0 without Gamma.
+    loading_number : float
+        Lambda = 2 Gamma F/(w A).
+    loading : bool
+        Whether the wave was loaded.
+    overtone : float
+        |U_2/U_1| at the exit: the second harmonic that the contacts radiate along with the wave, at first order.
+    normal_force, friction : ndarray, shape (n,)
+        Of each pillar: mean normal force in N and mean friction power in W.
+    first_normal, first_tangential : ndarray, shape (n,), complex
+        First harmonics P_1 and Q_1 of the force of each pillar on the slider, N.
+    relative_error : float
+        Numerical, of the velocity, over max(|v|, omega |u_x|/10).
+    sweeps : int
+        Cycles of all pillars that were computed.
+    """
+
+    pillars: Pillars = field(repr=False)
+    wave: PassingWave = field(repr=False)
+    velocity: float
+    held: bool
+    approach: float
+    tilt: tuple[float, float]
+    load: float
+    traction: float
+    row_x: np.ndarray = field(repr=False)
+    forward: np.ndarray = field(repr=False)
+    backward: np.ndarray = field(repr=False)
+    exit_over_entry: complex
+    reflected_over_entry: complex
+    share_in_contact: float
+    duty: float
+    friction_power: float
+    thrust_power: float
+    damping_power: float
+    wave_power_in: float
+    wave_power_out: float
+    loading_number: float
+    loading: bool
+    overtone: float
+    normal_force: np.ndarray = field(repr=False)
+    friction: np.ndarray = field(repr=False)
+    first_normal: np.ndarray = field(repr=False)
+    first_tangential: np.ndarray = field(repr=False)
+    relative_error: float
+    sweeps: int
+    state: tuple = field(repr=False)  # unknowns and the wave at the rows, from which a near motion begins
+
+    @property
+    def ledger_residual(self) -> float:
+        """What the energy balance misses: power taken from the wave less friction, load and damper, over the incident.
+
+        Without loading, the work of the surface on the pillars takes the wave's place, over the apparent power.
+        """
+        spent = self.friction_power + self.thrust_power + self.damping_power
+        if self.loading:
+            return float((self.wave_power_in - self.wave_power_out - spent) / self.wave_power_in)
+        apparent = 0.5 * self.wave.omega * float(np.sum(np.abs(self._work)))
+        return float((self.wave_work - spent) / max(apparent, 1e-300))
+
+    @property
+    def wave_work(self) -> float:
+        """Power in W that the surface under the pillars gives them, from the forces' first harmonics."""
+        omega = self.wave.omega
+        return 0.5 * omega * float(np.sum((self._work * -1j).real))
+
+    @property
+    def _work(self):
+        u_z, u_x = self._surface
+        return self.first_normal * u_z.conj() + self.first_tangential * u_x.conj()
+
+    @property
+    def _surface(self):
+        """Amplitudes of u_z and u_x under each pillar, half-way through its row."""
+        wave, x = self.wave, self.pillars.x
+        row = np.clip(np.searchsorted(self.row_x, x - 1e-9 * (np.ptp(x) + 1e-300)), 0, self.row_x.size - 1)
+        before = np.concatenate([[wave.forward], self.forward[:-1]])
+        after = np.concatenate([self.backward[1:], [wave.backward]])
+        turn = np.exp(-1j * wave.wavenumber * self.row_x)
+        forward, backward = 0.5 * (before + self.forward) * turn, 0.5 * (after + self.backward) * turn.conj()
+        orbit = wave.orbit
+        return (forward + backward)[row], (orbit * forward + orbit.conjugate() * backward)[row]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PillarLoadLine:
+    """Steady motions under loads from nothing to the stall.
+
+    Attributes
+    ----------
+    motions : tuple of PillarMotion
+        In the order of the loads; the last at the stall, held.
+    stall : float
+        Largest load that a slider in motion carries, N: the mean tangential force for v -> 0 from its side.
+    held_up_to : float
+        Largest load that holds it at rest, N; larger ones drag it backwards. Between both is the stick band.
+    """
+
+    motions: tuple[PillarMotion, ...]
+    stall: float
+    held_up_to: float
+
+    @property
+    def load(self) -> np.ndarray:
+        """Loads in N."""
+        return np.array([abs(each.load) for each in self.motions])
+
+    @property
+    def velocity(self) -> np.ndarray:
+        """Velocities in m/s."""
+        return np.array([each.velocity for each in self.motions])
+
+
+class _Slider:
+    """The equilibria of one slider on one wave, each begun at the last."""
+
+    def __init__(self, pillars, wave, loading):
+        if loading is None:
+            loading = wave.loading_number(pillars.preload) > LOADED
+        if loading and wave.compliance == 0.0:
+            raise InputError("wave.compliance", "(Gamma, 1/Pa) is required where the slider loads the wave")
+        self.pillars, self.wave, self.loading = pillars, wave, bool(loading)
+        self.cycle = PillarCycle(pillars, wave, self.loading)
+        self.equilibrium = Equilibrium(self.cycle)
+
+    def begin_at(self, near: PillarMotion) -> None:
+        """Begin the search at a motion of the same pillars."""
+        unknowns, forward, backward = near.state
+        if forward.shape == self.cycle.forward.shape:
+            size = self.wave.amplitude / near.wave.amplitude if near.wave.amplitude > 0.0 else 1.0
+            self.equilibrium.unknowns = unknowns.copy()
+            if self.loading == near.loading and self.loading:
+                self.cycle.forward, self.cycle.backward = forward * size, backward * size
+
+    def rest(self, side: float, load: float = 0.0) -> Balance:
+        """Return the equilibrium at v = 0 of a slider that came from a motion of this sign."""
+        return self.equilibrium.solve(load, 0.0, side)
+
+    def free(self) -> Balance:
+        """Return the equilibrium without a load."""
+        return self.under(0.0)
+
+    def under(self, load: float) -> Balance:
+        """Return the equilibrium under a load with its sign, which may be held."""
+        kept = self.equilibrium.unknowns.copy()
+        try:
+            found = self.equilibrium.solve(load)
+            if self._is_moving(found):
+                return found
+        except ConvergenceError:
+            pass
+        self.equilibrium.unknowns = kept
+        self.cycle.reset()
+        return self._bracketed(load)
+
+    def _is_moving(self, found):
+        """Whether the velocity is above rounding: below, it may be that of a band of sticking contacts."""
+        return abs(found.w) > 1e-9 * self.equilibrium.speed
+
+    def _bracketed(self, load):
+        """Return the equilibrium from the sign of the forces at given velocities."""
+        high, low = self.rest(-1.0, load), self.rest(1.0, load)
+        rounding = 1e-12 * self.equilibrium.friction
+        if low.traction - load <= rounding and high.traction - load >= -rounding:
+            return replace(high if load <= 0.0 else low, traction=load)
+        way = 1.0 if low.traction > load else -1.0
+        reach = (abs(self.wave.forward) + abs(self.wave.backward)) * (
+            abs(self.wave.orbit) + float(self.cycle.limit_slope.max())
+        )
+        a, fa = 0.0, (low if way > 0.0 else high).traction - load
+        b = way * FULL_SLIP * max(reach, 1e-300)
+        fb = self._excess(b, load)
+        if fb * way > 0.0:
+            damping = self.pillars.tangential_damping * self.wave.omega
+            if damping == 0.0:
+                raise ConvergenceError(
+                    "runaway",
+                    f"friction of {self.equilibrium.friction:.4g} N cannot balance the load of {abs(load):.4g} N",
+                )
+            b += 1.000001 * fb / damping
+            fb = self._excess(b, load)
+        for count in range(MAX_HALVINGS):
+            w = b - fb * (b - a) / (fb - fa) if count % 3 else 0.5 * (a + b)
+            f = self._excess(w, load)
+            if f * fa > 0.0:
+                a, fa = w, f
+            else:
+                b, fb = w, f
+            if abs(b - a) < 1e-5 * abs(b) + 1e-12 * self.equilibrium.speed:
+                break
+        self.equilibrium.unknowns[3] = w
+        return self.equilibrium.solve(load)
+
+    def _excess(self, w, load):
+        found = self.equilibrium.solve(load, w)
+        return found.traction - load - self.pillars.tangential_damping * w * self.wave.omega
+
+    def directed(self, load: float) -> float:
+        """Return a load with the sign of the motion that it opposes."""
+        if load == 0.0:
+            return 0.0
+        free = self.free()
+        if self._is_moving(free):
+            return math.copysign(load, free.w)
+        return math.copysign(load, -1.0 if self.rest(-1.0).traction < 0.0 else 1.0)
+
+    def stall(self, way: float) -> tuple[float, float]:
+        """Return the sums of <Q> over v -> 0 from a motion of sign `way` and from the other side, times `way`, N."""
+        ends = []
+        for side in (way, -way):
+            load = 0.0
+            for _ in range(40):  # the load at its height tips the slider, whatever else it does not
+                found = self.rest(side, load)
+                if (
+                    self.pillars.load_height == 0.0
+                    or abs(found.traction - load) < 1e-12 * self.equilibrium.friction
+                ):
+                    break
+                load = found.traction
+            ends.append(way * found.traction)
+        return ends[0], ends[1]
+
+    def motion(self, found: Balance, load: float) -> PillarMotion:
+        """Return the answer at an equilibrium."""
+        pillars, wave, cycle = self.pillars, self.wave, self.cycle
+        forces, classes, weight = found.forces, cycle.classes, cycle.weight
+        cycles = forces.cycles.copy()
+        forward, backward = cycle.passed(forces)
+        velocity = found.w * wave.omega
+        into = wave.power(wave.forward) + wave.power(wave.backward)
+        out = wave.power(forward[-1]) + wave.power(backward[0])
+        ahead = abs(wave.forward) >= abs(wave.backward)
+        entry, other = (wave.forward, wave.backward) if ahead else (wave.backward, wave.forward)
+        gone, back = (forward[-1], backward[0]) if ahead else (backward[0], forward[-1])
+        entry = entry if entry != 0 else 1.0
+        friction = cycle.k_t * wave.omega * cycles[:, columns.FRICTION]
+        share = cycles[:, columns.SHARE]
+        touching = float(np.sum(weight[share > 0.0]))
+        slowest = max(abs(velocity), wave.omega * abs(wave.orbit) * wave.amplitude / 10.0, 1e-300)
+        held = found.w == 0.0
+        return PillarMotion(
+            pillars=pillars, wave=wave, velocity=velocity, held=held, approach=float(np.mean(found.height)),
+            tilt=(found.pitch, found.roll), load=load, traction=found.traction, row_x=cycle.row_x, forward=forward,
+            backward=backward, exit_over_entry=complex(gone / entry),
+            reflected_over_entry=complex((back - other) / entry),
+            share_in_contact=touching / pillars.number, duty=float(np.sum(weight * share)) / max(touching, 1.0),
+            friction_power=float(np.sum(weight * friction)), thrust_power=load * velocity,
+            damping_power=pillars.tangential_damping * velocity**2, wave_power_in=into, wave_power_out=out,
+            loading_number=wave.loading_number(pillars.preload), loading=self.loading,
+            overtone=self._overtone(forces, cycles, entry), normal_force=forces.normal[classes],
+            friction=friction[classes], first_normal=forces.first_normal[classes],
+            first_tangential=forces.first_tangential[classes],
+            state=(self.equilibrium.unknowns.copy(), cycle.forward.copy(), cycle.backward.copy()),
+            relative_error=0.0 if held else float(found.error * wave.omega / slowest), sweeps=cycle.evaluations,
+        )  # fmt: skip
+
+    def _overtone(self, forces, cycles, entry):
+        """Return |U_2| over the incident |U_1| at the exit: dU_2/dx = i Gamma/w sum (P_2 + C* Q_2) exp(2 i k x)."""
+        wave, cycle = self.wave, self.cycle
+        if wave.compliance == 0.0 or wave.amplitude == 0.0:
+            return 0.0
+        u_z, _ = cycle.amplitudes()
+        size = abs(u_z)
+        crest = np.divide(u_z, size, out=np.ones_like(u_z), where=size > 0.0)[cycle.row]
+        second = cycle.k_n * cycles[:, columns.SECOND_APPROACH] + 0j
+        ahead = abs(wave.forward) >= abs(wave.backward)
+        orbit = wave.orbit if ahead else wave.orbit.conjugate()
+        stretch = cycles[:, columns.COS_SECOND] - 1j * cycles[:, columns.SIN_SECOND]
+        second += orbit.conjugate() * cycle.k_t * stretch
+        turn = cycle.turn if ahead else cycle.turn.conj()
+        total = np.sum(cycle.weight * second * crest**2 * turn[cycle.row].conj() ** 2)
+        return float(wave.compliance / wave.strip_width * abs(total)) / abs(entry)
+
+
+def pillar_motion(
+    pillars: Pillars, wave: PassingWave, *, load: float = 0.0, loading: bool | None = None,
+    near: PillarMotion | None = None,
+) -> PillarMotion:  # fmt: skip
+    """Return the steady motion of a slider on pillars.
+
+    Parameters
+    ----------
+    pillars : Pillars
+    wave : PassingWave
+    load : float
+        Force against the direction in which the unloaded slider runs, N, zero or positive.
+    loading : bool, optional
+        Whether the pillars act back on the wave; None: where the loading number is above 0.05.
+    near : PillarMotion, optional
+        A motion of pillars at the same places on much the same wave, from which the search begins.
+
+    Returns
+    -------
+    PillarMotion
+
+    Raises
+    ------
+    ValueError
+        For a load above the largest that the slider holds.
+    ConvergenceError
+        If no equilibrium was reached.
+
+    Examples
+    --------
+    Ten thousand pillars of 20 um on 5 mm x 5 mm:
+
+    >>> x, y = (each.ravel() for each in np.meshgrid(np.arange(100) * 50e-6 - 2.475e-3, np.arange(100) * 50e-6))
+    >>> slider = Pillars(
+    ...     x=x, y=y, normal_stiffness=1.8e6, tangential_stiffness=1.52e6, friction_coefficient=0.18, preload=30.0
+    ... )
+    >>> wave = PassingWave(
+    ...     frequency=9.61e6, wavelength=414.05e-6, ratio=0.88995, forward=20e-9,
+    ...     compliance=2.5078e-12, strip_width=5e-3,
+    ... )
+    >>> round(pillar_motion(slider, wave, loading=False).velocity, 8)
+    -0.92621972
+    >>> loaded = pillar_motion(slider, wave)
+    >>> bool(abs(loaded.ledger_residual) < 1e-12)
+    True
+    """
+    load = bounds.non_negative("load", load, "N")
+    slider = _Slider(pillars, wave, loading)
+    if near is not None:
+        slider.begin_at(near)
+    signed = (
+        slider.directed(load) if near is None or near.velocity == 0.0 else math.copysign(load, near.velocity)
+    )
+    try:
+        found = slider.under(signed)
+    except ConvergenceError as error:
+        if error.status != "runaway":
+            raise
+        found = None
+    if load > 0.0 and (found is None or found.w * signed < 0.0):
+        stall, most = slider.stall(math.copysign(1.0, signed))
+        raise InputError(
+            "load",
+            f"must be at most {most:.6g} N, above which it drags the slider backwards (in motion this carries "
+            f"{stall:.6g} N, its stall)", load, "N",
+        )  # fmt: skip
+    return slider.motion(found, signed)
+
+
+def pillar_load_line(
+    pillars: Pillars, wave: PassingWave, *, points: int = 20, loading: bool | None = None
+) -> PillarLoadLine:
+    """Return the load line of a slider on pillars: loads in equal steps from nothing to the stall.
+
+    Parameters are those of `pillar_motion`; `points`: number of motions, at least 2.
+    """
+    points = bounds.count("points", points, 2)
+    slider = _Slider(pillars, wave, loading)
+    free = slider.free()
+    if not slider._is_moving(free):
+        raise ConvergenceError("not applicable", "the slider is at rest without a load: it has no load line")
+    way = math.copysign(1.0, free.w)
+    motions = [slider.motion(free, 0.0)]
+    start = slider.equilibrium.unknowns.copy()
+    stall, held = slider.stall(way)
+    slider.equilibrium.unknowns = start
+    for number in range(1, points - 1):
+        load = way * stall * number / (points - 1)
+        motions.append(slider.motion(slider.under(load), load))
+    last = slider.rest(way, way * stall)
+    motions.append(slider.motion(last, way * stall))
+    return PillarLoadLine(motions=tuple(motions), stall=stall, held_up_to=held)
+
+
+def pillar_traction(pillars: Pillars, wave: PassingWave, *, load: float = 0.0, loading: bool | None = None):
+    """Return a function of velocity in m/s and a factor on the wave's amplitude: the sum of <Q> in N that they give.
+
+    For averaged motion through time, height and tilts in balance at every instant. `load` in N, with the sign of the
+    motion it opposes, tips the slider where it acts at a height. Each call begins at the last.
+    """
+    slider = _Slider(pillars, wave, loading)
+    cycle, equilibrium, full, last = slider.cycle, slider.equilibrium, slider.cycle.incident.copy(), 1.0
+
+    def traction(velocity: float, size: float = 1.0) -> float:
+        nonlocal last
+        cycle.incident = full * size
+        cycle.forward, cycle.backward = cycle.forward * (size / last), cycle.backward * (size / last)
+        last = size
+        side = math.copysign(1.0, load) if velocity == 0.0 else math.copysign(1.0, velocity)
+        return equilibrium.solve(load, velocity / wave.omega, side).traction
+
+    return traction

@@ -1,0 +1,229 @@
+"""A slider on flat pillars and the surface wave that passes below it: what the averaged equilibrium is asked about."""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from contact import bounds
+from contact.input_error import InputError
+
+TILTS, BACKINGS = ("held", "pitch", "free"), ("rigid", "soft")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pillars:
+    """A rigid slider, heavy on the wave's time scale, on flat pillars with their own places, heights and stiffnesses.
+
+    Attributes
+    ----------
+    x, y : array_like, shape (n,)
+        Places from the slider's centre, m: along the wave and across.
+    normal_stiffness, tangential_stiffness : float or array_like, shape (n,)
+        k_n and k_t of each pillar, N/m, positive.
+    heights : float or array_like, shape (n,)
+        How much further each pillar stands out towards the surface than one of height 0, m.
+    weights : float or array_like, shape (n,)
+        How many equal pillars each of them stands for, positive.
+    friction_coefficient : float
+        mu, positive. A pillar slips as a whole at |Q| = mu P.
+    preload : float
+        Normal force on the slider, weight included, N, positive.
+    tangential_damping : float
+        Viscous, on the slider's velocity, N s/m.
+    tilt : str
+        "held" (one approach), "pitch" (turns about y), "free" (about x and y).
+    preload_at : tuple of float
+        Place (x, y) at which the preload acts, m; used by a tilt that is not held.
+    load_height : float
+        Height above the surface at which a load pulls, m; likewise.
+    backing : str
+        "rigid": one plane; "soft": every row along the wave bears the same force per pillar.
+    curvature : float
+        Of the slider's face, 1/m; positive: its middle stands out, a pillar at (x, y) lies (x^2 + y^2)/2 times it back.
+
+    Examples
+    --------
+    >>> slider = Pillars(
+    ...     x=[-1e-4, 0.0, 2e-4], y=[0.0, 0.0, 0.0], normal_stiffness=1.8e6, tangential_stiffness=1.52e6,
+    ...     friction_coefficient=0.18, preload=9e-3,
+    ... )
+    >>> slider.number
+    3.0
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    normal_stiffness: np.ndarray
+    tangential_stiffness: np.ndarray
+    heights: np.ndarray = 0.0
+    weights: np.ndarray = 1.0
+    friction_coefficient: float
+    preload: float
+    tangential_damping: float = 0.0
+    tilt: str = "held"
+    preload_at: tuple[float, float] = (0.0, 0.0)
+    load_height: float = 0.0
+    backing: str = "rigid"
+    curvature: float = 0.0
+
+    def __post_init__(self):
+        x = np.atleast_1d(np.asarray(self.x, dtype=float))
+        if x.ndim != 1 or x.size == 0:
+            raise InputError(
+                "pillars.x", f"must be a list of at least one place, got the shape {np.shape(self.x)}"
+            )
+        for name, unit in (
+            ("x", "m"), ("y", "m"), ("heights", "m"), ("normal_stiffness", "N/m"), ("tangential_stiffness", "N/m"),
+            ("weights", ""),
+        ):  # fmt: skip
+            value = np.asarray(getattr(self, name), dtype=float)
+            if value.ndim > 1 or (value.ndim == 1 and value.size != x.size):
+                raise InputError(f"pillars.{name}", f"must hold one value for each of the {x.size} pillars")
+            if not np.all(np.isfinite(value)):
+                raise InputError(
+                    f"pillars.{name}", "must be finite", value[~np.isfinite(value)].flat[0], unit
+                )
+            if name.endswith(("stiffness", "weights")) and not np.all(value > 0.0):
+                raise InputError(f"pillars.{name}", "must be positive", float(value.min()), unit)
+            object.__setattr__(self, name, np.broadcast_to(value, x.shape))
+        for name, unit, rule in (
+            ("friction_coefficient", "", bounds.positive), ("preload", "N", bounds.positive),
+            ("tangential_damping", "N s/m", bounds.non_negative), ("load_height", "m", bounds.finite),
+            ("curvature", "1/m", bounds.finite),
+        ):  # fmt: skip
+            object.__setattr__(self, name, rule(f"pillars.{name}", getattr(self, name), unit))
+        at = tuple(bounds.finite("pillars.preload_at", each, "m") for each in self.preload_at)
+        object.__setattr__(self, "preload_at", at)
+        bounds.choice("pillars.tilt", self.tilt, TILTS)
+        bounds.choice("pillars.backing", self.backing, BACKINGS)
+        if self.backing == "soft" and self.tilt != "held":
+            rule = 'must be "held" with a soft backing, which has no plane to tilt'
+            raise InputError("pillars.tilt", rule, self.tilt)
+        self._check_tilt()
+
+    def _check_tilt(self):
+        """Refuse a tilt that pillars in one line cannot take up, and a preload outside of the pillars."""
+        if self.tilt == "held":
+            return
+        for name, places in (("x", self.x), ("y", self.y))[: 1 if self.tilt == "pitch" else 2]:
+            if np.ptp(places) == 0.0:
+                raise InputError("pillars.tilt", f'must be "held" where all pillars have the same {name}')
+        lifts = self.lifts(*self.preload_at)
+        if lifts:
+            where = f"({self.preload_at[0]:g}, {self.preload_at[1]:g}) m"
+            raise InputError(
+                "pillars.preload_at",
+                f"must lie within the pillars unless the tilt is held, got {where}: no equilibrium, the {lifts} lifts",
+            )
+
+    def lifts(self, x: float, y: float) -> str:
+        """Return which side lifts off under a force at (x, y), or an empty string where the pillars carry it."""
+        if not self.x.min() < x < self.x.max():
+            return "side at smaller x" if x >= self.x.max() else "side at larger x"
+        if self.tilt != "free":
+            return ""
+        if not self.y.min() < y < self.y.max():
+            return "side at smaller y" if y >= self.y.max() else "side at larger y"
+        # within the convex hull: no direction in which all pillars lie behind the point
+        angle = np.sort(np.arctan2(self.y - y, self.x - x))
+        gaps = np.diff(np.append(angle, angle[0] + 2.0 * math.pi))
+        if gaps.max() >= math.pi:
+            towards = math.degrees(angle[int(gaps.argmax())] + 0.5 * gaps.max()) + 180.0
+            return f"side at {towards % 360.0:.0f} degrees from the wave's direction"
+        return ""
+
+    @property
+    def number(self) -> float:
+        """Number of pillars, that of their weights."""
+        return float(self.weights.sum())
+
+    @property
+    def limit_slope(self) -> np.ndarray:
+        """Slip limit over the approach, c = mu k_n/k_t, of each pillar."""
+        return self.friction_coefficient * self.normal_stiffness / self.tangential_stiffness
+
+
+@dataclass(frozen=True, kw_only=True)
+class PassingWave:
+    """Surface waves that run below a slider from both sides, as they would be without it.
+
+    u_z(x) = forward exp(-i k x) + backward exp(+i k x), times exp(+i omega t), x from the slider's centre;
+    u_x = i r u_z of the forward and -i r u_z of the backward wave.
+
+    Attributes
+    ----------
+    frequency, wavelength : float
+        Hz and m, positive.
+    ratio : float or complex
+        r = |u_x/u_z|; or, for a general cut, a complex r: the forward wave has u_x = i r u_z, the backward one the
+        conjugate, u_x = (i r)* u_z.
+    forward, backward : complex
+        Peak amplitudes of u_z at the slider's centre, m.
+    compliance : float
+        Gamma, 1/Pa: G_zz = Gamma/(k - k_R) near the pole; the wave's power per width is |U|^2 omega/(4 Gamma). 0: the
+        slider does not act back on the wave.
+    strip_width : float
+        Width w over which the pillars spread their load, m; required with a compliance.
+
+    Examples
+    --------
+    >>> wave = PassingWave(
+    ...     frequency=9.61e6, wavelength=414.05e-6, ratio=0.88995, forward=20e-9,
+    ...     compliance=2.5078e-12, strip_width=5e-3,
+    ... )
+    >>> round(wave.power(wave.forward), 2)  # W
+    12.04
+    """
+
+    frequency: float
+    wavelength: float
+    ratio: complex
+    forward: complex = 0.0
+    backward: complex = 0.0
+    compliance: float = 0.0
+    strip_width: float | None = None
+    orbit: complex = field(init=False, repr=False)  # u_x/u_z of the forward wave
+
+    def __post_init__(self):
+        for name, unit in (("frequency", "Hz"), ("wavelength", "m")):
+            object.__setattr__(self, name, bounds.positive(f"wave.{name}", getattr(self, name), unit))
+        for name, unit in (("ratio", ""), ("forward", "m"), ("backward", "m")):
+            object.__setattr__(self, name, bounds.finite_complex(f"wave.{name}", getattr(self, name), unit))
+        object.__setattr__(
+            self, "compliance", bounds.non_negative("wave.compliance", self.compliance, "1/Pa")
+        )
+        object.__setattr__(self, "orbit", 1j * self.ratio)
+        if self.compliance > 0.0:
+            if self.strip_width is None:
+                raise InputError("wave.strip_width", "is required with wave.compliance: Gamma acts per width")
+            object.__setattr__(
+                self, "strip_width", bounds.positive("wave.strip_width", self.strip_width, "m")
+            )
+
+    @property
+    def omega(self) -> float:
+        """rad/s."""
+        return 2.0 * math.pi * self.frequency
+
+    @property
+    def wavenumber(self) -> float:
+        """k, rad/m."""
+        return 2.0 * math.pi / self.wavelength
+
+    @property
+    def amplitude(self) -> float:
+        """Amplitude of the larger of both waves, m."""
+        return max(abs(self.forward), abs(self.backward))
+
+    def power(self, amplitude: complex) -> float:
+        """Return the power in W of one wave of this amplitude within the strip; 0 where Gamma is not known."""
+        if self.compliance == 0.0:
+            return 0.0
+        return float(abs(amplitude)) ** 2 * self.omega * self.strip_width / (4.0 * self.compliance)
+
+    def loading_number(self, preload: float) -> float:
+        """Return Lambda = 2 Gamma F/(w A), about the phase advance in rad under a hopping slider; 0 without Gamma."""
+        if self.compliance == 0.0 or self.amplitude == 0.0:
+            return 0.0
+        return 2.0 * self.compliance * preload / (self.strip_width * self.amplitude)

@@ -1,0 +1,151 @@
+r"""Which method answers a question, how large its error is, and in which words it refuses: one place for all questions.
+
+A question (a burst, a step, a steady state, ...) has a table of methods, the cheapest first. `choose` takes the first
+that applies and whose estimated error keeps the tolerance; a method that was asked for by name and misses the tolerance
+gives way to the exact one where that can be afforded. Every answer is a number with an error, a status and reasons.
+
+Status: "ok"; "above tolerance" (the error is stated, and larger than was asked for); "not reached" (the motion repeats,
+but a start from rest was not seen to come to it).
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from contact.convergence import ConvergenceError
+
+OK, ABOVE_TOLERANCE, NOT_REACHED = "ok", "above tolerance", "not reached"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """A number with its numerical error.
+
+    Attributes
+    ----------
+    value : float
+        In SI units; inf where nothing bounds it (a threshold that no amplitude reaches).
+    error : float
+        Estimated, in the unit of `value`: the truth of the model lies within twice as much in 98 of 100 cases.
+    status : str
+        "ok", or what is to be known: "above tolerance", "not reached".
+    reasons : tuple of str
+        How the number was found, and why it is not better.
+
+    Examples
+    --------
+    >>> print(Answer(value=0.25, error=1e-3, status="ok", reasons=("cycle means",)))
+    0.25 +- 0.001 (ok: cycle means)
+    """
+
+    value: float
+    error: float
+    status: str = OK
+    reasons: tuple[str, ...] = ()
+
+    def __post_init__(self):
+        if math.isnan(self.value) or math.isnan(self.error) or self.error < 0.0:
+            raise ValueError(f"an answer must be a number with an error, got {self.value} +- {self.error}")
+
+    def __str__(self):
+        reasons = f": {'; '.join(self.reasons)}" if self.reasons else ""
+        return f"{self.value:.6g} +- {self.error:.2g} ({self.status}{reasons})"
+
+    @property
+    def message(self) -> str:
+        """The reasons as one sentence."""
+        return "; ".join(self.reasons)
+
+    def judged(self, tolerance: float, reference: float, advice: str = "") -> "Answer":
+        """Return the answer with the status that a tolerance gives it, relative to a reference in its unit."""
+        relative = self.error / reference if reference > 0.0 else (math.inf if self.error > 0.0 else 0.0)
+        if not relative > tolerance:
+            return self
+        reason = f"estimated error {relative:.2g} exceeds {tolerance:.2g}{advice and f'; {advice}'}"
+        status = ABOVE_TOLERANCE if self.status == OK else self.status
+        return Answer(value=self.value, error=self.error, status=status, reasons=(*self.reasons, reason))
+
+
+class Result(NamedTuple):
+    """What a method returns, scaled: its run, the estimated error, the error allowed, and what it counted."""
+
+    run: object
+    error: float
+    allowed: float
+    statistics: dict
+
+
+class Method(NamedTuple):
+    """A way to answer: `follow(question) -> Result`; `refusals(question) -> reasons`, none where it applies."""
+
+    follow: Callable
+    refusals: Callable
+
+
+class Choice(NamedTuple):
+    """The result that was chosen, of which method, and why it is not that of the method asked for."""
+
+    result: Result
+    method: str
+    reasons: tuple[str, ...]
+
+
+def choose(methods: dict[str, Method], question, asked: str, *, what: str, exact: bool, way: str) -> Choice:
+    """Return the first result within its tolerance, else the one of the least error.
+
+    Parameters
+    ----------
+    methods : dict
+        The cheapest first, "exact" the last.
+    question
+        What every method takes.
+    asked : str
+        "auto", or the only method to try; the exact one takes over where that misses the tolerance.
+    what : str
+        The question in a word, for refusals.
+    exact : bool
+        Whether the exact method is cheap enough to be taken without being asked for by name.
+    way : str
+        What to change where nothing applies.
+
+    Raises
+    ------
+    ConvergenceError
+        Status "not applicable", with the reasons of every method that was asked for; or what the last one ran into.
+    """
+    why = {name: each.refusals(question) for name, each in methods.items()}
+    names = [name for name in methods if not why[name]]
+    if asked != "auto":
+        if why[asked]:
+            others = [name for name in names if name != asked]
+            raise refused(what, {asked: why[asked]}, f"use method {' or '.join(others)}" if others else way)
+        names = [asked] + ["exact"] * (exact and asked != "exact" and "exact" in names)
+    elif not exact and len(names) > 1:
+        names = [name for name in names if name != "exact"]
+    if not names:
+        raise refused(what, why, way)
+    best, failure, reasons = None, None, ()
+    for name in names:
+        try:
+            result = methods[name].follow(question)
+        except ConvergenceError as failed:
+            if name == asked:
+                raise
+            failure = failed
+            continue
+        if best is None or result.error <= best.result.error:
+            best = Choice(result, name, reasons)
+        if result.error <= result.allowed:
+            break
+        if name == asked:
+            reasons = (f"followed exactly, because the {name} method misses the tolerance",)
+    if best is None:
+        raise failure
+    return best
+
+
+def refused(what: str, reasons: dict[str, tuple[str, ...]], way: str) -> ConvergenceError:
+    """Return the refusal of a question: methods with all their reasons, and one way that works."""
+    each = "; ".join(f"method {name}: {', '.join(why)}" for name, why in reasons.items() if why)
+    return ConvergenceError("not applicable", f"{what} cannot be followed by {each}; {way}")

@@ -1,0 +1,55 @@
+"""What a row of the stator is made of: pieces between two vertical lines, with ports.
+
+A piece relates the outward nodal flux on its lines and the reactions of its ports to the fields there,
+
+    [g_left, g_right, q] = A [u_left, u_right, v],      A complex symmetric,
+
+at one frequency and one k_y.  What is inside it - columns of elements under fingers (`fem.condense.superelement`), a
+mesh (`fem.condense.mesh`) - the row does not need to know.
+"""
+
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import numpy as np
+
+
+@dataclass(frozen=True, kw_only=True)
+class Port:
+    """What a piece can be driven by, or answers at, besides its lines.
+
+    Attributes
+    ----------
+    kind : "voltage" or "force"
+        The potential of an electrode, whose reaction is minus its charge; or a line force on the surface, whose
+        reaction is the displacement there.
+    name : str
+        Of the electrode: a transducer's name with "+" or "-".
+    """
+
+    kind: Literal["voltage", "force"]
+    name: str = ""
+
+
+class RecoveredField(Protocol):
+    """The field inside a piece."""
+
+    def motion(self, x: np.ndarray) -> np.ndarray:
+        """u_x and u_z of the surface at places x from the piece's left edge, length units: shape (2, places)."""
+
+    def loss(self) -> float:
+        """Power lost inside, scaled, (omega / 2) sum u^H Im(A) u."""
+
+
+class Piece(Protocol):
+    """A condensed piece of the stator at one frequency; lengths in the section's unit."""
+
+    size: int  # unknowns n of a line
+    matrix: np.ndarray  # shape (2 n + ports,) * 2: left line, right line, ports; scaled
+    width: float
+    ports: tuple[Port, ...]
+    # true if a constant may be added to its potential: no port and nothing grounded holds it
+    floating_potential: bool
+
+    def recover(self, sides: np.ndarray) -> RecoveredField:
+        """Field inside for given lines and ports, shape (2 n + ports,)."""

@@ -1,0 +1,135 @@
+"""Elements of high order on a mesh of quadrilaterals: scikit-fem's hierarchical basis, matrices element by element.
+
+The basis is integrated Legendre polynomials (scikit-fem's `ElementQuadP`): vertices, edges, insides.  Its odd edge
+functions are continuous because neighbours agree on the direction of their edge (`fem.mesh.quads`).
+"""
+
+from functools import cached_property
+
+import numpy as np
+
+from fem.materials.medium import Medium
+from fem.mesh.quads import QuadMesh
+
+CHUNK_BYTES = 2e8  # of the basis functions that are kept at a time
+
+
+class QuadSpace:
+    """Scalar finite-element space of one order on quadrilaterals; lengths in a unit.
+
+    Attributes
+    ----------
+    mesh : QuadMesh
+    order : int
+    unit : float
+        m.
+    """
+
+    def __init__(self, mesh: QuadMesh, order: int, unit: float):
+        from skfem import ElementQuadP, MeshQuad, MeshQuad2
+        from skfem.assembly import Dofs
+
+        self.mesh, self.order, self.unit = mesh, order, unit
+        kind = MeshQuad if mesh.quads.shape[1] == 4 else MeshQuad2
+        self._mesh = kind(np.ascontiguousarray(mesh.points.T / unit), np.ascontiguousarray(mesh.quads.T))
+        self._element = ElementQuadP(order)
+        self._dofs = Dofs(self._mesh, self._element)
+
+    @property
+    def elements(self) -> int:
+        """Number of quadrilaterals."""
+        return len(self.mesh.quads)
+
+    @property
+    def functions(self) -> int:
+        """Basis functions of an element."""
+        return (self.order + 1) ** 2
+
+    @property
+    def rim(self) -> int:
+        """Basis functions of an element that its neighbours share: they come first."""
+        return 4 * self.order
+
+    @property
+    def skeleton(self) -> int:
+        """Functions of vertices and edges in the whole mesh: they are numbered first."""
+        return int(self._dofs.N - self.elements * (self.order - 1) ** 2)
+
+    @property
+    def size(self) -> int:
+        """Functions in the whole mesh."""
+        return int(self._dofs.N)
+
+    @cached_property
+    def numbers(self) -> np.ndarray:
+        """Numbers of the functions of every element, shape (elements, functions)."""
+        return np.ascontiguousarray(self._dofs.element_dofs.T)
+
+    @cached_property
+    def _facets(self) -> dict[tuple[int, int], int]:
+        return {(int(a), int(b)): index for index, (a, b) in enumerate(np.sort(self._mesh.facets, axis=0).T)}
+
+    def edge_numbers(self, edges: np.ndarray) -> np.ndarray:
+        """Functions of directed edges (m, 2): at their start, at their stop, between: shape (m, order + 1)."""
+        facets = [self._facets[min(a, b), max(a, b)] for a, b in edges.tolist()]
+        ends = self._dofs.nodal_dofs[0][edges]
+        return np.hstack([ends, self._dofs.facet_dofs[:, facets].T])
+
+    def edge_values(self, along: np.ndarray) -> np.ndarray:
+        """Values of an edge's functions, in the order of `edge_numbers`, at places in [0, 1]: (m, order + 1)."""
+        from skfem.element.element_line.element_line_pp import ElementLinePp
+
+        element, places = ElementLinePp(self.order), np.asarray(along, dtype=float)[None]
+        return np.stack([element.lbasis(places, index)[0] for index in range(self.order + 1)], axis=1)
+
+    def chunks(self, chosen: np.ndarray):
+        """Yield elements in parts whose basis functions fit into memory."""
+        per_element = self.functions * (self.order + 2) ** 2 * 3 * 8
+        count = max(1, int(CHUNK_BYTES / per_element))
+        for start in range(0, len(chosen), count):
+            yield chosen[start : start + count]
+
+    def _basis(self, chosen: np.ndarray):
+        from skfem import Basis
+
+        return Basis(self._mesh, self._element, elements=chosen, intorder=2 * self.order + 2)
+
+    def scalar_matrices(self, chosen: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Integrals of v_x u_x, v_x u_z, v_z u_z and v u of some elements, (m, functions, functions) each."""
+        basis = self._basis(chosen)
+        weights = basis.dx[:, None, :]
+        value = np.stack([np.array(each[0]) for each in basis.basis], axis=1)
+        across, up = (np.stack([each[0].grad[axis] for each in basis.basis], axis=1) for axis in (0, 1))
+        weighted = weights * across
+        return (
+            weighted @ across.swapaxes(1, 2),
+            weighted @ up.swapaxes(1, 2),
+            (weights * up) @ up.swapaxes(1, 2),
+            (weights * value) @ value.swapaxes(1, 2),
+        )
+
+
+def medium_matrices(
+    scalars: tuple[np.ndarray, ...], medium: Medium, angular: float, *, part: str = "all"
+) -> np.ndarray:
+    """Matrices of elements of one medium from `QuadSpace.scalar_matrices`, fields innermost.
+
+    ``angular``: omega times the length unit, m/s; ``part`` as in `fem.discretize.forms.element_matrix`.  Shape
+    (elements, functions * fields, functions * fields).
+    """
+    tables = medium.xx, medium.xz, medium.zz, np.diag(medium.inertia)
+    if part == "loss":
+        tables = tuple(np.imag(table) for table in tables)
+    xx, xz, zz, mass = scalars
+    count, fields = len(medium.fields), xx.shape[1]
+    out = np.zeros((len(xx), fields, count, fields, count), dtype=np.result_type(*tables))
+    for row in range(count):
+        for column in range(count):
+            block = out[:, :, row, :, column]
+            block += tables[0][row, column] * xx
+            block += tables[1][row, column] * xz
+            block += tables[1][column, row] * xz.swapaxes(1, 2)
+            block += tables[2][row, column] * zz
+            if row == column and tables[3][row, column]:
+                block -= angular**2 * tables[3][row, column] * mass
+    return out.reshape(len(xx), fields * count, fields * count)

@@ -1,0 +1,233 @@
+"""Where meshed pieces stand on a stator, which of them are its ends, and what they may not do there."""
+
+import itertools
+from dataclasses import dataclass
+
+from fem.input_error import InputError
+from fem.mesh.piece import FLOATING, GROUNDED, SAME, MeshPiece
+
+# Ratio of heights that a mistaken length unit makes, and the unit that the file then has
+UNITS = {1e3: "um", 1e-3: "m", 10.0: "mm", 25.4: "mm", 1 / 25.4: "inch", 1e6: "nm"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Placement:
+    """Meshed pieces by their part in the row."""
+
+    between: tuple[MeshPiece, ...]  # from left to right, with an interface on both sides
+    ends: tuple[MeshPiece | None, MeshPiece | None]  # the left and the right end, where they are meshes
+    # start, stop: where the uniform stator begins and ends, m
+    start: float
+    stop: float
+
+
+def is_step(piece: MeshPiece, thickness: float) -> bool:
+    """Whether a piece leads from the stator's thickness to another one."""
+    sides = ("left", "right")
+    return (
+        all(piece.interface(side) for side in sides)
+        and sum(piece.fits(side, thickness) for side in sides) == 1
+    )
+
+
+def placement(pieces: tuple[MeshPiece, ...], *, length: float, thickness: float) -> Placement:
+    """Sort pieces by their part in the row: between uniform segments, or an end of the stator."""
+    between, ends = [], [None, None]
+    for piece in sorted(pieces, key=lambda each: each.extent[0]):
+        left, right = piece.interface("left"), piece.interface("right")
+        if is_step(piece, thickness):
+            side = 1 if piece.fits("left", thickness) else 0
+        elif left is None and right is not None:
+            side = 0
+        elif right is None and left is not None:
+            side = 1
+        else:
+            between.append(piece)
+            continue
+        if ends[side] is not None:
+            raise InputError(
+                "piece", f'"{piece.name}" and "{ends[side].name}" are both the {("left", "right")[side]} end'
+            )
+        ends[side] = piece
+    start = 0.0 if ends[0] is None else ends[0].interface("right")[0]
+    stop = length if ends[1] is None else ends[1].interface("left")[0]
+    return Placement(between=tuple(between), ends=tuple(ends), start=start, stop=stop)
+
+
+def check_pieces(
+    pieces: tuple[MeshPiece, ...],
+    *,
+    length: float,
+    thickness: float,
+    bottom: str,
+    ends: str,
+    above: str,
+    absorbs_below: bool,
+    transducers: dict[str, tuple[float, float, str]],
+) -> None:
+    """Refuse pieces that do not fit the stator or each other; ``transducers``: edges (m) and signs by name.
+
+    Raises
+    ------
+    InputError
+        Names the piece, the rule, the values and the unit.
+    """
+    if not pieces:
+        return
+    if absorbs_below or above != "none":
+        key, value = ("stator.above", above) if above != "none" else ("stator.bottom", "absorbing")
+        raise InputError(
+            key,
+            f"must be {'none' if above != 'none' else 'free, grounded or clamped'} with a meshed piece, got {value!r}",
+        )
+    placed = placement(pieces, length=length, thickness=thickness)
+    for piece in pieces:
+        _check_heights(piece, thickness)
+        _check_materials(piece)
+        _check_electrodes(piece, transducers, placed)
+        if bottom in ("grounded", "clamped") and "bottom" not in piece.mesh.lines:
+            raise InputError(
+                "piece", f"has no line group bottom, and stator.bottom is {bottom}", owner=piece.name
+            )
+    for side, piece in enumerate(placed.ends):
+        if piece is not None and is_step(piece, thickness) and ends != "absorbing":
+            raise InputError(
+                "stator.ends",
+                f"must be absorbing behind the step of thickness of piece {piece.name!r}, got {ends!r}",
+            )
+        if piece is not None and not 0 < piece.interface("right" if side == 0 else "left")[0] < length:
+            raise InputError(
+                "piece",
+                f"begins beside the stator, 0 to {length * 1e3:g} mm: {_where(piece)}",
+                owner=piece.name,
+            )
+    _check_overlaps(placed, length, transducers)
+
+
+def _where(piece: MeshPiece) -> str:
+    low, high = piece.extent
+    return f"{low * 1e3:.6g} to {high * 1e3:.6g} mm"
+
+
+def _check_heights(piece: MeshPiece, thickness: float) -> None:
+    lines = {side: piece.interface(side) for side in ("left", "right") if piece.interface(side) is not None}
+    if not lines:
+        raise InputError(
+            "piece",
+            "has no line group left or right: there the mesh meets the uniform stator",
+            owner=piece.name,
+        )
+    wrong = [side for side in lines if not piece.fits(side, thickness)]
+    if len(wrong) < len(lines) or not wrong:
+        return
+    side = wrong[0]
+    _, height, top = lines[side]
+    if abs(height - thickness) <= SAME * thickness:
+        raise InputError(
+            "piece",
+            f"must end at the surface z = 0: the upper end of the group {side} is at z = {top * 1e3:.6g} mm",
+            owner=piece.name,
+        )
+    ratio = height / thickness
+    hint = next((unit for factor, unit in UNITS.items() if abs(ratio / factor - 1) < 0.02), "")
+    advice = f": is the file's length unit {hint}?" if hint else ""
+    raise InputError(
+        "piece",
+        f"must be as thick as the stator at its interface: the group {side} is {height * 1e3:.6g} mm high, the stator "
+        f"is {thickness * 1e3:.6g} mm thick{advice}",
+        owner=piece.name,
+    )
+
+
+def _check_materials(piece: MeshPiece) -> None:
+    known = ["stator", *(name for name, _ in piece.solids)]
+    for name in piece.mesh.solids:
+        if name not in known:
+            raise InputError(
+                "piece.materials",
+                f'must name every solid: the surface group "{name}" is no solid of the scene: '
+                f"{', '.join(known)}",
+                owner=piece.name,
+            )
+    for name in known[1:]:
+        if name not in piece.mesh.solids:
+            groups = (
+                ", ".join(each for each in piece.mesh.solids if each != "stator") or "none besides stator"
+            )
+            raise InputError(
+                "piece.materials",
+                f'names "{name}", which is no surface group of the file: {groups}',
+                owner=piece.name,
+            )
+
+
+def _check_electrodes(piece: MeshPiece, transducers: dict, placed: Placement) -> None:
+    for name, connection in piece.electrodes:
+        if name not in piece.mesh.electrodes:
+            groups = ", ".join(piece.mesh.electrodes) or "none"
+            raise InputError(
+                "piece.electrodes",
+                f'names "{name}", which is no line group electrode:NAME of the file: {groups}',
+                owner=piece.name,
+            )
+        if connection in (FLOATING, GROUNDED):
+            continue
+        comb, sign = connection[:-1], connection[-1:]
+        if sign not in ("+", "-") or comb not in transducers:
+            known = ", ".join(f"{each}+, {each}-" for each in transducers)
+            raise InputError(
+                "piece.electrodes",
+                f'must connect "{name}" to floating, grounded or a comb ({known}), got {connection!r}',
+                owner=piece.name,
+            )
+        if sign not in transducers[comb][2]:
+            raise InputError(
+                "piece.electrodes",
+                f'connects "{name}" to {connection}, and that transducer has no finger "{sign}"',
+                owner=piece.name,
+            )
+        if piece in placed.ends:
+            raise InputError(
+                "piece.electrodes",
+                f'must leave "{name}" floating or grounded: a piece at the stator\'s end is connected to no comb',
+                owner=piece.name,
+            )
+
+
+def _check_overlaps(placed: Placement, length: float, transducers: dict) -> None:
+    spans = [(each.extent, f'piece "{each.name}"') for each in placed.between]
+    for side, piece in enumerate(placed.ends):
+        if piece is not None:
+            low, high = piece.extent
+            spans.append(
+                ((-float("inf"), high) if side == 0 else (low, float("inf")), f'piece "{piece.name}"')
+            )
+    spans += [((low, high), f'transducer "{name}"') for name, (low, high, _) in transducers.items()]
+    room = SAME * length
+    for piece in placed.between:
+        low, high = piece.extent
+        if low < -room or high > length + room:
+            raise InputError(
+                "piece",
+                f"must lie on the stator, 0 to {length * 1e3:g} mm, it reaches from {_where(piece)}",
+                owner=piece.name,
+            )
+    spans.sort(key=lambda each: each[0])
+    for (one, first), (other, second) in itertools.pairwise(spans):
+        if one[1] > other[0] + room * 1e-3:
+            here, there = (first, one), (second, other)
+            if not here[0].startswith("piece"):
+                here, there = there, here
+            raise InputError(
+                "piece",
+                f"{here[0].removeprefix('piece ')} {_span(here[1])} overlaps the {there[0]} {_span(there[1])}",
+            )
+
+
+def _span(span: tuple[float, float]) -> str:
+    low, high = span
+    if low == -float("inf"):
+        return f"(the left end to {high * 1e3:.6g} mm)"
+    if high == float("inf"):
+        return f"({low * 1e3:.6g} mm to the right end)"
+    return f"({low * 1e3:.6g} to {high * 1e3:.6g} mm)"

@@ -1,0 +1,54 @@
+"""A meshed piece in its place on the stator: a mesh, its materials and what its electrodes are connected to."""
+
+from dataclasses import dataclass, field
+
+from fem.materials.solids import Solid
+from fem.mesh.section_mesh import SectionMesh
+
+FLOATING, GROUNDED = "floating", "grounded"
+SAME = 1e-6  # of the thickness: lengths nearer than this are equal
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeshPiece:
+    """A piece of the stator given as a mesh.
+
+    Attributes
+    ----------
+    name : str
+        What messages call it.
+    mesh : SectionMesh
+    position : float
+        Where the mesh's x = 0 lies, from the stator's left end, m.
+    solids : tuple of (str, Solid)
+        Surface groups other than ``stator`` and their solids, in the stator's axes.
+    electrodes : tuple of (str, str)
+        Electrodes and what they are connected to: "floating", "grounded", or a transducer's name with "+" or "-".
+        Those that are not named float.
+    """
+
+    name: str
+    mesh: SectionMesh = field(repr=False)
+    position: float
+    solids: tuple[tuple[str, Solid], ...] = ()
+    electrodes: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Smallest and largest x on the stator, m."""
+        low, high = self.mesh.extent
+        return self.position + low, self.position + high
+
+    def connection(self, electrode: str) -> str:
+        """What an electrode is connected to."""
+        return dict(self.electrodes).get(electrode, FLOATING)
+
+    def interface(self, side: str) -> tuple[float, float, float] | None:
+        """Place on the stator, height and upper end z of an interface, m; None where the piece is the stator's end."""
+        line = self.mesh.interface(side)
+        return None if line is None else (self.position + line[0], *line[1:])
+
+    def fits(self, side: str, thickness: float) -> bool:
+        """Whether an interface is as high as the stator and ends at its surface."""
+        line = self.interface(side)
+        return line is not None and max(abs(line[1] - thickness), abs(line[2])) <= SAME * thickness

@@ -1,0 +1,295 @@
+"""Any mesh as quadrilaterals, refined towards singular vertices.
+
+Every element is split into quadrilaterals (vertex, middle of an edge, centre, middle of the other edge), so that every
+edge of the new mesh runs from a vertex of the file to the middle of one of its edges, or from there to a centre.  All
+neighbours then agree on the direction of their common edge, which hierarchical elements need.  At a singular vertex v
+a quadrilateral (v, a, c, b) is split into (v, A, C, B), (A, a, c, C) and (B, C, c, b) with A, B and C at `LAYER_RATIO`
+of the way, as often as there are layers: a geometric mesh (Schwab, *p- and hp-Finite Element Methods*, 1998).
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fem.mesh.section_mesh import ELECTRODE, SectionMesh
+from fem.mesh.shapes import CORNERS, reference_corners, shape_functions
+
+LAYER_RATIO = 0.15  # as in fem.discretize.grading
+STRAIGHT = np.deg2rad(0.5)  # a boundary that turns by less is straight
+SQUARE_NODES = np.array(  # of the quadratic map: corners, middles of the edges, centre
+    [[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 0], [1, 0.5], [0.5, 1], [0, 0.5], [0.5, 0.5]], dtype=float
+)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class QuadMesh:
+    """Quadrilaterals of a section mesh.
+
+    Attributes
+    ----------
+    points : ndarray, shape (n, 2)
+        m; the vertices, and behind them what the quadratic maps need.
+    quads : ndarray, shape (elements, 4) or, for quadratic maps, (elements, 9)
+    solids : ndarray, shape (elements,)
+        Group of the surface.
+    lines : dict
+        Group to directed edges (vertex, vertex), shape (m, 2).
+    boundary : ndarray, shape (m, 2)
+        Directed outer edges.
+    singular : ndarray
+        Vertices towards which the mesh is refined.
+    """
+
+    points: np.ndarray = field(repr=False)
+    quads: np.ndarray = field(repr=False)
+    solids: np.ndarray = field(repr=False)
+    lines: dict[str, np.ndarray] = field(repr=False)
+    boundary: np.ndarray = field(repr=False)
+    singular: np.ndarray = field(repr=False)
+
+
+class _Splitting:
+    """Vertices by the way they were made, each with an element and a reference place that it lies at."""
+
+    def __init__(self, mesh: SectionMesh):
+        self.mesh = mesh
+        self.number = {("v", node): node for node in range(len(mesh.points))}
+        self.owner: list[tuple[int, int] | None] = [None] * len(mesh.points)  # (block, element)
+        self.place: list[np.ndarray | None] = [None] * len(mesh.points)
+
+    def vertex(self, key: tuple, owner: tuple[int, int], place: np.ndarray) -> int:
+        """Number of the vertex made in one way; a new one if it is the first."""
+        if key not in self.number:
+            self.number[key] = len(self.owner)
+            self.owner.append(owner)
+            self.place.append(place)
+        return self.number[key]
+
+    def initial(self):
+        """Quadrilaterals (owner, vertices, reference places) of all elements."""
+        for block, cells in enumerate(self.mesh.cells):
+            count = CORNERS[cells.kind]
+            corners = reference_corners(cells.kind)
+            middle = corners.mean(axis=0)
+            for element, nodes in enumerate(cells.nodes[:, :count].tolist()):
+                owner = block, element
+                center = self.vertex(("c", *owner), owner, middle)
+                halves = []
+                for side in range(count):
+                    one, other = nodes[side], nodes[(side + 1) % count]
+                    at = 0.5 * (corners[side] + corners[(side + 1) % count])
+                    halves.append((self.vertex(("m", min(one, other), max(one, other)), owner, at), at))
+                for corner, node in enumerate(nodes):
+                    (ahead, at_ahead), (behind, at_behind) = halves[corner], halves[corner - 1]
+                    places = np.array([corners[corner], at_ahead, middle, at_behind])
+                    yield owner, (node, ahead, center, behind), places
+
+    def halved(self, quads: list) -> list:
+        """Every quadrilateral in four."""
+        result = []
+        for owner, (v, a, c, b), places in quads:
+            pv, pa, pc, pb = places
+
+            def half(one, other, at, owner=owner):
+                return self.vertex(("h", min(one, other), max(one, other)), owner, at)
+
+            p = [0.5 * (pv + pa), 0.5 * (pa + pc), 0.5 * (pb + pc), 0.5 * (pv + pb)]
+            va, ac, bc, vb = half(v, a, p[0]), half(a, c, p[1]), half(b, c, p[2]), half(v, b, p[3])
+            middle = places.mean(axis=0)
+            o = self.vertex(("o", v, a, c, b), owner, middle)
+            for vertices, own in (
+                ((v, va, o, vb), (pv, p[0], middle, p[3])),
+                ((va, a, ac, o), (p[0], pa, p[1], middle)),
+                ((vb, o, bc, b), (p[3], middle, p[2], pb)),
+                ((o, ac, c, bc), (middle, p[1], pc, p[2])),
+            ):
+                result.append((owner, vertices, np.array(own)))
+        return result
+
+    def layered(self, quads: list, singular: set[int]) -> list:
+        """One layer at every quadrilateral that begins at a singular vertex."""
+        result = []
+        for owner, vertices, places in quads:
+            v, a, c, b = vertices
+            if v not in singular:
+                result.append((owner, vertices, places))
+                continue
+            pv, pa, pc, pb = places
+            near = [pv + LAYER_RATIO * (p - pv) for p in (pa, pc, pb)]
+            A, C, B = (self.vertex(("s", v, end), owner, at) for end, at in zip((a, c, b), near, strict=True))
+            result += [
+                (owner, (v, A, C, B), np.array([pv, *near])),
+                (owner, (A, a, c, C), np.array([near[0], pa, pc, near[1]])),
+                (owner, (B, C, c, b), np.array([near[2], near[1], pc, pb])),
+            ]
+        return result
+
+    def positions(self, owners: list, places: np.ndarray) -> np.ndarray:
+        """Positions (m, 2) of reference places in elements."""
+        out = np.empty((len(places), 2))
+        owners = np.array(owners)
+        for block, cells in enumerate(self.mesh.cells):
+            here = np.flatnonzero(owners[:, 0] == block)
+            if len(here):
+                values = shape_functions(cells.kind, places[here])
+                nodes = cells.nodes[owners[here, 1]]
+                out[here] = np.einsum("mn,mnd->md", values, self.mesh.points[nodes])
+        return out
+
+
+def quad_mesh(
+    mesh: SectionMesh, *, layers: int, largest: dict[str, float], conditions: dict[str, str]
+) -> QuadMesh:
+    """Split a mesh into quadrilaterals of at most a size, with layers towards its singular vertices.
+
+    ``largest``: of an edge in m by solid; ``conditions``: by line group a word for what holds there; where it changes
+    along the boundary, the field is singular.
+    """
+    splitting = _Splitting(mesh)
+    quads = list(splitting.initial())
+    lines = {
+        name: [
+            (node, splitting.number["m", min(pair), max(pair)]) for pair in nodes.tolist() for node in pair
+        ]
+        for name, nodes in mesh.lines.items()
+    }
+    lines[""] = [
+        (node, splitting.number["m", min(pair), max(pair)]) for pair in mesh.boundary for node in pair
+    ]
+    for _ in range(_halvings(splitting, quads, largest)):
+        quads = splitting.halved(quads)
+        lines = {
+            name: [
+                piece
+                for start, stop in edges
+                for middle in [splitting.number["h", min(start, stop), max(start, stop)]]
+                for piece in ((start, middle), (middle, stop))
+            ]
+            for name, edges in lines.items()
+        }
+    singular = singular_vertices(mesh, conditions)
+    for _ in range(layers):
+        quads = splitting.layered(quads, singular)
+        lines = {name: _layered_lines(splitting, edges, singular) for name, edges in lines.items()}
+    return _finished(splitting, quads, lines, singular)
+
+
+def _layered_lines(splitting: _Splitting, edges: list, singular: set[int]) -> list:
+    result = []
+    for start, stop in edges:
+        near = splitting.number.get(("s", start, stop)) if start in singular else None
+        result += [(start, stop)] if near is None else [(start, near), (near, stop)]
+    return result
+
+
+def _halvings(splitting: _Splitting, quads: list, largest: dict[str, float]) -> int:
+    """How often every quadrilateral is to be halved so that none is too large."""
+    owners = [owner for owner, _, _ in quads for _ in range(4)]
+    corners = splitting.positions(owners, np.concatenate([places for _, _, places in quads])).reshape(
+        -1, 4, 2
+    )
+    sizes = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=-1).max(axis=1)
+    allowed = np.array([largest[splitting.mesh.cells[block].solid] for (block, _), _, _ in quads])
+    return max(0, int(np.ceil(np.log2(np.max(sizes / allowed)) - 1e-9)))
+
+
+def _finished(splitting: _Splitting, quads: list, lines: dict, singular: set[int]) -> QuadMesh:
+    mesh = splitting.mesh
+    made = len(mesh.points)
+    points = np.concatenate(
+        [mesh.points, splitting.positions(splitting.owner[made:], np.array(splitting.place[made:]))]
+    )
+    vertices = np.array([each for _, each, _ in quads])
+    owners = [owner for owner, _, _ in quads]
+    if any(cells.kind not in ("triangle", "quad") for cells in mesh.cells):
+        corners = np.array([places for _, _, places in quads])
+        rest = np.einsum("nk,ekd->end", shape_functions("quad", SQUARE_NODES[4:]), corners)
+        extra = splitting.positions([owner for owner in owners for _ in range(5)], rest.reshape(-1, 2))
+        numbers = len(points) + np.arange(len(extra)).reshape(-1, 5)
+        points, vertices = np.concatenate([points, extra]), np.hstack([vertices, numbers])
+    used = np.unique(vertices[:, :4])
+    rest = np.setdiff1d(np.unique(vertices), used)
+    number = np.full(len(points), -1)
+    number[np.concatenate([used, rest])] = np.arange(len(used) + len(rest))
+    return QuadMesh(
+        points=points[np.concatenate([used, rest])],
+        quads=number[vertices],
+        solids=np.array([mesh.cells[block].solid for block, _ in owners]),
+        lines={name: number[np.array(edges).reshape(-1, 2)] for name, edges in lines.items() if name},
+        boundary=number[np.array(lines[""]).reshape(-1, 2)],
+        singular=number[np.array(sorted(singular), dtype=int)],
+    )
+
+
+def singular_vertices(mesh: SectionMesh, conditions: dict[str, str]) -> set[int]:
+    """Vertices of the file at which stress or charge is singular.
+
+    Re-entrant corners of the boundary, ends and corners of electrodes, ends of a condition, and where solids meet at
+    a corner or beside the outside.
+    """
+    angle = np.zeros(len(mesh.points))
+    touching: list[dict[str, float]] = [{} for _ in mesh.points]
+    for cells in mesh.cells:
+        count = CORNERS[cells.kind]
+        for nodes, own in zip(cells.nodes[:, :count].tolist(), _corner_angles(mesh, cells), strict=True):
+            for node, value in zip(nodes, own, strict=True):
+                angle[node] += value
+                touching[node][cells.solid] = touching[node].get(cells.solid, 0.0) + value
+    found: set[int] = set()
+    outer = {node for edge in mesh.boundary for node in edge}
+    faces = {node for name in ("left", "right") if name in mesh.lines for node in mesh.lines[name].ravel()}
+    for node, solids in enumerate(touching):
+        reentrant = node in outer and angle[node] > np.pi + STRAIGHT
+        if node in outer:
+            meets = len(solids) > 1
+        else:
+            meets = len(solids) > 2 or (
+                len(solids) == 2 and abs(next(iter(solids.values())) - np.pi) > STRAIGHT
+            )
+        if reentrant or meets:
+            found.add(node)
+    group_at: dict[tuple[int, int], str] = {}
+    for name, nodes in mesh.lines.items():
+        for one, other in nodes.tolist():
+            group_at[min(one, other), max(one, other)] = conditions.get(name, "")
+        if name.startswith(ELECTRODE):
+            found |= _ends_and_corners(mesh, nodes)
+    words: dict[int, set[str]] = {}
+    for one, other in mesh.boundary:
+        word = group_at.get((min(one, other), max(one, other)), "")
+        for node in (one, other):
+            words.setdefault(node, set()).add(word)
+    found |= {node for node, seen in words.items() if len(seen) > 1 and node not in faces}
+    return {int(node) for node in found}
+
+
+def _ends_and_corners(mesh: SectionMesh, lines: np.ndarray) -> set[int]:
+    """Nodes of some lines that end there, branch, or turn."""
+    beside: dict[int, list[int]] = {}
+    for one, other in lines.tolist():
+        beside.setdefault(one, []).append(other)
+        beside.setdefault(other, []).append(one)
+    found = set()
+    for node, others in beside.items():
+        if len(others) != 2:
+            found.add(node)
+            continue
+        ways = mesh.points[others] - mesh.points[node]
+        ways /= np.linalg.norm(ways, axis=1)[:, None]
+        if ways[0] @ ways[1] > -np.cos(STRAIGHT):
+            found.add(node)
+    return found
+
+
+def _corner_angles(mesh: SectionMesh, cells) -> np.ndarray:
+    """Angles of the elements at their corners, towards the nodes beside them, shape (elements, corners)."""
+    count = CORNERS[cells.kind]
+    corners = mesh.points[cells.nodes[:, :count]]
+    ahead, behind = np.roll(corners, -1, axis=1), np.roll(corners, 1, axis=1)
+    if cells.nodes.shape[1] > count:  # the tangent of a quadratic edge at its end
+        middles = mesh.points[cells.nodes[:, count : 2 * count]]
+        ahead = 4 * middles - ahead - 2 * corners
+        behind = 4 * np.roll(middles, 1, axis=1) - behind - 2 * corners
+    one, other = ahead - corners, behind - corners
+    cross = one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]
+    return np.mod(np.arctan2(cross, np.sum(one * other, axis=-1)), 2 * np.pi)

@@ -1,0 +1,381 @@
+"""A mesh of a piece of the section as its file holds it, read by meshio and checked.
+
+The file lies in the plane (x, z): its first coordinate is x, its second z, and z = 0 is the stator's surface.  Its
+physical groups say what is what.  Groups of surfaces: ``stator``, or a name that the scene gives a material.  Groups
+of lines: ``left`` and ``right`` (the vertical lines where the piece meets the uniform stator), ``bottom`` (takes the
+stator's condition), ``clamped``, ``grounded``, ``electrode:NAME`` and ``surface``; every other outer line is bare: no
+traction, D_n = 0.
+"""
+
+import hashlib
+import itertools
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from fem.mesh.shapes import CORNERS
+
+LINE_GROUPS = ("left", "right", "bottom", "grounded", "clamped", "surface")
+ELECTRODE = "electrode:"
+LINES = {"line": 2, "line3": 3}
+SOLIDS = ("tetra", "hexahedron", "wedge", "pyramid")
+FLAT = 1e-9  # of the longest edge squared: an element of a smaller area has none
+SAME = 1e-6  # of the height: places nearer than this are one
+
+
+class MeshError(ValueError):
+    """A file that is no mesh of a section, or one that does not fit; the sentence names the fault."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cells:
+    """Elements of one kind in one solid."""
+
+    kind: str  # of meshio
+    solid: str  # group of the surface
+    nodes: np.ndarray = field(repr=False)  # shape (elements, nodes)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SectionMesh:
+    """Mesh of a piece of the section, lengths in m; two are equal if file and unit are.
+
+    Attributes
+    ----------
+    name : str
+        Of the file, without its folder and suffix.
+    digest : str
+        SHA-256 of the file's content and of the unit.
+    points : ndarray, shape (n, 2)
+        x and z in m.
+    cells : tuple of Cells
+        Corners anticlockwise.
+    lines : dict
+        Group to the nodes of its lines, shape (m, 2).
+    """
+
+    name: str
+    digest: str
+    points: np.ndarray = field(repr=False)
+    cells: tuple[Cells, ...] = field(repr=False)
+    lines: dict[str, np.ndarray] = field(repr=False)
+
+    def __eq__(self, other):
+        return self.digest == other.digest if isinstance(other, SectionMesh) else NotImplemented
+
+    def __hash__(self):
+        return hash(self.digest)
+
+    @property
+    def solids(self) -> tuple[str, ...]:
+        """Names of the surface groups."""
+        return tuple(dict.fromkeys(each.solid for each in self.cells))
+
+    @property
+    def electrodes(self) -> tuple[str, ...]:
+        """Names of the electrodes."""
+        return tuple(
+            name.removeprefix(ELECTRODE) for name in sorted(self.lines) if name.startswith(ELECTRODE)
+        )
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """Smallest and largest x of the mesh in m."""
+        return float(self.points[:, 0].min()), float(self.points[:, 0].max())
+
+    def interface(self, side: str) -> tuple[float, float, float] | None:
+        """Place x, height and upper end z of a vertical line of the interface, m; None where the piece is an end."""
+        if side not in self.lines:
+            return None
+        ends = self.points[np.unique(self.lines[side])]
+        return float(ends[:, 0].mean()), float(np.ptp(ends[:, 1])), float(ends[:, 1].max())
+
+    @cached_property
+    def edges(self) -> dict[tuple[int, int], list[tuple[int, int]]]:
+        """Directed edges (corner, corner) of all elements, by their corners in order: [(block, element), ...]."""
+        found: dict[tuple[int, int], list[tuple[int, int]]] = {}
+        for block, cells in enumerate(self.cells):
+            count = CORNERS[cells.kind]
+            for element, nodes in enumerate(cells.nodes[:, :count].tolist()):
+                for one, other in zip(nodes, [*nodes[1:], nodes[0]], strict=True):
+                    found.setdefault((one, other), []).append((block, element))
+        return found
+
+    @cached_property
+    def boundary(self) -> list[tuple[int, int]]:
+        """Edges of one element alone, with the body on their left."""
+        return [edge for edge in self.edges if edge[::-1] not in self.edges]
+
+
+def read_mesh(path: str | Path, unit: float) -> SectionMesh:
+    """Read a gmsh file (2.2 or 4.1) whose numbers are in a length unit of so many metres.
+
+    Raises
+    ------
+    MeshError
+        With what is wrong in the file.
+    """
+    path = Path(path)
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise MeshError(f"the file {str(path)!r} cannot be read: {error.strerror}") from None
+    file = _parsed(path)
+    points = np.asarray(file.points, dtype=float)
+    if points.shape[1] > 2 and np.ptp(points[:, 2]) > FLAT * max(np.ptp(points, axis=0).max(), 1e-300):
+        raise MeshError("the file's third coordinate is not constant: a section has two, x and z")
+    surfaces, lines = _grouped(file)
+    used = np.unique(np.concatenate([cells.nodes.ravel() for cells in surfaces]))
+    lost = [name for name, nodes in lines.items() if not np.isin(nodes, used).all()]
+    if lost:
+        raise MeshError(
+            f"the line group {lost[0]} has lines that are no edge of an element: "
+            "gmsh writes only surfaces that are in a physical group"
+        )
+    number = np.full(len(points), -1)
+    number[used] = np.arange(len(used))
+    points = points[used, :2] * unit
+    cells = tuple(_anticlockwise(each, number, points, unit) for each in surfaces)
+    mesh = SectionMesh(
+        name=path.stem,
+        digest=hashlib.sha256(content + repr(float(unit)).encode()).hexdigest(),
+        points=points,
+        cells=cells,
+        lines={name: number[nodes] for name, nodes in lines.items()},
+    )
+    _check_topology(mesh, unit)
+    for side in ("left", "right"):
+        if side in mesh.lines:
+            _check_interface(mesh, side, unit)
+    return mesh
+
+
+def _parsed(path: Path):
+    """The file as meshio reads it."""
+    import contextlib
+    import io
+
+    import meshio
+
+    try:
+        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+            return meshio.read(path, file_format="gmsh")
+    except (Exception, SystemExit) as error:
+        why = " ".join(str(error).split())[:120]
+        raise MeshError(
+            f"the file {path.name!r} is no mesh of gmsh, format 2.2 or 4.1" + (f" ({why})" if why else "")
+        ) from None
+
+
+def _grouped(file) -> tuple[list[Cells], dict[str, np.ndarray]]:
+    """Elements by solid, and the corners of the lines by group, in the file's numbers of nodes."""
+    names = {(int(dim), int(tag)): name for name, (tag, dim) in file.field_data.items()}
+    tags = file.cell_data.get("gmsh:physical", [None] * len(file.cells))
+    surfaces: list[Cells] = []
+    lines: dict[str, list[np.ndarray]] = {}
+    for index, block in enumerate(file.cells):
+        kind = block.type
+        if kind == "vertex":
+            continue
+        if kind.startswith(SOLIDS):
+            raise MeshError(
+                f"the file has {len(block.data)} {kind} elements in space: a section is a surface"
+            )
+        if kind not in CORNERS and kind not in LINES:
+            order = {"line4": 3, "triangle10": 3, "quad16": 3, "line5": 4, "triangle15": 4, "quad25": 4}.get(
+                kind
+            )
+            what = f"elements of order {order}" if order else f"elements of kind {kind}"
+            raise MeshError(f"{what} are not read: gmsh -order 2")
+        dim = 1 if kind in LINES else 2
+        for name, chosen in _members(file, index, block, tags[index], names, dim):
+            nodes = np.asarray(block.data)[chosen].astype(int)
+            if dim == 1:
+                lines.setdefault(name, []).append(nodes[:, :2])
+            else:
+                surfaces.append(Cells(kind=kind, solid=name, nodes=nodes))
+    for name in lines:
+        if name not in LINE_GROUPS and not name.startswith(ELECTRODE):
+            raise MeshError(f'unknown line group "{name}": {", ".join(LINE_GROUPS)} or electrode:NAME')
+    if not any(each.solid == "stator" for each in surfaces):
+        given = ", ".join(dict.fromkeys(each.solid for each in surfaces)) or "none"
+        raise MeshError(
+            f"the file has no surface group stator, which is the stator's own material: its surface groups are {given}"
+        )
+    return surfaces, {name: np.concatenate(parts) for name, parts in lines.items()}
+
+
+def _members(file, index: int, block, tags, names: dict, dim: int):
+    """Yield the groups of a block's elements and which they are; an element in two groups is refused."""
+    if file.cell_sets and any(name in file.cell_sets for name in file.field_data):  # format 4.1
+        owners = [
+            name
+            for name, (_, own_dim) in file.field_data.items()
+            if int(own_dim) == dim and name in file.cell_sets and len(_set(file.cell_sets[name][index]))
+        ]
+        if len(owners) > 1:
+            raise MeshError(
+                f"{'a line' if dim == 1 else 'a surface'} is in two groups, {' and '.join(owners)}"
+            )
+        if owners:
+            yield owners[0], slice(None)
+        elif tags is not None and len(tags):
+            raise MeshError(
+                f"a physical group of {'lines' if dim == 1 else 'surfaces'} has no name, number {tags[0]}"
+            )
+        return
+    if tags is None:
+        return
+    tags = np.asarray(tags)
+    for tag in np.unique(tags):
+        if tag == 0:
+            continue
+        if (dim, int(tag)) not in names:
+            raise MeshError(
+                f"a physical group of {'lines' if dim == 1 else 'surfaces'} has no name, number {tag}"
+            )
+        yield names[dim, int(tag)], tags == tag
+
+
+def _set(members) -> np.ndarray:
+    return np.empty(0) if members is None else np.asarray(members)
+
+
+def _anticlockwise(cells: Cells, number: np.ndarray, points: np.ndarray, unit: float) -> Cells:
+    """Elements in the mesh's own numbers with their corners anticlockwise; those without an area are refused."""
+    nodes = number[cells.nodes]
+    count = CORNERS[cells.kind]
+    x, z = np.moveaxis(points[nodes[:, :count]], -1, 0)
+    area = 0.5 * np.sum(x * np.roll(z, -1, axis=1) - np.roll(x, -1, axis=1) * z, axis=1)
+    size = np.hypot(np.diff(x, axis=1), np.diff(z, axis=1)).max(axis=1)
+    flat = np.flatnonzero(abs(area) <= FLAT * size**2)
+    if len(flat):
+        raise MeshError(
+            f"{_many(len(flat), cells)} no area, the first at {_at(points, nodes[flat[0]], unit)}"
+        )
+    nodes = np.where((area < 0)[:, None], nodes[:, _mirror(cells.kind)], nodes)
+    turns = _corner_turns(points[nodes[:, :count]])
+    bent = np.flatnonzero((turns <= 0).any(axis=1))
+    if len(bent):
+        raise MeshError(
+            f"{len(bent)} quadrilaterals are inverted (a corner points inwards), the first at "
+            f"{_at(points, nodes[bent[0]], unit)}"
+        )
+    return Cells(kind=cells.kind, solid=cells.solid, nodes=nodes)
+
+
+def _many(count: int, cells: Cells) -> str:
+    what = "triangle" if CORNERS[cells.kind] == 3 else "quadrilateral"
+    return f"1 {what} has" if count == 1 else f"{count} {what}s have"
+
+
+def _at(points: np.ndarray, nodes, unit: float) -> str:
+    """Middle of some nodes, in mm."""
+    x, z = points[np.atleast_1d(nodes)].mean(axis=0) * 1e3
+    return f"({x:.2f}, {z:.2f}) mm"
+
+
+def _corner_turns(corners: np.ndarray) -> np.ndarray:
+    """Cross products of the two edges at each corner, shape (elements, corners)."""
+    ahead, behind = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+    return ahead[..., 0] * behind[..., 1] - ahead[..., 1] * behind[..., 0]
+
+
+def _mirror(kind: str) -> list[int]:
+    """Order of an element's nodes seen from behind."""
+    return {
+        "triangle": [0, 2, 1],
+        "triangle6": [0, 2, 1, 5, 4, 3],
+        "quad": [0, 3, 2, 1],
+        "quad8": [0, 3, 2, 1, 7, 6, 5, 4],
+        "quad9": [0, 3, 2, 1, 7, 6, 5, 4, 8],
+    }[kind]
+
+
+def _check_topology(mesh: SectionMesh, unit: float) -> None:
+    """Refuse folded meshes, parts that do not touch, holes, and lines that are no edges or stand twice."""
+    for edge, owners in mesh.edges.items():
+        if len(owners) > 1:
+            where = _at(mesh.points, list(edge), unit)
+            raise MeshError(
+                f"elements overlap or are inverted: two lie on the same side of the edge at {where}"
+            )
+    seen: dict[tuple[int, int], str] = {}
+    for name, nodes in mesh.lines.items():
+        for one, other in nodes.tolist():
+            if (one, other) not in mesh.edges and (other, one) not in mesh.edges:
+                where = _at(mesh.points, [one, other], unit)
+                raise MeshError(f"the line group {name} has a line at {where} that is no edge of an element")
+            key = min(one, other), max(one, other)
+            if key in seen and seen[key] != name:
+                where = _at(mesh.points, [one, other], unit)
+                raise MeshError(f"the line at {where} is in two groups, {seen[key]} and {name}")
+            seen[key] = name
+    corners = np.unique(list(mesh.edges))
+    parts = _components(list(mesh.edges), len(mesh.points))
+    others = corners[parts[corners] != parts[corners[0]]]
+    if len(others):
+        count = len(np.unique(parts[corners]))
+        raise MeshError(
+            f"the mesh has {count} parts that share no nodes, the second at {_at(mesh.points, others[0], unit)}: "
+            "gmsh joins touching surfaces by BooleanFragments or Coherence"
+        )
+    on_boundary = np.unique(mesh.boundary)
+    loops = _components(mesh.boundary, len(mesh.points))
+    outer = loops[on_boundary[np.argmin(mesh.points[on_boundary, 0])]]
+    named = {node for nodes in mesh.lines.values() for node in nodes.ravel().tolist()}
+    for loop in np.unique(loops[on_boundary]):
+        inside = on_boundary[loops[on_boundary] == loop]
+        if loop != outer and not named.intersection(inside.tolist()):
+            raise MeshError(
+                f"the mesh has a hole at {_at(mesh.points, inside, unit)}: gmsh writes only surfaces that are in a "
+                "physical group; put the lines of a hole that is meant into the group surface"
+            )
+
+
+def _components(edges: list, count: int) -> np.ndarray:
+    """Number of the connected part that each node belongs to, shape (count,)."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    one, other = np.array(edges).T
+    graph = coo_matrix((np.ones(len(one)), (one, other)), shape=(count, count))
+    return connected_components(graph, directed=False)[1]
+
+
+def _check_interface(mesh: SectionMesh, side: str, unit: float) -> None:
+    """Refuse a line of an interface that is not one vertical outer line of the stator's own material."""
+    lines = mesh.lines[side]
+    ends = mesh.points[lines]
+    x, height = ends[..., 0], float(np.ptp(ends[..., 1]))
+    if height == 0 or np.ptp(x) > SAME * height:
+        raise MeshError(
+            f"the line group {side} is not one vertical line: x runs from {x.min() * 1e3:.6g} to {x.max() * 1e3:.6g} mm"
+        )
+    spans = np.sort(ends[..., 1], axis=1)
+    spans = spans[np.argsort(spans[:, 0])]
+    for below, above in itertools.pairwise(spans):
+        if above[0] - below[1] > SAME * height:
+            raise MeshError(
+                f"the group {side} has a gap from z = {below[1] * 1e3:.4g} to {above[0] * 1e3:.4g} mm; "
+                "gmsh writes only surfaces that are in a physical group"
+            )
+    for one, other in lines.tolist():
+        owners = mesh.edges.get((one, other), []) + mesh.edges.get((other, one), [])
+        if len(owners) > 1:
+            raise MeshError(f"the line group {side} lies inside the mesh: it must be its {side} border")
+        solid = mesh.cells[owners[0][0]].solid
+        if solid != "stator":
+            raise MeshError(
+                f'the group {side} crosses "{solid}": a layer that goes on beyond the piece is not supported'
+            )
+    low, high = mesh.extent
+    if (side == "left" and x.min() > low + SAME * height) or (
+        side == "right" and x.max() < high - SAME * height
+    ):
+        raise MeshError(
+            f"the line group {side} must be the mesh's {side} border: it stands at x = {x.mean() * 1e3:.6g} mm, "
+            f"the mesh reaches from {low * 1e3:.6g} to {high * 1e3:.6g} mm"
+        )

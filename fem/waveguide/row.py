@@ -1,0 +1,122 @@
+"""The meshed pieces of a row, condensed at one frequency: those between uniform segments, and the stator's ends.
+
+Pieces of equal mesh, materials and electrodes are condensed once.  What does not depend on the frequency is kept from
+call to call.
+"""
+
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+
+import numpy as np
+
+from fem.condense.mesh import Assembly, MeshedPiece, assembled
+from fem.discretize.elements import discretise
+from fem.discretize.grading import Resolution
+from fem.geometry import Stator
+from fem.mesh.layout import is_step
+from fem.mesh.piece import MeshPiece
+from fem.waveguide.ends import Beyond, End, Wall
+from fem.waveguide.modes import GuidedModes, guided_modes
+
+
+@dataclass(frozen=True, kw_only=True)
+class CondensedPieces:
+    """Meshed pieces at one frequency; lengths in the section's unit."""
+
+    between: tuple[tuple[float, MeshedPiece], ...] = field(repr=False)  # place of the left line, piece
+    ends: tuple[End, End] = field(repr=False)
+    # start, stop: where the uniform stator begins and ends
+    start: float
+    stop: float
+    warnings: tuple[str, ...] = ()
+
+
+def no_pieces(stator: Stator, unit: float) -> CondensedPieces:
+    """A row without meshed pieces; ``unit``: the length unit in m."""
+    return CondensedPieces(between=(), ends=(stator.ends,) * 2, start=0.0, stop=stator.length / unit)
+
+
+def condensed_pieces(stator: Stator, modes: GuidedModes, resolution: Resolution) -> CondensedPieces:
+    """Condense a stator's meshed pieces at the frequency of its modes."""
+    section, frequency = modes.section, modes.frequency
+    unit = section.length_unit
+    if not stator.pieces:
+        return no_pieces(stator, unit)
+    placed, made = stator.placement, {}
+
+    def condensed(piece: MeshPiece, sections: tuple) -> MeshedPiece:
+        key = piece.mesh, piece.solids, piece.electrodes
+        if key not in made:
+            assembly = _assembly(piece, _frame(stator), sections, frequency, resolution)
+            made[key] = assembly.condensed(frequency)
+        return made[key]
+
+    both = ("left", section), ("right", section)
+    between = tuple((piece.extent[0] / unit, condensed(piece, both)) for piece in placed.between)
+    ends: list[End] = [stator.ends, stator.ends]
+    warnings = [text for _, piece in between for text in piece.assembly.warnings]
+    for side, piece in enumerate(placed.ends):
+        if piece is None:
+            continue
+        if is_step(piece, stator.thickness):
+            ends[side] = _step(piece, side, stator, modes, resolution)
+        else:
+            end = condensed(piece, (both[1 - side],))
+            ends[side] = Wall(
+                matrix=end.matrix, recover=end.recover, floating_potential=end.floating_potential
+            )
+            warnings += end.assembly.warnings
+    return CondensedPieces(
+        between=between,
+        ends=tuple(ends),
+        start=placed.start / unit,
+        stop=placed.stop / unit,
+        warnings=tuple(dict.fromkeys(warnings)),
+    )
+
+
+def _step(piece: MeshPiece, side: int, stator: Stator, modes: GuidedModes, resolution: Resolution) -> Wall:
+    """A step of thickness: the piece's far line is closed by the radiation impedance of the section behind it."""
+    near, far = ("right", "left") if side == 0 else ("left", "right")
+    section, frequency = modes.section, modes.frequency
+    behind = replace(stator, thickness=piece.interface(far)[1], pieces=())
+    other = discretise(behind, resolution, wavelength=section.length_unit, surface_scale=np.inf)
+    outside = guided_modes(other, frequency)
+    lines = {near: section, far: other}
+    sections = tuple((name, lines[name]) for name in ("left", "right"))
+    whole = _assembly(piece, _frame(stator), sections, frequency, resolution).condensed(frequency)
+    own = {near: slice(0, section.size), far: slice(section.size, None)}
+    if side == 0:
+        own = {far: slice(0, other.size), near: slice(other.size, None)}
+    matrix = whole.matrix
+    impedance = outside.left_impedance if side == 0 else outside.right_impedance
+    inner = matrix[own[far], own[far]] - impedance
+    line = -np.linalg.solve(inner, matrix[own[far], own[near]])
+    closed = matrix[own[near], own[near]] + matrix[own[near], own[far]] @ line
+
+    def recover(near_line: np.ndarray):
+        parts = {near: near_line, far: line @ near_line}
+        return whole.recover(np.concatenate([parts["left"], parts["right"]]))
+
+    return Wall(
+        matrix=0.5 * (closed + closed.T),
+        recover=recover,
+        floating_potential=whole.floating_potential,
+        beyond=Beyond(modes=outside, place=piece.interface(far)[0] / section.length_unit, far_line=line),
+    )
+
+
+def _frame(stator: Stator) -> Stator:
+    """What of a stator a piece's elements depend on."""
+    return replace(stator, length=1.0, ends="absorbing", pieces=())
+
+
+@lru_cache(8)
+def _kept(
+    piece: MeshPiece, stator: Stator, sections: tuple, frequency: float, resolution: Resolution
+) -> Assembly:
+    return assembled(piece, stator, dict(sections), frequency=frequency, resolution=resolution)
+
+
+def _assembly(piece, stator, sections, frequency, resolution) -> Assembly:
+    return assembled(piece, stator, dict(sections), frequency=frequency, resolution=resolution)

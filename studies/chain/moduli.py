@@ -1,0 +1,58 @@
+"""The moduli of a ball on the stator, from the static response of each to a load on its surface.
+
+    1/E* = 1/M + (1 - nu^2)/E of the ball        M: indentation modulus of the stator
+    1/G* = S + (2 - nu)/G of the ball            S: the stator's for a force along x, (2 - nu)/G if it is isotropic
+
+M and S are averages of the stator's compliance over the directions in its surface (``fem.point_load``): exact where the
+normal is an axis of symmetry, else for a circular contact in place of a slightly elliptical one. The elastic constants
+are c^E: the electric field's stiffening is left out, it would raise M by a few per cent. G*: the elastic model's 8 a G*
+of R. D. Mindlin, J. Appl. Mech. 16 (1949) 259.
+"""
+
+import numpy as np
+
+from studies.refusal import SceneError
+
+ISOTROPY = 1e-6  # relative; a catalogue's digits keep the symmetry far better
+
+
+def pair_moduli(ball: str, solid) -> tuple[float, float]:
+    """Return E* and G* in Pa of a ball, an isotropic solid of the catalogue, on a stator's solid in its own axes.
+
+    Examples
+    --------
+    >>> import fem
+    >>> [round(modulus / 1e9, 1) for modulus in pair_moduli("steel", fem.material("PZT-8"))]
+    [65.8, 13.7]
+    """
+    from fem import InputError, material, point_load
+
+    try:
+        sphere = material(ball)
+    except InputError as error:
+        raise SceneError("slider.ball", error.rule) from None
+    if not _is_isotropic(sphere.stiffness):
+        raise SceneError("slider.ball", f'must be an isotropic solid such as "steel", got {ball!r}')
+    below, above = point_load(solid.stiffness), point_load(sphere.stiffness)
+    normal = 1 / below.indentation_modulus + 1 / above.indentation_modulus
+    return 1 / normal, 1 / (below.tangential_compliance + above.tangential_compliance)
+
+
+def direction_dependence(solid) -> str:
+    """Return how the contact's stiffness depends on the direction in a stator's surface; empty where it does not."""
+    from fem import point_load
+
+    below = point_load(solid.stiffness)
+    if max(below.spread, abs(below.coupling)) < ISOTROPY:
+        return ""
+    sideways = f", a normal load moves it along x by {below.coupling:+.3f} of its indentation"
+    shown = abs(below.coupling) >= 5e-4  # three decimals
+    return f"stiffness +-{100 * below.spread:.1f} %{sideways if shown else ''}"
+
+
+def _is_isotropic(c: np.ndarray) -> bool:
+    """Return whether a stiffness (6, 6) is that of c12 = c13 = c23, c11 = c22 = c33 = c12 + 2 c44, and no others."""
+    lame, shear = float(c[0, 1]), float(c[3, 3])
+    expected = np.diag([2 * shear] * 3 + [shear] * 3)
+    expected[:3, :3] += lame
+    return bool(np.max(np.abs(c - expected)) <= ISOTROPY * np.max(np.abs(c)))

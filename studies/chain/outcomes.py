@@ -1,0 +1,58 @@
+"""What a point of a sweep is answered with beside its velocity: amplitudes, power, limits, thrust, efficiency."""
+
+from contextlib import suppress
+
+from studies.chain.points import contact_load, half_thrust
+from studies.chain.solved_stator import Driven
+
+# by the word that asks for it: columns
+ALSO = {
+    "limits": ("threshold_factor", "release_factor"),
+    "thrust": ("thrust_N",),
+    "pressure": ("contact_pressure_Pa", "stick_margin"),
+    "step": ("step_m",),
+    "efficiency": ("contact_efficiency", "motor_efficiency"),
+}
+FREE = ("phase_velocity_m_per_s", "surface_ratio", "attenuation_per_m")
+AMPLITUDES = ("normal_amplitude_m", "tangential_amplitude_m")
+ELECTRICAL = ("frequency_Hz", "conductance_S", "susceptance_S", "power_W")
+
+
+def amplitudes(driven: Driven) -> dict:
+    """Return a point's amplitudes and, with a stator, what its driven transducer takes."""
+    sizes = zip(AMPLITUDES, driven.amplitudes, strict=True)
+    found, solved = {name: size * driven.level for name, size in sizes}, driven.solved
+    if solved is None:
+        return found
+    conductance, voltage = solved.admittance.real, abs(solved.electrode_voltage * driven.level)
+    taken = solved.frequency, conductance, solved.admittance.imag, 0.5 * conductance * voltage**2
+    return found | dict(zip(ELECTRICAL, taken, strict=True))
+
+
+def also_asked(also, tolerance: float, driven: Driven, answer: dict) -> dict:
+    """Return the answer with what was asked for beside the velocity, words of ``ALSO``; totals of the slider."""
+    if not also or "velocity_m_per_s" not in answer:
+        return answer
+    import contact
+
+    slider, orbits = driven.slider, driven.at(driven.level)
+    if "limits" in also:
+        factors = contact.threshold_factor(slider, orbits), contact.release_factor(slider, orbits)
+        answer |= zip(ALSO["limits"], factors, strict=True)
+    if "pressure" in also:
+        answer |= contact_load(slider, orbits, contact.threshold_factor(slider, orbits))
+    share, thrust = driven.scene.slider.mass / slider.mass, answer.pop("thrust_N", None)
+    with suppress(contact.ConvergenceError):
+        if "step" in also:
+            answer["step_m"] = abs(contact.step(slider, orbits, cycles=1).displacement)
+    with suppress(contact.ConvergenceError):
+        if {"thrust", "efficiency"} & set(also):
+            if thrust is None:
+                thrust = max(contact.blocked_thrust(slider, orbits)[0], 0.0)
+            answer["thrust_N"] = thrust * share
+        if "efficiency" in also:
+            out, answer["contact_efficiency"] = half_thrust(slider, orbits, thrust, tolerance)
+            power = amplitudes(driven).get("power_W", 0.0)
+            if power > 0.0:
+                answer["motor_efficiency"] = out * share / power
+    return answer

@@ -1,0 +1,359 @@
+"""The motor of one scene at other values of some keys: what a change concerns is solved again, the rest is kept.
+
+A change of the stator, its transducers or the frequency needs the section and its circuit again; a change of the slider
+its contact; voltage, power and burst need neither.  Sweeps, fits, tolerances, measured curves, sensitivities and design
+searches all take their answers from here.  Where a point near the threshold turns out to need a better stator, the next
+``step`` is ten times better: which of the ``STEPS`` a point uses depends on that point alone.
+"""
+
+import logging
+import math
+import time
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from functools import lru_cache
+
+import fem
+from studies.chain import resolve
+from studies.chain.bridge import wave_along
+from studies.chain.free_wave import free_wave_record
+from studies.chain.outcomes import also_asked, amplitudes
+from studies.chain.points import slider_answer
+from studies.chain.ring_up import RingUp, ring_up
+from studies.chain.solved_stator import Driven, SolvedStator, at_one_volt, stator_alone
+from studies.chain.spectrum import response
+from studies.chain.steady import SHARE, averaged_answers, judged
+from studies.chain.surface_motion import SurfaceMotion, solved_motion, surface_motion
+from studies.record import Record
+from studies.refusal import RunError, SceneError
+from studies.scene import Scene
+from studies.scene.block import keys_of
+from studies.scene.blocks import Drive, Stator
+from studies.scene.consistency import refuse_endless_burst
+from studies.scene.override import replaced
+
+LOGGER = logging.getLogger("studies.run")
+KEPT = 10_000  # blocks of a kind in memory
+MAX_KEPT = 1_000_000  # places of solved stators in memory, about 300 MB
+GAIN = 0.1  # of the step before
+BAND_SHARE = 0.1  # a band a level finer costs half as much again, two bands twice as much
+STEPS = 3
+
+
+class Predictor:
+    """Contacts of one scene with some of its keys changed.
+
+    ``table``: the scene's TOML document; ``tolerance``: of the velocity; ``places``: (x, y) in m for which one solution
+    of the stator serves; ``limits``: lowest and highest frequency in Hz where there are enough of them for a band;
+    ``coarse`` takes the stator's coarsest discretisation; ``slider``: whether the scenes have one; ``steps``: how often
+    a better stator is tried.
+    """
+
+    def __init__(
+        self, table: dict, *, tolerance: float, places=(), limits=(), coarse=False, slider=True,
+        steps: int = STEPS, progress: Callable[[str], None] | None = None,
+    ):  # fmt: skip
+        rules = {name: key.rule for name, key in keys_of(Scene).items()}
+        for key in table:
+            if key not in rules:
+                raise SceneError(key, "is no key of a scene")
+        self.table, self.tolerance, self.coarse, self.slider = table, tolerance, coarse, slider
+        self.steps = 1 if coarse else steps
+        self.free = "wave" not in table and not table.get("transducer")
+        self.places, self.limits, self.progress = tuple(places), limits, progress or LOGGER.info
+        self.seconds = 0.0  # spent on stators
+        self._rules, self._answers, self._latest, self._count = rules, {}, (None, None), 0
+        self._block, self._slider = lru_cache(KEPT)(self._read), lru_cache(KEPT)(resolve.resolved_slider)
+        self._ring_up = lru_cache(64)(ring_up)
+        self._stator, self._band = lru_cache(64)(_resolved_stator), lru_cache(4)(response)
+
+    @classmethod
+    def of_record(cls, record: Record, *, progress: Callable[[str], None] | None = None) -> "Predictor":
+        """Return the predictor of a run's scene, its stator known; of steady states, without bands of tolerances."""
+        scene = replace(record.scene, uncertain=None)
+        name = "wave" if scene.wave is not None else "drive"
+        if scene.burst is not None:
+            scene = replace(scene, **{name: replace(getattr(scene, name), burst=None)})
+        found = cls(scene.to_table(), tolerance=record.tolerance, steps=1, progress=progress)
+        found.take(record)
+        return found
+
+    def answers(
+        self, many: Sequence[dict], also: Sequence[str] = (), *, threads: int | None = None
+    ) -> list[dict]:
+        """Return what the motor does with each of several sets of changed keys.
+
+        Parameters
+        ----------
+        many : sequence of dict
+            Key of the scene to value; each leaves one voltage, power or amplitude.
+        also : sequence of str
+            Beside the velocity: of `studies.chain.outcomes.ALSO`.
+        threads : int, optional
+            Of the compiled loop; all processors without it.
+
+        Returns
+        -------
+        list of dict
+            Columns by name; ``status`` is "ok", "above tolerance: ...", "refused: ..." or "no answer: ...", and
+            ``relative_error`` is absent where there is no answer.
+        """
+        answers: list[dict] = [{} for _ in many]
+        todo = range(len(many))
+        for step in range(self.steps):
+            self.solve_together((many[at] for at in todo), step)
+            found = self._answers_of([many[at] for at in todo], also, step, threads)
+            for at, answer in zip(todo, found, strict=True):
+                # where a better stator has no answer, that of the one before stands
+                if "relative_error" in answer or not answers[at]:
+                    answers[at] = answer
+            todo = [at for at, answer in zip(todo, found, strict=True) if answer.get("finer")]
+        return answers
+
+    def scene(self, changes: dict) -> Scene:
+        """Return the scene with some of its keys changed; SceneError if it breaks a rule of the text."""
+        own, blocks = {}, {}
+        for key, value in changes.items():
+            name, dot, _ = key.partition(".")
+            if dot:
+                own.setdefault(name, []).append((key, value))
+        for name in self.table | own:
+            asked = name, tuple(own.get(name, ()))
+            try:
+                blocks[name] = self._block(*asked)
+            except TypeError:  # a table among the values is no key of the memory
+                blocks[name] = self._read(*asked)
+            if isinstance(blocks[name], SceneError):
+                raise blocks[name].with_traceback(None)
+        return Scene(**blocks)
+
+    def contact(self, changes: dict, step: int = 0) -> Driven:
+        """Return the contact with some keys changed, its stator solved at a step if it is not known.
+
+        Raises
+        ------
+        SceneError
+            If the text or the physics refuses a value.
+        RunError
+            If the stator misses its tolerance.
+        """
+        scene, stator = self._resolved(changes)
+        if stator is None:
+            return Driven.given(scene)
+        block = scene.slider
+        places, shared = self._places(scene)
+        try:
+            solved = self._answer(stator, shared, step)
+        except RunError:  # a place in a node of the wave must not cost the others
+            if shared == places:
+                raise
+            solved = self._answer(stator, places, step)
+        tangential, normal, _, _ = solved.at[places[0]]
+        return Driven(
+            scene=scene, orbits=() if block is None else solved.orbits(block.places), solved=solved,
+            amplitudes=(abs(normal), abs(tangential)), stator_error=max(solved.at[place][2] for place in places),
+        )  # fmt: skip
+
+    def motion(self, stator: Scene, places, step: int = 0) -> SurfaceMotion:
+        """Return the surface motion of a `stator_alone` at places (x, y) in m; only the latest is kept."""
+        asked = stator, places, step
+        latest, motion = self._latest  # once: a worker may have several threads
+        if latest != asked:
+            self._count += 1
+            self.progress(f"stator {self._count}")
+            begun, solve = time.perf_counter(), fem.one_blas_thread(solved_motion)
+            try:
+                motion = solve(stator, places, tolerance=self._goal(stator, places, step), slider=self.slider)
+            finally:
+                self.seconds += time.perf_counter() - begun
+            self._latest = asked, motion
+        return motion
+
+    def take(self, record: Record) -> None:
+        """Take the stator's answer from a run of the scene."""
+        scene, stator = self._resolved({})
+        if stator is not None:
+            places = self._places(scene)[0]
+            self._answers[stator, places, 0] = SolvedStator.of(record.surface_motion, places)
+
+    def ring_up(self, driven: Driven) -> RingUp | None:
+        """Return how the surface's motion grows and fades in a burst; None with a given wave and under a transducer."""
+        center = driven.scene.slider.center
+        if driven.scene.burst is None or driven.solved is None or driven.solved.at[center][-1]:
+            return None
+        alone = stator_alone(driven.scene)
+        bursting = replace(alone, drive=replace(alone.drive, burst=driven.scene.burst))
+        return self._ring_up(bursting, center, progress=self.progress)
+
+    def solve_together(self, many: Iterable[dict], step: int) -> None:
+        """Solve the frequencies of one geometry side by side, where they make a band."""
+        if len(self._answers) * max(1, len(self.places)) > MAX_KEPT:
+            self._answers.clear()
+        groups = {}
+        for changes in many if self.limits else ():
+            with suppress(SceneError):  # said when it is its turn
+                scene, stator = self._resolved(changes)
+                places = self._places(scene)[1]
+                if self._in_band(stator, places) and (stator, places, step) not in self._answers:
+                    fixed = replace(stator, drive=replace(stator.drive, frequency=self.limits[0]))
+                    groups.setdefault((fixed, places), {})[stator.frequency] = stator
+        for (fixed, places), stators in groups.items():
+            begun = time.perf_counter()
+            # what fails here is tried by itself, and says why
+            with suppress(RunError, ValueError, ArithmeticError, fem.ConvergenceError):
+                along, goal = tuple(dict.fromkeys(x for x, _ in places)), self._goal(fixed, places, step)
+                band = self._band(fixed, *self.limits, places=along, tolerance=goal, progress=_silent)
+                waves = band.waves(list(stators), resolve.drive(fixed))
+                for stator, wave in zip(stators.values(), waves, strict=True):
+                    motion = surface_motion(wave, stator.stator, places, slider=self.slider)
+                    self._answers[stator, places, step] = SolvedStator.of(motion, places)
+            self.seconds += time.perf_counter() - begun
+
+    def _answers_of(self, many: list[dict], also, step: int, threads: int | None) -> list[dict]:
+        """Return the answers with the stator of a step; ``finer`` where a better one would help."""
+        answers: list[dict] = [{} for _ in many]
+        ready: dict[int, Driven] = {}
+        for at, changes in enumerate(many):
+            try:
+                if self.free:
+                    answers[at] = _free_answer(self.scene(changes), self.tolerance)
+                    continue
+                driven = self.contact(changes, step)
+                if len(driven.scene.levels) != 1:
+                    count = len(driven.scene.levels)
+                    raise SceneError(driven.level_key, f"must be one value at a point, got {count}")
+                ready[at] = driven
+            except Exception as error:
+                answers[at] = {"status": reason(error)}
+        steady = [
+            at for at, each in ready.items() if each.scene.slider is not None and each.scene.burst is None
+        ]
+        rows = averaged_answers(
+            [(ready[at], ready[at].level) for at in steady], self.tolerance, threads=threads
+        )
+        side_by_side = dict(zip(steady, rows, strict=True))
+        for at, driven in ready.items():
+            try:
+                answer = side_by_side.get(at) or self._alone(driven, step)
+                answers[at] = amplitudes(driven) | also_asked(also, self.tolerance, driven, answer)
+            except Exception as error:
+                answers[at] = {"status": reason(error)}
+        return answers
+
+    def _alone(self, driven: Driven, step: int) -> dict:
+        """Return the answer of a contact solved by itself, as in a run."""
+        scene, error = driven.scene, driven.stator_error
+        if scene.slider is None:
+            missed = error > self.tolerance
+            status = f"above tolerance: the stator's error is {error:.1e}" if missed else "ok"
+            return {"relative_error": error if driven.level else 0.0, "status": status}
+        along = None
+        if scene.burst is not None and driven.solved is not None and scene.slider.travel is not False:
+            motion = self.motion(stator_alone(scene), tuple(driven.solved.at), step)
+            along = wave_along(motion, scene.slider)
+        driven = replace(driven, ringing=self.ring_up(driven), along=along)
+        answer = slider_answer(driven, tolerance=self.tolerance, progress=_silent)
+        point, parts = dict(answer.points[0]), answer.parts[0]
+        if "relative_error" not in point:
+            return {"status": f"no answer: {point['status']}"}
+        return point | judged(self.tolerance, *parts, point["status"])
+
+    def _read(self, name: str, changes: tuple):
+        """Return a block with some keys changed, or why it is refused."""
+        table = {name: self.table[name]} if name in self.table else {}
+        try:
+            for key, value in changes:
+                table = replaced(table, key, value)
+            return self._rules[name].read(name, table[name])
+        except SceneError as error:
+            return error.with_traceback(None)
+
+    def _resolved(self, changes: dict) -> tuple[Scene, Scene | None]:
+        """Return the scene with its automatic values found, and its stator alone at 1 V; None for a given wave."""
+        scene, stator, found = self.scene(changes), None, {}
+        if scene.stator is not None:
+            found_circuit = scene.drive.match == "auto" or scene.drive.recovery is not None
+            spread = found_circuit and resolve.diffracts(scene)
+            stator = self._stator(
+                scene.stator, scene.transducer, scene.piece, at_one_volt(scene.drive), spread
+            )
+            if scene.crossed:
+                resolve.refuse_covered(replace(scene, transducer=stator.transducer))
+            drive = replace(stator.drive, voltage=scene.levels, burst=scene.drive.burst)
+            found = {"stator": stator.stator, "transducer": stator.transducer, "drive": drive}
+        if scene.slider is not None:
+            on = None if scene.slider.ball is None else scene.stator
+            found["slider"] = self._slider(scene.slider, on)
+            if scene.burst is not None:
+                refuse_endless_burst(scene, (stator or scene).frequency)
+        same = all(getattr(scene, key) == each for key, each in found.items())
+        return scene if same else replace(scene, **found), stator
+
+    def _places(self, scene: Scene) -> tuple[tuple, tuple]:
+        """Return the places of a scene, its slider's centre the first, and those that one solution serves."""
+        if scene.slider is None:
+            places = ((scene.stator.length / 2, 0.0),)
+            return places, places
+        places = tuple(dict.fromkeys((scene.slider.center, *scene.slider.places)))
+        # without a ball beside the axis the section may stand for the wave
+        beside, length = any(y for _, y in places), scene.stator.length
+        shared = tuple((x, y) for x, y in self.places if 0.0 <= x <= length and (beside or not y))
+        return places, shared if set(places) <= set(shared) else places
+
+    def _answer(self, *asked) -> SolvedStator:
+        """Return what is kept of a stator solved as `motion` does, or raise why there is none."""
+        if asked not in self._answers:
+            try:
+                self._answers[asked] = SolvedStator.of(self.motion(*asked), asked[1], coarse=self.coarse)
+            except Exception as error:
+                self._answers[asked] = error
+        found = self._answers[asked]
+        if isinstance(found, Exception):
+            raise found.with_traceback(None)
+        return found
+
+    def _in_band(self, stator: Scene, places) -> bool:
+        """Return whether a stator is solved as one of a band: there are enough, and no finite aperture."""
+        return (
+            bool(self.limits)
+            and not (stator.crossed or stator.piece)
+            and not resolve.spreads(stator.stator, places if self.slider else None)
+        )
+
+    def _goal(self, stator: Scene, places, step: int) -> float:
+        """Return the relative error allowed of a stator at a step."""
+        if self.coarse:
+            return math.inf
+        share = BAND_SHARE if self._in_band(stator, places) else SHARE
+        return self.tolerance * (share * GAIN**step if self.slider else 1.0)
+
+
+def _resolved_stator(stator: Stator, transducer: tuple, piece: tuple, drive: Drive, spread: bool) -> Scene:
+    alone = Scene(stator=stator, transducer=transducer, piece=piece, drive=drive)
+    return resolve.resolved(alone, spread=spread)
+
+
+def reason(error: Exception) -> str:
+    """Return why a point has no answer, as its status says it."""
+    text = " ".join(str(error).split())
+    if isinstance(error, SceneError):
+        return f"refused: {text}"
+    if isinstance(error, RunError):
+        return f"no answer: {text}"
+    if isinstance(error, MemoryError):
+        return "no answer: it needs more memory than the worker has"
+    return f"no answer: a defect of sawmotor: {type(error).__name__}: {text}"
+
+
+def _free_answer(scene: Scene, tolerance: float) -> dict:
+    """Return the answer of a scene without transducers: its free wave."""
+    record = free_wave_record(resolve.resolved(scene), tolerance)
+    found = {
+        name: record.wave[name] for name in ("phase_velocity_m_per_s", "surface_ratio", "attenuation_per_m")
+    }
+    return found | {"relative_error": record.error["relative"], "status": "ok"}
+
+
+def _silent(text: str) -> None:
+    """Say nothing: a band is one of many."""

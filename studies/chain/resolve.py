@@ -1,0 +1,414 @@
+"""A scene with numbers in place of words, and its stator as ``fem`` knows it.
+
+``period = "auto"``, ``frequency = "center"``, ``preload = "weight"`` and ``ball = "steel"`` become numbers, so that
+the scene kept with a result runs again without asking anything.  What only the physics can refuse (a material, a
+layout) is refused here.
+"""
+
+import math
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+
+from studies.refusal import RunError, SceneError
+from studies.scene import Scene
+from studies.scene.block import keys_of
+from studies.scene.blocks import LENGTHS, Element, IsotropicSolid, PiezoelectricSolid, Stator, Transducer
+from studies.scene.consistency import refuse_endless_burst
+from studies.scene.keys import tolerances
+from studies.scene.slider import Slider
+
+MATCH_TOLERANCE = 1e-3  # of the admittance; an error e of it reflects e^2 / 4 of the power
+
+
+def resolved(scene: Scene, *, spread: bool | None = None) -> Scene:
+    """Return the scene with its automatic values found; SceneError if material, moduli or layout are impossible."""
+    if scene.stator is not None:
+        if scene.transducer:
+            scene = _with_source_numbers(scene)
+        _check_layout(scene)
+        if scene.crossed:
+            scene = replace(scene, stator=replace(scene.stator, diffraction=True))
+        if scene.transducer:
+            scene = _with_circuit(scene, spread)
+    if scene.slider is None:
+        return scene
+    if scene.burst is not None:
+        refuse_endless_burst(scene, scene.frequency)
+    scene = replace(scene, slider=resolved_slider(scene.slider, scene.stator))
+    if scene.slider.pillars is not None:
+        from studies.chain.pillars import check_pillars
+
+        check_pillars(scene)
+    tolerances(scene)
+    return scene
+
+
+def resolved_slider(slider: Slider, stator: Stator | None) -> Slider:
+    """Return a slider with its preload and its moduli as numbers, those of a named ball on this stator."""
+    slider = replace(slider, preload=slider.preload_force)
+    if slider.pillars is not None:
+        from studies.chain.pillars import resolved_pillars
+
+        slider = replace(resolved_pillars(slider), shape="punch")
+    if slider.ball is None:
+        return slider
+    from studies.chain.moduli import pair_moduli
+
+    normal, tangential = pair_moduli(slider.ball, solid(stator))
+    return replace(slider, ball=None, effective_modulus=normal, tangential_modulus=tangential)
+
+
+def solid(block: Stator):
+    """Return the stator's ``fem.Solid``, rotated to its orientation."""
+    import fem
+
+    with _refused("stator.material"):
+        crystal = _crystal(block.material)
+        own = _given(block, "mechanical_quality", "dielectric_loss")
+        return fem.rotated(replace(crystal, **own) if own else crystal, block.orientation)
+
+
+def _crystal(given: str | PiezoelectricSolid | IsotropicSolid):
+    """Return the ``fem.Solid`` of a name of the catalogue or of a table, in the crystal's frame."""
+    import fem
+
+    if isinstance(given, PiezoelectricSolid):
+        return fem.anisotropic(**_given(given, *keys_of(PiezoelectricSolid)))
+    if isinstance(given, IsotropicSolid):
+        return fem.isotropic(**_given(given, *keys_of(IsotropicSolid)))
+    return fem.material(given)
+
+
+def stator(block: Stator):
+    """Return the ``fem.Stator`` of a stator block."""
+    import fem
+
+    rotated, own = solid(block), _given(block, "length", "bottom", "ends", "above")
+    thickness = math.inf if block.thickness == "half-space" else block.thickness
+    with _refused("stator"):
+        return fem.Stator(solid=rotated, thickness=thickness, **own)
+
+
+def whole_stator(scene: Scene):
+    """Return the ``fem.Stator`` of a scene with its meshed pieces."""
+    return replace(stator(scene.stator), pieces=pieces(scene)) if scene.piece else stator(scene.stator)
+
+
+def pieces(scene: Scene) -> tuple:
+    """Return the ``fem.MeshPiece`` objects of a scene, one for each place."""
+    import fem
+
+    found = []
+    for index, block in enumerate(scene.piece):
+        path = f"piece.{index}"
+        solids = tuple(
+            (name, _piece_solid(given, scene.stator, f"{path}.materials.{name}"))
+            for name, given in block.materials or ()
+        )
+        with _refused(f"{path}.file"):
+            mesh = _mesh(block.file, LENGTHS[block.length_unit])
+        found += [
+            fem.MeshPiece(
+                name=block.label, mesh=mesh, position=place, solids=solids, electrodes=block.electrodes or ()
+            )
+            for place in block.position
+        ]
+    return tuple(found)
+
+
+def _mesh(file: str, unit: float):
+    """Return the ``fem.SectionMesh`` of a file as it is now."""
+    path = Path(file)
+    stamp = path.stat().st_mtime_ns if path.is_file() else 0
+    return _read_mesh(file, unit, stamp)
+
+
+@lru_cache(32)
+def _read_mesh(file: str, unit: float, stamp: int):
+    import fem
+
+    return fem.read_mesh(file, unit)
+
+
+def _piece_solid(given, block: Stator, path: str):
+    """Return the ``fem.Solid`` of a surface group of a mesh, in the orientation of the stator."""
+    import fem
+
+    with _refused(path):
+        return fem.rotated(_crystal(given), block.orientation)
+
+
+def transducers(scene: Scene) -> tuple:
+    """Return the ``fem.Transducer`` objects of a scene whose periods are numbers."""
+    with _refused("transducer"):
+        return tuple(_transducer(block, block.period) for block in scene.transducer)
+
+
+def section_row(scene: Scene) -> tuple:
+    """Return `transducers` for what knows a single section along x; a SceneError where they have other lines."""
+    if scene.crossed:
+        rule = "must all have the angle 0 and y = 0 here: this answer is that of one section along x"
+        raise SceneError("transducer", f"{rule}; sawmotor run, sweep and view take turned ones")
+    return transducers(scene)
+
+
+def rows(scene: Scene) -> tuple:
+    """Return the `fem.rows_of` a scene with turned transducers."""
+    import fem
+
+    return fem.rows_of(stator(scene.stator), scene.stator.width, transducers(scene), drive(scene))
+
+
+def first_row(scene: Scene, place: tuple[float, float]) -> tuple[Scene, float]:
+    """Return the scene of the section that a turned scene's answers refer to, and where in it a place lies, m."""
+    if not scene.crossed:
+        return scene, place[0]
+    row = rows(scene)[0]
+    blocks, given = {each.name: each for each in scene.transducer}, scene.drive
+    alone = tuple(
+        replace(blocks[each.name], center=each.center, angle=0.0, pattern=each.pattern)
+        for each in row.transducers
+    )
+    sources = tuple(
+        (name, size) for name, size in given.driven.items() if name in [each.name for each in alone]
+    )
+    return replace(
+        scene,
+        stator=replace(scene.stator, length=row.stator.length),
+        transducer=alone,
+        drive=replace(given, sources=sources) if given.sources is not None else given,
+    ), float(row.local(*place)[0])
+
+
+def driven(scene: Scene):
+    """Return the ``fem.Transducer`` that is driven; of several the first."""
+    return next(each for each in transducers(scene) if each.name == scene.drive.transducer)
+
+
+def _transducer(block: Transducer, period: float):
+    import fem
+
+    (x, y), alike = block.place, "name finger_pairs metallisation aperture termination pattern split".split()
+    own = {name: getattr(block, name) for name in alike}
+    return fem.Transducer(center=x, center_y=y, angle=math.radians(block.angle % 360), period=period, **own)
+
+
+def _alone(block: Transducer, period: float):
+    """Return the ``fem.Transducer`` of a block in the axes of its waves."""
+    return _transducer(replace(block, center=block.place[0], angle=0.0), period)
+
+
+def drive(scene: Scene):
+    """Return the ``fem.Drive`` of a scene with transducers."""
+    from fem import Drive
+
+    return Drive(
+        sources=scene.drive.driven, impedance=scene.drive.source_impedance, match=_ladder(scene.drive.match)
+    )
+
+
+def _ladder(match: str | tuple) -> tuple:
+    """Return the ``fem.Element`` objects of a ladder as read."""
+    import fem
+
+    found = []
+    for each in () if isinstance(match, str) else match:
+        place, kind = each.name.split("_")
+        value, quality = getattr(each, each.name), math.inf if each.Q is None else each.Q
+        found.append(fem.Element(place=place, kind=kind, value=value, quality=quality))
+    return tuple(found)
+
+
+def diffracts(scene: Scene) -> bool:
+    """Return whether a scene's transducers have finite apertures: asked for, or under a slider by default."""
+    return not scene.piece and spreads(scene.stator, None if scene.slider is None else scene.slider.places)
+
+
+@lru_cache(64)
+def spreads(block: Stator, places: tuple | None) -> bool:
+    """Return whether the finite aperture is computed at places (x, y) of contacts; None without a slider."""
+    given = block.diffraction
+    return bool(given) or (
+        given is None and places is not None and not default_refusal(stator(block), places)
+    )
+
+
+def default_refusal(stator, places) -> str:
+    """Return why the section stands for a `fem.Stator` where a scene does not decide, a sentence; or nothing.
+
+    Contacts beside the axis, among the ``places`` (x, y), are on the beam's slopes, which the section does not know.
+    """
+    import fem
+
+    if fem.beam_refusal(stator):
+        return fem.beam_refusal(stator)
+    reflects, turns = stator.ends != "absorbing", fem.isotropic_about_normal(stator.solid)
+    if (turns and not reflects) or any(y for _, y in places):
+        return ""
+    where, times = ("between reflecting ends", "2 to 4") if turns else ("in this cut", "1.4 to 2")
+    return (
+        f"stator.diffraction is absent, and {where} the beam takes {times} times as long as the section; true "
+        "computes it"
+    )
+
+
+def port_admittance(scene: Scene, frequency, tolerance: float, *, spread: bool | None = None):
+    """Return the `fem.PortAdmittance` of a scene at one or several frequencies in Hz, one for all its answers."""
+    import fem
+
+    return fem.port_admittance(
+        whole_stator(scene),
+        section_row(scene),
+        frequency=frequency,
+        tolerance=tolerance,
+        finite_apertures=diffracts(scene) if spread is None else spread,
+        mirror_width=scene.stator.mirror_width,
+    )
+
+
+def _with_circuit(scene: Scene, spread: bool | None) -> Scene:
+    """Find the voltages of given powers, the receiver's load and the elements of an automatic match."""
+    import fem
+
+    given = scene.drive
+    if given.power is not None:
+        scene = replace(scene, drive=replace(given, voltage=given.levels, power=None))
+    recovery = given.recovery
+    matched = recovery is not None and recovery.rectifier is None and recovery.load == "matched"
+    if not matched and given.match != "auto":
+        return _with_load(scene)
+    with _refused("drive.match"):
+        ports = port_admittance(scene, scene.frequency, MATCH_TOLERANCE, spread=spread)
+    about = (ports.matrix, ports.names)
+    if recovery is not None:
+        load = None
+        if matched:
+            auto = given.match == "auto"
+            with _refused("drive.recovery.load"):
+                load = fem.matched_load(
+                    *about,
+                    transducers(scene),
+                    drive(scene),
+                    recovery.receiver,
+                    scene.frequency,
+                    source_matched=auto,
+                )
+        scene = _with_load(scene, load)
+    if given.match == "auto":
+        seen = fem.solve_circuit(*about, transducers(scene), given.transducer, scene.frequency).admittance
+        with _refused("drive.match"):
+            ladder = fem.best_match(complex(given.source_impedance), seen, scene.frequency)
+        elements = tuple(Element(**{f"{each.place}_{each.kind}": each.value}) for each in ladder) or "none"
+        scene = replace(scene, drive=replace(scene.drive, match=elements))
+    return scene
+
+
+def _with_load(scene: Scene, load: complex | None = None) -> Scene:
+    """Return the scene with the load of `drive.recovery`, given or found, across the receiver."""
+    recovery = scene.drive.recovery
+    if recovery is None:
+        return scene
+    recovery = replace(recovery, load=load or recovery.rectifier_load or recovery.load)
+    row = tuple(
+        replace(each, termination=recovery.load) if each.name == recovery.receiver else each
+        for each in scene.transducer
+    )
+    return replace(scene, transducer=row, drive=replace(scene.drive, recovery=recovery))
+
+
+def _with_source_numbers(scene: Scene) -> Scene:
+    """Find the automatic periods, or the drive's frequency, of the strongest surface wave (fem/solve/passband.py)."""
+    import fem
+
+    block = stator(scene.stator)
+    if "phi" not in fem.fields(block.solid):
+        rule = f"must be absent on {block.solid.name}: it is not piezoelectric in this orientation"
+        raise SceneError("transducer", rule)
+    with _refused("drive.frequency"):
+        if scene.frequency == "center":
+            driven = scene.driven_transducer
+            frequency = fem.best_frequency(block, _alone(driven, driven.period))
+            return replace(scene, drive=replace(scene.drive, frequency=frequency))
+
+    def with_period(each: Transducer) -> Transducer:
+        if not isinstance(each.period, str):
+            return each
+        if each.period == "auto" and each.has_two_combs:
+            found = fem.best_period(block, _alone(each, 1.0), scene.frequency)
+        else:
+            bulk = replace(scene.stator, thickness="half-space")
+            found = _half_space_period(bulk, scene.frequency, each.metallisation)
+        return replace(each, period=float(found))
+
+    with _refused("transducer.period"):
+        return replace(scene, transducer=tuple(with_period(each) for each in scene.transducer))
+
+
+@lru_cache(256)  # points of a sweep or a search share most of them
+def _half_space_period(block: Stator, frequency: float, metallisation: float) -> float:
+    import fem
+
+    return fem.automatic_period(solid(block), frequency, metallisation)
+
+
+def _check_layout(scene: Scene) -> None:
+    import fem
+
+    block, row = whole_stator(scene), transducers(scene)
+    with _refused("transducer", [each.name for each in row], [each.label for each in scene.piece]):
+        if not scene.crossed:
+            fem.check_layout(block, row)
+            return
+        fem.check_plan(block, scene.stator.width, row)
+    if not fem.isotropic_about_normal(block.solid):
+        rule = (
+            "may be turned, or stand beside the middle line, in solids isotropic about z alone; this cut of"
+        )
+        raise SceneError("transducer", f"{rule} {block.solid.name} is none")
+    refuse_covered(scene)
+
+
+def refuse_covered(scene: Scene) -> None:
+    """Refuse contacts on a turned transducer."""
+    import fem
+
+    row = transducers(scene)
+    for place in () if scene.slider is None else scene.slider.places:
+        for each, given in zip(row, scene.transducer, strict=True):
+            if given.turned and fem.covers(each, place):
+                where = f"({place[0]:g}, {place[1]:g}) m"
+                raise SceneError(
+                    "slider.position", f"must keep the contacts off {each.name!r}, got one at {where}"
+                )
+
+
+def _given(block, *names: str) -> dict:
+    """Return the keys of a block that were given."""
+    return {name: getattr(block, name) for name in names if getattr(block, name) is not None}
+
+
+@contextmanager
+def _refused(path: str, names=(), pieces=()):
+    """Turn a refusal of fem into the scene's, and no answer into the run's.
+
+    ``names`` are those of the transducers, ``pieces`` those of the meshed pieces.
+    """
+    from fem import ConvergenceError, InputError
+
+    try:
+        yield
+    except ConvergenceError as error:
+        raise RunError(str(error)) from None
+    except InputError as error:
+        key = error.key
+        if error.owner in names:
+            key = key.replace("transducer", f"transducer.{names.index(error.owner)}", 1)
+        if key.startswith("piece") and error.owner in pieces:
+            key = key.replace("piece", f"piece.{pieces.index(error.owner)}", 1)
+        if not key.startswith(("stator.", "transducer", "piece")):
+            key = path if path.endswith(f".{key}") else f"{path}.{key}"
+        raise SceneError(key, error.rule) from None
+    except ValueError as error:
+        raise SceneError(path, str(error).splitlines()[0]) from None

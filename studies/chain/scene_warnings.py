@@ -1,0 +1,99 @@
+"""Remarks on a scene before anything is computed: sizes that no motor has, mistaken units, balls where none can be."""
+
+import math
+from collections.abc import Iterator
+from itertools import combinations
+
+from studies.scene import Scene
+from studies.scene.slider import Slider
+
+LIFTED = 0.999  # of the weight: a preload below it does not hold the slider against gravity alone
+MAX_USUAL_LENGTH = 1.0  # m of a stator: a longer one is probably a mistaken unit
+MAX_USUAL_RADIUS = 0.02  # m of a ball, where no stator says how large it may be
+MAX_USUAL_FRICTION = 1.5  # of dry contacts in air; clean metals in vacuum alone have more
+# radius of the area of contact at rest over the wavelength, from which the surface is not flat and in phase under it
+MAX_CONTACT_SHARE = 0.05
+_BALLS = {"sphere": "balls", "punch": "punches"}
+MAX_BALLS_COMPARED = 1000  # places: of more than that, the first are compared with one another
+
+
+def scene_warnings(scene: Scene) -> Iterator[str]:
+    """Yield warnings that need no computation, each with key, value, unit and what to do."""
+    stator, slider = scene.stator, scene.slider
+    if stator is not None and stator.length > MAX_USUAL_LENGTH:
+        yield f"stator.length is {stator.length:g} m: a number without a unit is in m"
+    if slider is None:
+        return
+    yield from _sizes(scene, slider)
+    for each in scene.transducer:
+        half = each.finger_pairs * each.period / 2 if isinstance(each.period, float) else 0.0
+        if slider.position is None or each.turned:
+            continue
+        if abs(slider.center[0] - each.place[0]) < half:
+            yield f"the slider lies over the fingers of transducer {each.name}: its balls would rub on the metal"
+    weight = slider.mass * slider.gravity
+    if isinstance(slider.preload, float) and 0.0 < slider.preload < LIFTED * weight:
+        yield (
+            f"slider.preload, {slider.preload * 1e3:.4g} mN, is less than the weight of the slider's "
+            f"{slider.mass * 1e3:.4g} g, {weight * 1e3:.4g} mN, which it includes: something lifts the slider, or a "
+            "unit is mistaken"
+        )
+    if isinstance(slider.contacts, int) and slider.contacts > 1:
+        yield (
+            f"contacts = {slider.contacts} means {slider.contacts} balls at one place, moved by the same wave: "
+            'give their offsets along x instead, such as contacts = ["-5 mm", "5 mm"]'
+        )
+
+
+def _sizes(scene: Scene, slider: Slider) -> Iterator[str]:
+    """Yield warnings on radius, distances and friction coefficient that no motor has."""
+    if slider.static_coefficient > MAX_USUAL_FRICTION:
+        yield (
+            f"slider.friction_coefficient is {slider.static_coefficient:g}: dry contacts have 0.05 to "
+            f"{MAX_USUAL_FRICTION:g}"
+        )
+    if slider.pillars is not None:
+        return
+    diameter, stator, balls = 2 * slider.radius, scene.stator, _BALLS[slider.shape]
+    if stator is None:
+        if slider.radius > MAX_USUAL_RADIUS:
+            yield f"slider.radius is {slider.radius:g} m, {balls} of {diameter:g} m: a number without a unit is in m"
+    elif diameter > (across := min(stator.length, stator.width or math.inf)):
+        yield (
+            f"slider.radius = {slider.radius:g} m means {balls} of {diameter:g} m on a stator whose surface is "
+            f"{across:g} m across: a number without a unit is in m"
+        )
+    waves = [each.period for each in scene.transducer if isinstance(each.period, float)]
+    if (
+        waves
+        and isinstance(slider.preload, float)
+        and (area := _area_radius(slider)) > MAX_CONTACT_SHARE * min(waves)
+    ):
+        yield (
+            f"the area of contact has a radius of {area * 1e6:.3g} um at rest, {area / min(waves):.2g} wavelengths: "
+            "the model takes the surface under a contact as flat and in phase: a smaller slider.radius, or less "
+            "preload"
+        )
+    apart, first, second = _nearest(slider)
+    if apart < diameter * (1 - 1e-12):
+        yield (
+            f"{balls} of {diameter * 1e3:g} mm overlap: slider.contacts {first + 1} and {second + 1} are "
+            f"{apart * 1e3:.4g} mm apart: a smaller slider.radius, or places further apart"
+        )
+
+
+def _area_radius(slider: Slider) -> float:
+    """Return the radius of the area of contact at rest, m, each contact with an equal share (Hertz; a punch's own)."""
+    if slider.shape == "punch" or slider.effective_modulus is None:
+        return slider.radius if slider.shape == "punch" else 0.0
+    share = slider.preload / len(slider.offsets)
+    return (0.75 * share * slider.radius / slider.effective_modulus) ** (1 / 3)
+
+
+def _nearest(slider: Slider) -> tuple[float, int, int]:
+    """Return the smallest distance of two contacts, m, and which they are; infinite for a mere number of them."""
+    if isinstance(slider.contacts, int):
+        return math.inf, 0, 0
+    places = slider.offsets[:MAX_BALLS_COMPARED]
+    pairs = ((math.dist(p, q), i, j) for (i, p), (j, q) in combinations(enumerate(places), 2))
+    return min(pairs, default=(math.inf, 0, 0))

@@ -1,0 +1,75 @@
+"""What is kept of a solved stator, and the contact that stands on it: predictions for other values share both."""
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+from studies.chain.bridge import DrivenContact
+from studies.chain.surface_motion import SurfaceMotion
+from studies.scene import Scene
+from studies.scene.blocks import Drive
+
+COARSE_ERROR = 0.05  # of the coarsest discretisation, which does not estimate its own (1.7 to 4.5 % seen)
+KEPT = 10_000  # drives in memory
+PLACE_KEYS = ("slider.position", "slider.contacts")
+
+
+def of_stator(key: str) -> bool:
+    """Return whether a change of a key needs the section or its circuit again."""
+    own = key.startswith(("stator.", "transducer.", "drive."))
+    return own and key not in ("drive.voltage", "drive.power", "drive.burst")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SolvedStator:
+    """What is kept of a solved stator."""
+
+    # by place (x, y) in m: u_x and u_z in m per V, relative error, whether it lies under a transducer
+    at: dict[tuple[float, float], tuple[complex, complex, float, bool]]
+    frequency: float  # Hz
+    admittance: complex  # S
+    electrode_voltage: complex  # V per V of the source
+
+    @classmethod
+    def of(cls, motion: SurfaceMotion, places, *, coarse: bool = False) -> "SolvedStator":
+        """Return what is kept of a surface motion; ``coarse``: of the coarsest discretisation."""
+        tangential, _, normal = motion.at(places)
+        errors = [COARSE_ERROR] * len(places) if coarse else motion.errors(places)
+        covered = map(motion.covered, places)
+        rows = zip(map(complex, tangential), map(complex, normal), map(float, errors), covered, strict=True)
+        return cls(
+            at=dict(zip(places, rows, strict=True)), frequency=float(motion.wave.frequency),
+            admittance=motion.circuit.admittance, electrode_voltage=motion.circuit.voltage,
+        )  # fmt: skip
+
+    def orbits(self, places) -> tuple:
+        """Return the contact.Orbit of 1 V at some of the places."""
+        from contact import Orbit
+
+        return tuple(
+            Orbit(frequency=self.frequency, tangential=tangential, normal=normal)
+            for tangential, normal, _, _ in map(self.at.get, places)
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Driven(DrivenContact):
+    """The contact of a scene with changed values, or its surface motion where it has no slider."""
+
+    solved: SolvedStator | None = None  # None with a given wave
+
+    @property
+    def level(self) -> float:
+        """Of several voltages or given amplitudes of the scene the first."""
+        return self.scene.levels[0]
+
+
+def stator_alone(scene: Scene) -> Scene:
+    """Return the stator of a resolved scene alone, at 1 V and without burst."""
+    alone = {name: getattr(scene, name) for name in ("stator", "transducer", "piece")}
+    return Scene(**alone, drive=at_one_volt(scene.drive))
+
+
+@lru_cache(KEPT)
+def at_one_volt(drive: Drive) -> Drive:
+    """Return a drive at 1 V, without power and burst."""
+    return replace(drive, voltage=(1.0,) if drive.levels else None, power=None, burst=None)

@@ -1,0 +1,104 @@
+"""Steady states of many contacts at once, each with its error.
+
+An averaged state is taken where its error keeps a share of the tolerance, else the motion itself is solved, as in a
+run. Every answer at other values comes from here: one rule decides between both.
+"""
+
+import contact
+from studies.chain.bridge import DrivenContact
+from studies.chain.points import point_answer
+
+SHARE = 0.25  # of the tolerance, for the contact and, at first, for the stator
+AVERAGED_METHODS = ("auto", "averaged")  # of a scene, for which the compiled loop may stand
+
+
+def steady_answers(
+    asked: list[tuple[DrivenContact, float]], tolerance: float, *, threads: int | None = None
+) -> list[dict]:
+    """Return the steady state of each contact at a level.
+
+    Parameters
+    ----------
+    asked : list of (DrivenContact, float)
+        The level is a factor on the contact's orbits: V of the source, or m of a given amplitude.
+    tolerance : float
+        Of the velocity, over its reference speed.
+
+    Returns
+    -------
+    list of dict
+        ``velocity_m_per_s``, ``regime``, ``relative_error`` and ``status``; the status alone where there is no answer.
+    """
+    answers = averaged_answers(asked, tolerance, threads=threads)
+    for at, (driven, level) in enumerate(asked):
+        if answers[at] is None:
+            point, parts, _ = point_answer(driven, level, tolerance, bursting=False)
+            known = "relative_error" in point
+            answers[at] = (
+                point | judged(tolerance, *parts, point["status"])
+                if known
+                else {"status": f"no answer: {point['status']}"}
+            )
+    return answers
+
+
+def averaged_answers(
+    asked: list[tuple[DrivenContact, float]], tolerance: float, *, threads: int | None = None
+) -> list[dict | None]:
+    """Return what `steady_answers` does, None where averaging does not know the state well enough."""
+    takes = [driven.scene.slider.method in AVERAGED_METHODS for driven, _ in asked]
+    rows = iter(
+        averaged(
+            [
+                (driven.slider, driven.orbits, driven.stator_error, level)
+                for (driven, level), taken in zip(asked, takes, strict=True)
+                if taken
+            ],
+            threads,
+        )
+    )
+    answers = []
+    for taken in takes:
+        velocity, regime, of_contact, of_stator, thrust = (
+            next(rows) if taken else (0.0, "unknown", 0.0, 0.0, 0.0)
+        )
+        good = regime != "unknown" and of_contact <= SHARE * tolerance
+        state = {"velocity_m_per_s": velocity, "regime": regime, "thrust_N": thrust}
+        answers.append(state | judged(tolerance, of_stator, of_contact, "ok") if good else None)
+    return answers
+
+
+def judged(tolerance: float, of_stator: float, of_contact: float, status: str) -> dict:
+    """Return an answer's error and status, and whether a better stator would help."""
+    error = of_stator + of_contact
+    above = error > tolerance
+    if above and status == "ok":
+        parts = f"stator {of_stator:.1e}, contact {of_contact:.1e}"
+        status = f"above tolerance: the velocity's error is {error:.1e} ({parts})"
+    finer = above and of_stator > SHARE * tolerance
+    return {"relative_error": error, "status": status, "finer": finer}
+
+
+def averaged(asked: list[tuple], threads: int | None = None) -> list[tuple]:
+    """Return averaged steady states, each of (slider, orbits, wave error, factor on the orbits).
+
+    An answer is velocity, regime, error, error from the wave and blocked thrust.  Those with equally many orbits are
+    computed side by side, in one compiled loop (`contact.steady_sweep`); what averaging does not know has the regime
+    "unknown".
+    """
+    answers: list[tuple] = [()] * len(asked)
+    for count in {len(orbits) for _, orbits, _, _ in asked}:
+        members = [at for at, each in enumerate(asked) if len(each[1]) == count]
+        sliders, waves, which, factors = {}, {}, [], []
+        for slider, orbits, error, factor in (asked[at] for at in members):
+            first = sliders.setdefault(slider, len(sliders))
+            which.append((first, waves.setdefault((orbits, error), len(waves))))
+            factors.append(factor)
+        orbits, errors = zip(*waves, strict=True)
+        given = {"which": which, "factors": factors, "wave_errors": errors, "threads": threads}
+        found = contact.steady_sweep(list(sliders), orbits, **given)
+        names = ("velocity", "regime", "relative_error", "error_from_wave", "blocked_thrust")
+        rows = zip(*(getattr(found, name).tolist() for name in names), strict=True)
+        for at, row in zip(members, rows, strict=True):
+            answers[at] = row
+    return answers

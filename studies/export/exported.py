@@ -1,0 +1,36 @@
+"""What an export consists of: files by name, an answer in words, and pictures."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from studies.refusal import SceneError
+
+
+@dataclass(frozen=True, kw_only=True)
+class Exported:
+    """Files of one export."""
+
+    files: dict[str, bytes | str] = field(repr=False)
+    answer: tuple[tuple[str, str], ...]  # rows of a name and a line, for the reader
+    pictures: dict[str, Callable] = field(
+        default_factory=dict, repr=False
+    )  # file: function that draws on an Axes
+    remarks: tuple[str, ...] = ()  # what the user should know, on stderr
+
+    def write(self, folder: Path) -> None:
+        """Write the files into a directory."""
+        for name, content in self.files.items():
+            content = content.encode() if isinstance(content, str) else content
+            (folder / name).write_bytes(content)
+
+    def write_alone(self, path: Path) -> None:
+        """Write the first file, which stands alone, to a path that does not exist yet; SceneError where it exists."""
+        content = next(iter(self.files.values()))
+        try:
+            with path.open("xb") as file:
+                file.write(content.encode() if isinstance(content, str) else content)
+        except FileExistsError:
+            raise SceneError("--out", f"{str(path)!r} exists already, and is not replaced") from None
+        except OSError as error:
+            raise SceneError("--out", f"{str(path)!r} cannot be written: {error.strerror}") from None

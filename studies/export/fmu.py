@@ -1,0 +1,198 @@
+"""The averaged motor as a functional mock-up unit (FMI 3.0 or 2.0, co-simulation): sources, description, library.
+
+The FMU holds C sources that any importer can compile, and the library for this machine where a C compiler is found.
+Inputs: ``drive``, ``load_force``, ``preload``; outputs: ``position``, ``velocity``, ``surface_amplitude``, ``power``.
+Standard: fmi-standard.org, FMI 3.0 (2022) and 2.0 (2014).
+"""
+
+import os
+import platform
+import shutil
+import subprocess
+import sys
+import tempfile
+import zipfile
+from importlib.metadata import version
+from io import BytesIO
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+from studies.export.averaged_motor import AveragedMotor
+from studies.export.c_source import description, header, source, source_text, token
+from studies.refusal import RunError
+
+MODEL = "sawmotor"  # the identifier: name of the library
+STEP = 1e-5  # s, suggested to the importer
+FMI_VERSIONS = ("3", "2")
+PLATFORMS = {  # of FMI 3.0 and 2.0, and the library's ending
+    ("Linux", "x86_64"): ("x86_64-linux", "linux64", ".so"),
+    ("Linux", "aarch64"): ("aarch64-linux", "linux64", ".so"),
+    ("Darwin", "arm64"): ("aarch64-darwin", "darwin64", ".dylib"),
+    ("Darwin", "x86_64"): ("x86_64-darwin", "darwin64", ".dylib"),
+    ("Windows", "AMD64"): ("x86_64-windows", "win64", ".dll"),
+}
+# name, causality, variability, unit, start (None: calculated), meaning; value references count from 1, as in the C file
+VARIABLES = (
+    ("drive", "input", "continuous", None, 0.0, "peak level of the drive; negative: the drive the other way"),
+    ("load_force", "input", "continuous", "N", "load", "external force on the slider along +x"),
+    ("preload", "input", "continuous", "N", "preload", "normal force that holds the slider down, positive"),
+    ("position", "output", "continuous", "m", None, "of the slider along x"),
+    ("velocity", "output", "continuous", "m/s", None, "of the slider along +x"),
+    (
+        "surface_amplitude",
+        "output",
+        "continuous",
+        "m",
+        None,
+        "largest normal amplitude under the contacts, peak",
+    ),
+    ("power", "output", "continuous", "W", None, "into the driven transducer in the steady state"),
+    (
+        "tangential_force",
+        "local",
+        "continuous",
+        "N",
+        None,
+        "mean force of the surface on the slider along +x",
+    ),
+    ("deformation", "local", "continuous", "m", None, "tangential, of the contacts"),
+    ("approach", "local", "continuous", "m", None, "mean normal approach of the contacts"),
+    ("sticks", "local", "discrete", "", None, "the slider sticks to the surface"),
+    ("position_start", "parameter", "fixed", "m", 0.0, "position at the beginning"),
+)
+UNITS = {"V": 'kg="1" m="2" s="-3" A="-1"', "m": 'm="1"', "m/s": 'm="1" s="-1"', "N": 'kg="1" m="1" s="-2"',
+         "W": 'kg="1" m="2" s="-3"'}  # fmt: skip
+
+
+def fmu(motor: AveragedMotor, fmi: str = "3") -> tuple[bytes, str]:
+    """Return the FMU as bytes, and what became of the library: a sentence, empty where it is inside.
+
+    Parameters
+    ----------
+    motor : AveragedMotor
+    fmi : str
+        "3" or "2".
+
+    Raises
+    ------
+    RunError
+        If the compiler refuses the sources.
+    """
+    sources = {
+        "motor.c": source(motor), "motor.h": header(motor), "fmu_variables.c": source_text("fmu_variables.c"),
+        f"fmi{fmi}.c": source_text(f"fmi{fmi}.c"),
+    }  # fmt: skip
+    compiled = ("motor.c", f"fmi{fmi}.c")
+    library, remark = _library(sources, compiled)
+    content = BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("modelDescription.xml", _description(motor, fmi, compiled))
+        archive.writestr("documentation/README.txt", "\n".join(description(motor)) + "\n")
+        for name, text in sources.items():
+            archive.writestr(f"sources/{name}", text)
+        if fmi == "3":
+            archive.writestr("sources/buildDescription.xml", _build_description(compiled))
+        if library is not None:
+            three, two, ending = PLATFORMS[platform.system(), platform.machine()]
+            archive.writestr(f"binaries/{three if fmi == '3' else two}/{MODEL}{ending}", library)
+    return content.getvalue(), remark
+
+
+def compiler() -> list[str] | None:
+    """Return the command of the system's C compiler (CC, cc, gcc or clang); None without one."""
+    given = os.environ.get("CC", "").split()
+    if given:
+        return given if shutil.which(given[0]) else None
+    found = next((name for name in ("cc", "gcc", "clang") if shutil.which(name)), None)
+    return None if found is None else [found]
+
+
+def _library(sources: dict[str, str], compiled) -> tuple[bytes | None, str]:
+    """Return the shared library of the sources, or None and why there is none."""
+    command, known = compiler(), PLATFORMS.get((platform.system(), platform.machine()))
+    if command is None or known is None:
+        reason = (
+            "no C compiler was found (CC, cc, gcc, clang)" if known else f"{sys.platform} is unknown to it"
+        )
+        return None, f"the FMU holds sources but no library, because {reason}: the importer has to compile it"
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in sources.items():
+            (Path(folder) / name).write_text(text, encoding="utf-8")
+        target = f"{MODEL}{known[2]}"
+        flags = ["-O2", "-std=c99", "-shared", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off"]
+        done = subprocess.run(
+            [*command, *flags, "-o", target, *compiled, "-lm"], cwd=folder, capture_output=True, text=True
+        )
+        if done.returncode != 0:
+            first = (done.stderr.strip().splitlines() or ["no message"])[0]
+            raise RunError(f"the C compiler {command[0]} refuses the sources of the FMU: {first}")
+        return (Path(folder) / target).read_bytes(), ""
+
+
+def _description(motor: AveragedMotor, fmi: str, compiled) -> str:
+    text = quoteattr("; ".join(description(motor)))
+    head = (
+        f'fmiVersion="{fmi}.0" modelName={quoteattr(motor.title)} description={text} '
+        f'generationTool="sawmotor {version("sawmotor")}"'
+    )
+    common = f'modelIdentifier="{MODEL}" canHandleVariableCommunicationStepSize="true"'
+    step = f'<DefaultExperiment startTime="0" stopTime="0.3" stepSize="{STEP:g}"/>'
+    outputs = [k for k, row in enumerate(VARIABLES, 1) if row[1] == "output"]
+    units = "".join(f'<Unit name="{name}"><BaseUnit {base}/></Unit>' for name, base in UNITS.items())
+    if fmi == "3":
+        fields = (
+            f'<CoSimulation {common} canGetAndSetFMUState="true" canSerializeFMUState="true"/>'
+            f"<UnitDefinitions>{units}</UnitDefinitions>{step}<ModelVariables>"
+            '<Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>'
+            + "".join(_variable(motor, k, row, fmi) for k, row in enumerate(VARIABLES, 1))
+            + "</ModelVariables><ModelStructure>"
+            + "".join(f'<Output valueReference="{k}"/>' for k in outputs)
+            + "".join(f'<InitialUnknown valueReference="{k}"/>' for k in outputs)
+            + "</ModelStructure>"
+        )
+        return _xml("fmiModelDescription", f"{head} instantiationToken={quoteattr(token(motor))}", fields)
+    files = "".join(f'<File name="{name}"/>' for name in compiled)
+    unknowns = "".join(f'<Unknown index="{k}"/>' for k in outputs)
+    fields = (
+        f'<CoSimulation {common} canGetAndSetFMUstate="true"><SourceFiles>{files}</SourceFiles></CoSimulation>'
+        f"<UnitDefinitions>{units}</UnitDefinitions>{step}<ModelVariables>"
+        + "".join(_variable(motor, k, row, fmi) for k, row in enumerate(VARIABLES, 1))
+        + f"</ModelVariables><ModelStructure><Outputs>{unknowns}</Outputs>"
+        f"<InitialUnknowns>{unknowns}</InitialUnknowns></ModelStructure>"
+    )
+    return _xml("fmiModelDescription", f"{head} guid={quoteattr(token(motor))}", fields)
+
+
+def _variable(motor: AveragedMotor, reference: int, row, fmi: str) -> str:
+    name, causality, variability, unit, start, meaning = row
+    start = {"load": motor.load, "preload": motor.preload}.get(start, start)
+    unit = motor.unit if unit is None else unit
+    head = (
+        f'name="{name}" valueReference="{reference}" description={quoteattr(meaning)} causality="{causality}"'
+    )
+    numbers = (f' unit="{unit}"' if unit else "") + ("" if start is None else f' start="{start!r}"')
+    kind = (
+        ("Boolean" if name == "sticks" else "Real")
+        if fmi == "2"
+        else "Boolean"
+        if name == "sticks"
+        else "Float64"
+    )
+    if fmi == "3":
+        return f'<{kind} {head} variability="{variability}"{numbers}/>'
+    initial = ' initial="calculated"' if start is None else ""
+    initial = ' initial="exact"' if causality == "parameter" else initial
+    return f'<ScalarVariable {head} variability="{variability}"{initial}><{kind}{numbers}/></ScalarVariable>'
+
+
+def _build_description(compiled) -> str:
+    files = "".join(f'<SourceFile name="{name}"/>' for name in compiled)
+    fields = (
+        f'<BuildConfiguration modelIdentifier="{MODEL}"><SourceFileSet language="C99">{files}</SourceFileSet>'
+        "</BuildConfiguration>"
+    )
+    return _xml("fmiBuildDescription", 'fmiVersion="3.0"', fields)
+
+
+def _xml(name: str, attributes: str, fields: str) -> str:
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n<{name} {attributes}>\n{fields}\n</{name}>\n'

@@ -1,0 +1,370 @@
+"""The mask of a scene's transducers: polygons on named layers, snapped to the grid of the lithography.
+
+Each transducer has two combs.  The fingers of the comb "+" hang on a busbar at its upper side (the +y side
+of one that is not turned), those of the comb "-" on one at its lower side; fingers overlap along the aperture and end a
+gap before the other comb's busbar.  A pad touches the outer edge of each busbar.  Open strips ("o") have no busbar.
+Crosses mark the corners of the chip, whose outline is a layer of its own.  x from its left end, y from its middle
+line, as in the scene.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, fields, replace
+from itertools import pairwise
+from math import cos, radians, sin
+
+import numpy as np
+
+from studies.chain import resolve
+from studies.refusal import RunError, SceneError, nearest
+from studies.scene import Scene
+from studies.scene.blocks import Transducer
+from studies.scene.override import toml_value
+from studies.scene.quantity import si_value
+
+LAYERS = {"fingers": 1, "busbars": 2, "pads": 3, "marks": 10, "outline": 20}
+COMBS = {"+": "plus", "-": "minus", "o": "open"}
+PAD_PERIODS, CLEAR_PERIODS = 4.0, 0.5  # default side of a pad, at most; its distance to the chip's edge
+MAX_COORDINATE = 2**31 - 1  # of a GDSII file, in its precision
+GDS_PRECISION = 1e-9  # m
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sizes:
+    """What a scene does not say of a mask, m; None: a default that follows from the transducer's period.
+
+    Attributes
+    ----------
+    busbar : float or None
+        Width of a busbar; a period.
+    end_gap : float or None
+        From a finger's end to the other comb's busbar; the gap between two fingers.
+    pad : float or None
+        Side of a square pad, 0 for none; four periods or what the chip leaves.
+    mark : float
+        Length of an alignment cross, 0 for none.
+    margin : float
+        From the centre of a cross to the chip's edges.
+    grid : float
+        Of the lithography: every corner lies on a multiple of it.
+    """
+
+    busbar: float | None = None
+    end_gap: float | None = None
+    pad: float | None = None
+    mark: float = 2e-4
+    margin: float = 3e-4
+    grid: float = 5e-9
+
+    @classmethod
+    def read(cls, settings: list[str]) -> "Sizes":
+        """Return the sizes of texts ``key=value``, such as ``busbar="0.5 mm"``."""
+        known, given = [each.name for each in fields(cls)], {}
+        for setting in settings:
+            key, equals, text = (part.strip() for part in setting.partition("="))
+            if not equals or key not in known:
+                raise SceneError("--size", f"must be KEY=VALUE, got {setting!r}{nearest(key, known)}")
+            value = si_value(f"size.{key}", toml_value(text), "m")
+            if value < 0.0 or (value == 0.0 and key not in ("pad", "mark")):
+                raise SceneError(f"size.{key}", f"must be positive, got {text}")
+            given[key] = value
+        return cls(**given)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Polygon:
+    """One polygon of a mask."""
+
+    layer: str  # a key of LAYERS
+    transducer: str  # its name; empty for marks and outline
+    comb: str  # "+", "-", "o" or empty
+    corners: np.ndarray = field(repr=False)  # (k, 2), m, in turn, on the grid
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mask:
+    """All polygons of a scene, and what the grid made of them."""
+
+    title: str
+    polygons: tuple[Polygon, ...] = field(repr=False)
+    grid: float
+    transducers: tuple[str, ...]
+    length: float
+    width: float
+    shift: float  # largest distance in x or y that a corner was moved by, m
+    width_error: float  # largest change of a finger's width, m
+    gap: float  # smallest distance of neighbouring fingers after snapping, m
+
+
+def mask(scene: Scene, sizes: Sizes | None = None) -> Mask:
+    """Return the mask of a scene with transducers.
+
+    Raises
+    ------
+    SceneError
+        If there is no transducer, a part leaves the chip, combs touch, or the grid closes the gaps.
+    """
+    sizes = Sizes() if sizes is None else sizes
+    if not scene.transducer:
+        scene.refuse("transducer", "is missing: a mask draws transducers")
+    chosen = resolve.resolved(scene)
+    length, width = chosen.stator.length, chosen.stator.width
+    exact = [each for block in chosen.transducer for each in _transducer(block, sizes, length, width)]
+    polygons = [replace(each, corners=_snapped(each.corners, sizes.grid)) for each in exact]
+    _refuse_outside(polygons, length, width, sizes)
+    _refuse_contact(polygons)
+    polygons += [
+        replace(each, corners=_snapped(each.corners, sizes.grid)) for each in _marks(length, width, sizes)
+    ]
+    _refuse_covered_marks(polygons)
+    box = np.array([[0.0, -width / 2], [length, -width / 2], [length, width / 2], [0.0, width / 2]])
+    polygons.append(Polygon(layer="outline", transducer="", comb="", corners=_snapped(box, sizes.grid)))
+    moved = [
+        float(np.abs(new.corners - old.corners).max()) for new, old in zip(polygons, exact, strict=False)
+    ]
+    return Mask(
+        title=chosen.title or "untitled", polygons=tuple(polygons), grid=sizes.grid,
+        transducers=tuple(block.name for block in chosen.transducer), length=length, width=width, shift=max(moved),
+        **_finger_errors(chosen.transducer, polygons),
+    )  # fmt: skip
+
+
+def _transducer(block: Transducer, sizes: Sizes, length: float, width: float) -> Iterator[Polygon]:
+    """Yield the polygons of a transducer, not snapped."""
+    pitch = block.period / (4 if block.split else 2)
+    half, finger = block.aperture / 2, block.metallisation * pitch
+    gap = pitch - finger if sizes.end_gap is None else sizes.end_gap
+    busbar = block.period if sizes.busbar is None else sizes.busbar
+    signs = block.pattern or ("++--" if block.split else "+-") * block.finger_pairs
+    first = -len(signs) * pitch / 2 + (pitch - finger) / 2
+    last = first + (len(signs) - 1) * pitch + finger
+
+    def polygon(layer, comb, left, right, low, high) -> Polygon:
+        angle = radians(block.angle % 360)
+        c, s = (each if abs(each) > 1e-12 else 0.0 for each in (cos(angle), sin(angle)))  # 90 deg is exact
+        box = np.array([[left, low], [right, low], [right, high], [left, high]])
+        place = np.array(block.place) + box @ np.array([[c, s], [-s, c]])
+        return Polygon(layer=layer, transducer=block.name, comb=comb, corners=place)
+
+    for k, sign in enumerate(signs):
+        left = first + k * pitch
+        reach = gap + busbar / 2  # into the busbar, so that rounding opens no slit
+        low, high = half + reach * (sign == "-"), half + reach * (sign == "+")
+        if sign != "0":
+            yield polygon("fingers", sign, left, left + finger, -low, high)
+    for sign, way in (("+", 1.0), ("-", -1.0)):
+        if sign not in signs:
+            continue
+        inner, outer = half + gap, half + gap + busbar
+        yield polygon("busbars", sign, first, last, *sorted((way * inner, way * outer)))
+        side = sizes.pad
+        if side is None:
+            side = min(PAD_PERIODS * block.period, last - first, _room(block, way, outer, length, width))
+        if side > 0.0:
+            yield polygon("pads", sign, -side / 2, side / 2, *sorted((way * outer, way * (outer + side))))
+
+
+def _room(block: Transducer, way: float, outer: float, length: float, width: float) -> float:
+    """Return how large a pad beyond a busbar may be, a clearance before the chip's edge, m."""
+    angle = radians(block.angle % 360)
+    direction = way * np.array([-sin(angle), cos(angle)])
+    ends = np.array([[0.0, length], [-width / 2, width / 2]])
+    reach = [
+        (ends[axis, int(direction[axis] > 0)] - block.place[axis]) / direction[axis]
+        for axis in (0, 1)
+        if abs(direction[axis]) > 1e-12
+    ]
+    return max(min(reach) - outer - CLEAR_PERIODS * block.period, 0.0)
+
+
+def _marks(length: float, width: float, sizes: Sizes) -> Iterator[Polygon]:
+    if sizes.mark == 0.0:
+        return
+    a, b = sizes.mark / 2, sizes.mark / 20
+    cross = [
+        (-a, -b),
+        (-b, -b),
+        (-b, -a),
+        (b, -a),
+        (b, -b),
+        (a, -b),
+        (a, b),
+        (b, b),
+        (b, a),
+        (-b, a),
+        (-b, b),
+        (-a, b),
+    ]
+    for x in (sizes.margin, length - sizes.margin):
+        for y in (sizes.margin - width / 2, width / 2 - sizes.margin):
+            yield Polygon(layer="marks", transducer="", comb="", corners=np.array(cross) + np.array([x, y]))
+
+
+def _snapped(corners: np.ndarray, grid: float) -> np.ndarray:
+    return np.round(corners / grid) * grid
+
+
+def _refuse_outside(polygons, length: float, width: float, sizes: Sizes) -> None:
+    for each in polygons:
+        (left, low), (right, high) = each.corners.min(axis=0), each.corners.max(axis=0)
+        if left < 0.0 or right > length or low < -width / 2 or high > width / 2:
+            rule = (
+                f"must leave its parts on the chip, 0 to {length:g} m by +-{width / 2:g} m: the {each.layer} of "
+                f"{each.transducer!r} reach from x = {left:g} to {right:g} m and y = {low:g} to {high:g} m; smaller "
+                "size.busbar, size.pad or size.end_gap help"
+            )
+            raise SceneError("transducer", rule)
+
+
+def _refuse_contact(polygons) -> None:
+    """Refuse polygons of different combs that touch."""
+    boxes = np.array(
+        [np.concatenate([each.corners.min(axis=0), each.corners.max(axis=0)]) for each in polygons]
+    )
+    owner = [(each.transducer, each.comb, k if each.comb == "o" else -1) for k, each in enumerate(polygons)]
+    order = np.argsort(boxes[:, 0])
+    for at, k in enumerate(order):
+        later = order[at + 1 :]
+        later = later[: np.searchsorted(boxes[later, 0], boxes[k, 2], side="right")]
+        near = later[(boxes[later, 1] <= boxes[k, 3]) & (boxes[later, 3] >= boxes[k, 1])]
+        for other in near:
+            one, two = polygons[k], polygons[other]
+            if owner[k] != owner[other] and not apart(one.corners, two.corners):
+                names = " and ".join(
+                    f"{each.layer} {each.comb} of {each.transducer!r}" for each in (one, two)
+                )
+                rule = f"{names} touch: smaller size.pad, size.busbar or size.grid help"
+                raise SceneError("transducer", rule)
+
+
+def _refuse_covered_marks(polygons) -> None:
+    marks = [each for each in polygons if each.layer == "marks"]
+    for mark in marks:
+        box = np.array([mark.corners.min(axis=0), mark.corners.max(axis=0)])
+        corners = np.array([box[0], [box[1, 0], box[0, 1]], box[1], [box[0, 0], box[1, 1]]])
+        for each in polygons:
+            if each.layer not in ("marks", "outline") and not apart(corners, each.corners):
+                rule = f"must leave the marks free of the {each.layer} of {each.transducer!r}; 0 draws none"
+                raise SceneError("size.mark", rule)
+
+
+def apart(one: np.ndarray, other: np.ndarray) -> bool:
+    """Return whether a gap lies between two convex polygons (k, 2): along a normal of one of their sides."""
+    for corners in (one, other):
+        sides = np.roll(corners, -1, axis=0) - corners
+        for normal in np.stack([sides[:, 1], -sides[:, 0]], axis=1):
+            a, b = one @ normal, other @ normal
+            if a.max() < b.min() or b.max() < a.min():
+                return True
+    return False
+
+
+def _finger_errors(blocks, polygons) -> dict[str, float]:
+    """Return what the grid made of widths and gaps of the fingers, m."""
+    worst, smallest = 0.0, np.inf
+    for block in blocks:
+        pitch = block.period / (4 if block.split else 2)
+        angle = radians(block.angle % 360)
+        along = np.array([cos(angle), sin(angle)])
+        edges = sorted(
+            (float((each.corners @ along).min()), float((each.corners @ along).max()))
+            for each in polygons
+            if each.transducer == block.name and each.layer == "fingers"
+        )
+        worst = max(worst, max(abs(right - left - block.metallisation * pitch) for left, right in edges))
+        gaps = [after[0] - before[1] for before, after in pairwise(edges)]
+        smallest = min([smallest, *gaps])
+    return {"width_error": worst, "gap": float(smallest)}
+
+
+def draw(mask: Mask, ax, *, beam: bool) -> None:
+    """Draw a mask into an Axes in mm; as lines where it lies on a computed beam."""
+    from matplotlib.collections import PolyCollection
+
+    colours = {"+": "tab:red", "-": "tab:blue", "o": "tab:grey", "": "black"}
+    for comb, colour in colours.items():
+        own = [each.corners * 1e3 for each in mask.polygons if each.comb == comb]
+        if own:
+            face = "none" if comb == "" else colour
+            label = {"": None, "o": "open strips"}.get(comb, f"comb {comb}")
+            ax.add_collection(
+                PolyCollection(own, facecolors=face, edgecolors=colour, linewidths=0.4, label=label)
+            )
+    ax.set_xlim(-0.02e3 * mask.length, 1.02e3 * mask.length)
+    ax.set_ylim(-0.52e3 * mask.width, 0.52e3 * mask.width)
+    ax.set_aspect("equal")
+    ax.set_xlabel("x (mm)")
+    ax.set_ylabel("y (mm)")
+    ax.legend(loc="lower right", ncols=3, fontsize="small", framealpha=0.85)
+    ax.set_title(f"{mask.title}\nmask{' on the computed beam' if beam else ''}", fontsize="medium")
+
+
+def gds(mask: Mask) -> bytes:
+    """Return the mask as GDSII, unit 1 um: layers of ``LAYERS``, datatypes of `datatype`."""
+    from tempfile import TemporaryDirectory
+
+    gdstk = _needed("gdstk")
+    precision = min(GDS_PRECISION, mask.grid)
+    if max(mask.length, mask.width) / precision > MAX_COORDINATE:
+        raise SceneError(
+            "size.grid", f"must be at least {max(mask.length, mask.width) / MAX_COORDINATE:.2g} m here"
+        )
+    library = gdstk.Library("sawmotor", unit=1e-6, precision=precision)
+    cell = library.new_cell("CHIP")
+    for each in mask.polygons:
+        cell.add(gdstk.Polygon(each.corners * 1e6, layer=LAYERS[each.layer], datatype=datatype(mask, each)))
+    for name in mask.transducers:
+        corners = np.vstack([each.corners for each in mask.polygons if each.transducer == name])
+        cell.add(gdstk.Label(name, tuple(corners.mean(axis=0) * 1e6), layer=LAYERS["outline"]))
+    with TemporaryDirectory() as folder:
+        path = f"{folder}/mask.gds"
+        library.write_gds(path)
+        with open(path, "rb") as file:
+            return file.read()
+
+
+def datatype(mask: Mask, polygon: Polygon) -> int:
+    """Return the datatype of a polygon: 10 n + 1, 2 or 3 for the comb +, - or o of the n-th transducer; else 0."""
+    if not polygon.transducer:
+        return 0
+    return 10 * (mask.transducers.index(polygon.transducer) + 1) + list(COMBS).index(polygon.comb) + 1
+
+
+def dxf(mask: Mask) -> bytes:
+    """Return the mask as DXF (R2010), unit 1 um: closed polylines on layers such as FINGERS_left_plus."""
+    from io import StringIO
+
+    ezdxf = _needed("ezdxf")
+    document = ezdxf.new("R2010")
+    document.units = 13  # micrometres
+    space = document.modelspace()
+    for each in mask.polygons:
+        name = layer_name(each)
+        if name not in document.layers:
+            document.layers.add(name)
+        space.add_lwpolyline(each.corners * 1e6, close=True, dxfattribs={"layer": name})
+    text = StringIO()
+    document.write(text)
+    return text.getvalue().encode("utf-8")
+
+
+def layer_name(polygon: Polygon) -> str:
+    """Return the name of a polygon's layer in a DXF file."""
+    parts = [polygon.layer.upper(), polygon.transducer, COMBS.get(polygon.comb, "")]
+    return "_".join(part for part in parts if part)
+
+
+def layer_table(mask: Mask) -> str:
+    """Return the layers of the GDSII file as CSV."""
+    rows = {(LAYERS[each.layer], datatype(mask, each)): layer_name(each) for each in mask.polygons}
+    return "layer,datatype,name\n" + "".join(
+        f"{layer},{kind},{name}\n" for (layer, kind), name in sorted(rows.items())
+    )
+
+
+def _needed(name: str):
+    from importlib import import_module
+
+    try:
+        return import_module(name)
+    except ImportError:
+        raise RunError(f"a mask needs {name}, which is not installed: pip install sawmotor[mask]") from None

@@ -1,0 +1,69 @@
+"""A motor for other simulators: an FMU, C with a header, or its tables as CSV."""
+
+import numpy as np
+
+from studies.export.averaged_motor import COLUMNS, ROWS, AveragedMotor, averaged_motor
+from studies.export.c_source import description, header, source
+from studies.export.exported import Exported
+from studies.export.fmu import FMI_VERSIONS, fmu
+from studies.refusal import SceneError
+from studies.scene import Scene
+
+
+def fmu_files(scene: Scene, name: str, *, fmi: str = "3", tolerance: float, progress) -> Exported:
+    """Return NAME.fmu of a scene with a slider; ``fmi``: "3" or "2"."""
+    if fmi not in FMI_VERSIONS:
+        raise SceneError("--fmi", f"must be one of {', '.join(FMI_VERSIONS)}, got {fmi!r}")
+    motor = averaged_motor(scene, tolerance=tolerance, progress=progress)
+    content, remark = fmu(motor, fmi)
+    return Exported(files={f"{name}.fmu": content}, answer=_answer(motor), remarks=(remark,) * bool(remark))
+
+
+def c_files(scene: Scene, name: str, *, tolerance: float, progress) -> Exported:
+    """Return motor.c and motor.h of a scene with a slider."""
+    motor = averaged_motor(scene, tolerance=tolerance, progress=progress)
+    return Exported(files={"motor.c": source(motor), "motor.h": header(motor)}, answer=_answer(motor))
+
+
+def tables(motor: AveragedMotor) -> dict[str, str]:
+    """Return the tables of a motor as CSV files by name, units in the heads; see `studies.export.reduced_motor`."""
+    head = "".join(f"# {line}\n" for line in description(motor))
+    tau = np.linspace(0.0, 1.0, ROWS)
+    nu = np.linspace(0.0, 1.0, COLUMNS) ** 2
+    slider, parts, at = motor.slider, {}, 0
+    for drive in motor.drives:
+        loads, at = motor.tables[at : at + ROWS], at + ROWS
+        forces, at = (
+            motor.tables[at : at + 2 * ROWS * COLUMNS].reshape(2, ROWS, COLUMNS),
+            at + 2 * ROWS * COLUMNS,
+        )
+        own = head + (
+            f"# drive {drive.name}: s = {drive.amplitude!r} m per {motor.unit}, v_1 = {drive.saturation(slider)!r} "
+            "(m/s)/m\n# tau = sqrt(s)/(sqrt(s) + sqrt(h + s)), nu = V/(v_1 s), <P> = n K (h + s)^e R, Q = mu <P> g\n"
+            f"# n K = {slider.normal_stiffness * len(drive.orbits) * motor.share!r} N/m^e, "
+            f"e = {1.5 if slider.shape == 'sphere' else 1.0}, mu = {slider.friction_coefficient!r}\n"
+        )
+        label = drive.name.replace(" ", "_")
+        parts[f"mean_load_{label}.csv"] = own + "tau,R\n" + _rows(np.column_stack([tau, loads]))
+        whole = np.hstack([forces[0, :, :0:-1], forces[1, :, 1:]])
+        limits = np.column_stack([forces[0, :, 0], forces[1, :, 0]])
+        signed = np.concatenate([-nu[:0:-1], nu[1:]])
+        columns = ",".join(
+            ["tau", "g_at_0_from_below", "g_at_0_from_above", *(f"g_at_nu={v:.8g}" for v in signed)]
+        )
+        parts[f"mean_force_{label}.csv"] = own + columns + "\n" + _rows(np.column_stack([tau, limits, whole]))
+        if drive.response is not None:
+            response, at = drive.response, at + 2 * len(drive.response)
+            time = drive.response_step * np.arange(len(response))
+            columns = np.column_stack([time, response.real, response.imag])
+            parts[f"ring_up_{label}.csv"] = own + "time_s,factor_real,factor_imaginary\n" + _rows(columns)
+    return parts
+
+
+def _rows(table: np.ndarray) -> str:
+    return "\n".join(",".join(f"{value:.9g}" for value in row) for row in table) + "\n"
+
+
+def _answer(motor: AveragedMotor) -> tuple:
+    title, *lines = description(motor)
+    return (("motor", title), *(("", line) for line in lines))

@@ -1,0 +1,157 @@
+/* FMI 2.0 for co-simulation around motor.c; signatures of the standard, fmi-standard.org. */
+#include <stddef.h>
+#include "fmu_variables.c"
+
+typedef enum { OK, WARNING, DISCARD, ERROR, FATAL, PENDING } Status;
+typedef void (*Log)(void *environment, const char *name, Status status, const char *category, const char *message, ...);
+typedef struct {
+    Log log;
+    void *(*allocate)(size_t, size_t);
+    void (*release)(void *);
+    void *finished;
+    void *environment;
+} Callbacks;
+
+typedef struct {
+    Motor motor;
+    double time;
+    Log log;
+    void *environment;
+    char name[128];
+} Instance;
+
+static Status failed(Instance *instance, const char *message) {
+    if (instance && instance->log)
+        instance->log(instance->environment, instance->name, ERROR, "logStatusError", "%s", message);
+    return ERROR;
+}
+
+EXPORT const char *fmi2GetTypesPlatform(void) { return "default"; }
+EXPORT const char *fmi2GetVersion(void) { return "2.0"; }
+
+EXPORT void *fmi2Instantiate(const char *name, int type, const char *token, const char *resources,
+    const Callbacks *callbacks, int visible, int logging) {
+    (void)resources; (void)visible; (void)logging;
+    if (type != 1 || !token || strcmp(token, SAWMOTOR_TOKEN) != 0) {
+        if (callbacks && callbacks->log)
+            callbacks->log(callbacks->environment, name, ERROR, "logStatusError",
+                           "this FMU is for co-simulation, and its GUID must be the one of its description");
+        return NULL;
+    }
+    Instance *instance = calloc(1, sizeof *instance);
+    if (!instance) return NULL;
+    instance->log = callbacks ? callbacks->log : NULL;
+    instance->environment = callbacks ? callbacks->environment : NULL;
+    strncpy(instance->name, name ? name : "", sizeof instance->name - 1);
+    motor_reset(&instance->motor);
+    return instance;
+}
+
+EXPORT void fmi2FreeInstance(void *instance) { free(instance); }
+
+EXPORT Status fmi2SetDebugLogging(void *instance, int on, size_t count, const char *const categories[]) {
+    (void)instance; (void)on; (void)count; (void)categories;
+    return OK;
+}
+
+EXPORT Status fmi2SetupExperiment(void *instance, int has_tolerance, double tolerance, double start, int has_stop,
+    double stop) {
+    (void)has_tolerance; (void)tolerance; (void)has_stop; (void)stop;
+    ((Instance *)instance)->time = start;
+    return OK;
+}
+
+EXPORT Status fmi2EnterInitializationMode(void *instance) { (void)instance; return OK; }
+
+EXPORT Status fmi2ExitInitializationMode(void *given) {
+    Instance *instance = given;
+    return motor_begin(&instance->motor) ? failed(instance, "preload must be positive") : OK;
+}
+
+EXPORT Status fmi2Terminate(void *instance) { (void)instance; return OK; }
+
+EXPORT Status fmi2Reset(void *given) {
+    Instance *instance = given;
+    motor_reset(&instance->motor);
+    instance->time = 0.0;
+    return OK;
+}
+
+EXPORT Status fmi2GetReal(void *given, const unsigned references[], size_t count, double values[]) {
+    Instance *instance = given;
+    for (size_t k = 0; k < count; k++)
+        if (references[k] == V_STICKS || motor_get(&instance->motor, references[k], instance->time, values + k))
+            return failed(instance, "fmi2GetReal: no such variable");
+    return OK;
+}
+
+EXPORT Status fmi2SetReal(void *given, const unsigned references[], size_t count, const double values[]) {
+    Instance *instance = given;
+    for (size_t k = 0; k < count; k++)
+        if (motor_set(&instance->motor, references[k], values[k]))
+            return failed(instance, "an input is impossible: preload must be positive, the drive zero or positive "
+                                    "where there is but one, and a parameter is set before the simulation begins");
+    return OK;
+}
+
+EXPORT Status fmi2GetBoolean(void *given, const unsigned references[], size_t count, int values[]) {
+    Instance *instance = given;
+    for (size_t k = 0; k < count; k++) {
+        if (references[k] != V_STICKS) return failed(instance, "fmi2GetBoolean: no such variable");
+        values[k] = sawmotor_sticks(&instance->motor.state);
+    }
+    return OK;
+}
+
+EXPORT Status fmi2DoStep(void *given, double now, double step, int no_return) {
+    Instance *instance = given;
+    Motor *motor = &instance->motor;
+    (void)no_return;
+    int reason = sawmotor_advance(&motor->state, motor->drive, motor->load, motor->preload, step);
+    if (reason) return failed(instance, reason == 1 ? "an input is impossible" : "the motion is not finite");
+    instance->time = now + step;
+    return OK;
+}
+
+EXPORT Status fmi2GetFMUstate(void *instance, void **state) {
+    if (!*state && !(*state = malloc(sizeof(Instance)))) return ERROR;
+    memcpy(*state, instance, sizeof(Instance));
+    return OK;
+}
+
+EXPORT Status fmi2SetFMUstate(void *given, void *state) {
+    Instance *instance = given;
+    instance->motor = ((Instance *)state)->motor;
+    instance->time = ((Instance *)state)->time;
+    return OK;
+}
+
+EXPORT Status fmi2FreeFMUstate(void *instance, void **state) {
+    (void)instance;
+    free(*state);
+    *state = NULL;
+    return OK;
+}
+
+#define ABSENT(name, ...) EXPORT Status name(void *instance, __VA_ARGS__) { return failed(instance, #name " is not supported"); }
+#if defined __GNUC__
+#pragma GCC diagnostic ignored "-Wunused-parameter"
+#endif
+ABSENT(fmi2GetInteger, const unsigned r[], size_t n, int v[])
+ABSENT(fmi2SetInteger, const unsigned r[], size_t n, const int v[])
+ABSENT(fmi2SetBoolean, const unsigned r[], size_t n, const int v[])
+ABSENT(fmi2GetString, const unsigned r[], size_t n, const char *v[])
+ABSENT(fmi2SetString, const unsigned r[], size_t n, const char *const v[])
+ABSENT(fmi2SerializedFMUstateSize, void *state, size_t *size)
+ABSENT(fmi2SerializeFMUstate, void *state, char bytes[], size_t size)
+ABSENT(fmi2DeSerializeFMUstate, const char bytes[], size_t size, void **state)
+ABSENT(fmi2GetDirectionalDerivative, const unsigned u[], size_t nu, const unsigned k[], size_t nk, const double s[],
+       double d[])
+ABSENT(fmi2SetRealInputDerivatives, const unsigned r[], size_t n, const int o[], const double v[])
+ABSENT(fmi2GetRealOutputDerivatives, const unsigned r[], size_t n, const int o[], double v[])
+ABSENT(fmi2GetStatus, int kind, int *value)
+ABSENT(fmi2GetRealStatus, int kind, double *value)
+ABSENT(fmi2GetIntegerStatus, int kind, int *value)
+ABSENT(fmi2GetBooleanStatus, int kind, int *value)
+ABSENT(fmi2GetStringStatus, int kind, const char **value)
+EXPORT Status fmi2CancelStep(void *i) { return failed(i, "fmi2CancelStep is not supported"); }

@@ -1,0 +1,265 @@
+"""Numbers of a motor from measured curves: estimates, intervals that can be trusted, and what the data cannot tell.
+
+Weighted least squares (`least_squares`), profile likelihood intervals (`profile`), undetermined directions by scaled
+singular values (`directions`) and by profiles that stay open.  A number in an undetermined direction has no interval.
+Source: Raue et al., Structural and practical identifiability analysis by exploiting the profile likelihood,
+Bioinformatics 25 (2009) 1923.
+"""
+
+import logging
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from studies.chain.scan_prediction import placed, refuse_other_range
+from studies.inverse.directions import Direction, direction, undetermined
+from studies.inverse.least_squares import CLEARLY, Problem
+from studies.inverse.next_measurement import ranked
+from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT, as_measurements, as_parameters
+from studies.inverse.prediction import MeasurementPredictor
+from studies.inverse.profile import BetterMinimumError, End, allowed_excess, profile
+from studies.inverse.result import Fit
+from studies.record.measured import FIELD, Measurement
+from studies.refusal import RunError, SceneError
+from studies.scene import Scene
+
+LOGGER = logging.getLogger("studies.fit")
+FIRST_STEP = 1.96  # standard deviations to the expected end of an interval
+
+
+def fit(
+    scene: Scene | str | Path,
+    measurements: Measurement | str | Path | list,
+    parameters: list | dict,
+    *,
+    tolerance: float = 1e-3,
+    progress: Callable[[str], None] | None = None,
+) -> Fit:
+    """Fit free numbers of a scene to measurements.
+
+    Parameters
+    ----------
+    scene : Scene, str or Path
+        With a slider, and a [wave] or a driven stator.
+    measurements : Measurement, path or list of them
+        Measured curves, or the CSV files that hold them.
+    parameters : list, dict or lmfit.Parameters
+        `Parameter` objects or texts ``"slider.preload=1 mN:5 mN"``, or a dict of a key's range; one that does not
+        ``vary`` is held at its value.
+    tolerance : float
+        Of the velocity, for the stator.
+    progress : callable, optional
+        Told what is being done.
+
+    Raises
+    ------
+    SceneError
+        If a key is no free number of this scene, or the measurements do not fit together.
+    RunError
+        If the motor has no answer at the best fit.
+
+    Examples
+    --------
+    >>> from studies import Measurement, fit
+    >>> levels = (2e-9, 5e-9, 1e-8, 2e-8)
+    >>> curve = Measurement(name="lab", quantity="velocity", level_key="normal_amplitude_m", levels=levels,
+    ...                     values=(0.0058, 0.0280, 0.0693, 0.1520), deviations=(1e-3,) * 4)
+    >>> found = fit("twente-contact", curve, {"wave.tangential_ratio": (0.3, 1.5)})
+    >>> low, high = found.intervals["wave.tangential_ratio"]
+    >>> low < 0.7 < high
+    True
+    >>> ratio = found.params["wave.tangential_ratio"]
+    >>> ratio.vary, 0.69 < ratio.value < 0.71, 0 < ratio.stderr < 0.01
+    (True, True, True)
+    """
+    say = progress or LOGGER.info
+    problem, fixed, estimated = prepared(scene, measurements, parameters, tolerance=tolerance, progress=say)
+    parameters = problem.parameters
+    problem = replace(problem, measurements=_signed(problem))
+    degrees = problem.points - len(parameters)
+    if degrees < (1 if estimated else 0):
+        raise SceneError(
+            "--free", f"asks for {len(parameters)} numbers from {problem.points} measured values"
+        )
+    say("fit: least squares")
+    minima = problem.minima()
+    for _ in range(4):
+        try:
+            return replace(_explored(problem, minima, degrees, estimated, say), fixed=fixed)
+        except BetterMinimumError as found:
+            minima = [problem.minimum(found.x), *minima]
+    raise RunError(
+        "the fit has several minima, none of which is clearly the lowest: narrow the ranges of --free"
+    )
+
+
+def prepared(scene, measurements, parameters, *, tolerance: float, progress: Callable[[str], None]):
+    """Return the problem of a fit, the parameters that are held, and whether the deviations are to be estimated."""
+    loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
+    predictor = MeasurementPredictor(loaded, tolerance=tolerance, progress=progress)
+    measurements, parameters = as_measurements(measurements), as_parameters(parameters)
+    fixed = tuple(each for each in parameters if not each.vary)
+    for each in fixed:
+        if each.value is None:
+            raise SceneError(f"--free {each.key}", "is held, and needs a value")
+    held = {each.key: each.value for each in fixed}
+    measurements = [replace(each, settings=held | each.settings) for each in measurements]
+    parameters = tuple(each for each in parameters if each.vary)
+    _refuse(predictor, measurements, parameters)
+    measurements, estimated = _weighted(measurements)
+    return (
+        Problem(predictor=predictor, parameters=parameters, measurements=tuple(measurements)),
+        fixed,
+        estimated,
+    )
+
+
+def _explored(problem, minima, degrees, estimated, say) -> Fit:
+    """Return the fit about its least minimum: directions, profiles, next measurements."""
+    if estimated:
+        scale = math.sqrt(minima[0][1] / degrees) or 1e-9
+        problem = replace(problem, measurements=tuple(each.scattered(scale) for each in problem.measurements))
+        minima = [(x, squares / scale**2) for x, squares in minima]
+        if problem.systematic:  # what is known of them does not scale with the scatter
+            minima = sorted((problem.minimum(x) for x, _ in minima), key=lambda each: each[1])
+    (best, least), *others = minima
+    slopes = problem.jacobian(best)
+    directions = undetermined(slopes, problem.parameters, problem.half_width)
+    best = _nearest(problem, best, least, directions)
+    lost = {key for each in directions for key in each.components}
+    information = slopes.T @ slopes + np.diag(problem.half_width**-2.0)
+    covariance = np.linalg.inv(information)
+    allowed = allowed_excess(degrees if estimated else None)
+    rivals = [(x, squares) for x, squares in others if squares - least < allowed]
+    ends = {}
+    for j, parameter in enumerate(problem.parameters):
+        say(f"fit: interval of {parameter.key}")
+        step = FIRST_STEP * math.sqrt(covariance[j, j])
+        if parameter.key in lost:
+            ends[parameter.key] = (None, None)
+            continue
+        ends[parameter.key] = tuple(
+            _outermost(problem, [(best, least), *rivals], j, sign, step, allowed) for sign in (-1.0, 1.0)
+        )
+    directions += _open_directions(problem, best, ends, lost)
+    say("fit: next measurements")
+    informs = _informed(problem, slopes, information)
+    sizes, count = np.sqrt(np.diag(covariance)), len(problem.parameters)
+    return Fit(
+        problem=problem, best=best, chi2=least, degrees_of_freedom=degrees, ends=ends,
+        deviation=problem.measurements[0].deviations[0] if estimated else None,
+        directions=tuple(directions), correlation=(covariance / np.outer(sizes, sizes))[:count, :count],
+        rivals=tuple(problem.numbers(x) for x, _ in rivals), covariance=covariance,
+        candidates=tuple(ranked(problem, best, information)), informs=informs,
+    )  # fmt: skip
+
+
+def _informed(problem: Problem, slopes, information) -> tuple[tuple[str, dict[str, float]], ...]:
+    """Return, for each measurement, how far it alone narrows each number: the range's width over the width then.
+
+    A width is the standard deviation with the other numbers free; the ranges are a weak prior.
+    """
+    ends, found = np.cumsum([len(each.values) for each in problem.measurements]), []
+    prior = np.diag(problem.half_width**-2.0)
+    for each, rows in zip(problem.measurements, np.split(slopes, ends)[: len(ends)], strict=True):
+        own = np.sqrt(np.diag(np.linalg.inv(rows.T @ rows + prior)))
+        gains = {p.key: float(problem.half_width[k] / own[k]) for k, p in enumerate(problem.parameters)}
+        found.append((each.name, gains))
+    return tuple(found)
+
+
+def _outermost(problem, minima, j: int, sign: float, step: float, allowed: float) -> End:
+    """Return the end of an interval: the outermost of those about each minimum that the data do not rule out."""
+    least = minima[0][1]
+    found = [profile(problem, each, least, j, sign=sign, step=step, allowed=allowed) for each in minima]
+    return min(found, key=lambda end: (end.closed, -sign * end.x[j]))
+
+
+def _nearest(problem: Problem, best, least, directions) -> np.ndarray:
+    """Return the minimum nearest to the scene's own values, along directions of no effect."""
+    ways = [
+        [each.components.get(p.key, 0.0) for p in problem.parameters] for each in directions if each.exact
+    ]
+    if not ways:
+        return best
+    basis = np.linalg.qr(np.array(ways).T)[0]
+    count, moved = len(problem.parameters), best.copy()
+    start = [p.start(problem.predictor.value(p.key)) for p in problem.parameters]
+    moved[:count] -= basis @ (basis.T @ (best[:count] - start))
+    moved = np.clip(moved, problem.low, problem.high)
+    return moved if np.sum(problem.residuals([moved])[0] ** 2) <= least + CLEARLY * max(1.0, least) else best
+
+
+def _open_directions(problem, best, ends, lost) -> list[Direction]:
+    """Return the directions along which a profile went on to the end of a range without making an interval."""
+    found, said = [], set(lost)
+    for key, pair in ends.items():
+        for end in pair:
+            if end is None or end.closed or key in said:
+                continue
+            moved = (end.x - best)[: len(problem.parameters)]
+            if np.max(np.abs(moved)) > 0.0:
+                open_way = direction(moved, problem.parameters, exact=False)
+                said.add(key)
+                if all(open_way.components.keys() != each.components.keys() for each in found):
+                    found.append(open_way)
+    return found
+
+
+def _refuse(predictor: MeasurementPredictor, measurements, parameters) -> None:
+    if not measurements:
+        raise SceneError("--data", "is required: a CSV file of measured points")
+    for each in measurements:
+        if each.quantity not in FIELD and not predictor.slider:
+            raise SceneError(
+                f"--data {each.name}", "needs a scene with a [slider]: without one there is no velocity"
+            )
+        if each.network is not None and not predictor.given_wave:
+            refuse_other_range(predictor.scene({}), each.network, "--data")
+        if each.scan is not None:
+            placed(predictor.scene({}), each.scan, "--data")
+    if not parameters:
+        raise SceneError("--free", "is required: KEY=LOW:HIGH")
+    keys = [parameter.key for parameter in parameters]
+    for key in keys:
+        if keys.count(key) > 1:
+            raise SceneError(f"--free {key}", "is given twice")
+        if key == AMPLITUDE_FACTOR and predictor.given_wave:
+            raise SceneError(f"--free {key}", "needs a stator; with a given [wave] free amplitude_per_volt")
+        if key == AMPLITUDE_PER_VOLT and not predictor.given_wave:
+            raise SceneError(f"--free {key}", "needs a given [wave]; with a stator free amplitude_factor")
+        if "." in key:  # an end of the range that the scene refuses is refused by name
+            parameter = parameters[keys.index(key)]
+            for end in (parameter.low, parameter.high):
+                predictor.scene({key: end})
+
+
+def _weighted(measurements) -> tuple[list[Measurement], bool]:
+    """Return the measurements with deviations, and whether these are to be scaled by the residuals."""
+    known = [each.deviations is not None for each in measurements]
+    if all(known):
+        return list(measurements), False
+    if any(known) or len({each.quantity for each in measurements}) > 1:
+        raise SceneError(
+            "--data", "must state standard deviations in every file, or in none and all of one quantity"
+        )
+    size = float(np.sqrt(np.mean(np.square(np.concatenate([each.values for each in measurements])))))
+    if size == 0.0:
+        raise SceneError("--data", "holds nothing but zeros, and no standard deviations")
+    alike = [replace(each, deviations=(1.0,) * len(each.values)) for each in measurements]
+    return [each.scattered(0.01 * size) for each in alike], True
+
+
+def _signed(problem: Problem) -> tuple[Measurement, ...]:
+    """Return the measurements; speeds without a sign take the prediction's."""
+    predicted, found = problem.predictions(problem.starts()[:8]), []
+    for k, each in enumerate(problem.measurements):
+        total = np.nansum([values[k] for values in predicted])
+        unsigned = (
+            each.quantity in ("velocity", "burst", "position") and min(each.values) >= 0.0 and total < 0.0
+        )
+        found.append(replace(each, values=tuple(-value for value in each.values)) if unsigned else each)
+    return tuple(found)

@@ -1,0 +1,167 @@
+"""The best motor within ranges: a global search, then a local one, every evaluation kept and the search resumable.
+
+Differential evolution (`scipy.optimize.differential_evolution`) over logarithms of positive numbers, then COBYQA from
+its best point.  A point that breaks a constraint counts as worse than any that keeps them, by how much it breaks them
+(Deb, Comput. Methods Appl. Mech. Eng. 186 (2000) 311).  Where numbers of the stator are searched, the global search
+takes the stator's coarsest discretisation, and its best points are evaluated again at the tolerance.  With two goals
+the search is repeated for weights between them (weighted Chebyshev distance from the best of each), and the front is
+what no evaluation at the tolerance beats in both.
+"""
+
+import logging
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from studies.inverse.evaluations import Evaluations, Options, planned
+from studies.inverse.goals import GOALS, read_constraint, read_variable
+from studies.inverse.parameters import ranges
+from studies.inverse.search import UNKNOWN, Search
+from studies.refusal import RunError, SceneError
+from studies.scene import Scene
+from studies.scene.override import replaced
+
+LOGGER = logging.getLogger("studies.design")
+WEIGHTS = (0.25, 0.5, 0.75)  # of the second goal, between the searches for each alone
+DEFAULT = Options()
+CHANGE = 0.05  # of each variable, for the robustness
+
+
+@dataclass(frozen=True, kw_only=True)
+class Design:
+    """What a search found."""
+
+    goals: tuple[str, ...]
+    optimum: dict  # row of the best point (of two goals: of the middle of the front): keys and outcomes
+    front: list[dict]  # rows that no other beats in both goals; the optimum alone with one goal
+    # By key: smallest share of the goal that is left and whether all constraints hold, 5 % either way
+    robustness: dict
+    rows: list[dict] = field(repr=False)  # evaluations of the search, in their order
+    evaluations: int  # with those of the robustness
+    table: dict = field(repr=False)  # TOML document of the scene at the optimum
+
+    def to_dict(self) -> dict:
+        """Return what design.json holds."""
+        return {
+            "goals": list(self.goals), "optimum": self.optimum, "front": self.front, "robustness": self.robustness,
+            "evaluations": self.evaluations,
+        }  # fmt: skip
+
+
+def design(
+    scene: Scene | str | Path | dict,
+    goals: str | list[str],
+    variables: list | dict,
+    constraints: list = (),
+    *,
+    options: Options = DEFAULT,
+    progress: Callable[[str], None] | None = None,
+) -> Design:
+    """Search for the best motor.
+
+    Parameters
+    ----------
+    scene : Scene, path, name of a shipped scene, or its TOML document
+        With a slider; of several voltages or amplitudes the largest counts.
+    goals : str or list of str
+        One or two of ``GOALS``, to be maximised.
+    variables : list or dict
+        Texts ``"slider.preload=1 mN:20 mN"`` or `Parameter` objects, or a dict of a key's range.
+    constraints : list
+        Texts ``"stick_margin <= 0"`` or `Constraint` objects.
+    options : Options
+    progress : callable, optional
+        Told what is being done; without it the logger ``studies.design`` is.
+
+    Raises
+    ------
+    SceneError
+        For a goal, variable or constraint that does not exist, or a store of another search.
+    RunError
+        If no evaluation keeps the constraints.
+    """
+    if isinstance(scene, (str, Path)):
+        scene = Scene.load(scene)
+    table = scene.to_table() if isinstance(scene, Scene) else scene
+    goals = [goals] if isinstance(goals, str) else list(goals)
+    variables = [read_variable(each) if isinstance(each, str) else each for each in ranges(variables)]
+    constraints = [read_constraint(each) if isinstance(each, str) else each for each in constraints]
+    budget = 60 * len(variables) if options.evaluations is None else options.evaluations
+    if not set(goals) <= set(GOALS) or not 1 <= len(goals) == len(set(goals)) <= 2:
+        rule = f"must be one or two different ones of {', '.join(GOALS)}, got {', '.join(goals) or 'none'}"
+        raise SceneError("--maximise", rule)
+    if not variables:
+        raise SceneError("--over", "is required: KEY=LOW:HIGH")
+    if budget < 4 * len(variables) + 8:
+        raise SceneError("--evaluations", f"must be at least {4 * len(variables) + 8}, got {budget}")
+    also = {GOALS[goal][1] for goal in goals} | {each.also for each in constraints}
+    plan = planned(table, variables, also=tuple(sorted(also - {""})), tolerance=options.tolerance)
+    search = {"goals": goals, "subject": [each.text for each in constraints], "evaluations": budget,
+              "seed": options.seed, "ranges": [[each.key, each.low, each.high] for each in variables]}  # fmt: skip
+    given = plan, search, options, progress or LOGGER.info
+    with ExitStack() as stack:
+        ask, coarse = stack.enter_context(Evaluations(*given)), None
+        if plan.question.stator_keys:  # of the stator, or the slider's place
+            coarse = stack.enter_context(Evaluations(*given, coarse=True))
+        searcher = Search(ask, coarse, tuple(variables), tuple(constraints), tuple(goals), options.seed)
+        scale = [
+            searcher.run([1.0 if k == j else 0.0 for k in range(len(goals))], budget)
+            for j in range(len(goals))
+        ]
+        if len(goals) == 2:
+            searcher.best_of_each = scale
+            for weight in WEIGHTS:
+                searcher.run([1.0 - weight, weight], budget)
+        feasible = searcher.feasible(ask.rows)
+        if not feasible:
+            raise RunError(
+                f"none of {len(ask.rows)} evaluations keeps all constraints: {_closest(searcher, ask.rows)}"
+            )
+        front = _front(feasible, searcher)
+        optimum = front[len(front) // 2]
+        rows = [*([] if coarse is None else coarse.rows), *ask.rows]
+        robustness = _robustness(searcher, optimum)
+        best = table
+        for variable in variables:
+            best = replaced(best, variable.key, optimum[variable.key])
+        evaluations = len(ask.rows) + (0 if coarse is None else len(coarse.rows))
+        return Design(goals=tuple(goals), optimum=optimum, front=front, robustness=robustness, rows=rows,
+                      evaluations=evaluations, table=best)  # fmt: skip
+
+
+def _front(feasible: list[dict], searcher: Search) -> list[dict]:
+    """Return the points that no other beats: of one goal the best."""
+    rows = {tuple(searcher.goal(row, goal) for goal in searcher.goals): row for row in reversed(feasible)}
+    values = np.array(list(rows))
+    beaten = {each: np.any(np.all(values >= each, axis=1) & np.any(values > each, axis=1)) for each in rows}
+    return [rows[each] for each in sorted(rows, reverse=True) if not beaten[each]]
+
+
+def _robustness(searcher: Search, optimum: dict) -> dict:
+    """Return what is left of the first goal when each variable is 5 % off; changed counts are one off."""
+    goal = searcher.goals[0]
+    base, found = searcher.goal(optimum, goal), {}
+    own = [optimum[each.key] for each in searcher.variables]
+    for k, each in enumerate(searcher.variables):
+        change = 1 if each.counted else CHANGE * own[k]
+        ends = [end for end in (own[k] - change, own[k] + change) if end > 0]
+        rows = searcher.ask([(*own[:k], end, *own[k + 1 :]) for end in ends])
+        broken = [searcher.broken(row) for row in rows]
+        left = [
+            searcher.goal(row, goal) / base if size < UNKNOWN else 0.0
+            for row, size in zip(rows, broken, strict=True)
+        ]
+        found[each.key] = {
+            "least_share_of_goal": min(left, default=0.0),
+            "keeps_constraints": not any(broken),
+        }
+    return found
+
+
+def _closest(searcher: Search, rows: list[dict]) -> str:
+    row = min(rows, key=searcher.broken)
+    broken = ", ".join(each.text for each in searcher.constraints if each.excess(row) > 0.0)
+    return row["status"] if searcher.broken(row) >= UNKNOWN else f"{broken} is broken by the closest"

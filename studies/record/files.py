@@ -1,0 +1,193 @@
+"""The files of a run: run.json, tables, field, and the scene that runs again; written from a record and read back."""
+
+import csv
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from studies.record.surface_map import surface_map
+from studies.refusal import RunError
+from studies.scene import Scene
+from studies.scene.toml import document
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from studies.record import Record
+
+__all__ = ["Motion", "read_run", "write_run", "write_table"]
+
+
+def write_run(record: "Record", folder: Path, *, field: bool) -> None:
+    """Write a run's files into a directory.
+
+    Parameters
+    ----------
+    record : Record
+    folder : Path
+        Exists and is empty.
+    field : bool
+        Whether the interior field is rebuilt and kept.
+    """
+    text = json.dumps(record.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
+    (folder / "run.json").write_text(text + "\n", encoding="utf-8")
+    remark = f"as resolved; sawmotor run scene.toml --tolerance {record.tolerance!r} gives the same numbers"
+    scene = document(record.scene.to_table(), remarks=(remark,))
+    (folder / "scene.toml").write_text(scene, encoding="utf-8")
+    if record.scene.slider is not None:
+        points = [_flat(point) for point in record.points]
+        keys = list(dict.fromkeys(key for point in points for key in point))
+        write_table(folder / "velocity.csv", keys, [[point.get(key, "") for key in keys] for point in points])
+    for name in ("pillars", "slider_wave"):
+        if getattr(record, name):
+            write_columns(folder / f"{name}.csv", getattr(record, name))
+    if record.surface:
+        name = "surface.csv" if record.scene.transducer else "profile.csv"
+        write_columns(folder / name, record.surface)
+    if record.trajectories:
+        rows = [
+            (level, *instant)
+            for level, motion in record.trajectories
+            for instant in zip(
+                motion.time.tolist(), motion.velocity.tolist(), motion.position.tolist(), strict=True
+            )
+        ]
+        keys = [record.level, "time_s", "velocity_m_per_s", "normal_position_m"]
+        write_table(folder / "trajectory.csv", keys, rows)
+    if field and record.surface_wave is not None:
+        import fem
+
+        fem.write_vtu(fem.wave_field(record.surface_wave), folder / "field.vtu")
+        if record.surface_motion.beam is not None:
+            x, y, motion = surface_map(record.surface_motion.beam, record.scene.stator)
+            fem.write_surface(x, y, motion, folder / "surface_map.vtu")
+            columns = {"x_m": x.repeat(y.size), "y_m": y[None].repeat(x.size, axis=0).ravel()}
+            columns |= {f"u_{name}_m_per_V": each.ravel() for name, each in zip("xyz", motion, strict=True)}
+            write_columns(folder / "surface_map.csv", columns)
+
+
+def _flat(point: dict) -> dict:
+    """Return a point with complex numbers in two columns, ``..._re`` and ``..._im``, and lists in ``_0``, ``_1``."""
+    found = {}
+    for key, value in point.items():
+        if isinstance(value, complex):
+            found |= {f"{key}_re": value.real, f"{key}_im": value.imag}
+        elif isinstance(value, (list, tuple)):
+            found |= {f"{key}_{index}": each for index, each in enumerate(value)}
+        else:
+            found[key] = value
+    return found
+
+
+def write_columns(path: Path, columns: dict) -> None:
+    """Write arrays as columns; a complex one becomes two, ``..._re`` and ``..._im``."""
+    keys, values = [], []
+    for name, array in columns.items():
+        if array.dtype.kind == "c":
+            keys += [f"{name}_re", f"{name}_im"]
+            values += [array.real, array.imag]
+        else:
+            keys.append(name)
+            values.append(array)
+    write_table(path, keys, zip(*(column.tolist() for column in values), strict=True))
+
+
+def write_table(path: Path, keys, rows) -> None:
+    """Write a table as CSV, numbers to the last digit."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(keys)
+        writer.writerows(rows)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motion:
+    """Motion of the slider over a burst, as ``trajectory.csv`` keeps it.
+
+    Attributes
+    ----------
+    time : ndarray, shape (k,)
+        s from the start of the burst.
+    velocity : ndarray, shape (k,)
+        Of the slider, m/s.
+    position : ndarray, shape (k,)
+        Normal position of the slider, m.
+    """
+
+    time: "np.ndarray"
+    velocity: "np.ndarray"
+    position: "np.ndarray"
+
+
+def read_run(folder: Path) -> dict:
+    """Return the fields of the record that a run left in a directory.
+
+    Raises
+    ------
+    RunError
+        If the directory holds no run.
+    """
+    try:
+        whole = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+        scene = Scene.from_table("", whole["scene"])
+    except FileNotFoundError:
+        raise RunError(f"{str(folder)!r} holds no run.json: name a directory that a run left") from None
+    except (OSError, ValueError, KeyError) as error:
+        raise RunError(f"{str(folder / 'run.json')!r} cannot be read: {error}") from None
+    fields = {
+        key: whole[key]
+        for key in ("tolerance", "summary", "uncertainty", "measured", "error", "seconds", "shortfall")
+        if key in whole
+    }
+    fields |= {block: _complex(whole.get(block, {})) for block in ("wave", "electrical")}
+    for key in ("points", "left_out", "model_error", "warnings"):
+        fields[key] = tuple(whole.get(key, ()))
+    fields |= {"scene": scene, "versions": whole.get("provenance", {})}
+    for name in ("surface.csv", "profile.csv"):
+        if (folder / name).exists():
+            fields["surface"] = _columns(folder / name)
+    for name in ("pillars", "slider_wave"):
+        if (folder / f"{name}.csv").exists():
+            fields[name] = _columns(folder / f"{name}.csv")
+    if (folder / "trajectory.csv").exists():
+        fields["trajectories"] = _trajectories(folder / "trajectory.csv")
+    return fields
+
+
+def _complex(value):
+    """Return a value of run.json, its pairs of numbers as complex ones."""
+    if isinstance(value, dict):
+        return {key: _complex(each) for key, each in value.items()}
+    return complex(*value) if isinstance(value, list) and len(value) == 2 else value
+
+
+def _table(path: Path) -> dict:
+    """Return the columns of a table of numbers as arrays."""
+    import numpy as np
+
+    with path.open(newline="", encoding="utf-8") as file:
+        head, *rows = csv.reader(file)
+    return dict(zip(head, np.array(rows, dtype=float).reshape(len(rows), len(head)).T, strict=True))
+
+
+def _columns(path: Path) -> dict:
+    """Return the columns of a table, ``..._re`` and ``..._im`` joined to one complex column."""
+    table, columns = _table(path), {}
+    for name, values in table.items():
+        if name.endswith("_re") and f"{name[:-3]}_im" in table:
+            columns[name[:-3]] = values + 1j * table[f"{name[:-3]}_im"]
+        elif not (name.endswith("_im") and f"{name[:-3]}_re" in table):
+            columns[name] = values
+    return columns
+
+
+def _trajectories(path: Path) -> tuple:
+    """Return level and motion of each burst."""
+    table = list(_table(path).values())
+    levels, time, velocity, position = table
+    return tuple(
+        (float(level), Motion(time=time[at], velocity=velocity[at], position=position[at]))
+        for level in dict.fromkeys(levels.tolist())
+        for at in [levels == level]
+    )

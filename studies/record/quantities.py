@@ -1,0 +1,162 @@
+"""The one table of what is computed: key, unit, label, scale and meaning of each quantity (``quantities.csv``).
+
+The columns of CSV files and tables, the axes of pictures, the goals of a design, the units of data frames and xarray
+objects and the tables of ``studies/README.md`` follow from it.  ``python -m studies.record.quantities FILE`` writes the
+rows of a document's tables anew.
+"""
+
+import csv
+import re
+import sys
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from studies.refusal import SceneError, nearest
+
+# by the ending of a key, the first that fits: SI units of keys that the table does not hold
+ENDINGS = {
+    "_W_per_V2": "W/V^2", "_A_per_V": "A/V", "_m_per_V": "m/V", "_m_per_s": "m/s", "_per_m": "1/m", "_per_s": "1/s",
+    "_Hz": "Hz", "_Pa": "Pa", "_W": "W", "_S": "S", "_N": "N", "_V": "V", "_kg": "kg", "_m": "m", "_s": "s",
+}  # fmt: skip
+ROW = re.compile(
+    r"^\| `([a-z_]+(?:\.[\w-]+)*)` \| [^|]+ \|[^|]*\|$", re.MULTILINE
+)  # of a table of quantities
+
+
+@dataclass(frozen=True, kw_only=True)
+class Quantity:
+    """A number or a word of a record, a sweep or a study.
+
+    Attributes
+    ----------
+    key : str
+        Path in run.json, ``points.velocity_m_per_s``; of a column alone its last part.
+    unit : str
+        SI unit of the value, "1" for a pure number, "-" for a word.
+    head : str
+        Name at the head of a column of printed text.
+    label : str
+        Name at an axis.
+    shown : str
+        Unit in which it is printed and drawn.
+    scale : float
+        Factor from the SI unit to that one.
+    format : str
+        Of the printed number.
+    meaning : str
+        What a reader of run.json must know.
+    """
+
+    key: str
+    unit: str
+    head: str
+    label: str
+    shown: str
+    scale: float
+    format: str
+    meaning: str
+
+    @property
+    def heading(self) -> str:
+        """Head of a column with its unit.
+
+        Examples
+        --------
+        >>> quantity("velocity_m_per_s").heading
+        'velocity (mm/s)'
+        """
+        return f"{self.head} ({self.shown})" if self.shown else self.head
+
+    @property
+    def axis(self) -> str:
+        """Label of an axis with its unit.
+
+        Examples
+        --------
+        >>> quantity("normal_amplitude_m").axis, quantity("stick_margin").axis
+        ('normal amplitude (nm)', 'stick margin')
+        """
+        return f"{self.label} ({self.shown})" if self.shown else self.label
+
+    def text(self, value) -> str:
+        """Return a value as it is printed.
+
+        Examples
+        --------
+        >>> quantity("velocity_m_per_s").text(-0.0123456789)
+        '-12.346'
+        """
+        return str(value) if not self.format else f"{value * self.scale:{self.format}}"
+
+
+@cache
+def quantities() -> dict[str, Quantity]:
+    """Return all quantities by their path."""
+    with Path(__file__).with_suffix(".csv").open(encoding="utf-8", newline="") as file:
+        rows = [row | {"scale": float(row["scale"] or 1.0)} for row in csv.DictReader(file)]
+    return {row["key"]: Quantity(**row) for row in rows}
+
+
+@cache
+def _by_column() -> dict[str, Quantity]:
+    """Return those that have a label, by the last part of their path."""
+    found: dict[str, Quantity] = {}
+    for path, each in quantities().items():
+        if each.label:
+            found.setdefault(path.rpartition(".")[2], each)
+    return found
+
+
+def quantity(key: str) -> Quantity:
+    """Return a quantity by its path or, of one that is printed or drawn, by its column's name."""
+    found = quantities().get(key) or _by_column().get(key)
+    if found is None:
+        raise SceneError(key, f"is no quantity of a record{nearest(key, _by_column())}")
+    return found
+
+
+def unit_of(key: str) -> str | None:
+    """Return the SI unit of a column, from the table or the ending of its name; None for a word.
+
+    Examples
+    --------
+    >>> unit_of("velocity_m_per_s"), unit_of("my_own_depth_m"), unit_of("relative_error"), unit_of("regime")
+    ('m/s', 'm', '1', None)
+    """
+    if key in _by_column():
+        unit = _by_column()[key].unit
+        return None if unit == "-" else unit
+    return next((unit for ending, unit in ENDINGS.items() if key.endswith(ending)), None)
+
+
+def described(key: str) -> dict[str, str]:
+    """Return the attributes of a column in xarray: ``units``, and ``long_name`` where it has a label.
+
+    Examples
+    --------
+    >>> described("velocity_m_per_s")
+    {'units': 'm/s', 'long_name': 'slider velocity'}
+    """
+    unit, known = unit_of(key), _by_column().get(key)
+    return ({} if unit is None else {"units": unit}) | ({} if known is None else {"long_name": known.label})
+
+
+def with_quantities(document: str) -> str:
+    """Return a document whose tables of quantities say what this one does; a row of an unknown key stays."""
+
+    def row(match: re.Match) -> str:
+        each = quantities().get(match[1])
+        return (
+            match[0]
+            if each is None
+            else f"| `{each.key}` | {each.unit} | {each.meaning} |".replace("|  |", "| |")
+        )
+
+    return ROW.sub(row, document)
+
+
+if __name__ == "__main__":
+    for name in sys.argv[1:]:
+        file = Path(name)
+        file.write_text(with_quantities(file.read_text(encoding="utf-8")), encoding="utf-8")

@@ -1,0 +1,339 @@
+"""The record of a run: what ``run.json`` holds, as arrays, tables, pictures and files.
+
+Drawing and writing belong to ``report``, which is imported when it is asked for.
+"""
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Self
+
+from studies.record.quantities import described
+from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER, SceneError, nearest, needed
+from studies.results import Origin, result_directory
+from studies.results.content import plain, provenance
+from studies.scene import Scene
+
+if TYPE_CHECKING:
+    import numpy as np
+    import pandas as pd
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+
+# Of run.json, in their order, and attributes of a record
+BLOCKS = (
+    "tolerance", "wave", "electrical", "points", "summary", "uncertainty", "measured", "error", "model_error",
+    "warnings", "seconds", "left_out", "shortfall",
+)  # fmt: skip
+USUAL = ("voltage_V", "normal_amplitude_m", "tangential_amplitude_m", "velocity_m_per_s", "relative_error")
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Record:
+    """What a run found; blocks that do not apply are empty.
+
+    Attributes
+    ----------
+    scene : Scene
+        As resolved: it runs again to the same numbers at the same tolerance.
+    tolerance : float
+        What was asked for.
+    wave, electrical, summary : dict
+        As in run.json: quantities in SI units, named with their unit.
+    points : tuple of dict
+        One per voltage or given amplitude.
+    error : dict
+        ``relative`` and its ``parts``, those of the worst point.
+    seconds : dict
+        By part of the chain; the parts add up to ``total``.
+    left_out : tuple of str
+        What the model does without, and why.
+    warnings : tuple of str
+        What a user should know before trusting or building it, each with its number and a remedy.
+    model_error : tuple of dict
+        Effects that the model leaves out, each with its estimated ``size`` for this scene; apart from ``error``.
+    uncertainty : dict
+        With [uncertain]: the method of the bands, the tolerances and what each makes of the velocity.
+    measured : dict
+        Measured points beside the predicted ones, where a file of them was given.
+    shortfall : str
+        Why this is no answer within its tolerance; empty when it is one.
+    surface : dict of str to array
+        Columns of surface.csv (driven stator) or of profile.csv (free wave).
+    pillars, slider_wave : dict of str to array
+        Columns of pillars.csv and slider_wave.csv at the last level (slider on pillars).
+    trajectories : tuple of (level, contact.Trajectory or Motion)
+        With a burst.
+    surface_motion : studies.chain.surface_motion.SurfaceMotion or None
+        The stator's answer itself, with ``wave``, from which the interior field can be rebuilt; None after `load`.
+    versions : dict
+        Of the program and its packages; those of this process when empty.
+
+    Examples
+    --------
+    >>> from studies import Scene, run
+    >>> contact = Scene.load("twente-contact").replace(wave={"normal_amplitude": ["0.5 nm", "10 nm"]})
+    >>> record = run(contact)
+    >>> [str(regime) for regime in record.regime]
+    ['stick', 'intermittent']
+    >>> float(record.velocity[0]), bool(record.velocity[1] > 0.05)
+    (0.0, True)
+    """
+
+    scene: Scene
+    tolerance: float
+    wave: dict = field(default_factory=dict)
+    electrical: dict = field(default_factory=dict)
+    points: tuple[dict, ...] = ()
+    summary: dict = field(default_factory=dict)
+    error: dict = field(default_factory=dict)
+    seconds: dict = field(default_factory=dict)
+    left_out: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+    model_error: tuple[dict, ...] = ()
+    uncertainty: dict = field(default_factory=dict)
+    measured: dict = field(default_factory=dict)
+    shortfall: str = ""
+    surface: dict = field(default_factory=dict, repr=False)
+    pillars: dict = field(default_factory=dict, repr=False)
+    slider_wave: dict = field(default_factory=dict, repr=False)
+    trajectories: tuple = field(default=(), repr=False)
+    surface_motion: object = field(default=None, repr=False, compare=False)
+    versions: dict = field(default_factory=dict, compare=False)
+
+    @property
+    def level(self) -> str:
+        """Key of the points that says how hard the motor is driven."""
+        return "normal_amplitude_m" if self.scene.wave is not None else "voltage_V"
+
+    @property
+    def surface_wave(self):
+        """Plane section of the driven stator, a fem.SurfaceWave; None without one."""
+        return None if self.surface_motion is None else self.surface_motion.wave
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether the slider sticks at every point: then there is no velocity that could have an error."""
+        return bool(self.points) and all(point.get("regime") == "stick" for point in self.points)
+
+    @property
+    def exit_code(self) -> int:
+        """Exit code of the command: 0, or 1 for an answer that misses its tolerance, or 3 for none at all."""
+        if not self.shortfall:
+            return 0
+        answered = not self.points or any("relative_error" in point for point in self.points)
+        return EXIT_INEXACT if answered else EXIT_NO_ANSWER
+
+    @property
+    def remark(self) -> str:
+        """What a study that is a run has to remark: its shortfall."""
+        return self.shortfall
+
+    def to_dict(self) -> dict:
+        """Return what run.json holds: plain numbers, text, lists and tables, all finite.
+
+        Raises
+        ------
+        RunError
+            Naming the first value that is not finite.
+        """
+        whole = {"title": self.scene.title, "scene": self.scene.to_table()}
+        whole |= {key: getattr(self, key) for key in BLOCKS} | {"provenance": self.versions or provenance()}
+        return {key: plain(key, value) for key, value in whole.items() if key == "title" or value}
+
+    @property
+    def voltage(self) -> "np.ndarray":
+        """Peak voltage of the source at each point, V; NaN where the wave is given."""
+        return self.column("voltage_V")
+
+    @property
+    def normal_amplitude(self) -> "np.ndarray":
+        """Normal amplitude of the surface under the slider (without one: at mid-stator) at each point, m."""
+        return self.column("normal_amplitude_m")
+
+    @property
+    def tangential_amplitude(self) -> "np.ndarray":
+        """Tangential amplitude of the surface at the same place, m."""
+        return self.column("tangential_amplitude_m")
+
+    @property
+    def velocity(self) -> "np.ndarray":
+        """Steady velocity of the slider at each point, m/s; NaN where a point has no answer."""
+        return self.column("velocity_m_per_s")
+
+    @property
+    def relative_error(self) -> "np.ndarray":
+        """Estimated error of each point in the sense of the tolerance; NaN where a point has no answer."""
+        return self.column("relative_error")
+
+    @property
+    def regime(self) -> "np.ndarray":
+        """``stick``, ``slip`` or ``intermittent`` at each point; empty where a point has no answer."""
+        return self._texts("regime")
+
+    @property
+    def status(self) -> "np.ndarray":
+        """``ok`` at each point, or why it has no answer within the tolerance."""
+        return self._texts("status")
+
+    def column(self, key: str) -> "np.ndarray":
+        """Return a number of every point, NaN where a point has none.
+
+        Parameters
+        ----------
+        key : str
+            As in the points of run.json, such as ``velocity_at_burst_end_m_per_s``.
+
+        Raises
+        ------
+        SceneError
+            If no point of any run has that key as a number.
+        """
+        import numpy as np
+
+        known = {name for point in self.points for name, value in point.items() if not isinstance(value, str)}
+        known |= {*USUAL}
+        if key not in known:
+            raise SceneError(key, f"is no number of the points{nearest(key, sorted(known))}")
+        return np.array([point.get(key, math.nan) for point in self.points], dtype=float)
+
+    def _texts(self, key: str) -> "np.ndarray":
+        import numpy as np
+
+        return np.array([point.get(key, "") for point in self.points], dtype=str)
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the points as a pandas table, a row each; columns are the keys of ``points`` in run.json.
+
+        Raises
+        ------
+        RunError
+            If pandas is not installed.
+        """
+        return needed("pandas", "to_dataframe").DataFrame(list(self.points))
+
+    def to_xarray(self) -> "xr.Dataset":
+        """Return the points as an xarray Dataset over the drive's level, each variable and coordinate with its units.
+
+        Raises
+        ------
+        RunError
+            If xarray is not installed.
+
+        Examples
+        --------
+        >>> from studies import run
+        >>> data = run("twente-contact", tolerance=1e-2).to_xarray()
+        >>> data["velocity_m_per_s"].attrs["units"], data["normal_amplitude_m"].attrs["units"]
+        ('m/s', 'm')
+        """
+        import numpy as np
+
+        data = {}
+        for key in dict.fromkeys(key for point in self.points for key in point):
+            values = [point.get(key) for point in self.points]
+            words = any(isinstance(value, str) for value in values)
+            column = np.array(
+                [value or "" for value in values] if words else values, dtype=str if words else float
+            )
+            data[key] = (self.level, column, described(key))
+        about = {"title": self.scene.title, "tolerance": self.tolerance}
+        level = {self.level: data.pop(self.level)} if data else {}
+        return needed("xarray", "to_xarray").Dataset(data, level, about)
+
+    def plot(self, ax: "Axes | None" = None) -> "Axes":
+        """Draw the main result: velocity over voltage, without a slider the surface, else the wave's profile.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            A new figure's without it.
+
+        Returns
+        -------
+        matplotlib Axes
+        """
+        from studies.record.plots import pictures
+
+        if ax is None:
+            from matplotlib import pyplot
+
+            ax = pyplot.subplots(layout="constrained")[1]
+        return next(iter(pictures(self).values()))(ax)
+
+    def save(self, folder: str | Path, *, field: bool = False, pictures: bool = False) -> list[str]:
+        """Write the files of the run into a directory; files that are not of this program stay there.
+
+        Parameters
+        ----------
+        folder : path
+        field : bool
+            Whether the interior field is rebuilt and kept as ``field.vtu``.
+        pictures : bool
+            Whether the pictures are drawn too.
+
+        Returns
+        -------
+        list of str
+            What became of the files that were there.
+
+        Raises
+        ------
+        RunError
+            If the directory cannot be written, holds something else, or another run writes there.
+        """
+        from studies.record.files import write_run
+        from studies.record.plots import draw_run
+
+        with result_directory(folder, Origin(kind="run", name=self.scene.title or "untitled")) as result:
+            write_run(self, result.folder, field=field)
+            result.commit()
+            if pictures:
+                draw_run(self, result.folder)
+                result.commit()
+        return result.notes
+
+    @classmethod
+    def load(cls, folder: str | Path) -> Self:
+        """Read the record that a run left in a directory; the stator's field is not kept there.
+
+        Raises
+        ------
+        RunError
+            If the directory holds no run.
+        """
+        from studies.record.files import read_run
+
+        return cls(**read_run(Path(folder)))
+
+    def __str__(self):
+        """Return what `sawmotor run` prints."""
+        from studies.record.text import answer
+
+        return answer(self)
+
+    def __repr__(self):
+        """Return title, size and range of the answer on one line."""
+        return f"Record({', '.join([repr(self.scene.title or 'untitled'), *self._in_short()])})"
+
+    def _in_short(self) -> list[str]:
+        parts = []
+        if self.points:
+            unit, scale = ("V", 1.0) if self.level == "voltage_V" else ("nm", 1e9)
+            levels = [point[self.level] * scale for point in self.points]
+            parts.append(f"{len(levels)} points, {min(levels):.4g} to {max(levels):.4g} {unit}")
+            speeds = [1e3 * point["velocity_m_per_s"] for point in self.points if "velocity_m_per_s" in point]
+            if speeds:
+                parts.append(f"velocity {min(speeds):.4g} to {max(speeds):.4g} mm/s")
+        elif "phase_velocity_m_per_s" in self.wave:
+            parts.append(f"free wave, {self.wave['phase_velocity_m_per_s']:.6g} m/s")
+        if self.error:
+            parts.append(f"relative error {self.error['relative']:.1e}")
+        return [*parts, self.shortfall] if self.shortfall else parts
+
+    def _repr_html_(self) -> str:
+        """Return the points as a table for a notebook."""
+        from studies.record.text import notebook_table
+
+        return notebook_table(self, "; ".join([self.scene.title or "untitled", *self._in_short()]))

@@ -1,0 +1,204 @@
+"""The answer of a run as text: a table of the points, then what it is worth and what was left out."""
+
+import codecs
+import json
+import sys
+from typing import TYPE_CHECKING
+
+from studies.record.measured import comparison
+from studies.record.quantities import quantity
+
+if TYPE_CHECKING:
+    from studies.record import Record
+
+__all__ = ["answer", "labelled", "notebook_table", "points_table", "print_json", "table"]
+
+COLUMNS = (
+    "voltage_V", "available_power_W", "normal_amplitude_m", "tangential_amplitude_m", "velocity_m_per_s",
+    "velocity_low_m_per_s", "velocity_high_m_per_s", "velocity_at_burst_end_m_per_s", "displacement_m", "regime",
+    "relative_error", "model_relative_error", "status",
+)  # fmt: skip  # of a point, as it is printed
+SHARES = {
+    "delivered": "W_per_V2",
+    "network": "network_W_per_V2",
+    "solid": "solid_W_per_V2",
+    "loads": "loads_W_per_V2",
+    "to the left": "radiated_left_W_per_V2",
+    "to the right": "radiated_right_W_per_V2",
+}  # of the available power: its key in run.json
+ROWS_SHOWN = 30  # of the table in a notebook
+
+
+def print_json(value: dict) -> None:
+    """Print JSON on stdout, in letters that its encoding has."""
+    ascii_only = codecs.lookup(sys.stdout.encoding or "ascii").name != "utf-8"
+    print(json.dumps(value, indent=1, ensure_ascii=ascii_only, allow_nan=False))
+
+
+def answer(record: "Record") -> str:
+    """Return what a run prints on stdout."""
+    lines = [record.scene.title or "no title", ""]
+    if record.points:
+        head, rows = points_table(record)
+        shown = [k for k, name in enumerate(head) if name != "status"]
+        lines += [*table([[row[k] for k in shown] for row in (head, *rows)]), ""]
+    rows = [*_wave(record), *_limits(record.summary), *_uncertainty(record.uncertainty)]
+    rows += comparison(record.measured)
+    asked = f"asked for {record.tolerance:.1e}"
+    if record.at_rest:
+        known = record.wave.get("relative_error")
+        wave = "" if known is None else f"; the wave under the slider is known to {known:.1e}"
+        rows.append(("relative error", f"none: no point moves{wave}, {asked}"))
+    elif record.error:
+        parts = ", ".join(f"{name} {size:.1e}" for name, size in record.error["parts"].items())
+        model = f"; model {record.error['model']:.1e} of u_z or velocity" if "model" in record.error else ""
+        rows.append(("relative error", f"{record.error['relative']:.1e} ({parts}), {asked}{model}"))
+    seconds = ", ".join(f"{name} {size:.2f}" for name, size in record.seconds.items() if name != "total")
+    rows += [("model error", sentences(record)), ("seconds", f"{record.seconds['total']:.2f} ({seconds})")]
+    if record.left_out:
+        rows.append(
+            ("left out", f"{len(record.left_out)} effects: sawmotor run --explain lists them, run.json too")
+        )
+    return "\n".join([*lines, *labelled(rows)])
+
+
+def labelled(rows, width: int = 16) -> list[str]:
+    """Return rows of a name and a line, or lines, as text: the names at the left.
+
+    Examples
+    --------
+    >>> labelled([("velocity", "1 m/s"), ("left out", ["heat", "wear"])], 10)
+    ['velocity  1 m/s', 'left out  heat', '          wear']
+    """
+    rows = [(name, (lines,) if isinstance(lines, str) else lines) for name, lines in rows]
+    return [
+        f"{name * (k == 0):<{width}}{line}".rstrip() for name, lines in rows for k, line in enumerate(lines)
+    ]
+
+
+def table(rows: list[list[str]]) -> list[str]:
+    """Return rows of text as aligned lines, numbers to the right."""
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    return [
+        "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows
+    ]
+
+
+def points_table(record: "Record", missing: str = "-") -> tuple[list[str], list[list[str]]]:
+    """Return heads and rows of a run's points; what no point has is no column."""
+    shown = [quantity(key) for key in COLUMNS if any(key in point for point in record.points)]
+    keys = [each.key.rpartition(".")[2] for each in shown]
+    rows = [
+        [each.text(point[key]) if key in point else missing for each, key in zip(shown, keys, strict=True)]
+        for point in record.points
+    ]
+    return [each.heading for each in shown], rows
+
+
+def notebook_table(record: "Record", caption: str) -> str:
+    """Return the points as a table in HTML, with a caption above and the warnings below."""
+    from html import escape
+
+    def row(kind: str, cells: list[str]) -> str:
+        return f"<tr>{''.join(f'<{kind}>{escape(cell)}</{kind}>' for cell in cells)}</tr>"
+
+    heads, rows = points_table(record, missing="")
+    body = "".join(row("td", cells) for cells in rows[:ROWS_SHOWN])
+    more = f"<p>{len(rows) - ROWS_SHOWN} more</p>" if len(rows) > ROWS_SHOWN else ""
+    notes = "".join(f"<li>{escape(note)}</li>" for note in record.warnings)
+    return f"<p>{escape(caption)}</p><table>{row('th', heads)}{body}</table>{more}<ul>{notes}</ul>"
+
+
+def _wave(record: "Record"):
+    """Yield the rows of the wave: free, or under the slider with the electrical side."""
+    wave, electrical = record.wave, record.electrical
+    if not record.points:
+        yield "velocity", f"{wave['phase_velocity_m_per_s']:.8g} m/s"
+        yield "surface ratio", f"{wave['surface_ratio']:.6g} (|u_x/u_z|)"
+        yield "attenuation", f"{wave['attenuation_per_m']:.4g} 1/m"
+    if not electrical:
+        return
+    size, velocity, ratio = (
+        wave[key] for key in ("normal_m_per_V", "phase_velocity_m_per_s", "standing_wave_ratio")
+    )
+    place = f"{abs(size) * 1e9:.4g} nm per V at the slider's place"
+    yield "wave", f"{place}, {velocity:.6g} m/s, standing-wave ratio {ratio:.3g}"
+    if "section_normal_m_per_V" in wave:
+        change = 100 * (abs(wave["section_normal_m_per_V"]) / abs(size) - 1)
+        yield "diffraction", f"the plane section would give {change:+.2g} % at the slider's place"
+    admittance = electrical["admittance_S"]
+    yield "admittance", f"{admittance.real * 1e3:.4g} + {admittance.imag * 1e3:.4g}i mS"
+    yield from _source(electrical, record.scene.drive)
+
+
+def _source(electrical: dict, drive):
+    """Yield the network's elements and where the available power goes, for a source with an impedance."""
+    if drive.match != "none":
+        parts = [str(each) for each in drive.match]
+        yield "match", ", ".join(parts) + " (from the source to the transducer)"
+    available = electrical.get("power_available_W_per_V2")
+    if available is not None:
+        shares = (
+            f"{name} {100 * electrical[f'power_{key}'] / available:.3g} %" for name, key in SHARES.items()
+        )
+        yield "power", f"of the available: {', '.join(shares)}"
+        yield "electrodes", f"{abs(electrical['comb_voltage_per_volt']):.4g} V per V of the source"
+    ratio = electrical.get("recovery_ratio")
+    if ratio is not None:
+        load = complex(drive.recovery.load)
+        kept = f"{100 * ratio:.3g} % of the power into the transducers"
+        yield "recovered", f"{kept}, in {load.real:.4g} {load.imag:+.4g}i ohm"
+    if "power_net_W_per_V2" in electrical:
+        less = electrical["power_W_per_V2"] / electrical["power_net_W_per_V2"]
+        gives = f"the source gives 1/{less:.4g} of it"
+        yield "circulation", f"{gives}; gain of the loop {ratio:.4g}, stable below 1"
+
+
+def _uncertainty(block: dict):
+    """Yield how the bands were made, and what each tolerance makes of the velocity at the highest level."""
+    if not block:
+        return
+    made = "linear, tolerances added in quadrature"
+    if "samples" in block:
+        made = f"percentiles of {block['samples']} samples (Latin hypercube)"
+    yield "uncertainty", f"bands of 95 %: {made}"
+    for key, count in block.get("bent", {}).items():
+        at = f" at {count} points" if count else ""
+        yield (
+            "",
+            f"the answer bends within the tolerance of {key}{at}: the band holds the middle and the ends there;",
+        )
+        yield "", 'uncertain.method = "sampled" follows the bend'
+    widths = block.get("velocity_half_width_m_per_s", {})
+    for key, size in block["tolerances"].items():
+        effect = f": +- {widths[key] * 1e3:.3g} mm/s at the highest level" if key in widths else ""
+        yield "", f"{key} +- {size:.4g}{effect}"
+    for name in ("threshold", "release"):
+        for key, factor, unit in ((f"{name}_voltage_V", 1.0, "V"), (f"{name}_amplitude_m", 1e9, "nm")):
+            if key in block:
+                low, high = (end * factor for end in block[key])
+                yield "", f"{name} {low:.4g} to {high:.4g} {unit}"
+
+
+def sentences(record: "Record") -> tuple[str, ...]:
+    """Return a line for every effect above the tolerance, and one that names those below it."""
+    lines, small = [], []
+    for each in record.model_error:
+        power, in_watts, _ = each["quantity"].partition(", in W")
+        if in_watts:
+            lines.append(f"{each['effect']}: up to {each['size']:.2g} W, {power}")
+        elif abs(each["size"]) < record.tolerance:
+            small.append(each["effect"])
+        else:
+            lines.append(f"{each['effect']}: {100 * each['size']:+.2g} % of {each['quantity']}")
+    return tuple(lines + ([f"below the tolerance: {', '.join(small)}"] if small else []))
+
+
+def _limits(summary: dict):
+    """Yield threshold and release."""
+    for name in ("threshold", "release"):
+        if f"{name}_amplitude_m" in summary:
+            voltage = summary.get(f"{name}_voltage_V")
+            at = "" if voltage is None else f"{voltage:.4g} V, "
+            meaning = {"threshold": "starts to move", "release": "leaves the surface in every cycle"}[name]
+            yield name, f"{at}{summary[f'{name}_amplitude_m'] * 1e9:.4g} nm: the slider {meaning}"

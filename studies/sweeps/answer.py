@@ -1,0 +1,106 @@
+"""The call ``sawmotor sweep``: progress on stderr, what the points came to on stdout."""
+
+import sys
+from argparse import Namespace
+from collections import Counter
+from pathlib import Path
+
+from studies.progress import Progress, duration
+from studies.record.quantities import quantity
+from studies.record.text import labelled, print_json
+from studies.record.text import table as aligned
+from studies.refusal import EXIT_INEXACT, EXIT_NO_ANSWER
+from studies.sweeps import Sweep, sweep
+
+REASONS = 5  # shown; all are in the rows
+SHOWN = ("velocity_m_per_s", "normal_amplitude_m", "thrust_N", "contact_efficiency", "motor_efficiency")
+
+
+def run_sweep(arguments: Namespace, table: dict, over: dict, tolerance: float, out: str | Path) -> int:
+    """Run the sweep of a call and print its answer; return the exit code."""
+    notice = _moving_periods(table, over)
+    if notice:
+        print(f"sawmotor: {notice}", file=sys.stderr)
+    with Progress() as progress:
+        found = sweep(
+            table,
+            over if arguments.points is None else [Path(arguments.points), over],
+            tolerance=tolerance,
+            also=tuple(word.strip() for word in arguments.also.split(",") if word.strip()),
+            out=out,
+            workers=arguments.scheduler or arguments.workers,
+            progress=progress.points,
+        )
+    whole = summary(found)
+    if arguments.json:
+        print_json(whole)
+    else:
+        print(sweep_answer(found, whole))
+    if found.failed:
+        first = whole["reasons"][0]
+        print(
+            f"sawmotor: {found.failed} of {found.points} points have no answer within the tolerance; point "
+            f"{first['first_point']}: {first['status']}",
+            file=sys.stderr,
+        )
+    if not found.failed:
+        return 0
+    answered = found.counts.get("ok", 0) + found.counts.get("above tolerance", 0)
+    return EXIT_INEXACT if answered else EXIT_NO_ANSWER
+
+
+def summary(found: Sweep) -> dict:
+    """Return what a sweep came to: counts, ranges of its outcomes, reasons of its failures, cost."""
+    columns = found.columns()
+    known = {name: [each for each in columns.get(name, ()) if each is not None] for name in SHOWN}
+    errors, statuses = columns["relative_error"], columns["status"]
+    failures = Counter(status for status in statuses if status != "ok").most_common(REASONS)
+    return {
+        "store": str(found.path),
+        "points": found.points,
+        "counts": found.counts,
+        "ranges": {name: [min(values), max(values)] for name, values in known.items() if values},
+        "largest_relative_error": max(
+            (error for error, status in zip(errors, statuses, strict=True) if status == "ok"), default=None
+        ),
+        "reasons": [
+            {"status": status, "points": count, "first_point": statuses.index(status)}
+            for status, count in failures
+        ],
+        "seconds": found.seconds,
+        "work_seconds": found.cost,
+    }
+
+
+def sweep_answer(found: Sweep, whole: dict) -> str:
+    """Return a sweep's answer as text."""
+    kinds = ", ".join(f"{number} {kind}" for kind, number in found.counts.items())
+    ranges = [
+        [each.heading, each.text(low), "to", each.text(high)]
+        for each, (low, high) in ((quantity(name), ends) for name, ends in whole["ranges"].items())
+    ]
+    notes = [
+        ("not ok", f"{each['points']} (first: point {each['first_point']}): {each['status']}")
+        for each in whole["reasons"]
+    ]
+    if whole["largest_relative_error"] is not None:
+        notes.insert(0, ("relative error", f"{whole['largest_relative_error']:.1e} at most, where ok"))
+    notes += [
+        ("seconds", f"{found.seconds:.2f}, {duration(found.cost)} of work"),
+        ("results", f"{found.path}"),
+    ]
+    points = labelled([("points", f"{found.points}: {kinds}")])
+    return "\n".join([*points, *(aligned(ranges) if ranges else []), *labelled(notes)])
+
+
+def _moving_periods(table: dict, over: dict) -> str:
+    """Return what is to be known where the frequency moves and takes the transducers' periods with it."""
+    row = table.get("transducer", ()) if "drive.frequency" in over else ()
+    keys = [f"transducer.{k}.period" for k, each in enumerate(row) if each.get("period", "auto") == "auto"]
+    keys = [key for key in keys if key not in over]
+    if not keys:
+        return ""
+    return (
+        'every frequency gets its own transducers, for their period is "auto"; a number at '
+        f"{' and '.join(keys)}, such as that in the scene.toml of a run, keeps them and makes one band of all"
+    )

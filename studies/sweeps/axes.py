@@ -1,0 +1,125 @@
+"""The axes of a sweep: which keys of a scene take which values.
+
+``slider.preload=1 mN:100 mN:50`` is 50 values evenly spaced, ``...:50:log`` evenly spaced in their logarithm,
+``5 mN,10 mN`` a list (``[...]`` a TOML list of values).  A CSV file of points is one axis of several keys.  Axes are
+multiplied.
+
+Values are converted to SI here and judged at their point: one that breaks a rule of the scene costs its own
+points alone.
+"""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+from studies.record.measured import MeasuredTable
+from studies.refusal import SceneError, shown
+from studies.scene.keys import rule_at, unit_of
+from studies.scene.override import toml_value
+from studies.scene.quantity import si_value
+from studies.scene.ranges import MAX_COUNT, read_range
+from studies.scene.rule import Count
+
+
+@dataclass(frozen=True)
+class Axis:
+    """Keys that move together."""
+
+    keys: tuple[str, ...]  # dotted, as in a scene
+    columns: tuple[list, ...]  # the values of each key, equally many
+
+    def __len__(self):
+        return len(self.columns[0])
+
+
+def axis(key: str, values) -> Axis:
+    """Return the axis of a key.
+
+    ``key``: dotted; ``values``: a text as in this module's docstring, or the values themselves.
+
+    Raises
+    ------
+    SceneError
+        If the scene has no such key, or the text cannot be read.
+    """
+    rule = rule_at(key)
+    if not isinstance(values, str):
+        values = values.tolist() if hasattr(values, "tolist") else values
+        values = list(values) if isinstance(values, (list, tuple, range)) else [values]
+        return _listed(key, rule, values)
+    if ":" in values and not values.lstrip().startswith(("[", '"', "'")):
+        return _ranged(key, rule, values)
+    whole = toml_value(values if values.lstrip().startswith("[") else f"[{values}]")
+    if not isinstance(whole, list):
+        whole = [toml_value(part.strip()) for part in values.split(",")]
+    return _listed(key, rule, whole)
+
+
+def point_axis(source) -> Axis:
+    """Return the axis of a table of points: a CSV file with keys in its first line, or a data frame."""
+    if isinstance(source, Path):
+        source = _read(source)
+    elif hasattr(source, "columns"):
+        source = {key: source[key].tolist() for key in source.columns}
+    else:
+        raise SceneError(
+            "over", f"must be a dict of a key's values, a Path or a data frame, got {shown(source)}"
+        )
+    axes = [axis(key, values if not isinstance(values, str) else [values]) for key, values in source.items()]
+    if not axes or len({len(each) for each in axes}) != 1:
+        raise SceneError("--points", "must hold a value for every key in every line")
+    return Axis(tuple(source), tuple(each.columns[0] for each in axes))
+
+
+def level_key(table: dict) -> str | None:
+    """Return the key that says how hard a scene is driven; None for a free wave."""
+    if "wave" in table:
+        return "wave.normal_amplitude"
+    level = "power" if "power" in table.get("drive", {}) else "voltage"
+    return f"drive.{level}" if table.get("transducer") else None
+
+
+def _ranged(key, rule, text):
+    unit = unit_of(rule)
+    if unit is None:
+        raise SceneError(f"--over {key}", f"takes words: give a list with commas, got {shown(text)}")
+    steps = read_range(f"--over {key}", text, unit).values
+    if isinstance(rule.number, Count):
+        if any(abs(step - round(step)) > 1e-9 for step in steps):
+            raise SceneError(f"--over {key}", f"must fall on whole numbers, got {shown(text)}")
+        steps = [round(step) for step in steps]
+    return Axis((key,), (steps,))
+
+
+def _listed(key, rule, values):
+    if not 1 <= len(values) <= MAX_COUNT:
+        raise SceneError(f"--over {key}", f"must hold 1 to {MAX_COUNT} values, got {len(values)}")
+    return Axis((key,), ([_entry(rule, value) for value in values],))
+
+
+def _entry(rule, value):
+    """Return a value in SI units where it has one; what has none is left for its point to refuse."""
+    if isinstance(value, (list, tuple)):
+        return tuple(_entry(rule.each or rule, each) for each in value)
+    unit, rule = unit_of(rule), rule.number
+    if isinstance(rule, Count) and isinstance(value, float) and value.is_integer():
+        return int(value)
+    if unit is None or isinstance(rule, Count):
+        return value
+    try:
+        return si_value("", value, unit)
+    except SceneError:
+        # infinities and NaN have no place in a table; as text they are refused by name
+        return value if not isinstance(value, float) or math.isfinite(value) else repr(value)
+
+
+def _read(path: Path) -> dict[str, list]:
+    table = MeasuredTable.read(path, "--points")
+    if len(set(table.names)) < len(table.names):
+        raise SceneError("--points", f"{str(path)!r} names a key twice")
+    for number, row in enumerate(table.rows, start=2):
+        if len(row) != len(table.names):
+            rule = f"must have {len(table.names)} values in row {number}, got {len(row)}"
+            raise SceneError("--points", f"{str(path)!r} {rule}")
+    columns = zip(*table.rows, strict=True)
+    return {key: list(map(toml_value, column)) for key, column in zip(table.names, columns, strict=True)}

@@ -1,0 +1,50 @@
+"""A batch of a sweep's points: a row for every one of them, the failed ones with their reason.
+
+What a row holds depends on its own point alone, to the last bit: not on the other points of the batch, the
+worker, or the number of threads.
+"""
+
+import math
+import os
+import time
+from functools import lru_cache
+
+from studies.chain.predictor import Predictor
+from studies.sweeps.plan import Question
+
+
+def solved_points(
+    question: Question, points: list[int], values: list[tuple], threads: int | None
+) -> tuple[list[tuple], float, float]:
+    """Return the rows of a batch, each a point and its outcomes, the seconds it took, and those of its stators.
+
+    ``threads``: of the compiled loop, None for all processors.
+    """
+    begun, predictor = time.perf_counter(), _predictor(question)
+    before = predictor.seconds
+    if threads is not None:
+        from fem import set_workers
+
+        set_workers(threads)
+        os.environ["SAWMOTOR_THREADS"] = str(threads)
+    many = [dict(zip(question.keys, own, strict=True)) for own in values]
+    answers = predictor.answers(many, question.also, threads=threads)
+    rows = [
+        (point, *(_kept(answer.get(name)) for name in question.outcomes))
+        for point, answer in zip(points, answers, strict=True)
+    ]
+    return rows, time.perf_counter() - begun, predictor.seconds - before
+
+
+@lru_cache(2)
+def _predictor(question: Question) -> Predictor:
+    """Return the predictor of a question, the same for all batches that a process is given."""
+    return Predictor(
+        question.table, tolerance=question.tolerance, places=question.places, limits=question.frequencies,
+        coarse=question.coarse, slider=question.has_slider,
+    )  # fmt: skip
+
+
+def _kept(value):
+    """Return a value as the store holds it: what is not finite is none."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value

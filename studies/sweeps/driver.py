@@ -1,0 +1,127 @@
+"""The driver of a sweep: batches of points given out to workers, their rows kept as they come.
+
+Points of one stator follow one another, so that a worker solves it once for many of them.  A batch that vanished with
+its worker is halved and given out again, until a single point has taken ``LIVES`` workers with it.
+"""
+
+from collections import deque
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, CancelledError, wait
+from dataclasses import dataclass, replace
+
+from studies.refusal import RunError
+from studies.sweeps.batch import solved_points
+from studies.sweeps.plan import Design
+from studies.sweeps.store import LOST, Store
+from studies.sweeps.workers import Workers
+
+BATCH_SECONDS, LARGEST_BATCH = 0.5, 8192
+BAND_STATORS = 64  # frequencies of a band in one batch; of stators that are solved one by one a batch has one
+LIVES = 3  # workers that a batch may take with it
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Batch:
+    points: tuple[int, ...]
+    values: tuple[tuple, ...]
+    lives: int = LIVES
+
+
+class Driver:
+    """Gives out the points of one sweep and keeps what comes back.
+
+    ``progress`` is called with (points, of them kept, of those failed, seconds of work).
+    """
+
+    def __init__(self, design: Design, store: Store, workers: Workers, progress: Callable):
+        self.design, self.store, self.workers, self.progress = design, store, workers, progress
+        self.size = 4  # points in the next batch
+
+    def run(self) -> None:
+        """Compute what is missing."""
+        done, counts, question = self.store.done(len(self.design)), self.store.counts(), self.design.question
+        cost, kept = self.store.cost(), int(done.sum())
+        failed = kept - counts.get("ok", 0)
+        order = self.design.order()
+        self.progress(len(self.design), kept, failed, cost)
+        for finished in self._finished(self._batches(order[~done[order]])):
+            rows, batches = [], []
+            for batch, answer in finished:
+                if answer is None:
+                    reason = f"{LOST}{LIVES} workers that computed it vanished"
+                    blank = (None,) * (len(question.outcomes) - 1)
+                    rows.append((batch.points[0], *batch.values[0], *blank, reason))
+                    continue
+                own = dict(zip(batch.points, batch.values, strict=True))
+                found, seconds, of_stators = answer
+                rows += [(point, *own[point], *outcomes) for point, *outcomes in found]
+                batches.append((len(found), seconds))
+                self._adapt(len(found), seconds - of_stators, of_stators)
+            self.store.keep(rows, batches)
+            kept += len(rows)
+            failed += sum(row[-1] != "ok" for row in rows)
+            cost += sum(seconds for _, seconds in batches)
+            self.progress(len(self.design), kept, failed, cost)
+
+    def _adapt(self, points: int, seconds: float, of_stators: float) -> None:
+        """Choose the next batch so that its contacts take BATCH_SECONDS, or as long as its stators did."""
+        fitting = points * max(BATCH_SECONDS, of_stators) / max(seconds, 1e-6)
+        self.size = int(min(max(fitting, self.size / 4, 1), 8 * self.size, LARGEST_BATCH))
+
+    def _batches(self, points) -> Iterator[_Batch]:
+        question, at = self.design.question, 0
+        places = [question.keys.index(key) for key in question.stator_keys]
+        while at < len(points):
+            left = len(points) - at
+            # the last batches end together
+            fair = left if self.workers.slots == 1 else -(-left // (2 * self.workers.size))
+            some, stators, count = points[at : at + max(1, min(self.size, fair))], set(), 0
+            values = self.design.values(some)
+            for own in values:
+                stators.add(str([own[k] for k in places]))
+                if len(stators) > (BAND_STATORS if question.frequencies else 1):
+                    break
+                count += 1
+            yield _Batch(points=tuple(some[:count].tolist()), values=tuple(values[:count]))
+            at += count
+
+    def _finished(self, batches: Iterator[_Batch]) -> Iterator[list[tuple]]:
+        """Yield lists of (batch, answer) as they come; the answer is None where a single point is lost for good."""
+        running, again, workers, question = {}, deque(), self.workers, self.design.question
+        while True:
+            while len(running) < workers.slots:
+                batch = again.popleft() if again else next(batches, None)
+                if batch is None:
+                    break
+                asked = question, batch.points, batch.values, workers.threads
+                running[workers.submit(solved_points, *asked)] = batch
+            if not running:
+                return
+            answers, lost = [], []
+            for future in wait(running, return_when=FIRST_COMPLETED).done:
+                batch = running.pop(future)
+                try:
+                    answers.append((batch, future.result()))
+                except workers.lost:
+                    lost.append(batch)
+                except ImportError as error:
+                    raise RunError(
+                        f"a worker cannot import what it needs ({error}): install sawmotor there"
+                    ) from None
+                except CancelledError:
+                    raise RunError(
+                        "the Dask scheduler is gone; the same command goes on from there"
+                    ) from None
+            if lost:
+                workers.renew()
+            for batch in lost:
+                half = len(batch.points) // 2
+                parts = (slice(None, half), slice(half, None))
+                if half:
+                    again += [replace(batch, points=batch.points[k], values=batch.values[k]) for k in parts]
+                elif batch.lives > 1:
+                    again.append(replace(batch, lives=batch.lives - 1))
+                else:
+                    answers.append((batch, None))
+            if answers:
+                yield answers

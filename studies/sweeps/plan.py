@@ -1,0 +1,194 @@
+"""The design of a sweep: axes multiplied, every point with a number, and the question asked at each.
+
+Points are numbered with the last axis running fastest.  Without an axis of voltage or amplitude the scene's own
+list of them is the last axis.  A design is never spelled out: a million points cost 8 MB and the memory of their axes.
+"""
+
+import hashlib
+import json
+import math
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+
+from studies.chain.outcomes import ALSO, AMPLITUDES, ELECTRICAL, FREE
+from studies.chain.predictor import Predictor
+from studies.chain.solved_stator import PLACE_KEYS, of_stator
+from studies.refusal import SceneError
+from studies.scene.keys import rule_at
+from studies.sweeps.axes import Axis, axis, level_key, point_axis
+
+MAX_POINTS = 10_000_000
+PLACES = 4096  # of contacts up to which one answer of the stator serves all
+FEWEST = 6  # frequencies from which a band is cheaper than one solution each
+
+
+@dataclass(frozen=True, kw_only=True)
+class Question:
+    """What is asked at every point: all that a worker needs beside a point's own values."""
+
+    document: str  # TOML document of the scene, as JSON
+    keys: tuple[str, ...]  # of the point's values
+    tolerance: float
+    also: tuple[str, ...] = ()  # more than the velocity: of ``ALSO``
+    # Of all contacts of all points, x and y in m; empty where each point has its own
+    places: tuple[tuple[float, float], ...] = ()
+    frequencies: tuple[float, ...] = ()  # lowest and highest in Hz, where there are enough of them for a band
+    # Whether the stator's coarsest discretisation will do: for a search, whose best points are computed again
+    coarse: bool = False
+
+    @cached_property
+    def table(self) -> dict:
+        """The scene's TOML document."""
+        return json.loads(self.document)
+
+    @property
+    def kind(self) -> str:
+        """What moves: "given", "driven", or "free", the wave alone."""
+        if "wave" in self.table:
+            return "given"
+        return "driven" if self.table.get("transducer") else "free"
+
+    @property
+    def has_slider(self) -> bool:
+        """Whether a velocity is asked for."""
+        slides = any(key.startswith("slider.") for key in self.keys)
+        return self.kind != "free" and ("slider" in self.table or slides)
+
+    @property
+    def stator_keys(self) -> tuple[str, ...]:
+        """Those keys for each of whose values a stator is solved."""
+        own = (key for key in self.keys if of_stator(key) or (key in PLACE_KEYS and not self.places))
+        return tuple(own) if self.kind == "driven" else ()
+
+    @property
+    def outcomes(self) -> tuple[str, ...]:
+        """The columns that a point is answered with."""
+        names = list(FREE) if self.kind == "free" else [*AMPLITUDES]
+        if self.kind == "driven":
+            names += ELECTRICAL
+        if self.has_slider:
+            burst = "burst" in self.table.get("wave" if self.kind == "given" else "drive", {})
+            burst = burst or any(key.endswith(".burst") for key in self.keys)
+            names += ["velocity_m_per_s", *(["velocity_at_burst_end_m_per_s"] if burst else []), "regime"]
+            for word, columns in ALSO.items():
+                names += columns if word in self.also else []
+            if self.kind == "given" and "motor_efficiency" in names:
+                names.remove("motor_efficiency")
+        return (*names, "relative_error", "status")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Design:
+    """The points of a sweep."""
+
+    question: Question
+    axes: tuple[Axis, ...] = field(repr=False)
+
+    def __len__(self):
+        return math.prod(len(each) for each in self.axes)
+
+    def values(self, points) -> list[tuple]:
+        """Return the values of the keys at points, given by an array of their numbers."""
+        if not self.axes:
+            return [()] * len(points)
+        columns = []
+        at = np.unravel_index(points, tuple(len(each) for each in self.axes))
+        for each, rows in zip(self.axes, at, strict=True):
+            places = rows.tolist()
+            columns += [[column[place] for place in places] for column in each.columns]
+        return list(zip(*columns, strict=True))
+
+    def order(self):
+        """Return the numbers of all points, those of one stator after one another."""
+        ranks, rows = [], []
+        for each in self.axes:
+            own = {k: key for k, key in enumerate(each.keys) if key in self.question.stator_keys}
+            # geometries are slowest, then frequencies, of which many make a band
+            ranks.append(0 if not own else 1 if "drive.frequency" in own.values() else 2)
+            texts = [[str(each.columns[k][row]) for k in own] for row in range(len(each))]
+            rows.append(sorted(range(len(each)), key=texts.__getitem__))
+        numbers = np.arange(len(self)).reshape([len(each) for each in self.axes])
+        slowest = sorted(range(len(ranks)), key=lambda k: -ranks[k])
+        return numbers[np.ix_(*rows)].transpose(slowest).ravel() if self.axes else numbers.ravel()
+
+    @property
+    def identity(self) -> dict[str, str]:
+        """What makes two sweeps the same one: digests of scene, axes, tolerance and what is also asked."""
+        parts = {
+            "scene": self.question.table,
+            "tolerance": self.question.tolerance,
+            "also": self.question.also,
+        }
+        parts |= {f"axis {'+'.join(each.keys)}": each.columns for each in self.axes}
+        parts |= {"order of axes": self.question.keys}
+        return {name: _digest(part) for name, part in parts.items()}
+
+
+def designed(table: dict, over, *, tolerance, also=()) -> Design:
+    """Return the design of a sweep of a scene's TOML document; the other arguments are those of `studies.sweeps`.
+
+    Raises
+    ------
+    SceneError
+        For what is wrong whatever the point.
+    """
+    for word in also:
+        if word not in ALSO:
+            raise SceneError("--also", f"must be of {', '.join(ALSO)}, got {word!r}")
+    axes = []
+    for part in over if isinstance(over, list) else [over or {}]:
+        axes += (
+            [axis(key, values) for key, values in part.items()]
+            if isinstance(part, dict)
+            else [point_axis(part)]
+        )
+    keys = [key for each in axes for key in each.keys]
+    for key in keys:
+        if keys.count(key) > 1:
+            raise SceneError(f"--over {key}", "is given twice")
+    level = level_key(table)
+    if level is not None and level not in keys:
+        block, name = level.split(".")
+        axes.append(axis(level, list(rule_at(level).read(level, table.get(block, {}).get(name)))))
+    design = Design(question=_question(table, tuple(axes), tolerance, tuple(also)), axes=tuple(axes))
+    if len(design) > MAX_POINTS:
+        raise SceneError("--over", f"must make at most {MAX_POINTS} points, got {len(design)}")
+    return design
+
+
+def _question(table, axes, tolerance, also) -> Question:
+    keys = tuple(key for each in axes for key in each.keys)
+    columns = dict(zip(keys, (column for each in axes for column in each.columns), strict=True))
+    question = Question(document=json.dumps(table), keys=keys, tolerance=tolerance, also=also)
+    if question.kind != "driven":
+        return question
+    frequencies = {
+        each for each in columns.get("drive.frequency", ()) if isinstance(each, float) and each > 0
+    }
+    # the transducers stay what they are while the frequency moves
+    kept = not any(isinstance(each.get("period", "auto"), str) for each in table["transducer"])
+    band = kept and not any(key.endswith(".period") for key in keys) and len(frequencies) >= FEWEST
+    limits = (min(frequencies), max(frequencies)) if band else ()
+    return replace(question, places=_places(table, columns), frequencies=limits)
+
+
+def _places(table: dict, columns: dict) -> tuple[tuple[float, float], ...]:
+    """Return the places (x, y) of all contacts, m; none where they are too many, or where there is no slider."""
+    moved = {key: dict.fromkeys(columns[key]) for key in PLACE_KEYS if key in columns}
+    if math.prod(map(len, moved.values())) > PLACES:
+        return ()
+    found, predictor = {}, Predictor(table, tolerance=1.0)
+    first = {key: column[0] for key, column in columns.items()}
+    for row in product(*moved.values()):
+        with suppress(SceneError):  # said at its point
+            slider = predictor.scene(first | dict(zip(moved, row, strict=True))).slider
+            found |= dict.fromkeys(() if slider is None else (slider.center, *slider.places))
+    return tuple(found)
+
+
+def _digest(part) -> str:
+    return hashlib.sha256(json.dumps(part, sort_keys=True, default=str).encode()).hexdigest()[:16]

@@ -1,0 +1,166 @@
+"""Where a sweep's points are kept: one SQLite file, in which what was reported survives whatever happens.
+
+SQLite, rather than Parquet or Zarr, because each commit is durable by itself (a write-ahead log, flushed to the disk
+before the commit returns), a reader may look on while the sweep runs, a row may hold a text where another holds
+numbers, and Python, R, Julia and every shell read it, such as ``pandas.read_sql("select * from points", connection)``.
+Only the driver writes; workers never see the file, so that it may lie on any local disk.
+
+Tables: ``points`` (a row each: values of the keys, outcomes), ``sweep`` (what was asked, with which versions),
+``batches`` (what the work cost).  A second driver is refused by a lock that the
+operating system takes back when a process dies, however it dies.
+"""
+
+import json
+import os
+import socket
+import sqlite3
+from contextlib import contextmanager, nullcontext
+from pathlib import Path
+
+import numpy as np
+
+from studies.refusal import RunError, SceneError
+from studies.results import DirectoryInUseError, locked
+from studies.results.content import provenance
+from studies.sweeps.plan import Design
+
+FILE, LOCK = "points.sqlite", "driver.lock"
+LOST = "lost: "  # how the reason of a point begins that is tried again by the next driver
+TABLES = """
+create table if not exists sweep (name text primary key, value text not null);
+create table if not exists batches (finished text default current_timestamp, points integer, seconds real);
+"""
+
+
+class Store:
+    """The points of one sweep, in a folder whose lock it holds, or in memory."""
+
+    def __init__(self, folder: Path | None, design: Design, identity: dict[str, str] | None = None):
+        self.folder, self._names = folder, (*design.question.keys, *design.question.outcomes)
+        self._lock = None if folder is None else _lock(folder)
+        self.path = None if folder is None else folder / FILE
+        with self._explained():
+            self.connection = sqlite3.connect(self.path or ":memory:")
+            self.connection.execute("pragma journal_mode = wal")
+            self.connection.execute("pragma synchronous = full")
+            self.connection.executescript(TABLES)
+        try:
+            self._begin(design, identity or design.identity)
+        except (SceneError, RunError):
+            self.close()
+            raise
+        marks = ", ".join("?" * (len(self._names) + 1))
+        self._insert = f"insert or replace into points values ({marks})"
+
+    def columns(self) -> dict[str, list]:
+        """Return the rows in the order of their points, as columns, also after `close`; what a row has not is None."""
+        with sqlite3.connect(self.path) if self.path else nullcontext(self.connection) as connection:
+            cursor = connection.execute("select * from points order by point")
+            names = [entry[0] for entry in cursor.description]
+            columns = dict(zip(names, map(list, zip(*cursor, strict=True)), strict=True))
+        if self.path:
+            connection.close()
+        return columns
+
+    def close(self) -> None:
+        """Close the file and give the lock back; what is in memory stays."""
+        if self._lock is not None:
+            self.connection.close()
+            self._lock.close()
+
+    def done(self, count: int):
+        """Return which of the first `count` points have a row that stands, an array of bool."""
+        found = np.zeros(count, bool)
+        rows = self.connection.execute(
+            "select point from points where status not like ? and point < ?", (f"{LOST}%", count)
+        )
+        while some := rows.fetchmany(100_000):
+            found[np.array(some)[:, 0]] = True
+        return found
+
+    def keep(self, rows: list[tuple], batches: list[tuple[int, float]]) -> None:
+        """Write rows (point, values, outcomes) and what they cost (points, seconds); durable on return."""
+        with self._explained(), self.connection:
+            self.connection.executemany(self._insert, ([_stored(each) for each in row] for row in rows))
+            self.connection.executemany("insert into batches (points, seconds) values (?, ?)", batches)
+
+    def counts(self) -> dict[str, int]:
+        """Return how many points there are of each kind: ok, refused, no answer, above tolerance, lost."""
+        rows = self.connection.execute(
+            "select case when instr(status, ':') then substr(status, 1, instr(status, ':') - 1) else status end,"
+            " count(*) from points group by 1 order by 2 desc"
+        )
+        return dict(rows.fetchall())
+
+    def cost(self) -> float:
+        """Return the seconds that workers have spent, those of earlier drivers included."""
+        return self.connection.execute("select coalesce(sum(seconds), 0.0) from batches").fetchone()[0]
+
+    def _begin(self, design: Design, identity: dict[str, str]) -> None:
+        """Compare the sweep with the one that the file holds, or write it down."""
+        versions = {f"version of {name}": version for name, version in provenance().items()}
+        asked = {"identity": identity | versions}
+        for (text,) in self.connection.execute("select value from sweep where name = 'identity'"):
+            held = json.loads(text)
+            names = [
+                name for name in held | asked["identity"] if held.get(name) != asked["identity"].get(name)
+            ]
+            if names:
+                what = f"its {', '.join(names)} {'differs' if len(names) == 1 else 'differ'}"
+                rule = f"{str(self.folder)!r} holds another sweep: {what}; name another directory"
+                raise SceneError("--out", rule)
+        question = design.question
+        asked |= {"scene": question.table, "keys": question.keys, "tolerance": question.tolerance}
+        asked |= {"points": len(design), "driver": f"process {os.getpid()} on {socket.gethostname()}"}
+        with self._explained(), self.connection:
+            columns = ", ".join(f'"{name}"' for name in self._names)
+            self.connection.execute(
+                f"create table if not exists points (point integer primary key, {columns})"
+            )
+            self.connection.executemany(
+                "insert or replace into sweep values (?, ?)",
+                ((name, json.dumps(value)) for name, value in asked.items()),
+            )
+
+    @contextmanager
+    def _explained(self):
+        """Turn a failure of the disk into a sentence."""
+        try:
+            yield
+        except (sqlite3.OperationalError, sqlite3.DatabaseError, OSError) as error:
+            raise RunError(
+                f"the store {str(self.folder)!r} cannot be written ({error}): is the disk full? Every point that was "
+                "reported is kept; the same command goes on from there"
+            ) from None
+
+
+def _lock(folder: Path) -> sqlite3.Connection:
+    """Return a connection that holds the folder's lock until it is closed or its process ends."""
+    try:
+        if folder.exists() and not folder.is_dir():
+            raise SceneError("--out", f"{str(folder)!r} is a file; name another directory")
+        if folder.exists() and any(folder.iterdir()) and not (folder / LOCK).exists():
+            raise SceneError(
+                "--out", f"{str(folder)!r} holds something that is no sweep; name another directory"
+            )
+        folder.mkdir(parents=True, exist_ok=True)
+        return locked(folder / LOCK)
+    except DirectoryInUseError:
+        raise RunError(
+            f"another sweep{_owner(folder)} is writing into {str(folder)!r}: wait for it, or name another --out"
+        ) from None
+    except OSError as error:
+        raise RunError(f"the directory {str(folder)!r} cannot be written: {error.strerror}") from None
+
+
+def _owner(folder: Path) -> str:
+    try:
+        with sqlite3.connect(f"file:{folder / FILE}?mode=ro", uri=True, timeout=0) as reader:
+            found = reader.execute("select value from sweep where name = 'driver'").fetchone()
+    except sqlite3.Error:
+        return ""
+    return "" if found is None else f", {json.loads(found[0])},"
+
+
+def _stored(value):
+    return json.dumps(value) if isinstance(value, (list, tuple, dict)) else value

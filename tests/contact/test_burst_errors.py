@@ -1,0 +1,89 @@
+"""Stated errors of bursts against the exact method at its finest, on draws that are aimed at their weak spots."""
+
+import pytest
+
+from contact import ConvergenceError, Envelope, burst
+from contact.answers import methods
+from contact.drive import reference_speed, towards_plus
+from tests.contact.aimed import drawn
+from tests.contact.motors import orbit, slider
+
+
+def finest(body, orbits, cycles):
+    """Return the velocity at the burst's end with 20 nodes."""
+    side, driven = towards_plus(orbits)
+    problem = methods.rest_problem(body, driven)
+    motion = methods.rest(body, driven, problem, nodes=20, truncation=1e-13)
+    motion.turn(cycles)
+    return side * float(motion.state[2]) * problem.speed
+
+
+def compared(number, longest):
+    """Return by method (true error, answer) of a draw, and its tolerance."""
+    body, orbits, method, cycles, tolerance = drawn(number)
+    cycles = min(cycles, longest)
+    truth, found = finest(body, orbits, cycles), {}
+    for each, allowed in ((method, tolerance), ("exact", 1e-3)):
+        try:
+            answer = burst(body, orbits, duration=cycles / orbits[0].frequency, after=0.0, tolerance=allowed,
+                           samples=2, method=each)  # fmt: skip
+        except ConvergenceError:
+            continue  # a sticking contact, a stiff one
+        found[each] = abs(answer.velocity_at_burst_end - truth) / reference_speed(truth, orbits), answer
+    return found, tolerance
+
+
+@pytest.mark.parametrize("numbers", [range(0, 10), range(10, 20), range(20, 30)])
+def test_stated_errors_hold_where_they_are_aimed_at(numbers):
+    for number in numbers:
+        found, tolerance = compared(number, 4500)
+        for error, answer in found.values():
+            assert error <= 2.0 * answer.relative_error + 1e-12, (number, answer.method)
+            assert error <= max(tolerance, 1e-3 if answer.method == "exact" else 0.0), (number, answer.method)
+            assert answer.status == "ok"
+
+
+@pytest.mark.slow
+def test_at_most_one_in_a_hundred_is_beyond_twice_its_error():
+    wrong = [
+        (number, name)
+        for number in range(30, 330)
+        for name, (error, answer) in compared(number, 8000)[0].items()
+        if error > 2.0 * answer.relative_error + 1e-12
+    ]
+    assert len(wrong) <= 5, wrong
+
+
+def test_two_exact_runs_that_are_compared_share_neither_nodes_nor_segments():
+    for coarse, fine in zip(methods.ORDERS[:-1], methods.ORDERS[1:], strict=True):
+        assert coarse[0] != fine[0]
+        assert coarse[2] != fine[2]
+
+
+def test_a_fast_method_that_misses_its_tolerance_gives_way_to_the_exact_one():
+    asked = {"duration": 400 / 2.2e6, "after": 0.0, "samples": 2}
+    rough = burst(slider(), orbit(10e-9), tolerance=1e-2, method="averaged", **asked)
+    assert rough.method == "averaged"
+    assert 0.0 < rough.relative_error < 1e-2
+    fine = burst(slider(), orbit(10e-9), tolerance=1e-8, method="averaged", **asked)
+    assert fine.method == "exact"
+    assert fine.status == "ok"
+    assert "averaged method misses the tolerance" in fine.message
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [{"law": "hysteretic"}, {"reciprocal": True}, {"stick_band": 1e-4}, {"friction_coefficient": 0.0}],
+)
+@pytest.mark.parametrize("method", methods.METHODS)
+def test_a_refusal_names_every_reason_and_one_way_that_works(changed, method):
+    shape = Envelope(time=[0.0, 1e-5], amplitude=[0.0, 1.0], phase=[0.0, 0.0])
+    asked = {"duration": 2e-5, "after": 0.0, "tolerance": 1e-3, "samples": 2}
+    with pytest.raises(ConvergenceError) as refused:
+        burst(slider(**changed), orbit(5e-9), method=method, envelope=shape, **asked)
+    said = str(refused.value)
+    assert "leave the envelope out and use method exact" in said
+    assert "use method stepped" not in said
+    if method == "auto":
+        assert all(f"method {name}: " in said for name in ("averaged", "stepped", "exact"))
+    burst(slider(**changed), orbit(5e-9), method="exact", **asked)

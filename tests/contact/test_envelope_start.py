@@ -1,0 +1,47 @@
+"""A slider at rest under a wave that has not begun: contacts at different phases keep what the load deformed.
+
+Truths of the rising wave: an event-driven Runge-Kutta integrator that shares no code with this package (1e-11).
+"""
+
+import numpy as np
+import pytest
+
+from contact import Envelope, Orbit, Slider, burst, step
+
+F = 2.2e6
+MU, PRELOAD = 0.17804397013372858, 0.0006682530715003658
+PATHS = tuple(
+    Orbit(frequency=F, normal=15e-9 * np.exp(1j * p), tangential=-0.7j * 15e-9 * np.exp(1j * p))
+    for p in (0.0, -1.2, 2.5)
+)
+TIME = np.linspace(0, 400 / F, 60)
+
+
+def body(load=0.8, **changed):
+    return Slider(**{
+        "radius": 1e-3, "mass": 7.2408898410268165e-06, "preload": PRELOAD, "load": load * MU * PRELOAD,
+        "friction_coefficient": MU, "effective_modulus": 64e9, "tangential_modulus": 12e9, "law": "elastic",
+        "reciprocal": False, "stick_band": 0.0, "contact_damping": 0.0, "normal_damping": 0.1549776107617017,
+        "tangential_damping": 1e-4,
+    } | changed)  # fmt: skip
+
+
+def envelope(amplitude):
+    return Envelope(time=TIME, amplitude=amplitude, phase=0 * TIME)
+
+
+@pytest.mark.parametrize(
+    "changed", [{}, {"shape": "punch", "radius": 2e-6}, {"heights": (0.0, 4e-10, -3e-10)}]
+)
+def test_a_wave_of_amplitude_zero_moves_nothing(changed):
+    none = envelope(0 * TIME)
+    run = burst(body(**changed), PATHS, duration=50 / F, after=0.0, tolerance=1e-6, samples=50, envelope=none)
+    assert abs(run.velocity).max() < 1e-15
+    assert abs(step(body(**changed), PATHS, cycles=50, envelope=none).displacement) < 1e-20
+
+
+def test_a_rising_wave_moves_a_loaded_slider_as_an_independent_integrator_says():
+    rise = envelope(1 - np.exp(-TIME / (400 / F)))
+    run = burst(body(), PATHS, duration=400 / F, after=0.0, tolerance=1e-6, samples=400, envelope=rise)
+    assert run.velocity_at_burst_end == pytest.approx(2.8348781584e-4, rel=1e-6)
+    assert step(body(), PATHS, cycles=400, envelope=rise).during == pytest.approx(1.755e-9, rel=1e-3)

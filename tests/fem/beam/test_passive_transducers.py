@@ -1,0 +1,190 @@
+"""Open reflectors, apertures shorter than the wave, gaps that a neighbour clips, bands, images, places off the axis."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem.beam.charges import ElectrodeCharges
+from fem.beam.crossed_beam import _interpolated
+from fem.beam.reception import aperture_solver
+from fem.beam.surface_beam import aperture_beam, surface_beam
+from fem.convergence import ConvergenceError
+from fem.discretize.grading import Resolution
+from fem.input_error import InputError
+from fem.solve.band import Band, frequency_band
+from fem.solve.port_admittance import port_admittance
+from fem.waveguide.port_fields import _refuse_a_source, solve_ports
+from tests.fem.beam.test_crossed_beam import LEFT, MIDDLE, crossed, turned
+from tests.fem.stators import FREQUENCY, comb, cut, plate, solution, wave_of
+
+STATOR = plate(cut("PZT-8", "Z", quality=60.0), length=24.0, thickness=1.3)
+
+
+def test_lumps_keep_charge_dipole_and_spread_of_any_finger():
+    """Also of one without charge, an open strip, and of complex charges."""
+    rng = np.random.default_rng(2)
+    x = np.sort(rng.uniform(0.0, 3e-4, 7))
+    charge = rng.normal(size=(2, 7)) + 1j * rng.normal(size=(2, 7))
+    charge[1] -= charge[1].mean()
+    both = ElectrodeCharges(x=np.append(x, x + 1e-3), charge=charge.ravel(), finger=np.repeat([3, 5], 7))
+    places, lumps = both.lumps
+    assert places.min() > -1e-3
+    assert places.max() < 2e-3
+    for power in range(3):
+        for near in (places < 6e-4, places > 6e-4):
+            mine = both.x < 6e-4 if near[0] else both.x > 6e-4
+            expected = np.sum(both.charge[mine] * both.x[mine] ** power)
+            np.testing.assert_allclose(
+                np.sum(lumps[near] * places[near] ** power), expected, rtol=1e-9, atol=1e-14
+            )
+
+
+def test_an_open_reflector_in_the_beam():
+    """Behind it and before it, far from the ends of fingers 400 wavelengths long: what the section has."""
+    pair = (
+        comb(STATOR, "a", 6.0, finger_pairs=2, aperture=0.4),
+        comb(STATOR, "r", 14.0, finger_pairs=3, pattern="oooooo", aperture=0.4),
+    )
+    beam = surface_beam(wave_of(solution(STATOR, pair, order=6)))
+    assert abs(beam.charges[1].charge).max() > 0
+    x = np.array([pair[1].extent[0] - 1.3e-3, pair[1].extent[1] + 2.1e-3])
+    section, without = beam.wave.motion(x), wave_of(solution(STATOR, pair[:1], order=6)).motion(x)
+    assert abs(section[1] - without[1])[1] > 0.05 * abs(section[1][1])
+    assert abs(beam.motion(x)[2] / section[1] - 1).max() < 0.02
+
+
+def test_an_aperture_below_half_a_wavelength_is_refused():
+    short = comb(STATOR, "a", 6.0, finger_pairs=2, aperture=0.45e-3)
+    wave = wave_of(solution(STATOR, (short,)))
+    with pytest.raises(
+        InputError, match=r"transducer 'a'.aperture must be at least half a wavelength, 0.000"
+    ):
+        surface_beam(wave)
+    with pytest.raises(InputError, match="half a wavelength"):
+        port_admittance(STATOR, (short,), frequency=FREQUENCY, tolerance=0.1, finite_apertures=True)
+
+
+def test_a_passive_transducer_never_gives_out_power():
+    """Two ports of positive conductances whose product of mutual ones is larger: a source, named by its port."""
+    passive = np.array([[2.0, 1.0], [1.0, 1.0]]) * 1e-4 + 5e-4j * np.eye(2)
+    _refuse_a_source(passive, ["a", "b"])
+    _refuse_a_source(np.zeros((0, 0)), [])
+    with pytest.raises(ConvergenceError, match="transducer 'b' would give out power"):
+        _refuse_a_source(passive + np.array([[0.0, 1e-4], [1e-4, 0.0]]), ["a", "b"])
+
+
+def pair_of(gap: float):
+    """Two unequal transducers whose fingers are a gap apart, in gaps of the first."""
+    one = comb(STATOR, "a", 8.0, finger_pairs=2, aperture=4e-3)
+    other = comb(STATOR, "b", 0.0, finger_pairs=1, period=0.9, metallisation=0.4, aperture=2.5e-3)
+    width = other.extent[1] - other.extent[0]
+    return one, replace(other, center=one.extent[1] + gap * 2 * one.half_gap + width / 2)
+
+
+@pytest.mark.parametrize("finite", [False, True])
+def test_clipped_gaps_are_reciprocal(finite):
+    pair = pair_of(0.6)
+    found = solve_ports(
+        STATOR,
+        pair,
+        frequency=FREQUENCY,
+        resolution=Resolution(order=5, edge_layers=1),
+        solve=aperture_solver(STATOR) if finite else None,
+    ).admittances
+    assert found[0, 1] == pytest.approx(found[1, 0], rel=1e-9)
+    assert abs(found[0, 1]) > 0.03 * abs(found[1, 1])
+
+
+def test_finite_apertures_in_a_band_are_those_at_one_frequency():
+    """Unequal numbers of fingers, without mirror symmetry: the sign of a mirrored half cell's dipole."""
+    row = (comb(STATOR, "a", 8.0, finger_pairs=2, pattern="+-+o", aperture=3e-3),)
+    limits = {"lowest": 0.98 * FREQUENCY, "highest": 1.02 * FREQUENCY}
+    band = frequency_band(STATOR, row, **limits, drive="a", tolerance=1e-4)
+    solve, at = aperture_solver(STATOR), 1.006 * FREQUENCY
+    one = solve_ports(STATOR, row, frequency=at, resolution=band.model.resolution, solve=solve).admittances
+    plain = solve_ports(STATOR, row, frequency=at, resolution=band.model.resolution).admittances
+    found = band.admittances(np.array([at]), solve)[0]
+    assert abs(plain / one - 1).max() > 3e-3
+    assert abs(found / one - 1).max() < 1e-4
+
+
+def test_a_band_falls_back_where_the_reduced_model_fails(monkeypatch):
+    row = (comb(STATOR, "a", 8.0, finger_pairs=2, aperture=3e-3),)
+    limits = {"lowest": 0.99 * FREQUENCY, "highest": 1.01 * FREQUENCY}
+    band = frequency_band(STATOR, row, **limits, drive="a", tolerance=1e-2)
+
+    class Failing:
+        def __init__(self, model):
+            self.stator, self.transducers, self.resolution = model.stator, model.transducers, model.resolution
+
+        def port_fields(self, frequency, solve=None):
+            raise ConvergenceError("too few lines")
+
+    again = Band(model=Failing(band.model), relative_error=1e-2, admittance_error=1e-2)
+    x = np.array([4e-3, 12e-3])
+    np.testing.assert_allclose(
+        again.wave(FREQUENCY, "a").motion(x), band.wave(FREQUENCY, "a").motion(x), rtol=1e-2
+    )
+
+
+def test_images_in_both_side_faces():
+    """Mirrors at +-width/2 repeat the field of the same charges at width - y, -width - y and so on."""
+    lossy = plate(cut("PZT-8", "Z", quality=15.0), length=24.0, thickness=1.3)
+    one = comb(lossy, "a", 6.0, finger_pairs=2, aperture=3e-3)
+    wave, width = wave_of(solution(lossy, (one,), order=5)), 7e-3
+    alone, between = (aperture_beam(wave, wave.solution, each) for each in (None, width))
+    x, y = one.extent[1] + 6e-3, np.array([0.9e-3, -2.2e-3])
+    total = alone.motion(x, y).copy()
+    for number in range(1, 9):
+        for side in (1, -1):
+            image = side * number * width + (-1) ** number * y
+            total += alone.motion(x, image) * np.array([1, (-1) ** number, 1])[:, None]
+    found = between.motion(x, y)
+    assert abs(found - total)[[1, 2]].max() < 2e-3 * abs(total).max()
+    assert abs(total[2] / alone.motion(x, y)[2] - 1).min() > 0.01
+
+
+def test_first_images_of_crossed_beams_are_of_both_faces():
+    beam = crossed(LEFT)
+    x, y = MIDDLE, 4e-3
+    both = [abs(beam.beams[0].motion(x, side * beam.width - y)[2]) for side in (1, -1)]
+    assert beam.first_images(x, y) == pytest.approx(sum(both), rel=1e-12)
+    assert min(both) > 0.05 * max(both)
+
+
+def test_many_places_near_turned_fingers():
+    """More than are evaluated one by one, on both sides of the fingers and under them."""
+    found = crossed(turned(LEFT, 0.3))
+    rng = np.random.default_rng(4)
+    x, y = rng.uniform(2e-3, 0.03, 1500), rng.uniform(-0.015, 0.013, 1500)
+    few = slice(None, 400)
+    expected = found.motion(x[few], y[few])
+    s, t = found.rows[0].local(x[few], y[few])
+    own = found.rows[0].transducers[0]
+    near = (s > own.extent[0] - 1e-3) & (s < own.extent[1] + 1e-3) & (abs(t - own.center_y) < 2e-3)
+    assert near.sum() > 5
+    assert abs(found.motion(x, y)[:, few] - expected).max() < 1e-4 * abs(expected).max()
+    assert _interpolated(lambda s, t: np.array([s * t]), s, t, 2e-4)[0] == pytest.approx(s * t, abs=1e-10)
+
+
+def test_the_stated_error_in_an_interference_minimum(monkeypatch):
+    """Relative to the small amplitude there, not to the largest one on the line."""
+    from fem.beam import lateral
+
+    beam = surface_beam(
+        replace(
+            wave_of(solution(STATOR, (comb(STATOR, "a", 6.0, finger_pairs=2, aperture=6e-3),), order=5)),
+            relative_error=0.0,
+        )
+    )
+    monkeypatch.setattr(lateral, "SPACING", 1.1)  # coarse, so that the integral's error decides
+    x, y = 12e-3, np.linspace(0.0, 9e-3, 181)
+    motion, stated = beam.motion_and_error(x, y)
+    size = abs(motion[[0, 2]]).max(axis=0)
+    least = int(np.argmin(size))
+    monkeypatch.undo()
+    true = abs(beam.motion(x, y) - motion).max(axis=0)
+    assert size[least] < 0.1 * size.max()
+    assert true[least] < 2 * stated[least] * size[least]
+    assert stated[least] > 3 * stated[int(np.argmax(size))]

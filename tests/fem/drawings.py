@@ -1,0 +1,89 @@
+"""Meshes of pieces for tests: made without a mesh generator, and written as gmsh 2.2 text."""
+
+from pathlib import Path
+
+import numpy as np
+
+
+def write_msh(path: Path, points, triangles: dict, lines: dict) -> Path:
+    """Write a gmsh 2.2 file; ``triangles``: solid to nodes (m, 3), ``lines``: group to nodes (m, 2)."""
+    groups = [(1, name) for name in lines] + [(2, name) for name in triangles]
+    rows = [
+        (1 if dim == 1 else 2, tag, nodes)
+        for tag, (dim, name) in enumerate(groups, start=1)
+        for nodes in np.asarray(lines[name] if dim == 1 else triangles[name])
+    ]
+    text = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(groups))]
+    text += [f'{dim} {tag} "{name}"' for tag, (dim, name) in enumerate(groups, start=1)]
+    text += ["$EndPhysicalNames", "$Nodes", str(len(points))]
+    text += [
+        f"{k} {x!r} {z!r} 0" for k, (x, z) in enumerate(np.asarray(points, dtype=float).tolist(), start=1)
+    ]
+    text += ["$EndNodes", "$Elements", str(len(rows))]
+    text += [
+        f"{k} {kind} 2 {tag} {tag} " + " ".join(str(node + 1) for node in nodes)
+        for k, (kind, tag, nodes) in enumerate(rows, start=1)
+    ]
+    path.write_text("\n".join([*text, "$EndElements", ""]))
+    return path
+
+
+def rectangle(
+    path: Path,
+    width: float,
+    depth: float,
+    *,
+    size: float,
+    groove: tuple[float, float, float] | None = None,
+    strip: tuple[float, float, float] | None = None,
+    groups=("left", "right", "bottom"),
+) -> Path:
+    """A plate section of irregular triangles; ``groove`` or ``strip``: left edge, width, depth or height."""
+    rng = np.random.default_rng(7)
+    across = np.linspace(0, width, 1 + round(width / size))
+    if groove or strip:
+        left, wide, _ = groove or strip
+        across = np.unique(np.round(np.concatenate([across, [left, left + wide]]), 12))
+    down = np.linspace(-depth, 0, 1 + round(depth / size))
+    if groove:
+        down = np.unique(np.round(np.concatenate([down, [-groove[2]]]), 12))
+    up = np.append(down, strip[2]) if strip else down
+    x, z = (each.ravel() for each in np.meshgrid(across, up, indexing="ij"))
+    inside = (x > 0) & (x < width) & (z > -depth) & (z < (-groove[2] if groove else 0) - 1e-9)
+    gap = min(np.diff(across).min(), np.diff(down).min())
+    points = np.stack([x, z], axis=1) + inside[:, None] * rng.uniform(-0.2, 0.2, (len(x), 2)) * gap
+    cells = []
+    for i in range(len(across) - 1):
+        for j in range(len(up) - 1):
+            middle = (across[i] + across[i + 1]) / 2, (up[j] + up[j + 1]) / 2
+            if groove and groove[0] < middle[0] < groove[0] + groove[1] and middle[1] > -groove[2]:
+                continue
+            if strip and middle[1] > 0 and not strip[0] < middle[0] < strip[0] + strip[1]:
+                continue
+            a, b = i * len(up) + j, (i + 1) * len(up) + j
+            halves = [(a, b, b + 1), (a, b + 1, a + 1)] if (i + j) % 2 else [(a, b, a + 1), (b, b + 1, a + 1)]
+            cells += [("strip" if strip and middle[1] > 0 else "stator", half) for half in halves]
+    solids: dict = {}
+    for name, nodes in cells:
+        solids.setdefault(name, []).append(nodes)
+    used = np.unique([nodes for _, nodes in cells])
+    number = np.full(len(points), -1)
+    number[used] = np.arange(len(used))
+    column = len(up)
+    below = len(down)
+    lines = {
+        "left": [(j, j + 1) for j in range(below - 1)],
+        "right": [(len(points) - column + j, len(points) - column + j + 1) for j in range(below - 1)],
+        "bottom": [(i * column, (i + 1) * column) for i in range(len(across) - 1)],
+        "electrode:strip": [
+            (i * column + below - 1, (i + 1) * column + below - 1)
+            for i in range(len(across) - 1)
+            if strip and strip[0] < (across[i] + across[i + 1]) / 2 < strip[0] + strip[1]
+        ],
+    }
+    return write_msh(
+        path,
+        points[used],
+        {name: number[np.array(nodes)] for name, nodes in solids.items()},
+        {name: number[np.array(lines[name])] for name in groups},
+    )

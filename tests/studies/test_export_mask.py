@@ -1,0 +1,190 @@
+"""Masks read back by gdstk and ezdxf: period, metallisation, aperture, place and angle to the grid, combs apart."""
+
+import math
+from functools import cache
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from studies.__main__ import main
+from studies.chain import resolve
+from studies.export.mask import LAYERS, Sizes, apart, dxf, gds, mask
+from studies.scene import Scene
+
+NAMES = ("twente", "lithium-niobate-128yx", "crossed")
+gdstk = pytest.importorskip("gdstk")
+
+
+@cache
+def drawn(name):
+    return mask(Scene.load(name))
+
+
+@cache
+def blocks(name):
+    return resolve.resolved(Scene.load(name)).transducer
+
+
+@cache
+def read_back(name, tmp):
+    path = tmp / f"{name}.gds"
+    path.write_bytes(gds(drawn(name)))
+    library = gdstk.read_gds(str(path))
+    assert library.unit == 1e-6
+    (cell,) = library.cells
+    return cell
+
+
+def polygons(cell, layer, transducer, comb=None):
+    """Corners in m of the polygons of a layer and a transducer (counted from 1), of one comb (1, 2) or of both."""
+    kinds = [10 * transducer + each for each in ([comb] if comb else [1, 2, 3])]
+    return [
+        each.points * 1e-6 for each in cell.polygons if each.layer == LAYERS[layer] and each.datatype in kinds
+    ]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("gds")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_polygons_give_the_transducers_to_the_grid(name, folder):
+    cell, grid = read_back(name, folder), drawn(name).grid
+    for number, block in enumerate(blocks(name), 1):
+        angle = math.radians(block.angle)
+        along, across = (
+            np.array([math.cos(angle), math.sin(angle)]),
+            np.array([-math.sin(angle), math.cos(angle)]),
+        )
+        fingers = polygons(cell, "fingers", number)
+        assert len(fingers) == 2 * block.finger_pairs
+        left = np.array(sorted(float((each @ along).min()) for each in fingers))
+        width = np.array([np.ptp(each @ along) for each in fingers])
+        # period over the whole row, metallisation of every finger
+        periods = 2 * np.ptp(left) / (len(left) - 1)
+        assert abs(periods - block.period) <= 2 * grid / (len(left) - 1) * 1.01
+        assert np.abs(width - block.metallisation * block.period / 2).max() <= grid * 1.01
+        # aperture: where fingers of both combs lie side by side
+        plus, minus = (polygons(cell, "fingers", number, comb) for comb in (1, 2))
+        high = min(float((each @ across).max()) for each in minus)
+        low = max(float((each @ across).min()) for each in plus)
+        assert abs(high - low - block.aperture) <= grid * 1.01
+        # place: the middle of the overlap
+        middle = 0.5 * (left[0] + left[-1] + width.mean()) * along + 0.5 * (low + high) * across
+        assert np.abs(middle - block.place).max() <= grid * 1.01
+        # angle: the long sides of the first finger
+        sides = np.diff(np.vstack([fingers[0], fingers[0][:1]]), axis=0)
+        longest = sides[np.argmax(np.linalg.norm(sides, axis=1))]
+        turned = (math.degrees(math.atan2(longest[1], longest[0])) - 90.0 - block.angle) % 180.0
+        assert min(turned, 180.0 - turned) < 1e-4
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_polygon_overlaps_one_of_another_comb(name, folder):
+    cell = read_back(name, folder)
+    combs = {}
+    for each in cell.polygons:
+        if each.datatype:
+            combs.setdefault(each.datatype, []).append(each)
+    assert len(combs) == 2 * len(blocks(name))
+    for one, other in combinations(combs.values(), 2):
+        assert gdstk.boolean(one, other, "and") == []
+    # and each comb is one piece of metal: fingers, busbar and pad
+    for own in combs.values():
+        assert len(gdstk.boolean(own, [], "or", precision=1e-4)) == 1
+    outline = next(each for each in cell.polygons if each.layer == LAYERS["outline"])
+    assert gdstk.boolean([each for own in combs.values() for each in own], outline, "not") == []
+
+
+def test_a_turned_transducer_off_the_right_angle_is_snapped_and_says_by_how_much():
+    scene = Scene.load("crossed")
+    turned = [dict(each) for each in scene.to_table()["transducer"]]
+    turned[0]["angle"] = "10 deg"
+    made = mask(scene.replace(transducer=turned), Sizes(grid=1e-7))
+    corners = np.vstack([each.corners for each in made.polygons])
+    assert np.abs(corners / 1e-7 - np.round(corners / 1e-7)).max() < 1e-6
+    assert 2e-8 < made.shift <= 5.01e-8
+    assert 1e-8 < made.width_error < 1.5e-7
+    own = [each.corners for each in made.polygons if each.transducer == "left" and each.layer == "fingers"]
+    side = own[0][1] - own[0][0]
+    assert math.degrees(math.atan2(side[1], side[0])) == pytest.approx(10.0, abs=0.05)
+
+
+def test_patterns_split_fingers_and_open_strips_are_drawn():
+    scene = Scene.load("twente-left").replace(
+        transducer=[
+            {
+                "name": "left", "center": "15 mm", "finger_pairs": 3, "period": "1 mm", "metallisation": 0.4,
+                "aperture": "20 mm", "pattern": "+-0o+-",
+            },
+            {
+                "name": "split", "center": "60 mm", "finger_pairs": 2, "period": "1 mm", "metallisation": 0.5,
+                "aperture": "10 mm", "split": True,
+            },
+        ]
+    )  # fmt: skip
+    made = mask(scene)
+    combs = [(each.transducer, each.comb) for each in made.polygons if each.layer == "fingers"]
+    assert [comb for name, comb in combs if name == "left"] == ["+", "-", "o", "+", "-"]
+    assert [comb for name, comb in combs if name == "split"] == ["+", "+", "-", "-"] * 2
+    strip = next(each.corners for each in made.polygons if each.comb == "o")
+    assert np.ptp(strip[:, 1]) == pytest.approx(20e-3)
+    widths = {
+        name: np.ptp(each.corners[:, 0])
+        for each in made.polygons
+        for name in [each.transducer]
+        if each.layer == "fingers"
+    }
+    assert widths["left"] == pytest.approx(0.2e-3)
+    assert widths["split"] == pytest.approx(0.125e-3)
+
+
+def test_dxf_has_named_layers_and_the_same_polygons(tmp_path):
+    ezdxf = pytest.importorskip("ezdxf")
+    path = tmp_path / "mask.dxf"
+    path.write_bytes(dxf(drawn("twente")))
+    document = ezdxf.readfile(path)
+    lines = list(document.modelspace().query("LWPOLYLINE"))
+    assert document.header["$INSUNITS"] == 13
+    assert len(lines) == len(drawn("twente").polygons)
+    assert {"FINGERS_left_plus", "PADS_right_minus", "OUTLINE"} <= {each.dxf.layer for each in lines}
+    first, same = np.array(lines[0].get_points("xy")) * 1e-6, drawn("twente").polygons[0].corners
+    np.testing.assert_allclose(first, same, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (['pad="30 mm"'], "must leave its parts on the chip"),
+        (['pad="3 ms"'], "size.pad must be a length"),
+        (["pat=1e-3"], "--size must be KEY=VALUE, got 'pat=1e-3'; did you mean pad?"),
+        (["grid=0"], "size.grid must be positive"),
+        (['grid="0.4 mm"'], "touch"),
+        (['mark="60 mm"', 'margin="30 mm"'], "size.mark must leave the marks free"),
+    ],
+)
+def test_masks_that_cannot_be_are_one_sentence_and_no_file(words, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    sizes = [part for word in words for part in ("--size", word)]
+    assert main(["export", "twente", "--format", "gds", *sizes]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_two_squares_are_apart_where_a_gap_lies_between_them():
+    square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
+    diamond = np.array([[2.2, 0.5], [1.6, 1.1], [1.0, 0.5], [1.6, -0.1]])
+    assert not apart(square, diamond)
+    assert apart(square, diamond + np.array([0.01, 0.0]))
+
+
+def test_the_command_writes_one_file_beside_its_layers(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", "crossed", "--format", "gds", "--no-plot", "--out", "chip.gds"]) == 0
+    assert gdstk.read_gds("chip.gds").cells[0].name == "CHIP"
+    assert "36 fingers, 6 busbars, 6 pads" in capsys.readouterr().out
+    assert main(["export", "rayleigh", "--format", "gds"]) == 2
+    assert "transducer is missing" in capsys.readouterr().err

@@ -1,0 +1,358 @@
+"""The exported averaged motor: against contact's own solvers, as Python, as C and as an FMU that fmpy runs.
+
+Truth: `contact.burst` (averaged and stepped), `contact.mean_traction` integrated by scipy, Cattaneo's closed form.
+"""
+
+import ctypes
+import math
+import subprocess
+import zipfile
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import contact
+from studies.__main__ import main
+from studies.export import reduced_motor
+from studies.export.averaged_motor import Drive, averaged_motor, mean_forces
+from studies.export.c_source import header, source
+from studies.export.c_translation import UntranslatableError, c_source
+from studies.export.fmu import compiler, fmu
+from studies.refusal import RunError, SceneError
+from studies.scene import Scene
+
+AMPLITUDE = 8e-9
+
+
+@cache
+def motor():
+    return averaged_motor("twente-contact")
+
+
+def steady(level):
+    return abs(float(contact.mean_motion(motor().slider, orbits(level)).velocity))
+
+
+def orbits(level, drive=0):
+    return tuple(each.scaled(level) for each in motor().drives[drive].orbits)
+
+
+def run(schedule, state=None):
+    """Return the velocities at the ends of (duration, level, force) steps."""
+    state = state or motor().start()
+    out = []
+    for duration, level, force in schedule:
+        state.advance(duration, level, force=force)
+        out.append(state.velocity)
+    return np.array(out), state
+
+
+@pytest.mark.parametrize("amplitude", [3e-9, 20e-9])
+def test_a_burst_and_its_stop_are_those_of_contact(amplitude):
+    truth = contact.burst(
+        motor().slider,
+        orbits(amplitude),
+        duration=0.1,
+        after=0.02,
+        tolerance=1e-5,
+        samples=600,
+        method="averaged",
+    )
+    during = truth.time <= truth.duration * (1 + 1e-12)
+    steps = zip(
+        np.diff(truth.time), np.where(during[1:], amplitude, 0.0), np.zeros(len(truth.time) - 1), strict=True
+    )
+    velocity, _ = run(steps)
+    assert np.abs(velocity - truth.velocity[1:]).max() < 5e-5 * steady(amplitude)
+
+
+def test_a_load_that_is_taken_off_is_followed_as_by_contact():
+    # the averaged velocity obeys an autonomous equation: after the load is gone the motion is that from rest, later
+    loaded = replace(motor().slider, load=0.3 * motor().slider.preload * motor().slider.friction_coefficient)
+    state = motor().start(force=-loaded.load)
+    state.advance(0.05, AMPLITUDE, force=-loaded.load)
+    first = contact.burst(loaded, orbits(AMPLITUDE), duration=0.05, after=0.0, tolerance=1e-5, samples=50)
+    assert state.velocity == pytest.approx(first.velocity_at_burst_end, abs=5e-5 * steady(AMPLITUDE))
+    free = contact.burst(
+        motor().slider,
+        orbits(AMPLITUDE),
+        duration=0.2,
+        after=0.0,
+        tolerance=1e-5,
+        samples=4000,
+        method="averaged",
+    )
+    at = np.interp(state.velocity, free.velocity, free.time)
+    for later in (0.01, 0.05, 0.1):
+        moved = state.copy()
+        moved.advance(later, AMPLITUDE)
+        assert moved.velocity == pytest.approx(
+            np.interp(at + later, free.time, free.velocity), abs=5e-5 * steady(AMPLITUDE)
+        )
+
+
+def test_a_load_step_brakes_as_the_exact_mean_traction_says():
+    slider, load = motor().slider, 2.5e-5
+    _, state = run([(0.1, AMPLITUDE, 0.0)])
+    begin = state.velocity
+    heavy = replace(slider, load=0.0)
+
+    def rate(_, v):
+        return (
+            contact.mean_traction(heavy, orbits(AMPLITUDE), v) - slider.tangential_damping * v - load
+        ) / slider.mass
+
+    truth = solve_ivp(
+        rate, (0.0, 0.2), [begin], rtol=1e-8, atol=1e-12, max_step=5e-3, t_eval=[0.01, 0.05, 0.2]
+    )
+    for time, velocity in zip(truth.t, truth.y[0], strict=True):
+        moved = state.copy()
+        moved.advance(time, AMPLITUDE, force=-load)
+        assert moved.velocity == pytest.approx(velocity, abs=2e-5 * steady(AMPLITUDE))
+
+
+def test_the_wave_that_grows_and_fades_is_followed_as_by_fixed_steps():
+    # a response of 40 us to full size, with an overshoot; the same envelope in contact's stepped method
+    time = np.linspace(0.0, 4e-5, 161)
+    factor = 1.2 * np.sin(0.5 * np.pi * time / 3e-5) * np.exp(0.4j * (1.0 - time / 4e-5))
+    factor[-1] = 1.0
+    own = replace(motor().drives[0], response=factor, response_step=float(time[1]))
+    shaped = with_response(own)
+    envelope = contact.Envelope(time=time, amplitude=abs(factor), phase=np.angle(factor))
+    truth = contact.burst(
+        motor().slider, orbits(AMPLITUDE), duration=2e-3, after=0.0, tolerance=1e-4, samples=400, method="stepped",
+        envelope=envelope,
+    )  # fmt: skip
+    state = shaped.start()
+    error = []
+    for step, velocity in zip(np.diff(truth.time), truth.velocity[1:], strict=True):
+        state.advance(step, AMPLITUDE)
+        error.append(abs(state.velocity - velocity))
+    assert max(error) < 5e-5 * steady(AMPLITUDE)
+
+
+def with_response(drive):
+    """The motor with a ring-up put into its first drive; its tables follow after those that are there."""
+    whole = motor()
+    parameters = whole.parameters.copy()
+    own = reduced_motor.FIRST_DRIVE
+    parameters[own + reduced_motor.RESPONSE_NODES] = len(drive.response)
+    parameters[own + reduced_motor.RESPONSE_STEP] = drive.response_step
+    parameters[own + reduced_motor.RESPONSE] = len(whole.tables)
+    tables = np.concatenate([whole.tables, np.ascontiguousarray(drive.response).view(float)])
+    return replace(whole, parameters=parameters, tables=tables)
+
+
+def test_the_second_drive_runs_the_other_way_and_brings_the_slider_back():
+    _, state = run([(0.05, AMPLITUDE, 0.0)])
+    there = state.velocity
+    assert there > 0.0
+    _, mirrored = run([(0.05, -AMPLITUDE, 0.0)])
+    assert mirrored.velocity == pytest.approx(-there, rel=1e-9)
+    state.advance(0.5, -AMPLITUDE)
+    assert state.velocity == pytest.approx(-steady(AMPLITUDE), rel=1e-3)
+
+
+def test_a_slider_that_is_held_gives_way_as_cattaneo_says_and_comes_back():
+    whole, slider = motor(), motor().slider
+    limit = slider.friction_coefficient * slider.preload
+    state = whole.start()
+    for _ in range(2000):  # slowly, or it would ring
+        state.advance(1e-4, 0.0, force=min(state.time / 0.1, 1.0) * 0.6 * limit)
+    z = slider.rest_approach(1)
+    moved = slider.limit_slope * z * (1.0 - (1.0 - 0.6) ** (2.0 / 3.0))
+    assert state.sticks
+    assert state.position == pytest.approx(moved, rel=1e-2)
+    for _ in range(3000):
+        state.advance(1e-4, 0.0, force=max(0.0, 1.0 - (state.time - 0.2) / 0.1) * 0.6 * limit)
+    assert abs(state.position) < 0.02 * moved
+
+
+def test_tables_are_exact_in_amplitude_and_preload():
+    # the scaling that makes two ratios of three numbers: another amplitude and preload, the same tau and nu
+    slider, drive = motor().slider, motor().drives[0]
+    small = Drive(name="", orbits=tuple(each.scaled(2e-9) for each in drive.orbits))
+    sizes = np.array([0.1, 0.5, 0.9])
+    one, other = mean_forces(slider, drive, 0.55, sizes), mean_forces(slider, small, 0.55, sizes)
+    assert one[0] == pytest.approx(other[0], rel=1e-9)
+    np.testing.assert_allclose(one[1], other[1], rtol=1e-6)
+    worst, usual = motor().interpolation_error
+    assert 1e-5 < worst < 5e-3
+    assert usual < 2e-4
+
+
+def test_stated_errors_of_the_steady_velocity_hold():
+    whole = motor()
+    assert 2e-6 < whole.averaging_error < 1e-3
+    assert whole.velocity_error < 1e-3
+    for level in (3e-9, 10e-9):
+        first = float(contact.mean_motion(whole.slider, orbits(level)).first_order)
+        state = whole.start()
+        for _ in range(20):
+            state.advance(0.1, level)
+        assert abs(state.velocity / first - 1.0) < 1.5 * whole.velocity_error + 1e-9
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("c")
+    (folder / "motor.c").write_text(source(motor()))
+    (folder / "motor.h").write_text(header(motor()))
+    target = folder / "motor.so"
+    flags = [
+        "-std=c99",
+        "-Wall",
+        "-Werror",
+        "-Wno-unused-function",
+        "-O1",
+        "-ffp-contract=off",
+        "-shared",
+        "-fPIC",
+    ]
+    subprocess.run([*compiler(), *flags, "-o", target, "motor.c", "-lm"], cwd=folder, check=True)
+    return ctypes.CDLL(str(target))
+
+
+def test_c_and_python_take_the_same_steps(library):
+    number, state = ctypes.c_double, (ctypes.c_double * reduced_motor.STATE_SIZE)()
+    for name in ("position", "velocity", "deformation"):
+        getattr(library, f"sawmotor_{name}").restype = number
+    library.sawmotor_start(state, number(motor().preload), number(0.0))
+    python = motor().start()
+    for duration, level, force in (
+        (1e-3, AMPLITUDE, 0.0),
+        (2e-2, AMPLITUDE, -2e-5),
+        (5e-4, -AMPLITUDE, 0.0),
+        (0.03, 0, 0),
+    ):
+        python.advance(duration, level, force=force)
+        done = library.sawmotor_advance(
+            state, number(level), number(force), number(motor().preload), number(duration)
+        )
+        assert done == 0
+    for name in ("position", "velocity", "deformation"):
+        assert getattr(library, f"sawmotor_{name}")(state) == pytest.approx(
+            getattr(python, name), rel=1e-9, abs=1e-16
+        )
+    assert library.sawmotor_advance(state, number(1e-9), number(0), number(-1.0), number(1e-3)) == 1
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of fmpy's own imports
+@pytest.mark.parametrize("version", ["3", "2"])
+def test_fmpy_runs_the_fmu(version, tmp_path):
+    fmpy = pytest.importorskip("fmpy")
+    from fmpy.validation import validate_fmu
+
+    content, remark = fmu(motor(), version)
+    assert remark == ""
+    path = tmp_path / "motor.fmu"
+    path.write_bytes(content)
+    assert validate_fmu(str(path)) == []
+    times = np.array([0.0, 0.1, 0.1, 0.2])
+    inputs = np.zeros(4, dtype=[("time", float), ("load_force", float), ("drive", float)])
+    inputs["time"], inputs["load_force"] = times, [0.0, 0.0, -2e-5, -2e-5]
+    inputs["drive"] = AMPLITUDE
+    result = fmpy.simulate_fmu(
+        str(path), stop_time=0.2, step_size=1e-3, output_interval=1e-3, input=inputs,
+        start_values={"drive": AMPLITUDE, "position_start": 1.0},
+    )  # fmt: skip
+    _, state = run([(0.1, AMPLITUDE, 0.0)])
+    assert result["velocity"][100] == pytest.approx(state.velocity, rel=1e-4)
+    state.advance(0.1, AMPLITUDE, force=-2e-5)
+    assert result["velocity"][-1] == pytest.approx(
+        state.velocity, rel=1e-3
+    )  # the importer's step of the input
+    assert result["position"][-1] - 1.0 == pytest.approx(state.position, rel=1e-3)
+    with zipfile.ZipFile(path) as archive:
+        names = archive.namelist()
+    assert {"modelDescription.xml", "sources/motor.c", "sources/motor.h", f"sources/fmi{version}.c"} <= set(
+        names
+    )
+    assert not any(name.endswith(".py") for name in names)
+
+
+def test_without_a_compiler_the_fmu_has_its_sources_and_says_so(monkeypatch):
+    monkeypatch.setenv("CC", "no-such-compiler")
+    content, remark = fmu(motor())
+    assert "no C compiler was found" in remark
+    assert b"sources/motor.c" in content
+    assert b"binaries" not in content
+
+
+def test_a_compiler_that_fails_is_one_sentence(monkeypatch, tmp_path):
+    broken = tmp_path / "broken-cc"
+    broken.write_text("#!/bin/sh\necho 'no such machine' >&2\nexit 1\n")
+    broken.chmod(0o755)
+    monkeypatch.setenv("CC", str(broken))
+    with pytest.raises(RunError, match=r"refuses the sources of the FMU: no such machine"):
+        fmu(motor())
+
+
+def test_inputs_that_cannot_be_are_refused():
+    state = motor().start()
+    with pytest.raises(SceneError, match="preload must be positive"):
+        state.advance(1e-3, AMPLITUDE, preload=0.0)
+    alone = replace(motor(), drives=motor().drives[:1])
+    with pytest.raises(SceneError, match="nothing drives the other way"):
+        alone.start().advance(1e-3, -AMPLITUDE)
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "words"),
+    [
+        (
+            "twente",
+            {"heights": ["0 nm", "1 nm"], "contacts": ["-1 mm", "1 mm"]},
+            "slider.heights must be absent",
+        ),
+        ("twente-contact", {"law": "hysteretic"}, "the averaged way does not apply"),
+    ],
+)
+def test_scenes_without_an_averaged_motor_are_refused(name, change, words):
+    scene = Scene.load(name)
+    with pytest.raises((SceneError, RunError), match=words):
+        averaged_motor(scene.replace(slider=change))
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["twente-contact"], "--format is missing"),
+        (["twente-contact", "--format", "fmx"], "--format 'fmx' is not known; did you mean fmu?"),
+        (["twente-contact", "--format", "c", "--fmi", "2"], "--fmi is not taken by the format c"),
+        (["twente-contact", "--format", "fmu", "--fmi", "4"], "--fmi must be one of 3, 2, got '4'"),
+        (["rayleigh", "--format", "fmu"], "slider is missing"),
+    ],
+)
+def test_wrong_calls_write_nothing(words, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", *words]) == 2
+    assert said in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_command_writes_c_and_does_not_replace_what_is_not_its_own(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["export", "twente-contact", "--format", "c"]) == 0
+    assert {each.name for each in (tmp_path / "results/twente-contact-export-c").iterdir()} >= {
+        "motor.c",
+        "motor.h",
+    }
+    assert "interpolation of the mean force" in capsys.readouterr().out
+    (tmp_path / "mine.fmu").write_text("mine")
+    assert main(["export", "twente-contact", "--format", "fmu", "--out", "mine.fmu"]) == 2
+    assert (tmp_path / "mine.fmu").read_text() == "mine"
+
+
+def test_what_has_no_translation_is_refused_with_its_line():
+    with pytest.raises(UntranslatableError, match="line 2"):
+        c_source("def f(x: float) -> float:\n    return [x]", "")
+
+
+def test_the_surface_amplitude_is_in_the_unit_of_the_drive():
+    _, state = run([(1e-3, AMPLITUDE, 0.0)])
+    assert state.surface_amplitude == pytest.approx(AMPLITUDE, rel=1e-12)
+    assert math.isclose(motor().preload, 0.089e-3 * 9.80665, rel_tol=1e-3)
