@@ -93,8 +93,8 @@ def test_a_groove_reflects_and_its_power_balances(tmp_path):
 
 
 # NGSolve 6.2.2608 alone (Netgen triangles of 0.5 mm, order 10, 6 hp layers of ratio 0.15 at corners and edges; at
-# order 9 with 5 layers it differs by 1.4e-6): PZT-4 Z of 8 x 1.1 mm between free ends at 2.17 MHz, 2 pairs of 1 mm at 2.2 mm
-# half metallised, 10 mm aperture.  Y in S; u_x, then u_z in m per V at x = 0.6, 3.9 and 6.9 mm.
+# order 9 with 5 layers it differs by 1.4e-6): PZT-4 Z of 8 x 1.1 mm between free ends at 2.17 MHz, 2 pairs of 1 mm at
+# 2.2 mm, half metallised, 10 mm aperture.  Y in S; u_x, then u_z in m per V at x = 0.6, 3.9 and 6.9 mm.
 REFERENCES = {
     # from x = 5.25 to 5.5 mm, 0.15 mm deep
     "groove": (
