@@ -1,10 +1,10 @@
-"""The codes that kernels pass around: laws, shapes, regimes, events, and why a computation ended."""
+"""The codes that kernels pass around: kinds of law, shapes, regimes, events, and why a computation ended."""
 
 from enum import IntEnum
 
 
-class Law(IntEnum):
-    """Tangential law; the hysteretic one has a potential, so that a reciprocal force would add nothing."""
+class Tangential(IntEnum):
+    """Kind of tangential law; the hysteretic one has a potential, so that a reciprocal force would add nothing."""
 
     ELASTIC = 0
     RECIPROCAL = 1

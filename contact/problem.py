@@ -13,10 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.codes import Law
 from contact.jit.compiled import compiled, formula
 from contact.kinematics import Paths
 from contact.law import normal
+from contact.law.protocol import Law
 from contact.orbit import Orbit
 from contact.slider import Slider
 
@@ -24,7 +24,7 @@ from contact.slider import Slider
 STIFFNESS, CONTACT_DAMPING, NORMAL_DAMPING, PRELOAD, TANGENTIAL_DAMPING, LOAD, FRICTION, LIMIT_SLOPE = range(
     8
 )
-STICK_BAND, LONGEST, LAW, SHAPE, LENGTH, OMEGA = range(8, 14)
+STICK_BAND, LONGEST, SHAPE, LENGTH, OMEGA = range(8, 13)
 
 
 class Problem(NamedTuple):
@@ -37,16 +37,16 @@ class Problem(NamedTuple):
     preload: float  # p
     tangential_damping: float
     load: float  # q, with the sign of the load
-    # mu and c, the slip limit over the approach
+    # mu and c, the slip limit over the approach; of a law without one such number a typical mu, and the largest c
     friction: float
     limit_slope: float
     stick_band: float  # The seed's DV
     longest: float  # Longest segment of the event-driven solver
-    law: int  # One of `codes.Law`
     shape: int  # Of each contact, one of `codes.Shape`
     paths: Paths  # Of the contacts
     length: float  # ell, m
     omega: float  # rad/s
+    law: Law  # Of the tangential force
 
     @property
     def contacts(self) -> int:
@@ -66,16 +66,16 @@ class Problem(NamedTuple):
     @property
     def row(self) -> np.ndarray:
         """The numbers that `from_row` takes, as an array."""
-        return np.array([*self[:12], self.length, self.omega], float)
+        return np.array([*self[:11], self.length, self.omega], float)
 
 
 @compiled
-def from_row(row, paths):
-    """Return the problem with these numbers (`Problem.row`) and paths."""
+def from_row(row, paths, law):
+    """Return the problem with these numbers (`Problem.row`), paths and law."""
     return Problem(
         row[STIFFNESS], row[CONTACT_DAMPING], row[NORMAL_DAMPING], row[PRELOAD], row[TANGENTIAL_DAMPING], row[LOAD],
-        row[FRICTION], row[LIMIT_SLOPE], row[STICK_BAND], row[LONGEST], int(row[LAW]), int(row[SHAPE]), paths,
-        row[LENGTH], row[OMEGA],
+        row[FRICTION], row[LIMIT_SLOPE], row[STICK_BAND], row[LONGEST], int(row[SHAPE]), paths, row[LENGTH], row[OMEGA],
+        law,
     )  # fmt: skip
 
 
@@ -85,7 +85,7 @@ def changed(problem, load, paths):
     return Problem(
         problem.stiffness, problem.contact_damping, problem.normal_damping, problem.preload,
         problem.tangential_damping, load, problem.friction, problem.limit_slope, problem.stick_band, problem.longest,
-        problem.law, problem.shape, paths, problem.length, problem.omega,
+        problem.shape, paths, problem.length, problem.omega, problem.law,
     )  # fmt: skip
 
 
@@ -98,7 +98,7 @@ OWN_NORMAL_DAMPING, OWN_TANGENTIAL_DAMPING, OWN_SHAPE, OWN_REST = range(7, 11)
 def numbers(s: Slider, contacts: int) -> list[float]:
     """Return what `in_units` takes of a slider, by the names of this module."""
     return [
-        s.mass, s.normal_stiffness, s.limit_slope, s.preload, s.load, s.friction_coefficient, s.contact_damping,
+        s.mass, s.normal_stiffness, s.limit_slope, s.preload, s.load, s.static_coefficient, s.contact_damping,
         s.normal_damping, s.tangential_damping, s.contact_shape, float(s.rest_approaches(contacts).max()),
     ]  # fmt: skip
 
@@ -113,15 +113,15 @@ def paths_of(orbits: tuple[Orbit, ...], heights: np.ndarray, factor: complex = 1
 
 
 @formula
-def in_units(slider, length, omega, paths):
-    """Return the problem of the elastic law of a slider (`numbers`) on scaled paths, its longest segment left open."""
+def in_units(slider, length, omega, paths, law):
+    """Return the problem of a slider (`numbers`) and its law on scaled paths, its longest segment left open."""
     mass, shape = slider[OWN_MASS], int(slider[OWN_SHAPE])
     unit = mass * omega**2 * length
     return Problem(
         slider[OWN_STIFFNESS] * normal.load(length, shape) / unit, slider[OWN_CHI] * omega * length,
         slider[OWN_NORMAL_DAMPING] / (mass * omega), slider[OWN_PRELOAD] / unit,
         slider[OWN_TANGENTIAL_DAMPING] / (mass * omega), slider[OWN_LOAD] / unit,
-        slider[OWN_FRICTION], slider[OWN_SLOPE], 0.0, np.inf, 0, shape, paths, length, omega,
+        slider[OWN_FRICTION], slider[OWN_SLOPE], 0.0, np.inf, shape, paths, length, omega, law,
     )  # fmt: skip
 
 
@@ -134,11 +134,10 @@ def scaled(slider: Slider, orbits: tuple[Orbit, ...], *, direction: float, start
     own, reach = numbers(slider, len(orbits)), max(max(abs(o.normal), abs(o.tangential)) for o in orbits)
     length, omega = max(own[OWN_REST], reach, 1e-300), orbits[0].omega
     paths = paths_of(orbits, slider.offsets(len(orbits)) / length, np.exp(1j * start) / length)
-    problem, law = in_units(own, length, omega, paths), Law.RECIPROCAL if slider.reciprocal else Law.ELASTIC
+    problem = in_units(own, length, omega, paths, slider.tangential_law)
     return _with_longest(
         problem, 2.0 * math.pi / 8.0 if reach > 0.0 else math.inf, stiffness=float(problem.stiffness),
-        load=direction * problem.load, law=Law.HYSTERETIC if slider.law == "hysteretic" else law,
-        stick_band=slider.stick_band / problem.speed,
+        load=direction * problem.load, stick_band=slider.stick_band / problem.speed,
     )  # fmt: skip
 
 

@@ -6,12 +6,17 @@ Normal: m z'' = sum P_i (1 + chi z_i') - R_n2 z' - preload. Tangential: m v' = s
 
 import math
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 
 from contact import bounds
+from contact.codes import Shape, Tangential
 from contact.input_error import InputError
 from contact.law import elastic, normal
+from contact.law.falling import FallingFriction
+from contact.law.protocol import Law
+from contact.law.user import Contact, UserLaw, tried, user_law
 
 LAWS = ("elastic", "hysteretic")
 POSITIVE = {"radius": "m", "mass": "kg", "effective_modulus": "Pa", "tangential_modulus": "Pa"}
@@ -40,7 +45,8 @@ class Slider:
     effective_modulus, tangential_modulus : float
         E and G of the pair, Pa, positive.
     law : str
-        "elastic" (the seed's eq. 2) or "hysteretic" (Mindlin-Deresiewicz).
+        "elastic" (the seed's eq. 2) or "hysteretic" (Mindlin-Deresiewicz). A `UserLaw`, a module or the path of a file
+        becomes `friction`, with the elastic law's stick and slip.
     reciprocal : bool
         True: the tangential spring acts back on the normal motion.
     stick_band : float
@@ -53,6 +59,8 @@ class Slider:
         "sphere" (default), or "punch": a rigid flat cylindrical projection on a half-space.
     heights : tuple of float
         How much further each contact stands out towards the surface than a contact of height 0, m; empty: all 0.
+    friction : FallingFriction or UserLaw, optional
+        What the friction depends on besides the normal force; None: Coulomb's law.
     """
 
     radius: float
@@ -70,8 +78,12 @@ class Slider:
     tangential_damping: float
     shape: str = "sphere"
     heights: tuple[float, ...] = ()
+    friction: FallingFriction | UserLaw | None = None
 
     def __post_init__(self):
+        if not isinstance(self.law, str) or (self.law not in LAWS and self.law.endswith(".py")):
+            object.__setattr__(self, "friction", UserLaw.of(self.law))
+            object.__setattr__(self, "law", "elastic")
         for rule, units in (bounds.positive, POSITIVE), (bounds.non_negative, NON_NEGATIVE):
             for name, unit in units.items():
                 object.__setattr__(self, name, rule(f"slider.{name}", getattr(self, name), unit))
@@ -91,6 +103,21 @@ class Slider:
             )
         if not isinstance(self.reciprocal, bool):
             raise InputError("slider.reciprocal", "must be true or false", self.reciprocal)
+        if self.friction is not None:
+            self._check_friction()
+
+    def _check_friction(self):
+        """Refuse what does not go together with a friction that depends on speed or pressure."""
+        if not isinstance(self.friction, FallingFriction | UserLaw):
+            raise InputError("slider.friction", "must be a FallingFriction or a UserLaw", self.friction)
+        only = "with a friction that depends on more than the normal force"
+        for name, wanted in (("law", "elastic"), ("reciprocal", False), ("stick_band", 0.0)):
+            if getattr(self, name) != wanted:
+                raise InputError(f"slider.{name}", f"must be {wanted!r} {only}", getattr(self, name))
+        if isinstance(self.friction, FallingFriction):
+            bounds.positive("slider.friction_coefficient", self.friction_coefficient, "")
+        else:
+            _ = self._tried  # refuses a law that cannot be evaluated
 
     @property
     def contact_shape(self) -> int:
@@ -104,8 +131,63 @@ class Slider:
 
     @property
     def limit_slope(self) -> float:
-        """C = mu E/4G, the slip limit over the approach."""
-        return elastic.limit_slope(self.friction_coefficient, self.effective_modulus, self.tangential_modulus)
+        """C = mu E/4G, the slip limit over the approach; the largest where that depends on the pressure."""
+        if isinstance(self.friction, UserLaw):
+            return self._tried[1]
+        c = elastic.limit_slope(self.friction_coefficient, self.effective_modulus, self.tangential_modulus)
+        if self.friction is None or self.friction.high_pressure is None:
+            return c
+        return c * max(1.0, self.friction.high_pressure / self.friction_coefficient)
+
+    @property
+    def static_coefficient(self) -> float:
+        """Friction coefficient at rest; of a user's law that at an approach of 1 nm."""
+        return self._tried[0] if isinstance(self.friction, UserLaw) else self.friction_coefficient
+
+    @property
+    def tangential_law(self) -> Law:
+        """The law as the solvers take it."""
+        if isinstance(self.friction, UserLaw):
+            return user_law(self.friction, self._contact, self.normal_stiffness)
+        if self.friction is not None:
+            area = math.pi * self.radius * (1.0 if self.contact_shape == Shape.SPHERE else self.radius)
+            ratio, pressure = (
+                self.effective_modulus / (4.0 * self.tangential_modulus),
+                self.normal_stiffness / area,
+            )
+            return self.friction.law(self.friction_coefficient, ratio, pressure)
+        kind = Tangential.RECIPROCAL if self.reciprocal else Tangential.ELASTIC
+        return elastic.coulomb(Tangential.HYSTERETIC if self.law == "hysteretic" else kind)
+
+    @property
+    def _contact(self):
+        return Contact(
+            self.friction_coefficient, self.radius, self.effective_modulus, self.tangential_modulus,
+            float(self.contact_shape == Shape.PUNCH),
+        )  # fmt: skip
+
+    @property
+    def _tried(self):
+        return tried(self.friction, self._contact, self.normal_stiffness)
+
+    @property
+    def _in_si(self):
+        """What the law's functions take for a problem, lengths in m, times in s and forces over K."""
+        return SimpleNamespace(
+            length=1.0, omega=1.0, friction=self.static_coefficient, limit_slope=self.limit_slope,
+            shape=self.contact_shape, law=self.tangential_law,
+        )  # fmt: skip
+
+    def static_friction(self, contacts: int) -> float:
+        """Return the largest tangential force in N that the contacts hold at rest under the preload, no wave."""
+        if self.friction is None or not self.tangential_law.bent:
+            return self.static_coefficient * self.preload
+        return self.sliding_friction(contacts, 0.0)
+
+    def sliding_friction(self, contacts: int, speed: float) -> float:
+        """Return the tangential force in N of contacts that slip at a speed in m/s under the preload, no wave."""
+        law, si, z = self.tangential_law, self._in_si, self.rest_approaches(contacts)
+        return self.normal_stiffness * sum(float(law.sliding(si, each, speed)) for each in z if each > 0.0)
 
     def contact_radius(self, approach: float) -> float:
         """Return the radius in m of the contact circle at an approach in m."""
@@ -147,6 +229,12 @@ class Slider:
             h -= excess / slope
         return h
 
+    def least_friction(self, contacts: int) -> float:
+        """Return the least tangential force in N of slipping contacts under the preload, at any speed up to 10 m/s."""
+        if self.friction is None:
+            return self.static_friction(contacts)
+        return min(self.sliding_friction(contacts, float(speed)) for speed in (0.0, *np.logspace(-4, 1, 21)))
+
     def rest_approach(self, contacts: int) -> float:
         """Return the approach in m of a contact of height 0 under the preload, no wave: minus the slider's position."""
         return self.approach_under(self.preload, contacts)
@@ -164,8 +252,26 @@ class Slider:
         z, c = self.rest_approaches(contacts), self.limit_slope
         if c == 0.0:
             return 0.0 * z
+        if self.friction is not None:
+            return self._sheared(z)
         left = max(self.preload - self.load / self.friction_coefficient, 0.0)
         return c * np.minimum(z, self.rest_approach(contacts) - self.approach_under(left, contacts))
+
+    def _sheared(self, z):
+        """Return the deformations of contacts at approaches z that are sheared together until they carry the load."""
+        law, si = self.tangential_law, self._in_si
+        limits = np.array([float(law.limit(si, each)) if each > 0.0 else 0.0 for each in z])
+
+        def carried(x):
+            pairs = zip(z, np.minimum(x, limits), strict=True)
+            return self.normal_stiffness * sum(float(law.stuck(si, a, b)) for a, b in pairs if b > 0.0)
+
+        most = float(np.max(limits))
+        if self.load == 0.0 or carried(most) <= self.load:
+            return limits if self.load > 0.0 else 0.0 * z
+        from scipy.optimize import brentq
+
+        return np.minimum(brentq(lambda x: carried(x) - self.load, 0.0, most, xtol=1e-15 * most), limits)
 
     def normal_resonance(self, contacts: int) -> float:
         """Return the frequency in Hz of the bounce at rest, sqrt(sum dP/dz / m)/2 pi."""

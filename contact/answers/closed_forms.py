@@ -9,6 +9,8 @@ normal forces, whatever the bounce does, and v follows from the damper alone.
 
 import math
 
+import numpy as np
+
 from contact.convergence import ConvergenceError
 from contact.drive import drive_direction
 from contact.law.elastic import back_load
@@ -23,7 +25,7 @@ FASTER, INSIDE = 20.0, 0.5
 
 def closed_form(slider: Slider, orbits: tuple[Orbit, ...]) -> dict | None:
     """Return velocity, regime, height and the sentence why, or None where the motion must be searched."""
-    friction = slider.friction_coefficient * slider.preload
+    friction = slider.static_friction(len(orbits))
     still = all(orbit.normal == 0 and orbit.tangential == 0 for orbit in orbits)
     dragged = _dragged(slider, orbits)
     if not still and friction > 0.0 and not dragged:
@@ -41,7 +43,9 @@ def closed_form(slider: Slider, orbits: tuple[Orbit, ...]) -> dict | None:
                 "bounds the speed; lower slider.load or give slider.damping.tangential",
             )
         velocity = -drive_direction(orbits) * (slider.load - _sliding(slider)) / slider.tangential_damping
-    why = "no friction force" if slider.friction_coefficient == 0.0 else "no preload"
+        if slider.friction is not None and friction > 0.0:
+            velocity = -drive_direction(orbits) * _dragged_speed(slider, len(orbits))
+    why = "no friction force" if slider.static_coefficient == 0.0 else "no preload"
     why = "no wave" if still else "dragged by the load" if dragged else why
     regime = "stick" if held else "intermittent" if parted else "slip"
     return {"velocity": velocity, "regime": regime, "height": height, "why": why}
@@ -57,8 +61,22 @@ def _sliding(slider):
     return friction / (1.0 + back) if slider.reciprocal and slider.law == "elastic" else friction
 
 
+def _dragged_speed(slider, contacts):
+    """Return the least speed in m/s at which damper and sliding friction carry the load, without a wave."""
+    from scipy.optimize import brentq
+
+    def left(speed):
+        return slider.load - slider.tangential_damping * speed - slider.sliding_friction(contacts, speed)
+
+    speeds = slider.load / slider.tangential_damping * np.linspace(0.0, 1.0, 400) ** 2
+    falls = next(k for k, speed in enumerate(speeds) if left(speed) <= 0.0)
+    return brentq(left, speeds[falls - 1], speeds[falls], rtol=1e-14)
+
+
 def _dragged(slider, orbits):
     """Return whether the load alone pulls the slider faster than any contact can stick."""
+    if slider.friction is not None:  # the sliding force follows the wave: it is searched
+        return False
     surplus = slider.load - slider.friction_coefficient * slider.preload
     fastest = max(o.omega * (abs(o.tangential) + slider.limit_slope * abs(o.normal)) for o in orbits)
     return surplus > 0.0 and surplus > 4.0 * slider.tangential_damping * fastest and fastest > 0.0
@@ -67,6 +85,8 @@ def _dragged(slider, orbits):
 def _carried(slider, orbits):
     """Return the answer for a slider that follows a slow surface, else None."""
     first, contacts, omega = orbits[0], len(orbits), orbits[0].omega
+    if slider.friction is not None and slider.tangential_law.bent:
+        return None
     if slider.law != "elastic":  # its annulus slips under any change of force, and may walk
         return None
     resonance = min(slider.normal_resonance(contacts), slider.tangential_resonance(contacts))
@@ -74,7 +94,7 @@ def _carried(slider, orbits):
         return None
     lift = math.hypot(slider.mass * omega**2, slider.normal_damping * omega) * abs(first.normal)
     pull = math.hypot(slider.mass * omega**2, slider.tangential_damping * omega) * abs(first.tangential)
-    left = slider.friction_coefficient * (slider.preload - lift)
+    left = slider.static_coefficient * (slider.preload - lift)
     if lift > INSIDE * slider.preload or pull + slider.load > INSIDE * left:
         return None
     return {

@@ -173,14 +173,35 @@ def _rows(sliders, waves, which, factors, wave_errors, threads):
         if not apply[k]:
             _fill_closed(sliders[pair[0]], driven[pair[1]], factors[k], out[k])
     todo = np.flatnonzero(apply)
-    given = columns.Given(
-        parameters, heights, paths, omegas, np.asarray(wave_errors, float), ratios, which, factors
-    )
-    _spread(given, out, todo, threads)
+    for law, of_laws, some in _by_law(sliders, which, todo):
+        given = columns.Given(
+            parameters,
+            of_laws,
+            law,
+            heights,
+            paths,
+            omegas,
+            np.asarray(wave_errors, float),
+            ratios,
+            which,
+            factors,
+        )
+        _spread(given, out, some, threads)
     side = np.array(sides)[which[:, 1]]
     for column in (averaged.VELOCITY, averaged.FIRST_ORDER):
         out[:, column] = side * out[:, column] + 0.0  # no negative zero
     return out
+
+
+def _by_law(sliders, which, todo):
+    """Return (law, numbers of every slider, problems) of the problems of each law: what one kernel does at once."""
+    laws = [slider.tangential_law for slider in sliders]
+    kinds = [law._replace(numbers=None) for law in laws]
+    for kind in dict.fromkeys(kinds):
+        same = np.array([other == kind for other in kinds])
+        numbers = np.array([law.numbers if mine else laws[kinds.index(kind)].numbers
+                            for law, mine in zip(laws, same, strict=True)])  # fmt: skip
+        yield laws[kinds.index(kind)], numbers, todo[same[which[todo, 0]]]
 
 
 def _fill_closed(slider, orbits, factor, row):

@@ -24,6 +24,7 @@ SLOW, SHORTEST = (
     0.7,
     0.1,
 )  # ratio of successive changes above which, and down to which, a sweep moves a share only
+PATIENCE = 12  # steps in which the residual should fall to a third: at a kink, such as v = 0, it does not
 STEP = 1e-6  # of finite differences, of the scaled unknowns
 MAX_MOVE = 1.0  # of a scaled unknown in one step
 HEIGHT, PITCH, ROLL, SPEED = range(4)
@@ -183,9 +184,12 @@ class Equilibrium:
         if not active:
             self.error = self.change * self.scale[SPEED]
             return y
-        index, jacobian, poor = list(active), None, 0
+        index, jacobian, poor, sizes = list(active), None, 0, []
         for _ in range(MAX_STEPS):
             size = float(np.max(np.abs(residual)))
+            sizes.append(size)
+            if len(sizes) > PATIENCE and size > 0.3 * sizes[-PATIENCE]:
+                break
             if size < CLOSE and self.change < CLOSE:
                 self.error = self._left(jacobian, residual)
                 return y

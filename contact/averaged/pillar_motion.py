@@ -94,6 +94,7 @@ class PillarMotion:
     first_tangential: np.ndarray = field(repr=False)
     relative_error: float
     sweeps: int
+    state: tuple = field(repr=False)  # unknowns and the wave at the rows, from which a near motion begins
 
     @property
     def ledger_residual(self) -> float:
@@ -103,9 +104,9 @@ class PillarMotion:
         """
         spent = self.friction_power + self.thrust_power + self.damping_power
         if self.loading:
-            return (self.wave_power_in - self.wave_power_out - spent) / self.wave_power_in
+            return float((self.wave_power_in - self.wave_power_out - spent) / self.wave_power_in)
         apparent = 0.5 * self.wave.omega * float(np.sum(np.abs(self._work)))
-        return (self.wave_work - spent) / max(apparent, 1e-300)
+        return float((self.wave_work - spent) / max(apparent, 1e-300))
 
     @property
     def wave_work(self) -> float:
@@ -171,6 +172,15 @@ class _Slider:
         self.pillars, self.wave, self.loading = pillars, wave, bool(loading)
         self.cycle = PillarCycle(pillars, wave, self.loading)
         self.equilibrium = Equilibrium(self.cycle)
+
+    def begin_at(self, near: PillarMotion) -> None:
+        """Begin the search at a motion of the same pillars."""
+        unknowns, forward, backward = near.state
+        if forward.shape == self.cycle.forward.shape:
+            size = self.wave.amplitude / near.wave.amplitude if near.wave.amplitude > 0.0 else 1.0
+            self.equilibrium.unknowns = unknowns.copy()
+            if self.loading == near.loading and self.loading:
+                self.cycle.forward, self.cycle.backward = forward * size, backward * size
 
     def rest(self, side: float, load: float = 0.0) -> Balance:
         """Return the equilibrium at v = 0 of a slider that came from a motion of this sign."""
@@ -290,6 +300,7 @@ class _Slider:
             overtone=self._overtone(forces, cycles, entry), normal_force=forces.normal[classes],
             friction=friction[classes], first_normal=forces.first_normal[classes],
             first_tangential=forces.first_tangential[classes],
+            state=(self.equilibrium.unknowns.copy(), cycle.forward.copy(), cycle.backward.copy()),
             relative_error=0.0 if held else float(found.error * wave.omega / slowest), sweeps=cycle.evaluations,
         )  # fmt: skip
 
@@ -312,8 +323,9 @@ class _Slider:
 
 
 def pillar_motion(
-    pillars: Pillars, wave: PassingWave, *, load: float = 0.0, loading: bool | None = None
-) -> PillarMotion:
+    pillars: Pillars, wave: PassingWave, *, load: float = 0.0, loading: bool | None = None,
+    near: PillarMotion | None = None,
+) -> PillarMotion:  # fmt: skip
     """Return the steady motion of a slider on pillars.
 
     Parameters
@@ -324,6 +336,8 @@ def pillar_motion(
         Force against the direction in which the unloaded slider runs, N, zero or positive.
     loading : bool, optional
         Whether the pillars act back on the wave; None: where the loading number is above 0.05.
+    near : PillarMotion, optional
+        A motion of pillars at the same places on much the same wave, from which the search begins.
 
     Returns
     -------
@@ -356,7 +370,11 @@ def pillar_motion(
     """
     load = bounds.non_negative("load", load, "N")
     slider = _Slider(pillars, wave, loading)
-    signed = slider.directed(load)
+    if near is not None:
+        slider.begin_at(near)
+    signed = (
+        slider.directed(load) if near is None or near.velocity == 0.0 else math.copysign(load, near.velocity)
+    )
     try:
         found = slider.under(signed)
     except ConvergenceError as error:
@@ -396,3 +414,23 @@ def pillar_load_line(
     last = slider.rest(way, way * stall)
     motions.append(slider.motion(last, way * stall))
     return PillarLoadLine(motions=tuple(motions), stall=stall, held_up_to=held)
+
+
+def pillar_traction(pillars: Pillars, wave: PassingWave, *, load: float = 0.0, loading: bool | None = None):
+    """Return a function of velocity in m/s and a factor on the wave's amplitude: the sum of <Q> in N that they give.
+
+    For averaged motion through time, height and tilts in balance at every instant. `load` in N, with the sign of the
+    motion it opposes, tips the slider where it acts at a height. Each call begins at the last.
+    """
+    slider = _Slider(pillars, wave, loading)
+    cycle, equilibrium, full, last = slider.cycle, slider.equilibrium, slider.cycle.incident.copy(), 1.0
+
+    def traction(velocity: float, size: float = 1.0) -> float:
+        nonlocal last
+        cycle.incident = full * size
+        cycle.forward, cycle.backward = cycle.forward * (size / last), cycle.backward * (size / last)
+        last = size
+        side = math.copysign(1.0, load) if velocity == 0.0 else math.copysign(1.0, velocity)
+        return equilibrium.solve(load, velocity / wave.omega, side).traction
+
+    return traction

@@ -220,7 +220,7 @@ class PassingWave:
         """Return the power in W of one wave of this amplitude within the strip; 0 where Gamma is not known."""
         if self.compliance == 0.0:
             return 0.0
-        return abs(amplitude) ** 2 * self.omega * self.strip_width / (4.0 * self.compliance)
+        return float(abs(amplitude)) ** 2 * self.omega * self.strip_width / (4.0 * self.compliance)
 
     def loading_number(self, preload: float) -> float:
         """Return Lambda = 2 Gamma F/(w A), about the phase advance in rad under a hopping slider; 0 without Gamma."""

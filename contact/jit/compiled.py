@@ -83,8 +83,11 @@ _KERNELS = weakref.WeakSet()
 class Kernel:
     """A function that numba compiles; called from Python or from another kernel."""
 
-    def __init__(self, function, freedom=frozenset()):
+    def __init__(self, function, freedom=frozenset(), source=""):
         self.freedom = set(freedom)
+        # the word that stands for the function where it is a field of a named tuple, part of the name of a cached file:
+        # functions of the package are in its digest already, those from elsewhere bring the digest of their source
+        self.word = f"{function.__module__}.{function.__qualname__}{source}"
         self.function, self.__doc__, self.__name__ = function, function.__doc__, function.__name__
         self.__module__, self.__wrapped__ = function.__module__, function
         _KERNELS.add(self)
@@ -265,6 +268,8 @@ def _packed(name, kind, argument):
             values += face["data"][0], *shape
             layout.append("q" * (1 + len(shape)))
             shapes.append(shape)
+        elif isinstance(field, Kernel):
+            words.append(field.word)
         elif field is None or isinstance(field, tuple):
             word, packed, inner = _packed(name, "t", field)
             words.append(word)

@@ -79,6 +79,9 @@ def _type_of(kind, argument, words, numba):
     """Return numba's type of an argument; of a named tuple that of the record which lies in the table."""
     if argument is None:
         return numba.none
+    if hasattr(argument, "inner"):  # a kernel, such as a function of the law
+        next(words)
+        return numba.types.Dispatcher(argument.inner)
     if kind != "t":
         word = next(words)
         scalar = {"f": numba.float64, "i": numba.int64, "c": numba.complex128}[word[0]]
@@ -122,6 +125,8 @@ def _record():
     def _size(kind):
         if isinstance(kind, types.Array):
             return 1 + kind.ndim
+        if isinstance(kind, types.Dispatcher):  # a function is known by its type
+            return 0
         return kind.size if isinstance(kind, Record) else int(kind is not types.none)
 
     @register_model(Record)
@@ -154,7 +159,7 @@ def _record():
 
         if isinstance(kind, Record):
             return builder.gep(table, [word(at)])
-        if kind is types.none:
+        if kind is types.none or isinstance(kind, types.Dispatcher):
             return context.get_dummy_value()
         if not isinstance(kind, types.Array):
             return loaded(at, context.get_value_type(kind))

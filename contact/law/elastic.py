@@ -32,6 +32,7 @@ from contact.codes import Event, Regime
 from contact.jit.compiled import formula
 from contact.kinematics import slip_speed
 from contact.law.normal import energy, load, slope
+from contact.law.protocol import Law, limit_bend
 
 # how far past its root a guard is accepted, in units of the scaled problem: above rounding, below everything else
 FAR_SIDE = 1e-15
@@ -69,32 +70,95 @@ def tangential_force(x, z, friction, c, shape):
 
 
 @formula
+def limit(problem, z):
+    """Return X = c z."""
+    return problem.limit_slope * z
+
+
+@formula
+def limit_rate(problem, z):
+    """Return dX/dz."""
+    return problem.limit_slope
+
+
+@formula
+def stuck(problem, z, x):
+    """Return Q in stick."""
+    return problem.friction * friction_load(z, z - x / problem.limit_slope, problem.shape)
+
+
+@formula
+def sliding(problem, z, w):
+    """Return Q in slip."""
+    return problem.friction * load(z, problem.shape)
+
+
+@formula
+def deformation(problem, z, force):
+    """Return x of a spring that carries the friction limit."""
+    return problem.limit_slope * z
+
+
+@formula
+def spring_energy(problem, z, x):
+    """Return the spring's energy."""
+    c = problem.limit_slope
+    return problem.friction * c * friction_energy(z, z - x / c, problem.shape)
+
+
+@formula
+def spring_back(problem, z, x):
+    """Return the derivative of the spring's energy in z at constant x."""
+    c = problem.limit_slope
+    return problem.friction * c * back_load(z, z - x / c, problem.shape)
+
+
+@formula
 def guard(problem, regime, which, sign, point):
     """Return guard number `which` (0, 1, 2) of a regime; 1.0 where the regime has no such guard."""
     z, x, z_rate, x_rate = point
-    c, band = problem.limit_slope, problem.stick_band
+    law, band = problem.law, problem.stick_band
     if which == 0:
         return FAR_SIDE - z if regime == Regime.SEPARATED else FAR_SIDE + z
     if regime == Regime.STICK:
-        return FAR_SIDE + c * z - sign * x if which == 1 else FAR_SIDE + sign * x
+        return FAR_SIDE + law.limit(problem, z) - sign * x if which == 1 else FAR_SIDE + sign * x
     if regime == Regime.SLIP and which == 1:
-        return FAR_SIDE + slip_speed(sign, z_rate, x_rate, c) - band
+        return FAR_SIDE + slip_speed(sign, z_rate, x_rate, law.limit_rate(problem, z)) - band
     if regime == Regime.CREEP:
-        return FAR_SIDE + (band - slip_speed(sign, z_rate, x_rate, c) if which == 1 else sign * x - c * z)
+        speed = slip_speed(sign, z_rate, x_rate, law.limit_rate(problem, z))
+        return FAR_SIDE + (band - speed if which == 1 else sign * x - law.limit(problem, z))
     return 1.0
+
+
+@formula
+def guard_rate(problem, regime, which, sign, point, second):
+    """Return the rate of a guard; `second` is (z'', x'') of the contact."""
+    z, _, z_rate, x_rate = point
+    if which == 0:
+        return -z_rate if regime == Regime.SEPARATED else z_rate
+    if regime == Regime.STICK and which == 2:
+        return sign * x_rate
+    slope = problem.law.limit_rate(problem, z)
+    if regime == Regime.STICK:
+        return slope * z_rate - sign * x_rate
+    if regime == Regime.CREEP and which == 2:
+        return sign * x_rate - slope * z_rate
+    rate = slip_speed(sign, second[0], second[1], slope) - limit_bend(problem, z) * z_rate * z_rate
+    return rate if regime == Regime.SLIP else -rate
 
 
 @formula
 def follow(problem, regime, which, sign, point):
     """Return (regime, sign, x, kind of event) on the far side of guard `which`."""
     z, _, z_rate, x_rate = point
-    c, band = problem.limit_slope, problem.stick_band
-    speed = slip_speed(sign, z_rate, x_rate, c)
+    band, most = problem.stick_band, problem.law.limit(problem, z)
+    slope = problem.law.limit_rate(problem, z)
+    speed = slip_speed(sign, z_rate, x_rate, slope)
     if which == 0:
         if regime != Regime.SEPARATED:
             return Regime.SEPARATED, sign, 0.0, Event.RELEASE
         sign = -1.0 if x_rate < 0.0 else 1.0
-        speed = slip_speed(sign, z_rate, x_rate, c)
+        speed = slip_speed(sign, z_rate, x_rate, slope)
         if speed > band:
             return Regime.SLIP, sign, 0.0, Event.CONTACT
         return (Regime.CREEP if speed > 0.0 else Regime.STICK), sign, 0.0, Event.CONTACT
@@ -102,28 +166,28 @@ def follow(problem, regime, which, sign, point):
         if which == 2:
             return Regime.STICK, -sign, 0.0, Event.REVERSAL
         if speed > band:
-            return Regime.SLIP, sign, sign * c * z, Event.STICK_TO_SLIP
-        return (Regime.CREEP if band > 0.0 else Regime.STICK), sign, sign * c * z, Event.STICK_TO_SLIP
+            return Regime.SLIP, sign, sign * most, Event.STICK_TO_SLIP
+        return (Regime.CREEP if band > 0.0 else Regime.STICK), sign, sign * most, Event.STICK_TO_SLIP
     if regime == Regime.SLIP:
-        return (Regime.CREEP if band > 0.0 else Regime.STICK), sign, sign * c * z, Event.SLIP_TO_STICK
+        return (Regime.CREEP if band > 0.0 else Regime.STICK), sign, sign * most, Event.SLIP_TO_STICK
     if which == 1:
-        return Regime.SLIP, sign, sign * c * z, Event.STICK_TO_SLIP
-    return Regime.STICK, sign, sign * c * z, Event.SLIP_TO_STICK
+        return Regime.SLIP, sign, sign * most, Event.STICK_TO_SLIP
+    return Regime.STICK, sign, sign * most, Event.SLIP_TO_STICK
 
 
 @formula
 def opening(problem, point):
     """Return (regime, sign, x) of a contact that is found with approach z and deformation x."""
     z, x, z_rate, x_rate = point
-    c, band = problem.limit_slope, problem.stick_band
+    band = problem.stick_band
     if z < 0.0 or (z == 0.0 and z_rate <= 0.0):
         return Regime.SEPARATED, 1.0, 0.0
-    sign = 1.0
+    sign, most = 1.0, problem.law.limit(problem, z)
     if x < 0.0 or (x == 0.0 and x_rate < 0.0):
         sign = -1.0
-    if sign * x >= c * z * (1.0 - 1e-13):
-        x = sign * c * z
-        speed = slip_speed(sign, z_rate, x_rate, c)
+    if sign * x >= most * (1.0 - 1e-13):
+        x = sign * most
+        speed = slip_speed(sign, z_rate, x_rate, problem.law.limit_rate(problem, z))
         if speed > band:
             return Regime.SLIP, sign, x
         if speed > 0.0 and band > 0.0:
@@ -132,16 +196,37 @@ def opening(problem, point):
 
 
 @formula
-def spring(problem, regime, sign, point):
-    """Return Q, the reciprocal force dW/dz at constant x, and the energy W of a contact's tangential spring.
+def tangential(problem, regime, sign, point):
+    """Return Q of a contact and the deformation that its spring has with it, of the sign of the force.
 
-    In stick the smooth branch of sign s is continued past x = 0, and held at mu P past the limit. All three are those
-    of one friction coefficient: one that depends on the point is written here, and energies and ledger follow.
+    In stick the smooth branch of sign s is continued past x = 0, and held at the limit past it. A contact that slips
+    has the deformation of its force, or that of the slip limit where the force exceeds what the spring can carry.
     """
-    z, x, _, _ = point
-    friction, c, shape = problem.friction * problem.stiffness, problem.limit_slope, problem.shape
-    if regime == Regime.SEPARATED or z <= 0.0 or c <= 0.0:
-        return 0.0, 0.0, 0.0
-    stick = max(z - sign * x / c, 0.0) if regime == Regime.STICK else 0.0
-    force = sign * friction * friction_load(z, stick, shape)
-    return force, friction * c * back_load(z, stick, shape), friction * c * friction_energy(z, stick, shape)
+    z, x, z_rate, x_rate = point
+    law = problem.law
+    most = law.limit(problem, z)
+    if regime == Regime.SEPARATED or z <= 0.0 or most <= 0.0:
+        return 0.0, 0.0
+    if regime == Regime.STICK:
+        x = min(sign * x, most)
+        return sign * problem.stiffness * law.stuck(problem, z, x), x
+    speed = max(slip_speed(sign, z_rate, x_rate, law.limit_rate(problem, z)), 0.0)
+    force = law.sliding(problem, z, speed)
+    return sign * problem.stiffness * force, law.deformation(problem, z, force)
+
+
+@formula
+def spring(problem, regime, sign, point):
+    """Return Q, the reciprocal force dW/dz at constant x, and the energy W of a contact's tangential spring."""
+    z, law = point[0], problem.law
+    force, x = tangential(problem, regime, sign, point)
+    if x == 0.0:
+        return force, 0.0, 0.0
+    return force, problem.stiffness * law.back(problem, z, x), problem.stiffness * law.energy(problem, z, x)
+
+
+def coulomb(kind: int) -> Law:
+    """Return the elastic law with one coefficient of friction, which the hysteretic law shares in gross slip."""
+    return Law(
+        kind, 0, 0, np.zeros(0), limit, limit_rate, stuck, sliding, deformation, spring_energy, spring_back
+    )

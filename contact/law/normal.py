@@ -44,6 +44,13 @@ def energy(z, shape):
 
 
 @formula
+def mean_pressure(z, shape):
+    """Return P/(pi a^2) over its value at z = 1, a length of any unit."""
+    up = 0.5 * (z + abs(z))
+    return np.sqrt(up) if shape == Shape.SPHERE else up
+
+
+@formula
 def approach(p, shape):
     """Return z >= 0 with p(z) = p."""
     return p ** (2.0 / 3.0) if shape == Shape.SPHERE else p

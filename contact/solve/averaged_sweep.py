@@ -17,6 +17,7 @@ import numpy as np
 from contact.codes import Status, Steady
 from contact.jit.compiled import compiled, native
 from contact.kinematics import Paths, at_phase, normal_amplitude, of_run, tangential_amplitude
+from contact.law.protocol import Law, with_numbers
 from contact.problem import OWN_MASS, OWN_REST, changed, in_units
 from contact.solve import averaged
 from contact.solve.averaged import Work, balance_row, excess, room
@@ -45,6 +46,8 @@ class Given(NamedTuple):
     """The problems of a sweep."""
 
     sliders: np.ndarray  # (s, 11) array: `problem.numbers`
+    laws: np.ndarray  # (s, k) array: Numbers of the sliders' laws
+    law: Law  # Of all of them, but for its numbers
     heights: np.ndarray  # (s, contacts) array: Of the contacts, m
     paths: Paths  # Of the waves, m; arrays (w, contacts), the heights zero
     # (w,) arrays: rad/s; relative
@@ -89,7 +92,8 @@ def _states(given, out, todo, harmonics, first, stride, room):
         slider, wave = given.sliders[given.which[k, 0]], given.which[k, 1]
         omega = given.omegas[wave]
         heights, paths = given.heights[given.which[k, 0]], of_run(given.paths, wave)
-        problem = _scaled(slider, heights, paths, given.factors[k], omega, room.paths)
+        law = with_numbers(given.law, given.laws[given.which[k, 0]])
+        problem = _scaled(slider, law, heights, paths, given.factors[k], omega, room.paths)
         _state(problem, given.ratios[k], given.wave_errors[wave], harmonics, room, out[k])
         row, speed = out[k], problem.length * omega
         row[averaged.VELOCITY] *= speed
@@ -143,7 +147,7 @@ def _state(problem, ratio, wave_error, harmonics, room, row):
 
 
 @compiled
-def _scaled(slider, heights, given, factor, omega, paths):
+def _scaled(slider, law, heights, given, factor, omega, paths):
     """Return the scaled problem, with its paths in the room given."""
     reach = 0.0
     for i in range(paths.height.size):
@@ -155,7 +159,7 @@ def _scaled(slider, heights, given, factor, omega, paths):
         paths.normal_sin[i] = given.normal_sin[i] * factor / length
         paths.tangential_cos[i] = given.tangential_cos[i] * factor / length
         paths.tangential_sin[i] = given.tangential_sin[i] * factor / length
-    return in_units(slider, length, omega, paths)
+    return in_units(slider, length, omega, paths, law)
 
 
 @compiled

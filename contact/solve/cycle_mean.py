@@ -21,13 +21,14 @@ import numpy as np
 from contact.codes import Slips
 from contact.jit.compiled import compiled, native, summed
 from contact.kinematics import slip_speed
-from contact.law.elastic import friction_load
 from contact.law.normal import load
 from contact.solve.riding import circle
 
 TURN = 2.0 * np.pi
 # places in the means: sum of P and of Q
 NORMAL, TANGENTIAL = 0, 1
+# events of a contact in a cycle; phases of a cycle at which a bent limit is looked at
+MAX_EVENTS, SCANNED = 40, 128
 # places in the counts: contacts made, slips begun, contacts that stick on with their memory
 MADE, SLIPS, STUCK = range(3)
 
@@ -202,7 +203,7 @@ def _piece(problem, path, rule, work, start, width, slip, offset):
         push, pull = _plain(problem, path, rule, start, width, slip, offset)
     else:
         _follow(path, rule, work.nodes, start, width, offset)
-        push, pull = _load(problem, rule, work.nodes, slip)
+        push, pull = _load(problem, path, rule, work.nodes, slip)
         _project(problem, path, rule, work, kappa * width)
     work.means[NORMAL] += kappa * width * push
     work.means[TANGENTIAL] += kappa * width * pull
@@ -232,17 +233,28 @@ def _follow(path, rule, nodes, start, width, offset):
 
 
 @summed
-def _load(problem, rule, nodes, slip):
+def _load(problem, path, rule, nodes, slip):
     """Turn approach and deformation at the nodes into weighted forces over kappa times the width; return their sums."""
-    mu, shape, near = problem.friction, problem.shape, 1.0 / problem.limit_slope
+    law, shape, wave = problem.law, problem.shape, path.wave
     z, x = nodes.normal, nodes.tangential
     push = pull = 0.0
+    if slip != 0.0:  # the deformation makes way for the speed of slip
+        for j in range(rule.weight.size):
+            x[j] = -slip * path.v
+            if law.rated:
+                slope = law.limit_rate(problem, z[j])
+                for k in range(wave.normal_cos.size):
+                    co, si = (k + 1) * nodes.cos[k, j], (k + 1) * nodes.sin[k, j]
+                    x[j] += slip * (wave.tangential_sin[k] * co - wave.tangential_cos[k] * si)
+                    x[j] -= slope * (wave.normal_sin[k] * co - wave.normal_cos[k] * si)
     for j in range(rule.weight.size):
-        power = load(z[j], shape)
-        stuck = friction_load(z[j], z[j] - abs(x[j]) * near, shape)
-        stuck = -stuck if x[j] < 0.0 else stuck
-        z[j] = rule.weight[j] * power
-        x[j] = rule.weight[j] * mu * (stuck if slip == 0.0 else slip * power)
+        if slip == 0.0:
+            force = law.stuck(problem, z[j], abs(x[j]))
+            force = -force if x[j] < 0.0 else force
+        else:
+            force = slip * law.sliding(problem, z[j], max(x[j], 0.0))
+        z[j] = rule.weight[j] * load(z[j], shape)
+        x[j] = rule.weight[j] * force
         push += z[j]
         pull += x[j]
     return push, pull
@@ -276,7 +288,7 @@ def _project(problem, path, rule, work, scale):
 @summed
 def _plain(problem, path, rule, start, width, slip, offset):
     """Return the integrals of normal force and traction over a smooth piece of a path of one harmonic."""
-    mu, shape, near = problem.friction, problem.shape, 1.0 / problem.limit_slope
+    law, shape = problem.law, problem.shape
     h, v, wave = path.h, path.v, path.wave
     a, b, d, e = wave.normal_cos[0], wave.normal_sin[0], wave.tangential_cos[0], wave.tangential_sin[0]
     push, pull = 0.0, 0.0
@@ -284,13 +296,15 @@ def _plain(problem, path, rule, start, width, slip, offset):
         phi = start + width * rule.place[j]
         co, si = circle(phi)
         z = h + a * co + b * si
-        power = load(z, shape)
-        push += rule.weight[j] * power
-        x = offset + d * co + e * si - v * phi
-        stuck = friction_load(z, z - abs(x) * near, shape)
-        stuck = -stuck if x < 0.0 else stuck
-        pull += rule.weight[j] * (stuck if slip == 0.0 else slip * power)
-    return push, mu * pull
+        push += rule.weight[j] * load(z, shape)
+        if slip == 0.0:
+            x = offset + d * co + e * si - v * phi
+            force = law.stuck(problem, z, abs(x))
+            pull += rule.weight[j] * (-force if x < 0.0 else force)
+        else:
+            speed = slip * (e * co - d * si - v) - law.limit_rate(problem, z) * (b * co - a * si)
+            pull += rule.weight[j] * slip * law.sliding(problem, z, max(speed, 0.0))
+    return push, pull
 
 
 @compiled
@@ -322,17 +336,89 @@ def _stick(problem, path, rule, work, start, stop, anchor):
 
 
 @compiled
-def _start(path, c, windows, counts):
+def _slip_rate(problem, path, s, phi):
+    """Return g_s, the speed of slip towards s at its limit."""
+    z, zr, _, yr = _place(path, phi)
+    return slip_speed(s, zr, yr, problem.law.limit_rate(problem, z))
+
+
+@compiled
+def _slip_end(problem, path, s, window, phi, stop):
+    """Return where slip towards s ends; a bent limit has no window of one harmonic: the cycle is scanned."""
+    if not problem.law.bent:
+        _, end, kind = window
+        if kind == Slips.WINDOW:
+            end += TURN * np.ceil((phi + 1e-12 - end) / TURN)
+        return stop if kind != Slips.WINDOW or end > stop - 1e-12 else end
+    left = phi
+    while left < stop:
+        right = min(left + TURN / SCANNED, stop)
+        if _slip_rate(problem, path, s, right) < 0.0:
+            return _slip_edge(problem, path, s, left, right)
+        left = right
+    return stop
+
+
+@compiled
+def _slip_edge(problem, path, s, a, b):
+    """Return where g_s falls through zero between a and b (bisection)."""
+    for _ in range(46):
+        middle = 0.5 * (a + b)
+        if _slip_rate(problem, path, s, middle) < 0.0:
+            b = middle
+        else:
+            a = middle
+    return b
+
+
+@compiled
+def _stick_margin(problem, path, s, anchor, phi):
+    """Return D_s, how far the deformation is from the limit of slip towards s."""
+    z, _, y, _ = _place(path, phi)
+    return problem.law.limit(problem, z) - s * (anchor.x + y - anchor.y)
+
+
+@compiled
+def _bent_slip(problem, path, s, anchor, start, stop):
+    """Return the first phase in (start, stop) at which stick ends by slip towards s, of a bent limit; stop if none."""
+    left, falling = start, _slip_rate(problem, path, s, start) > 0.0
+    while left < stop:
+        right = min(left + TURN / SCANNED, stop)
+        low, still = right, _slip_rate(problem, path, s, right) > 0.0
+        if falling and not still:  # the margin has its least value between
+            low = _slip_edge(problem, path, s, left, right)
+        if _stick_margin(problem, path, s, anchor, low) < -1e-14:
+            a, b = left, low
+            for _ in range(46):
+                middle = 0.5 * (a + b)
+                if _stick_margin(problem, path, s, anchor, middle) < 0.0:
+                    b = middle
+                else:
+                    a = middle
+            return b
+        left, falling = right, still
+    return stop
+
+
+@compiled
+def _start(problem, path, windows, counts):
     """Return (phase, end, slip, x) with which a contact's cycle begins: where it closes, or where slip ends."""
+    law = problem.law
     crest = np.arctan2(path.wave.normal_sin[0], path.wave.normal_cos[0])
     reach = np.hypot(path.wave.normal_cos[0], path.wave.normal_sin[0])
     if path.h >= reach:
         # a cycle with v > 0 stretches every contact backwards, so it must slip that way, up to the window's end
         back = 1.0 if path.v < 0.0 else -1.0
-        _, start, kind = windows[0] if path.v < 0.0 else windows[1]
-        if kind == Slips.ALWAYS:
-            return 0.0, TURN, back, 0.0
-        return start, start + TURN, 0.0, back * c * _place(path, start)[0]
+        if law.bent:
+            start = _slip_end(problem, path, back, windows[0], 0.0, TURN)
+            if start == TURN and _slip_rate(problem, path, back, 0.0) > 0.0:
+                return 0.0, TURN, back, 0.0
+            start = start if start < TURN else 0.0
+        else:
+            _, start, kind = windows[0] if path.v < 0.0 else windows[1]
+            if kind == Slips.ALWAYS:
+                return 0.0, TURN, back, 0.0
+        return start, start + TURN, 0.0, back * law.limit(problem, _place(path, start)[0])
     half = np.arccos(-path.h / reach)
     start, stop = crest - half, crest + half
     for _ in range(8 if path.wave.normal_cos.size > 1 else 0):
@@ -344,7 +430,7 @@ def _start(path, c, windows, counts):
     counts[MADE] += 1
     _, zr, _, yr = _place(path, start)
     sign = 1.0 if yr >= 0.0 else -1.0
-    return start, stop, (sign if slip_speed(sign, zr, yr, c) > 0.0 else 0.0), 0.0
+    return start, stop, (sign if slip_speed(sign, zr, yr, law.limit_rate(problem, 0.0)) > 0.0 else 0.0), 0.0
 
 
 @compiled
@@ -355,32 +441,51 @@ def _contact(problem, path, rule, work):
     if path.h <= -reach:
         return
     windows = _window(path, c, 1.0), _window(path, c, -1.0)
-    phi, stop, slip, x = _start(path, c, windows, counts)
-    slips = 1 if slip != 0.0 else 0
-    for _ in range(40):
-        if slip != 0.0:
-            _, end, kind = windows[0] if slip > 0.0 else windows[1]
-            if kind == Slips.WINDOW:
-                end += TURN * np.ceil((phi + 1e-12 - end) / TURN)
-            if kind != Slips.WINDOW or end > stop - 1e-12:
-                end = stop
-            _gather(problem, path, rule, work, phi, end, slip, 0.0)
-            x, slip, phi = slip * c * max(_place(path, end)[0], 0.0), 0.0, end
-        else:
-            anchor = Anchor(x, _place(path, phi)[2])
-            up = _next_slip(path, c, 1.0, windows[0], anchor, phi, stop)
-            end = _next_slip(path, c, -1.0, windows[1], anchor, phi, up)
-            _stick(problem, path, rule, work, phi, end, anchor)
-            x, phi = x + _place(path, end)[2] - anchor.y, end
-            if end < stop:
-                slip = 1.0 if end == up else -1.0
-                slips += 1
-        if phi >= stop:
-            break
+    start, stop, slip, x = _start(problem, path, windows, counts)
+    if (
+        problem.law.bent and path.h >= reach
+    ):  # of several windows it is not known which one is the last to slip
+        slip, x, _ = _passage(problem, path, rule, work, windows, start, stop, slip, x, False)
+    slip, x, slips = _passage(problem, path, rule, work, windows, start, stop, slip, x, True)
     counts[SLIPS] += slips
     # slip one way only, by less than a fraction of the spring's range: it takes many cycles to forget
-    if path.h >= reach and (slips == 0 or (slips == 1 and TURN * abs(path.v) < 0.4 * c * path.h)):
+    forgets = TURN * abs(path.v) >= 0.4 * problem.law.limit(problem, path.h)
+    if path.h >= reach and (slips == 0 or (slips == 1 and not forgets)):
         counts[STUCK] += 1
+
+
+@compiled
+def _passage(problem, path, rule, work, windows, start, stop, slip, x, counted):
+    """Follow one contact from start to stop; return (slip, x, slips begun). Its integrals are added where `counted`.
+
+    Without an end after `MAX_EVENTS` the means are not finite: no answer is made of a part of a cycle.
+    """
+    phi, slips = start, 1 if slip != 0.0 else 0
+    for _ in range(MAX_EVENTS):
+        if slip != 0.0:
+            end = _slip_end(problem, path, slip, windows[0] if slip > 0.0 else windows[1], phi, stop)
+            if counted:
+                _gather(problem, path, rule, work, phi, end, slip, 0.0)
+            if end >= stop:
+                return slip, x, slips
+            x, slip, phi = slip * problem.law.limit(problem, max(_place(path, end)[0], 0.0)), 0.0, end
+        else:
+            anchor = Anchor(x, _place(path, phi)[2])
+            if problem.law.bent:
+                up = _bent_slip(problem, path, 1.0, anchor, phi, stop)
+                end = _bent_slip(problem, path, -1.0, anchor, phi, up)
+            else:
+                up = _next_slip(path, problem.limit_slope, 1.0, windows[0], anchor, phi, stop)
+                end = _next_slip(path, problem.limit_slope, -1.0, windows[1], anchor, phi, up)
+            if counted:
+                _stick(problem, path, rule, work, phi, end, anchor)
+            x, phi = x + _place(path, end)[2] - anchor.y, end
+            if end >= stop:
+                return 0.0, x, slips
+            slip = 1.0 if end == up else -1.0
+            slips += 1
+    work.means[NORMAL] = work.means[TANGENTIAL] = np.nan
+    return slip, x, slips
 
 
 @native(

@@ -54,19 +54,29 @@ def closing_share(ratio, shape):
 
 
 @compiled
-def slip_edge(problem, below, above, v_old, v_new, h):
+def slip_edge(problem, z_old, z_new, below, above, v_old, v_new, h):
     """Return what the rule's sum has too much for mu P - |Q| where stick ends within the step.
 
-    It is mu K p(z - |x|/c); `below` and `above` are |x| - c z at the ends of the step, v their rates.
+    It is mu K p(z - |x|/c); `below` and `above` are |x| - X(z) at the ends of the step, v their rates.
     """
     if above <= 0.0:
         return 0.0
-    c, shape = problem.limit_slope, problem.shape
+    shape = problem.shape
     s = rising_root(below, above, h * v_old, h * v_new)
     v_edge = max(v_old + s * (v_new - v_old), 0.0)
+    z = max((1.0 - s) * z_old + s * z_new, 1e-6 * max(z_old, z_new))
+    # locally the limit is that of one coefficient
+    limit = problem.law.limit(problem, z)
+    c, friction = limit / z, problem.law.stuck(problem, z, limit) / load(z, shape)
     bend = 0.5 * slope(1.0, shape) * (v_old - v_new) / max(v_edge, 1e-300)
-    first = problem.friction * problem.stiffness * load(v_edge / c, shape)
-    return edge_excess(s, h, first, first * min(max(bend, -1.0), 1.0) / h, shape)
+    first = friction * problem.stiffness * load(v_edge / c, shape)
+    excess = edge_excess(s, h, first, first * min(max(bend, -1.0), 1.0) / h, shape)
+    if (
+        problem.law.rated and v_new >= 0.0
+    ):  # zeta(0, theta): the force falls at once to that of slip at this speed
+        fall = problem.stiffness * (friction * load(z, shape) - problem.law.sliding(problem, z, v_edge))
+        excess += fall * h * (s - 0.5)
+    return excess
 
 
 @compiled

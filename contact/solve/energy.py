@@ -9,13 +9,27 @@ potential. All in the scaled problem's unit of energy, m omega^2 ell^2.
 
 import numpy as np
 
-from contact.codes import Law, Regime
+from contact.codes import Regime, Tangential
 from contact.interpolation import interpolate
-from contact.jit.compiled import compiled
-from contact.kinematics import slip_speed
-from contact.law.elastic import spring
+from contact.jit.compiled import compiled, formula
+from contact.kinematics import Point, slip_speed
+from contact.law.elastic import spring, tangential
 from contact.law.hysteretic import annulus_slip, front, place_on
-from contact.solve.segment import BACK, CLIMB, FRONT, SPEED, TRAVEL, U_X_RATE, U_Z_RATE, P, Q, point_at
+from contact.solve.collocation import ROOT_AT_START, SMOOTH
+from contact.solve.segment import (
+    BACK,
+    CLIMB,
+    FRONT,
+    LEVEL,
+    SPEED,
+    TRAVEL,
+    U_X_RATE,
+    U_Z_RATE,
+    P,
+    Q,
+    Z,
+    point_at,
+)
 
 # places in the sums: integrals over phase of sum Q, of the sum of normal forces without damper, slider displacement
 TRACTION, SUPPORT, DISPLACEMENT = 0, 1, 2
@@ -25,12 +39,15 @@ WAVE_NORMAL, WAVE_TANGENTIAL, SLIP_LOSS, CONTACT_LOSS, NORMAL_LOSS, TANGENTIAL_L
 )
 # phase since the last event (0: none yet) and the inverse of the smallest gap between two
 SINCE, CROWDING, SUMS = 11, 12, 13
+# Gauss and Legendre's rule on [0, 1]
+CROWDED, WEIGHT = (0.5 * each for each in np.polynomial.legendre.leggauss(20))
+CROWDED = CROWDED + 0.5
 
 
 @compiled
 def account(problem, grid, state, nodes, segment):
     """Add the integrals over one segment to the sums."""
-    friction, c = problem.friction * problem.stiffness, problem.limit_slope
+    friction = problem.friction * problem.stiffness
     slider, own, sums, last = nodes.slider, nodes.contact, state.sums, nodes.guard.size - 1
     for k in range(last + 1):
         weight = segment.length * grid.integrals[segment.map, 0, k, last]
@@ -51,16 +68,73 @@ def account(problem, grid, state, nodes, segment):
             sums[WAVE_NORMAL] += weight * (normal + damper) * own[U_Z_RATE, i, k]
             sums[WAVE_TANGENTIAL] += weight * tangential * own[U_X_RATE, i, k]
             sums[CONTACT_LOSS] += weight * damper * z_rate
-            slip = slip_speed(sign, z_rate, x_rate, c)
-            if regime == Regime.SLIP or regime == Regime.CREEP:
+            slip = slip_speed(sign, z_rate, x_rate, problem.law.limit_rate(problem, z))
+            if regime == Regime.SLIP and problem.law.rated:
+                sums[SLIP_LOSS] += weight * tangential * x_rate
+            elif regime == Regime.SLIP or regime == Regime.CREEP:
                 sums[SLIP_LOSS] += weight * tangential * sign * slip
             elif regime == Regime.ANNULUS:
                 sums[SLIP_LOSS] += weight * friction * annulus_slip(z, own[FRONT, i, k]) * slip
-            if problem.law == Law.ELASTIC:
+            if problem.law.kind == Tangential.ELASTIC and not (problem.law.rated and regime == Regime.SLIP):
                 sums[LEAK] -= weight * spring(problem, regime, sign, point)[1] * z_rate
+    if problem.law.rated:
+        for i in range(state.regime.size):
+            if state.regime[i] == Regime.SLIP:
+                work, leak = _spring_in_slip(problem, grid, state, nodes, segment, i)
+                sums[SLIP_LOSS] -= work
+                sums[LEAK] += leak
     sums[DISPLACEMENT] += slider[TRAVEL, last]
     if sums[SINCE] > 0.0:
         sums[SINCE] += segment.length
+
+
+@compiled
+def _spring_in_slip(problem, grid, state, nodes, segment, i):
+    """Return (work on the spring of a contact that slips, leak of the law) over a segment.
+
+    The work is int F dx = [F x] - int x dF, F at most the force at the slip limit: towards the end of slip x of a
+    sphere goes as the time left to the power 2/3, and F is smooth. Gauss's points crowd there as a cube.
+    """
+    sign, own, n = state.sign[i], nodes.contact, nodes.guard.size
+    force, rate = own[LEVEL, i], own[FRONT, i]
+    x = 0.0
+    for j in range(n):
+        force[j], x = _spring_force(problem, sign, point_at(nodes, i, j))
+        if j == 0:
+            start = force[0] * x
+    work, leak = force[n - 1] * x - start, 0.0
+    for k in range(n):
+        rate[k] = 0.0
+        for j in range(n):
+            rate[k] += grid.rates[k, j] * force[j]
+    for k in range(CROWDED.size):
+        sigma, weight = 1.0 - 2.0 * CROWDED[k] ** 3, 6.0 * CROWDED[k] ** 2 * WEIGHT[k]
+        z = interpolate(sigma, grid.sigma, grid.bary, own[Z, i])
+        z_rate = interpolate(sigma, grid.sigma, grid.bary, own[U_Z_RATE, i])
+        z_rate -= interpolate(sigma, grid.sigma, grid.bary, nodes.slider[CLIMB])
+        x_rate = interpolate(sigma, grid.sigma, grid.bary, own[U_X_RATE, i])
+        x_rate -= interpolate(sigma, grid.sigma, grid.bary, nodes.slider[SPEED])
+        point = Point(z, 0.0, z_rate, x_rate)
+        work -= (
+            weight * _spring_force(problem, sign, point)[1] * interpolate(sigma, grid.sigma, grid.bary, rate)
+        )
+        # d tau/d sigma of the map
+        slope = (
+            0.5
+            if segment.map == SMOOTH
+            else 0.5 * (1.0 + sigma if segment.map == ROOT_AT_START else 1.0 - sigma)
+        )
+        leak -= weight * segment.length * slope * spring(problem, Regime.SLIP, sign, point)[1] * z_rate
+    return work, leak
+
+
+@formula
+def _spring_force(problem, sign, point):
+    """Return the force of the spring of a contact that slips, and its deformation."""
+    force, x = tangential(problem, Regime.SLIP, sign, point)
+    z, law = point[0], problem.law
+    most = problem.stiffness * law.stuck(problem, z, law.limit(problem, z)) if z > 0.0 else 0.0
+    return min(abs(force), most), x
 
 
 @compiled

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.codes import Law
+from contact.codes import Tangential
 from contact.convergence import ConvergenceError
 from contact.kinematics import normal_amplitude
 from contact.orbit import Orbit
@@ -52,7 +52,7 @@ def balanced(slider: Slider, orbits: tuple[Orbit, ...]) -> Balance:
     """Return the averaged steady state; the crests should drive towards +x (`drive.towards_plus`)."""
     problem = scaled(slider, orbits, direction=1.0, start=trough(orbits))
     high = riding_approach(problem)
-    if problem.law != Law.RECIPROCAL:
+    if problem.law.kind != Tangential.RECIPROCAL:
         return _at_height(problem, high)
     # the back force only adds to the support, so the slider rides higher: mean approach below `high`
     every, preload = np.arange(problem.contacts), problem.preload
@@ -124,7 +124,7 @@ def _held(problem, height, rest):
 
 def opposed(slider: Slider, orbits: tuple[Orbit, ...]) -> float:
     """Return +1 or -1, the direction of motion that a load opposes: that in which the unloaded wave drives at rest."""
-    if slider.load == 0.0 or slider.friction_coefficient * slider.preload == 0.0:
+    if slider.load == 0.0 or slider.static_coefficient * slider.preload == 0.0:
         return 1.0
     problem = scaled(slider, orbits, direction=1.0, start=0.0)
     _, (largest, _) = _rest_cycles(problem, riding_approach(problem))
@@ -159,8 +159,11 @@ def _balance(problem, height, way, rest_traction):
     if fb * way >= 0.0:  # full friction does not balance the load: the damper has to
         if damping == 0.0:
             raise ConvergenceError("runaway", RUNAWAY)
-        b += 1.000001 * fb / damping
-        fb, motion = excess(b, 0.0)
+        for _ in range(60):  # one step where friction does not fall with speed
+            b += 1.000001 * fb / damping
+            fb, motion = excess(b, 0.0)
+            if fb * way < 0.0:
+                break
     v = b
     for count in range(100):
         width = abs(b - a)

@@ -5,8 +5,9 @@ import numpy as np
 from contact.codes import Event, Regime
 from contact.jit.compiled import compiled
 from contact.kinematics import Point, at_phase, slip_speed
-from contact.law.elastic import FAR_SIDE, follow, guard, opening
+from contact.law.elastic import follow, guard, guard_rate, opening, spring
 from contact.law.hysteretic import memory_guard, recall
+from contact.solve.energy import SLIP_LOSS
 from contact.solve.roots import first_root
 from contact.solve.segment import (
     FRONT,
@@ -69,12 +70,7 @@ def end_guard(problem, state, nodes, i, which, phase, memory):
             rate = c * z_second + x_second
         return value, rate
     value = guard(problem, regime, which, sign, point)
-    if (regime == Regime.SLIP or regime == Regime.CREEP) and which == 1:
-        rate = slip_speed(sign, z_second, x_second, c)
-        return value, rate if regime == Regime.SLIP else -rate
-    # the guards on position are linear in (z, x): their rate is the guard of the rates
-    rates = Point(point.approach_rate, point.deformation_rate, 0.0, 0.0)
-    return value, guard(problem, regime, which, sign, rates) - FAR_SIDE
+    return value, guard_rate(problem, regime, which, sign, point, (z_second, x_second))
 
 
 @compiled
@@ -107,6 +103,7 @@ def _enter_next(problem, state, nodes, i, which, memory):
     regime, sign, n = state.regime[i], state.sign[i], nodes.guard.size - 1
     end = point_at(nodes, i, n)
     point = Point(end.approach, state.deformation[i], end.approach_rate, end.deformation_rate)
+    before = spring(problem, regime, sign, point)[2] if problem.law.rated else 0.0
     if memory is not None:
         state.regime[i], state.sign[i], state.deformation[i], kind = recall(
             memory, i, regime, which, sign, point, problem.limit_slope
@@ -115,4 +112,7 @@ def _enter_next(problem, state, nodes, i, which, memory):
         state.regime[i], state.sign[i], state.deformation[i], kind = follow(
             problem, regime, which, sign, point
         )
+        if problem.law.rated:  # where slip begins the force falls at once, and the spring's energy with it
+            point = Point(end.approach, state.deformation[i], end.approach_rate, end.deformation_rate)
+            state.sums[SLIP_LOSS] += before - spring(problem, state.regime[i], state.sign[i], point)[2]
     return kind

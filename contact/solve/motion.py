@@ -9,7 +9,7 @@ import threading
 
 import numpy as np
 
-from contact.codes import Event, Law, Regime, Status
+from contact.codes import Event, Regime, Status, Tangential
 from contact.convergence import ConvergenceError
 from contact.kinematics import Point
 from contact.law import elastic, hysteretic, normal
@@ -37,7 +37,7 @@ class Motion:
         self.problem, self.grid, self.truncation = problem, grid, truncation
         tally, sums = np.zeros(event_driven.TALLY, np.int64), np.zeros(energy.SUMS)
         self._carry(np.zeros(3 + contacts), np.ones(contacts), np.zeros(contacts, np.int64), tally, sums)
-        remembers = problem.law == Law.HYSTERETIC and problem.limit_slope > 0.0
+        remembers = problem.law.kind == Tangential.HYSTERETIC and problem.limit_slope > 0.0
         self.begun = None  # energies at the start of what the sums cover, set by `begin`
         self.memory = hysteretic.blank(contacts, grid) if remembers else None
 
@@ -126,7 +126,8 @@ class Motion:
         for i, (z, x) in enumerate(zip(approach, state.deformation, strict=True)):
             regime, sign = self.regime[i], self.sign[i]
             if self.memory is None:
-                stored += elastic.spring(problem, regime, sign, Point(z, x, 0.0, 0.0))[2]
+                rates = problem.paths.normal_sin[i] - climb, problem.paths.tangential_sin[i] - speed
+                stored += elastic.spring(problem, regime, sign, Point(z, x, *rates))[2]
             else:
                 stored += energy.chain_energy(problem, self.memory, i, regime, sign, z, x)
         return np.array([stored, problem.preload * height, 0.5 * (climb**2 + speed**2)])

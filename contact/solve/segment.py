@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from contact.codes import Law, Regime
+from contact.codes import Regime, Tangential
 from contact.jit.compiled import compiled
 from contact.kinematics import Point, at_phase
-from contact.law.elastic import FAR_SIDE, guard, spring
+from contact.law.elastic import FAR_SIDE, guard, spring, tangential
 from contact.law.hysteretic import memory_guard, moment
 from contact.law.normal import load
 from contact.solve.riding import short_sine
@@ -127,14 +127,14 @@ def forces(problem, grid, state, nodes, segment, mobile, memory):
 @compiled
 def _contact(problem, grid, state, nodes, i, memory):
     """Fill approach, deformation and forces of one contact that is not apart."""
-    kappa, c, shape = problem.stiffness, problem.limit_slope, problem.shape
+    kappa, c, shape, law = problem.stiffness, problem.limit_slope, problem.shape, problem.law
     friction, regime, sign, own = problem.friction * kappa, state.regime[i], state.sign[i], nodes.contact
     n = grid.sigma.size
     for j in range(n):
         z = own[U_Z, i, j] - nodes.slider[HEIGHT, j]
         slid = state.deformation[i] + own[U_X, i, j] - nodes.slider[TRAVEL, j]
         own[Z, i, j] = z
-        own[X, i, j] = sign * c * z if regime == Regime.SLIP else slid
+        own[X, i, j] = sign * law.limit(problem, z) if regime == Regime.SLIP else slid
         own[P, i, j] = kappa * load(z, shape)
         own[BACK, i, j] = 0.0
     if memory is not None and regime >= Regime.ANNULUS:
@@ -146,8 +146,8 @@ def _contact(problem, grid, state, nodes, i, memory):
             own[Q, i, j] = friction * level
     else:
         for j in range(n):
-            own[Q, i, j] = spring(problem, regime, sign, point_at(nodes, i, j))[0]
-    if problem.law == Law.RECIPROCAL:
+            own[Q, i, j] = tangential(problem, regime, sign, point_at(nodes, i, j))[0]
+    if law.kind == Tangential.RECIPROCAL:
         for j in range(n):
             own[BACK, i, j] = spring(problem, regime, sign, point_at(nodes, i, j))[1]
 
@@ -265,7 +265,7 @@ def end_kinematics(problem, state, nodes):
         z = own[U_Z, i, n] - nodes.slider[HEIGHT, n]
         own[Z, i, n] = z
         if state.regime[i] == Regime.SLIP:
-            own[X, i, n] = state.sign[i] * problem.limit_slope * z
+            own[X, i, n] = state.sign[i] * problem.law.limit(problem, z)
         elif state.regime[i] != Regime.SEPARATED:
             own[X, i, n] = state.deformation[i] + own[U_X, i, n] - nodes.slider[TRAVEL, n]
 

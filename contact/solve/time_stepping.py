@@ -19,6 +19,7 @@ from contact.convergence import ConvergenceError
 from contact.jit.compiled import compiled, native
 from contact.kinematics import Paths, at_phase, of_run, slip_speed
 from contact.law.normal import force, load
+from contact.law.protocol import Law
 from contact.problem import from_row
 from contact.solve import end_corrections as edges
 from contact.solve.segment import (
@@ -33,7 +34,7 @@ from contact.solve.segment import (
 )
 
 # rows of `Work.slider`, one column per run: motion, contact forces, distance within the cycle, what a step is made of
-HEIGHT, CLIMB, SPEED, NORMAL, TANGENTIAL, TRAVELLED, STEP, DAMP_N, DAMP_T, INVERSE, ROWS = range(11)
+HEIGHT, CLIMB, SPEED, NORMAL, TANGENTIAL, TRAVELLED, STEP, DAMP_N, DAMP_T, ROWS = range(10)
 # planes of `Work.table`: surface displacement and velocity at the steps of a cycle
 U_Z, U_X, W_Z, W_X, PLANES = range(5)
 # rows of `Work.contact`: approach, deformation, sign of slip or 0
@@ -41,11 +42,12 @@ Z, X, SLIP, CONTACT = range(4)
 
 
 class Runs(NamedTuple):
-    """Runs of n contacts side by side: their problems (`Problem.row` and paths) and steps per cycle."""
+    """Runs of n contacts side by side, of one law: their problems (`Problem.row` and paths) and steps per cycle."""
 
     numbers: np.ndarray
     paths: Paths
     per_cycle: np.ndarray
+    law: Law
 
 
 class Task(NamedTuple):
@@ -99,19 +101,21 @@ def _tabulate(paths, per_cycle, before, after, table):
 @compiled
 def _slip_speeds(problem, passage, sign):
     """Return the speeds of slip of a sign at the ends of the step."""
-    c = problem.limit_slope
-    before = slip_speed(sign, passage.z_rate_old, passage.x_rate_old, c)
-    return before, slip_speed(sign, passage.z_rate_new, passage.x_rate_new, c)
+    law = problem.law
+    before = slip_speed(sign, passage.z_rate_old, passage.x_rate_old, law.limit_rate(problem, passage.z_old))
+    return before, slip_speed(
+        sign, passage.z_rate_new, passage.x_rate_new, law.limit_rate(problem, passage.z_new)
+    )
 
 
 @compiled
 def _leave_stick(problem, passage, x):
     """Return (sign, excess of Q) of a contact that leaves stick towards where its deformation goes."""
-    c = problem.limit_slope
+    law, old, new = problem.law, passage.z_old, passage.z_new
     sign = 1.0 if x + passage.along > 0.0 else -1.0
     v_old, v_new = _slip_speeds(problem, passage, sign)
-    below, above = sign * x - c * passage.z_old, sign * (x + passage.along) - c * passage.z_new
-    return sign, -sign * edges.slip_edge(problem, below, above, v_old, v_new, passage.h)
+    below, above = sign * x - law.limit(problem, old), sign * (x + passage.along) - law.limit(problem, new)
+    return sign, -sign * edges.slip_edge(problem, old, new, below, above, v_old, v_new, passage.h)
 
 
 @compiled
@@ -126,17 +130,18 @@ def _release(problem, passage, x, slip):
     if slip == 0.0:  # it must have slipped before
         sign, tangential = _leave_stick(problem, passage, x)
     normal = edges.edge_excess(s, h, first * (1.0 - problem.contact_damping * rate), second, problem.shape)
-    tangential += sign * problem.friction * edges.edge_excess(s, h, first, second, problem.shape)
+    if not problem.law.rated:
+        tangential += sign * problem.friction * edges.edge_excess(s, h, first, second, problem.shape)
     return 0.0, 0.0, normal, tangential
 
 
 @compiled
 def _stick(problem, passage, x, sticks):
     """Return (x, slip, excess of Q) of a contact that sticks at the start of the step, or `sticks` all along."""
-    limit, deformation = problem.limit_slope * passage.z_new, x + passage.along
+    limit, deformation = problem.law.limit(problem, passage.z_new), x + passage.along
     if sticks:  # past x = 0
         x_rate = passage.x_rate_new
-        friction = problem.friction * force(problem.stiffness, passage.z_new, problem.shape)
+        friction = problem.stiffness * problem.law.stuck(problem, passage.z_new, limit)
         bend = edges.curvature(problem.shape) * friction * x_rate * abs(x_rate) / (limit * limit)
         return deformation, 0.0, edges.passage_excess(x / (x - deformation), passage.h, bend)
     sign, excess = _leave_stick(problem, passage, x)
@@ -148,18 +153,23 @@ def _stick(problem, passage, x, sticks):
 @compiled
 def _slip(problem, passage, sign):
     """Return (x, slip) of a contact that slips at the start of the step."""
-    c, h = problem.limit_slope, passage.h
+    h, old, new = (
+        passage.h,
+        problem.law.limit(problem, passage.z_old),
+        problem.law.limit(problem, passage.z_new),
+    )
     v_old, v_new = _slip_speeds(problem, passage, sign)
     if v_new >= 0.0:
-        return sign * c * passage.z_new, sign
-    _, lag = edges.last_part(v_old, v_new, (sign * passage.along - c * (passage.z_new - passage.z_old)) / h)
-    return sign * (c * passage.z_new + h * lag), 0.0
+        return sign * new, sign
+    _, lag = edges.last_part(v_old, v_new, (sign * passage.along - (new - old)) / h)
+    return sign * (new + h * lag), 0.0
 
 
 @compiled
 def _close(problem, passage):
     """Return (x, slip, excess of P, excess of Q) of a contact that closes."""
-    c, h, shape = problem.limit_slope, passage.h, problem.shape
+    h, shape, law = passage.h, problem.shape, problem.law
+    c = law.limit_rate(problem, 0.0)
     r0, r1 = h * passage.z_rate_old, h * passage.z_rate_new
     s = edges.rising_root(passage.z_old, passage.z_new, r0, r1)
     y0, y1 = h * passage.x_rate_old, h * passage.x_rate_new
@@ -174,9 +184,11 @@ def _close(problem, passage):
         turn = min(max(turn, -1.0 / h), 1.0 / h)
     excess = edges.edge_excess(1.0 - s, h, first * share, second * share + first * turn, shape)
     tangential = sign * problem.friction * excess
-    x, limit = passage.along - edges.cubic(s, 0.0, passage.along, y0, y1), c * passage.z_new
+    if law.rated:
+        tangential = 0.0
+    x, limit = passage.along - edges.cubic(s, 0.0, passage.along, y0, y1), law.limit(problem, passage.z_new)
     if ratio == 1.0:
-        v_old, v_new = sign * drift - c * rate, slip_speed(sign, passage.z_rate_new, passage.x_rate_new, c)
+        v_old, v_new = sign * drift - c * rate, _slip_speeds(problem, passage, sign)[1]
         if v_new >= 0.0:
             return sign * limit, sign, normal, tangential
         # slip ends within the step: what follows is stick from the limit there
@@ -205,7 +217,7 @@ def _passed(problem, passage, x, slip, sticks):
 @compiled
 def _step(problem, k, table, own, slider, m):
     """Move one run from step k of the cycle to the next; column m of `slider` is its motion, `own` its contacts."""
-    h, mu, kappa = slider[STEP, m], problem.friction, problem.stiffness
+    h, kappa = slider[STEP, m], problem.stiffness
     height, climb, speed = slider[HEIGHT, m], slider[CLIMB, m], slider[SPEED, m]
     push = slider[NORMAL, m] - problem.preload - problem.normal_damping * climb
     pull = slider[TANGENTIAL, m] - problem.load - problem.tangential_damping * speed
@@ -222,7 +234,8 @@ def _step(problem, k, table, own, slider, m):
             continue
         along, z_rate = table[U_X, k + 1, i] - table[U_X, k, i] - travel, table[W_Z, k + 1, i] - climb_next
         moved = x + along
-        sticks = z_old > 0.0 and slip == 0.0 and abs(moved) < problem.limit_slope * z_new
+        limit = problem.law.limit(problem, z_new)
+        sticks = z_old > 0.0 and slip == 0.0 and abs(moved) < limit
         if sticks and x * moved >= 0.0:
             x = moved
         else:
@@ -239,10 +252,11 @@ def _step(problem, k, table, own, slider, m):
             elastic = force(kappa, z_new, problem.shape)
             push += elastic * (1.0 + problem.contact_damping * z_rate)
             if slip != 0.0:
-                pull += slip * mu * elastic
+                x_rate = table[W_X, k + 1, i] - speed_next
+                w = slip_speed(slip, z_rate, x_rate, problem.law.limit_rate(problem, z_new))
+                pull += slip * kappa * problem.law.sliding(problem, z_new, max(w, 0.0))
             else:
-                stuck = max(z_new - abs(x) * slider[INVERSE, m], 0.0)
-                friction = mu * (elastic - force(kappa, stuck, problem.shape))
+                friction = kappa * problem.law.stuck(problem, z_new, min(abs(x), limit))
                 pull += friction if x > 0.0 else -friction
     climb = climb_half + 0.5 * h * (push - problem.preload) - push_excess
     speed = speed_half + 0.5 * h * (pull - problem.load) - pull_excess
@@ -255,9 +269,9 @@ def _step(problem, k, table, own, slider, m):
 @native(
     "t f2 t t",
     {
-        "runs.numbers": "r 14", "runs.paths.height": "r n", "runs.paths.normal_cos": "r n", "runs.per_cycle": "r",
+        "runs.numbers": "r 13", "runs.paths.height": "r n", "runs.paths.normal_cos": "r n", "runs.per_cycle": "r",
         "states": "r 3+n", "task.rows": "r m 3", "work.table": "r 4 s n", "work.contact": "r 3 n",
-        "work.slider": "10 r",
+        "work.slider": "9 r",
     },
 )  # fmt: skip
 def _abreast(runs, states, task, work):
@@ -268,7 +282,7 @@ def _abreast(runs, states, task, work):
     most = 0
     for m in range(per_cycle.size):
         _tabulate(of_run(runs.paths, m), per_cycle[m], e, e, work.table[m])
-        _begin(from_row(runs.numbers[m], of_run(runs.paths, m)), states[m], per_cycle[m], work, m)
+        _begin(from_row(runs.numbers[m], of_run(runs.paths, m), runs.law), states[m], per_cycle[m], work, m)
         most = max(most, per_cycle[m])
     for cycle in range(task.number):
         for m in range(per_cycle.size):
@@ -280,7 +294,7 @@ def _abreast(runs, states, task, work):
         for k in range(most):
             for m in range(per_cycle.size):
                 if k < per_cycle[m]:
-                    problem = from_row(runs.numbers[m], of_run(runs.paths, m))
+                    problem = from_row(runs.numbers[m], of_run(runs.paths, m), runs.law)
                     _step(problem, k, work.table[m], work.contact[m], slider, m)
         for m in range(per_cycle.size):
             if not np.isfinite(slider[HEIGHT, m] + slider[CLIMB, m] + slider[SPEED, m]):
@@ -302,7 +316,7 @@ def _begin(problem, state, per_cycle, work, m):
     """Set the forces of the first instant and what stays the same."""
     slider, own, table = work.slider, work.contact[m], work.table[m]
     h = 2.0 * np.pi / per_cycle
-    slider[STEP, m], slider[INVERSE, m] = h, 1.0 / problem.limit_slope
+    slider[STEP, m] = h
     slider[DAMP_N, m] = 1.0 / (1.0 + 0.5 * h * problem.normal_damping)
     slider[DAMP_T, m] = 1.0 / (1.0 + 0.5 * h * problem.tangential_damping)
     slider[HEIGHT, m], slider[CLIMB, m] = state[POSITION], state[NORMAL_VELOCITY]
@@ -313,9 +327,15 @@ def _begin(problem, state, per_cycle, work, m):
         if z > 0.0:
             elastic = problem.stiffness * load(z, problem.shape)
             push += elastic * (1.0 + problem.contact_damping * (table[W_Z, 0, i] - slider[CLIMB, m]))
-            stuck = z - abs(x) / problem.limit_slope
-            pull += np.sign(x) * problem.friction * (elastic - problem.stiffness * load(stuck, problem.shape))
-            slip = np.sign(x) if stuck < 1e-13 * z else 0.0
+            limit, friction = problem.law.limit(problem, z), 0.0
+            if limit > 0.0:
+                friction = problem.law.stuck(problem, z, min(abs(x), limit))
+            if abs(x) > limit * (1.0 - 1e-13):
+                slip = np.sign(x)
+                z_rate, x_rate = table[W_Z, 0, i] - slider[CLIMB, m], table[W_X, 0, i] - slider[SPEED, m]
+                w = slip_speed(slip, z_rate, x_rate, problem.law.limit_rate(problem, z))
+                friction = problem.law.sliding(problem, z, max(w, 0.0))
+            pull += np.sign(x) * problem.stiffness * friction
         own[Z, i], own[X, i], own[SLIP, i] = z, x, slip
     slider[NORMAL, m], slider[TANGENTIAL, m] = push, pull
 
@@ -335,7 +355,8 @@ def abreast(problems, states, number, per_cycle, stride, envelope) -> np.ndarray
         np.zeros((ROWS, count)),
     )
     task = Task(number, stride, np.empty((count, number // stride if stride else 0, ROW)), envelope)
-    if not _abreast(Runs(np.array([each.row for each in problems]), paths, per_cycle), states, task, work):
+    runs = Runs(np.array([each.row for each in problems]), paths, per_cycle, problems[0].law)
+    if not _abreast(runs, states, task, work):
         raise ConvergenceError("not finite", "the stepped motion overflowed; use method exact")
     return task.rows
 

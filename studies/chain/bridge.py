@@ -16,7 +16,7 @@ import numpy as np
 import contact
 from studies.record import Record
 from studies.scene import Scene
-from studies.scene.slider import Slider, Wave
+from studies.scene.slider import Friction, LawText, Slider, Wave
 
 
 def orbits_per_volt(motion, slider: Slider) -> tuple:
@@ -63,17 +63,21 @@ def scaled(orbits: tuple, level: float) -> tuple:
 
 @lru_cache(10_000)  # of a sweep's points many have the same
 def contact_slider(slider: Slider):
-    """Return the ``contact.Slider`` of a block whose preload and moduli are numbers."""
+    """Return the ``contact.Slider`` of a block whose preload and moduli are numbers; of pillars, that of a mean one."""
+    if slider.pillars is not None:
+        from studies.chain.pillars import one_pillar
+
+        return one_pillar(slider)
     share = len(slider.offsets) if isinstance(slider.contacts, int) else 1
     return contact.Slider(
         radius=slider.radius,
         mass=slider.mass / share,
         preload=slider.preload / share,
         load=slider.load / share,
-        friction_coefficient=slider.friction_coefficient,
+        friction_coefficient=slider.static_coefficient,
         effective_modulus=slider.effective_modulus,
         tangential_modulus=slider.tangential_modulus,
-        law=slider.law,
+        law="hysteretic" if slider.remembers else "elastic",
         reciprocal=slider.reciprocal,
         stick_band=slider.stick_band,
         contact_damping=slider.damping.contact,
@@ -81,7 +85,23 @@ def contact_slider(slider: Slider):
         tangential_damping=slider.damping.tangential / share,
         shape=slider.shape,
         heights=slider.heights or (),
+        friction=_friction(slider),
     )
+
+
+def _friction(slider: Slider):
+    """Return what the friction of a block depends on besides the normal force, None for Coulomb's."""
+    if isinstance(slider.law, LawText):
+        return contact.UserLaw(slider.law.name, slider.law.source)
+    if isinstance(slider.friction_coefficient, Friction):
+        given = slider.friction_coefficient
+        return contact.FallingFriction(
+            sliding=given.sliding,
+            speed=given.speed,
+            high_pressure=given.high_pressure,
+            pressure=given.pressure,
+        )
+    return None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,6 +114,8 @@ class DrivenContact:
     amplitudes: tuple[float, float]  # |u_z| and |u_x| under the slider's centre for a level of 1, m
     stator_error: float = 0.0  # of the orbits, relative
     ringing: object = None  # how they grow during a burst, a `studies.chain.ring_up.RingUp`
+    # the waves under a slider on pillars per volt, a contact.PassingWave, and their misfit
+    passing: tuple | None = field(default=None, repr=False)
     along: object = None  # how they change with the slider's place, a `studies.chain.travel.WaveAlong`
     record: Record | None = field(default=None, repr=False)  # of the run that solved the stator
 
@@ -109,6 +131,10 @@ class DrivenContact:
         tangential, _, normal = map(float, abs(motion.at([scene.slider.center])[:, 0]))
         given.setdefault("stator_error", motion.relative_error(scene.slider.places))
         orbits = orbits_per_volt(motion, scene.slider)
+        if scene.slider.pillars is not None:
+            from studies.chain.slider_wave import stator_wave
+
+            given.setdefault("passing", stator_wave(scene, motion))
         return cls(scene=scene, orbits=orbits, amplitudes=(normal, tangential), **given)
 
     @classmethod

@@ -114,11 +114,14 @@ def _contact(scene: Scene) -> Iterator[tuple[bool, str]]:
     if slider is None:
         yield True, "slider and contact: the scene has none"
         return
+    if slider.pillars is not None:
+        yield from _pillars(scene)
+        return
     alike = slider.contacts - 1 if isinstance(slider.contacts, int) else 0
     yield alike > 0, f"{alike} of {slider.contacts} contacts: in phase they move as one"
     at_once = "motion from rest: no burst, the periodic state is found without waiting for it"
     yield scene.burst is None, at_once
-    yield slider.law == "elastic", "contact memory: the law is elastic, Q depends on z and x alone"
+    yield not slider.remembers, f"contact memory: the law is {slider.law}, Q depends on z, x and slip alone"
     reaction = "the tangential spring's reaction on the normal motion: reciprocal is false"
     yield not slider.reciprocal, reaction
     for key, force in (("contact", "R_n1"), ("normal", "R_n2"), ("tangential", "R_t")):
@@ -131,3 +134,24 @@ def _contact(scene: Scene) -> Iterator[tuple[bool, str]]:
         stays = scene.burst is not None and slider.travel is False
         yield stays, "the slider's travel along the wave field: slider.travel is false"
     yield True, "the slider's reaction on the wave"
+
+
+def _pillars(scene: Scene) -> Iterator[tuple[bool, str]]:
+    slider = scene.slider
+    known = scene.wave is None or scene.wave.compliance is not None
+    yield True, "the slider's bounce and vibration: it is heavy on the wave's time scale, a plane on pillars"
+    yield (
+        scene.burst is None,
+        "motion from rest: no burst, the averaged equilibrium is found without waiting for it",
+    )
+    yield not known, "the slider's reaction on the wave: wave.compliance is absent"
+    yield known and slider.loading is False, "the slider's reaction on the wave: slider.loading is false"
+    if known and slider.loading is not False:
+        yield True, "overtones of the wave, and what pillars scatter into other waves; sizes in model_error"
+        yield scene.stator is not None, "what the slider takes and reflects of the wave, at the transducers"
+    yield (
+        not slider.pillars.interaction,
+        "neighbours that stiffen a pillar: slider.pillars.interaction is false",
+    )
+    yield slider.pillars.height is None, "the pillars' own compliance: slider.pillars.height is absent"
+    yield slider.damping.tangential == 0, "R_t: slider.damping.tangential is zero"

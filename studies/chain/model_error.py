@@ -36,16 +36,24 @@ SHARED = (
     "velocity",
 )  # quantities at the slider, whose relative changes are the model error of an answer
 NO_ANSWER = 1.0  # relative change from which on the answer is refused
+NEVER_DECISIVE = ("overtones of the wave under the pillars",)  # an upper bound by first order: a warning
 # What an effect changes, by which share (or in the quantity's unit), and where the estimate comes from
 KEYS = ("effect", "quantity", "size", "source")
 
 
 def model_error(record: Record) -> tuple[dict, ...]:
     """Return the neglected effects of a run with a driven stator, as in run.json."""
-    if record.surface_wave is None:
-        return ()
     rows: list[tuple] = []
-    for each in (_aperture, _finger_ends, _vacuum, _electrode_mass, _contact, _travel, _power):
+    if record.scene.slider is not None and record.scene.slider.pillars is not None:
+        from studies.chain.pillar_budget import pillar_rows
+
+        rows += pillar_rows(record)
+    parts = (
+        ()
+        if record.surface_wave is None
+        else (_aperture, _finger_ends, _vacuum, _electrode_mass, _contact, _travel, _power)
+    )
+    for each in parts:
         rows += each(record)
     return tuple(dict(zip(KEYS, row, strict=True)) for row in rows if math.isfinite(row[2]))
 
@@ -71,7 +79,11 @@ def with_model_error(record: Record) -> Record:
         for point in record.points
     )
     error = record.error | ({"model": sum(shares.values())} if record.error else {})
-    decisive = [row for row in rows if row["quantity"] in SHARED and abs(row["size"]) >= NO_ANSWER]
+    decisive = [
+        row
+        for row in rows
+        if row["quantity"] in SHARED and abs(row["size"]) >= NO_ANSWER and row["effect"] not in NEVER_DECISIVE
+    ]
     shortfall = record.shortfall
     if decisive:
         worst = max(decisive, key=lambda row: abs(row["size"]))
@@ -194,7 +206,7 @@ def _electrode_mass(record: Record) -> Rows:
 
 def _contact(record: Record) -> Rows:
     slider = record.scene.slider
-    if slider is None or not slider.preload > 0:
+    if slider is None or slider.pillars is not None or not slider.preload > 0:
         return
     solid, count = resolve.solid(record.scene.stator), len(slider.offsets)
     share, omega = slider.preload / count, 2 * math.pi * record.wave["frequency_Hz"]

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -28,6 +28,8 @@ class SliderAnswer:
     parts: tuple[tuple[float, float], ...]
     summary: dict  # threshold and release
     trajectories: tuple  # with a burst
+    pillars: dict = field(default_factory=dict)  # columns of pillars.csv
+    slider_wave: dict = field(default_factory=dict)  # columns of slider_wave.csv
 
     def blocks(self, tolerance: float) -> dict:
         """Return the record's blocks, the error that of the worst point."""
@@ -36,6 +38,7 @@ class SliderAnswer:
             part for part, point in zip(self.parts, self.points, strict=True) if "relative_error" in point
         ]
         blocks = {"points": self.points, "summary": self.summary, "trajectories": self.trajectories}
+        blocks |= {"pillars": self.pillars, "slider_wave": self.slider_wave}
         if known:
             stator, contact = max(known, key=sum)
             error = stator + contact
@@ -56,6 +59,10 @@ def slider_answer(
 ) -> SliderAnswer:
     """Solve the contact at every level of its scene; its solvers are asked for a quarter of the tolerance."""
     scene = driven.scene
+    if scene.slider.pillars is not None:
+        from studies.chain.pillar_points import pillar_answer
+
+        return SliderAnswer(**pillar_answer(driven, tolerance=tolerance, progress=progress))
     slider = _refusing(lambda: driven.slider)
     points, parts, trajectories = [], [], []
     summary, threshold = _summary(driven)
@@ -140,7 +147,7 @@ def followed_burst(
 ):
     """Follow the burst, and the slider until it has stopped and rung for some periods, or for a time ``after`` it."""
     slider, duration, ringing = driven.slider, driven.scene.burst, driven.ringing
-    friction = slider.friction_coefficient * slider.preload
+    friction = slider.least_friction(len(orbits))
     stopping = abs(velocity) * slider.mass / friction if friction > 0 else 0.0
     after_ring = 20 / slider.tangential_resonance(len(orbits)) if slider.preload > 0 else 0.0
     after = min(1.2 * stopping + after_ring, 10 * duration) if after is None else after

@@ -37,6 +37,10 @@ def resolved(scene: Scene, *, spread: bool | None = None) -> Scene:
     if scene.burst is not None:
         refuse_endless_burst(scene, scene.frequency)
     scene = replace(scene, slider=resolved_slider(scene.slider, scene.stator))
+    if scene.slider.pillars is not None:
+        from studies.chain.pillars import check_pillars
+
+        check_pillars(scene)
     tolerances(scene)
     return scene
 
@@ -44,6 +48,10 @@ def resolved(scene: Scene, *, spread: bool | None = None) -> Scene:
 def resolved_slider(slider: Slider, stator: Stator | None) -> Slider:
     """Return a slider with its preload and its moduli as numbers, those of a named ball on this stator."""
     slider = replace(slider, preload=slider.preload_force)
+    if slider.pillars is not None:
+        from studies.chain.pillars import resolved_pillars
+
+        slider = replace(resolved_pillars(slider), shape="punch")
     if slider.ball is None:
         return slider
     from studies.chain.moduli import pair_moduli

@@ -13,6 +13,7 @@ MAX_USUAL_RADIUS = 0.02  # m of a ball, where no stator says how large it may be
 MAX_USUAL_FRICTION = 1.5  # of dry contacts in air; clean metals in vacuum alone have more
 # radius of the area of contact at rest over the wavelength, from which the surface is not flat and in phase under it
 MAX_CONTACT_SHARE = 0.05
+_BALLS = {"sphere": "balls", "punch": "punches"}
 MAX_BALLS_COMPARED = 1000  # places: of more than that, the first are compared with one another
 
 
@@ -46,6 +47,13 @@ def scene_warnings(scene: Scene) -> Iterator[str]:
 
 def _sizes(scene: Scene, slider: Slider) -> Iterator[str]:
     """Yield warnings on radius, distances and friction coefficient that no motor has."""
+    if slider.static_coefficient > MAX_USUAL_FRICTION:
+        yield (
+            f"slider.friction_coefficient is {slider.static_coefficient:g}: dry contacts have 0.05 to "
+            f"{MAX_USUAL_FRICTION:g}"
+        )
+    if slider.pillars is not None:
+        return
     diameter, stator, balls = 2 * slider.radius, scene.stator, _BALLS[slider.shape]
     if stator is None:
         if slider.radius > MAX_USUAL_RADIUS:
@@ -72,14 +80,6 @@ def _sizes(scene: Scene, slider: Slider) -> Iterator[str]:
             f"{balls} of {diameter * 1e3:g} mm overlap: slider.contacts {first + 1} and {second + 1} are "
             f"{apart * 1e3:.4g} mm apart: a smaller slider.radius, or places further apart"
         )
-    if slider.friction_coefficient > MAX_USUAL_FRICTION:
-        yield (
-            f"slider.friction_coefficient is {slider.friction_coefficient:g}: dry contacts have 0.05 to "
-            f"{MAX_USUAL_FRICTION:g}"
-        )
-
-
-_BALLS = {"sphere": "balls", "punch": "punches"}
 
 
 def _area_radius(slider: Slider) -> float:

@@ -39,6 +39,11 @@ def warnings_of(record: Record) -> tuple[str, ...]:
         driven = DrivenContact.of_run(record)
         for each in (_contact, _points, _other_motion):
             found += each(record, driven)
+        if record.scene.slider.pillars is not None:
+            from studies.chain.pillar_budget import pillar_warnings
+
+            found += _left_out(record) if not record.scene.transducer else ()
+            found += pillar_warnings(record)
     return tuple(found)
 
 

@@ -8,6 +8,7 @@ from scipy.stats import chi2
 from studies.inverse.directions import Direction
 from studies.inverse.least_squares import Problem
 from studies.inverse.next_measurement import Candidate
+from studies.inverse.parameters import Parameter
 from studies.inverse.profile import End
 from studies.record.measured import Measurement
 from studies.scene import Scene
@@ -33,11 +34,29 @@ class Fit:
     correlation: np.ndarray  # of the free numbers, the ranges as a weak prior
     covariance: np.ndarray  # of all x, likewise
     candidates: tuple[Candidate, ...]  # next measurements, the most useful first
+    # by measurement: how many times narrower than its range each number is by this measurement alone
+    informs: tuple[tuple[str, dict[str, float]], ...] = ()
+    fixed: tuple[Parameter, ...] = ()  # held at their values
 
     @property
     def values(self) -> dict[str, float]:
         """Estimates by key, SI units."""
         return self.problem.numbers(self.best)
+
+    @property
+    def params(self) -> dict[str, Parameter]:
+        """The parameters by key with estimate and standard error, those that are held included; as lmfit has them.
+
+        The standard error is that of the linearised problem; None where the data do not determine the number.
+        """
+        lost = {key for each in self.directions for key in each.components}
+        sizes = np.sqrt(np.diag(self.covariance))
+        found = {}
+        for k, each in enumerate(self.problem.parameters):
+            value = self.values[each.key]
+            error = float(sizes[k]) * (value if each.logarithmic else 1.0)
+            found[each.key] = replace(each, value=value, stderr=None if each.key in lost else error)
+        return found | {each.key: each for each in self.fixed}
 
     @property
     def intervals(self) -> dict[str, tuple[float | None, float | None]]:
@@ -73,6 +92,7 @@ class Fit:
             "chi2": self.chi2,
             "degrees_of_freedom": self.degrees_of_freedom,
             "correlation": self.correlation.tolist(),
+            "informs": [{"measurement": name, "times_narrower": gains} for name, gains in self.informs],
             "next_measurements": [
                 {"measurement": each.name, "narrows": each.key, "relative_deviation_before": each.before,
                  "relative_deviation_after": each.after}
@@ -97,9 +117,9 @@ class Fit:
         the stator or a burst would be computed for each, two standard deviations of the linearised prediction.
         """
         problem, imagined = self.problem, _drawn(measurement)
-        at = np.array(imagined.time or imagined.levels)
+        at = np.array(imagined.coordinate)
         best = problem.predictions([self.best], (imagined,))[0][0]
-        slow = measurement.quantity == "burst" or any(
+        slow = measurement.quantity not in ("velocity", "amplitude") or any(
             problem.predictor.needs_stator(p.key) for p in problem.parameters
         )
         if slow:
@@ -117,6 +137,8 @@ class Fit:
 
 def _drawn(measurement: Measurement) -> Measurement:
     """Return a measurement at the levels or instants at which its band is drawn."""
+    if measurement.scan is not None or measurement.network is not None:
+        return measurement
     if measurement.time:
         time = tuple(np.linspace(0.0, measurement.time[-1], 100)[1:])
         return replace(measurement, time=time, values=(), deviations=None)

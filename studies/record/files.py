@@ -36,10 +36,12 @@ def write_run(record: "Record", folder: Path, *, field: bool) -> None:
     scene = document(record.scene.to_table(), remarks=(remark,))
     (folder / "scene.toml").write_text(scene, encoding="utf-8")
     if record.scene.slider is not None:
-        keys = list(dict.fromkeys(key for point in record.points for key in point))
-        write_table(
-            folder / "velocity.csv", keys, [[point.get(key, "") for key in keys] for point in record.points]
-        )
+        points = [_flat(point) for point in record.points]
+        keys = list(dict.fromkeys(key for point in points for key in point))
+        write_table(folder / "velocity.csv", keys, [[point.get(key, "") for key in keys] for point in points])
+    for name in ("pillars", "slider_wave"):
+        if getattr(record, name):
+            write_columns(folder / f"{name}.csv", getattr(record, name))
     if record.surface:
         name = "surface.csv" if record.scene.transducer else "profile.csv"
         write_columns(folder / name, record.surface)
@@ -63,6 +65,19 @@ def write_run(record: "Record", folder: Path, *, field: bool) -> None:
             columns = {"x_m": x.repeat(y.size), "y_m": y[None].repeat(x.size, axis=0).ravel()}
             columns |= {f"u_{name}_m_per_V": each.ravel() for name, each in zip("xyz", motion, strict=True)}
             write_columns(folder / "surface_map.csv", columns)
+
+
+def _flat(point: dict) -> dict:
+    """Return a point with complex numbers in two columns, ``..._re`` and ``..._im``, and lists in ``_0``, ``_1``."""
+    found = {}
+    for key, value in point.items():
+        if isinstance(value, complex):
+            found |= {f"{key}_re": value.real, f"{key}_im": value.imag}
+        elif isinstance(value, (list, tuple)):
+            found |= {f"{key}_{index}": each for index, each in enumerate(value)}
+        else:
+            found[key] = value
+    return found
 
 
 def write_columns(path: Path, columns: dict) -> None:
@@ -132,6 +147,9 @@ def read_run(folder: Path) -> dict:
     for name in ("surface.csv", "profile.csv"):
         if (folder / name).exists():
             fields["surface"] = _columns(folder / name)
+    for name in ("pillars", "slider_wave"):
+        if (folder / f"{name}.csv").exists():
+            fields[name] = _columns(folder / f"{name}.csv")
     if (folder / "trajectory.csv").exists():
         fields["trajectories"] = _trajectories(folder / "trajectory.csv")
     return fields

@@ -61,6 +61,8 @@ class Record:
         Why this is no answer within its tolerance; empty when it is one.
     surface : dict of str to array
         Columns of surface.csv (driven stator) or of profile.csv (free wave).
+    pillars, slider_wave : dict of str to array
+        Columns of pillars.csv and slider_wave.csv at the last level (slider on pillars).
     trajectories : tuple of (level, contact.Trajectory or Motion)
         With a burst.
     surface_motion : studies.chain.surface_motion.SurfaceMotion or None
@@ -94,6 +96,8 @@ class Record:
     measured: dict = field(default_factory=dict)
     shortfall: str = ""
     surface: dict = field(default_factory=dict, repr=False)
+    pillars: dict = field(default_factory=dict, repr=False)
+    slider_wave: dict = field(default_factory=dict, repr=False)
     trajectories: tuple = field(default=(), repr=False)
     surface_motion: object = field(default=None, repr=False, compare=False)
     versions: dict = field(default_factory=dict, compare=False)

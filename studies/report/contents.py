@@ -35,6 +35,16 @@ def contents(scene: Scene) -> Iterator[tuple[str, list[str]]]:
         slider = scene.slider
         moduli = f"E* {slider.effective_modulus / 1e9:.4g} GPa, G* {slider.tangential_modulus / 1e9:.4g} GPa"
         weight = f"{slider.mass * 1e3:g} g, preload {slider.preload * 1e3:g} mN"
+        if slider.pillars is not None:
+            from studies.chain.pillars import layout, stiffnesses
+
+            place, (k_n, k_t) = layout(slider), stiffnesses(slider)
+            lines = [
+                f"{weight}, {place['x'].size} pillars of {place['diameter'].mean() * 1e6:.4g} um, {moduli}",
+                f"stiffness of a pillar {k_n.mean():.4g} N/m, along the surface {k_t.mean():.4g} N/m",
+            ]
+            yield "slider", lines
+            return
         shape = "radius" if slider.shape == "sphere" else f"{slider.shape} radius"
         lines = [f"{weight}, contacts {len(slider.offsets)}, {shape} {slider.radius * 1e3:g} mm, {moduli}"]
         if scene.stator is not None and (spread := direction_dependence(solid(scene.stator))):

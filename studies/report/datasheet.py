@@ -5,8 +5,10 @@ says so.  Errors are those of the computation: the stator's and the contact's, c
 own numbers, friction above all, are taken as exact.
 """
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +23,7 @@ from studies.scene import Scene
 
 __all__ = ["Datasheet", "Row", "datasheet"]
 
+LOGGER = logging.getLogger("studies.datasheet")
 LOADS = 13  # of a load line
 LINES = (0.5, 0.75, 1.0)  # of the rated level: the scene's nearest levels have a load line
 STEPS = (1e-9, 1e-8, 1e-7)  # m
@@ -70,13 +73,13 @@ class Datasheet:
 
 
 def datasheet(
-    scene: Scene, *, tolerance: float = 1e-3, progress: Callable[[str], None] | None = None
+    scene: Scene | str | Path, *, tolerance: float = 1e-3, progress: Callable[[str], None] | None = None
 ) -> Datasheet:
     """Return the datasheet of a motor.
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or name of a shipped scene
         With a slider and either a driven stator or a given wave.
     tolerance : float
         Of the slider velocity, as for a run.
@@ -90,7 +93,8 @@ def datasheet(
     RunError
         If a number of the datasheet has no answer.
     """
-    say = progress or (lambda text: None)
+    say = progress or LOGGER.info
+    scene = scene if isinstance(scene, Scene) else Scene.load(scene)
     if scene.slider is None:
         scene.refuse("slider", "is missing: a datasheet is of a whole motor")
     block = "wave" if scene.wave is not None else "drive"
@@ -124,7 +128,7 @@ def datasheet(
     line = lines[driven.named(rated)]
     rows = (
         *_speeds(record, driven, rated),
-        *_forces(driven, rated, balls),
+        *_forces(driven, rated, line, balls),
         *_positioning(bursts, rated, steps, start_stop),
         *_powers(record, driven, rated, line, balls),
         *_resonances(record, driven, say),
@@ -138,7 +142,7 @@ def datasheet(
 def _start_stop(driven: DrivenContact, rated: float):
     """Return a burst from rest that reaches the steady velocity, and the stop after it."""
     slider, orbits = driven.slider, driven.at(rated)
-    acceleration = slider.friction_coefficient * slider.preload / slider.mass
+    acceleration = slider.least_friction(len(orbits)) / slider.mass
     steady = contact.steady(slider, orbits, tolerance=CONTACT_TOLERANCE).velocity
     least = abs(steady) / acceleration
     return contact.burst(
@@ -156,21 +160,29 @@ def _speeds(record: Record, driven: DrivenContact, rated: float):
         "speed", "speed", speed, "m/s", error, "no load, steady", None if model is None else scale * model
     )
     unit, key = ("m", "amplitude_m") if record.scene.wave is not None else ("V", "voltage_V")
-    for name, words in (("threshold", "starts to move"), ("release", "leaves the surface in every cycle")):
+    for name, words, question in (
+        ("threshold", "starts to move", contact.threshold),
+        ("release", "leaves the surface in every cycle", contact.release),
+    ):
         if f"{name}_{key}" in record.summary:
             value, condition = record.summary[f"{name}_{key}"], f"the slider {words}"
-            yield Row("speed", name, value, unit, driven.stator_error, condition, record.error.get("model"))
+            factor = question(driven.slider, driven.orbits)
+            error = driven.stator_error + (factor.error / factor.value if factor.error else 0.0)
+            yield Row("speed", name, value, unit, error, condition, record.error.get("model"))
 
 
-def _forces(driven: DrivenContact, rated: float, balls: float):
-    slider = driven.slider
-    stall, held = contact.blocked_thrust(slider, driven.at(rated))
+def _forces(driven: DrivenContact, rated: float, line, balls: float):
+    slider, stall = driven.slider, line.stall
+    averaged, held = contact.blocked_thrust(slider, driven.at(rated))
     more, _ = contact.blocked_thrust(slider, driven.at(rated * (1.0 + driven.stator_error)))
-    friction, error = (
-        slider.friction_coefficient * slider.preload,
-        abs(more / stall - 1.0) + CONTACT_TOLERANCE,
-    )
-    yield Row("force", "blocked thrust", balls * stall, "N", error, "load at which the motor stalls")
+    friction = slider.static_friction(len(driven.orbits))
+    error = abs(more / averaged - 1.0) + stall.error / stall.value
+    yield Row("force", "blocked thrust", balls * stall.value, "N", error, "load at which the motor stalls")
+    if held > averaged * (
+        1.0 + 1e-9
+    ):  # a contact sticks at rest; averaged, with the same error as the stall had
+        error += abs(stall.value / averaged - 1.0)
+    held = max(held, stall.value)
     yield Row("force", "load held on the wave", balls * held, "N", error, "against the drive, at rest")
     condition = "drive off: friction coefficient times preload"
     yield Row("force", "holding force", balls * friction, "N", condition=condition)
@@ -181,7 +193,7 @@ def _forces(driven: DrivenContact, rated: float, balls: float):
 def _positioning(bursts: Steps, rated: float, steps, start_stop):
     frequency = bursts.driven.scene.frequency
     for size, step in zip(STEPS, steps, strict=True):
-        error = bursts.error(rated, step) or None
+        error = bursts.error(rated, step) + step.error / abs(step.displacement) or None
         name = f"{'smallest step' if size == STEPS[0] else 'step'} of {size * 1e9:g} nm or more"
         cycles = f"{step.cycles} cycle{'' if step.cycles == 1 else 's'}"
         condition = (
@@ -205,7 +217,8 @@ def _positioning(bursts: Steps, rated: float, steps, start_stop):
 
 
 def _powers(record: Record, driven: DrivenContact, rated: float, line, balls: float):
-    best, error = int(np.argmax(line.power)), 2.0 * driven.stator_error + CONTACT_TOLERANCE
+    best = int(np.argmax(line.power))
+    error = 2.0 * driven.stator_error + float(np.max(line.relative_error)) + CONTACT_TOLERANCE
     power, drawn = balls * float(line.power[best]), 0.0
     electrical = record.electrical
     if electrical:

@@ -40,7 +40,7 @@ def balances(record: Record) -> tuple[Balance, ...]:
     import contact
 
     scene = record.scene
-    if scene.slider is None:
+    if scene.slider is None or scene.slider.pillars is not None:  # the points have these powers
         return ()
     driven = DrivenContact.of_run(record)
     share = len(scene.slider.offsets) if isinstance(scene.slider.contacts, int) else 1

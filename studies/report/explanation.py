@@ -69,8 +69,13 @@ def plan(scene: Scene, *, tolerance: float) -> dict:
         from contact import kernels
 
         slider, levels = scene.slider, "voltages" if scene.wave is None else "amplitudes"
+        number = len(slider.offsets)
+        if slider.pillars is not None:
+            from studies.chain.pillars import layout
+
+            number = layout(slider)["x"].size
         contacts = len(set(slider.offsets))  # at one place they move as one
-        facts = [f"{slider.law} law; contacts: {len(slider.offsets)}, {levels}: {len(scene.levels)}"]
+        facts = [f"{slider.law} law; contacts: {number}, {levels}: {len(scene.levels)}"]
         seconds += POINT * len(scene.levels) * contacts**CONTACTS
         if scene.burst is not None:
             facts.append(f"burst: {scene.burst * scene.frequency:.4g} cycles of the wave at each of them")

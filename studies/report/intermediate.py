@@ -106,7 +106,7 @@ def _free(record: Record):
 
 def _contact(record: Record):
     block, slider = record.scene.slider, bridge.contact_slider(record.scene.slider)
-    contacts = 1 if isinstance(block.contacts, int) else len(block.contacts)
+    contacts = 1 if block.contacts is None or isinstance(block.contacts, int) else len(block.contacts)
     depth, share = max(slider.rest_approaches(contacts)), slider.preload / contacts
     alike, highest = (" on average", ", of the highest contact") if block.heights else ("", "")
     rings = (slider.normal_resonance, slider.tangential_resonance) if share > 0 else ()

@@ -38,8 +38,25 @@ def check_given_wave(scene) -> Refused:
         yield "slider.position", "must be absent with [wave]: the motion is given where the slider is"
     if slider.ball is not None:
         yield "slider.ball", "must not be given with [wave]: there is no stator; give both moduli in Pa"
-    if not isinstance(slider.contacts, int):
+    if slider.pillars is not None:
+        yield from _pillars_on_given_wave(scene.wave, slider)
+    elif not isinstance(slider.contacts, int):
         yield "slider.contacts", "must be a number with [wave]: offsets need a wavelength, of a [stator]"
+
+
+def _pillars_on_given_wave(wave, slider) -> Refused:
+    """Ask for the wavelength of pillars at different places, and for Gamma where they load the wave."""
+    one_row = slider.pillars.file is None and slider.pillars.counts[0] == 1
+    if wave.wavelength is None and (slider.loading or not one_row):
+        yield (
+            "wave.wavelength",
+            "is required and missing: [slider.pillars] stand at different places along the wave",
+        )
+    if slider.loading and wave.compliance is None:
+        rule = (
+            "is required and missing where slider.loading is true: Gamma of the surface, such as 2.5e-12 1/Pa"
+        )
+        yield "wave.compliance", rule
 
 
 def check_drive(scene) -> Refused:
@@ -195,10 +212,10 @@ def check_pieces(scene) -> Refused:
 def refuse_endless_burst(scene, frequency: float) -> None:
     """Refuse a burst that takes longer than an hour to follow, naming the longest that is; ``frequency``: Hz."""
     slider = scene.slider
-    every_event = slider.law != "elastic" or slider.reciprocal or slider.stick_band > 0
+    every_event = slider.remembers or slider.reciprocal or slider.stick_band > 0
     method = slider.method if slider.method in CYCLE else "averaged" if scene.wave is not None else "stepped"
     if every_event and method != "stepped":
-        method = "hysteretic" if slider.law == "hysteretic" else "exact"
+        method = "hysteretic" if slider.remembers else "exact"
     longest = MAX_SECONDS / CYCLE[method] / frequency
     if scene.burst > longest:
         block = "wave" if scene.wave is not None else "drive"

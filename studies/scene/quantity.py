@@ -30,6 +30,8 @@ UNITS: dict[str, tuple[str, str, dict[str, int]]] = {
     "s/m": ("a damping per velocity", "0.1 s/m", {"s/m": 0}),
     "N s/m": ("a viscous damping", "1 mN s/m", {"N s/m": 0, "mN s/m": -3, "N*s/m": 0}),
     "kg/m^3": ("a density", "7.6 g/cm^3", {"kg/m^3": 0, "g/cm^3": 3}),
+    "1/m": ("a curvature", "0.01 1/m", {"1/m": 0, "1/mm": 3}),
+    "1/Pa": ("a compliance", "2.5e-12 1/Pa", {"1/Pa": 0, "1/GPa": -9}),
     "deg": ("an angle", "90 deg", {"deg": 0}),
     "": ("a plain number", "", {}),
 }

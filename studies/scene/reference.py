@@ -5,7 +5,7 @@
 
 import json
 
-from studies.scene import blocks, slider
+from studies.scene import blocks, pillars, slider
 from studies.scene.block import Block, keys_of
 from studies.scene.file import SCHEMA, SHIPPED, shipped_scenes
 from studies.scene.scene import Scene
@@ -22,6 +22,9 @@ BLOCKS = {
     "[wave]": slider.Wave,
     "[slider]": slider.Slider,
     "[slider.damping]": slider.Damping,
+    "[slider.friction_coefficient]": slider.Friction,
+    "[slider.law]": slider.LawText,
+    "[slider.pillars]": pillars.Pillars,
     "[stator.material], a piezoelectric crystal or ceramic": blocks.PiezoelectricSolid,
     "[stator.material], an isotropic solid": blocks.IsotropicSolid,
 }

@@ -3,9 +3,14 @@
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from studies.scene.block import Block, Within
-from studies.scene.numbers import Listed, Quantity, as_pair, place
-from studies.scene.rule import FLAG, TEXT, Count, choice
+from studies.refusal import SceneError, shown
+from studies.scene.block import Block, Within, keys_of
+from studies.scene.numbers import Listed, Quantity, Row, as_pair, place
+from studies.scene.pillars import Pillars
+from studies.scene.rule import FLAG, TEXT, Count, Plain, Rule, choice
+
+PLACE = Row((Quantity("m", negative=True),) * 2, "[x, y] in m")
+ALONE = ("radius", "contacts", "heights")  # keys that pillars replace
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -16,6 +21,8 @@ class Wave(Block):
     normal_amplitude: Peak of u_z, one value or a list.
     tangential_ratio: |u_x| / |u_z|.
     burst: Length of the driven interval. Absent: the steady state only.
+    wavelength: Of the wave, which then runs towards -x; for pillars at different places along it.
+    compliance: Gamma of the surface: G_zz = Gamma/(k - k_R); for pillars that load the wave.
     """
 
     block: ClassVar[str] = "wave"
@@ -23,6 +30,8 @@ class Wave(Block):
     normal_amplitude: Annotated[tuple[float, ...], Listed(Quantity("m", zero=True), ranged=True)]
     tangential_ratio: Annotated[float, Quantity()]
     burst: Annotated[float | None, Quantity("s")] = None
+    wavelength: Annotated[float | None, Quantity("m")] = None
+    compliance: Annotated[float | None, Quantity("1/Pa")] = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,66 +50,200 @@ class Damping(Block):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Friction(Block):
+    """A friction coefficient that depends on slip speed, contact pressure, or both: a table instead of a number.
+
+    static: Coefficient at rest, and where the pressure is far below pressure.
+    sliding: Coefficient at slip speeds far above speed: static falls to it as exp(-w/speed).
+    speed: Of slip, over which the excess falls by a factor e; with sliding.
+    high_pressure: Static coefficient at mean pressures p far above pressure: static goes to it as 1/(1 + p/pressure),
+        sliding in proportion.
+    pressure: Mean pressure of a contact at which half of the difference is left; with high_pressure.
+    """
+
+    block: ClassVar[str] = "slider.friction_coefficient"
+    static: Annotated[float, Quantity()]
+    sliding: Annotated[float | None, Quantity(zero=True)] = None
+    speed: Annotated[float | None, Quantity("m/s")] = None
+    high_pressure: Annotated[float | None, Quantity()] = None
+    pressure: Annotated[float | None, Quantity("Pa")] = None
+
+    def check_pairs(self):
+        for one, other in (("sliding", "speed"), ("high_pressure", "pressure")):
+            for given, missing in ((one, other), (other, one)):
+                if getattr(self, given) is not None and getattr(self, missing) is None:
+                    yield missing, f"is required and missing: {given} is given"
+        if (
+            self.sliding is None
+            and self.high_pressure is None
+            and self.speed is None
+            and self.pressure is None
+        ):
+            yield (
+                "static",
+                "alone is a number: friction_coefficient = 0.3; or give sliding with speed as well",
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class LawText(Block):
+    """A tangential law of one's own, with its text, as a resolved scene keeps it.
+
+    name: Of the file that it came from.
+    source: Its text: Python that defines sliding(approach, normal_force, slip_speed, contact) in SI units.
+    """
+
+    block: ClassVar[str] = "slider.law"
+    name: Annotated[str, TEXT]
+    source: Annotated[
+        str,
+        Plain("the text of a file", lambda value: isinstance(value, str) and value != "", {"type": "string"}),
+    ]
+
+    def __str__(self):
+        return self.name
+
+
+class LawFile(Rule):
+    """A file of Python that holds a tangential law; what is read is its text."""
+
+    expected = 'a file such as "my_law.py", from the scene\'s folder'
+
+    def takes(self, value):
+        return isinstance(value, str) and value.endswith(".py")
+
+    def read(self, path, value):
+        try:
+            with open(value, encoding="utf-8") as file:
+                return LawText(name=value.replace("\\", "/").rsplit("/", 1)[-1], source=file.read())
+        except (OSError, UnicodeDecodeError) as error:
+            why = getattr(error, "strerror", None) or "it is no UTF-8 text"
+            raise SceneError(path, f"names the file {shown(value)}, which cannot be read: {why}") from None
+
+    def schema(self):
+        return {"type": "string", "pattern": r"\.py$"}
+
+
+@dataclass(frozen=True, kw_only=True)
 class Slider(Block):
     """A rigid slider on balls or flat punches; mass, forces and viscous dampers are totals.
 
     position: Of its centre, from the stator's left end, or [x, y], y from the middle of the apertures; required
         with a stator, absent with a given wave.
     shape: Of each contact. punch: a rigid flat cylindrical projection, P = 2 a E* z, which slips as a whole.
-    radius: Radius of each ball or punch.
+    radius: Radius of each ball or punch; required without pillars.
     mass: Mass of the whole slider.
     contacts: Places of the balls from the slider's centre, as a list of x or [x, y]; or a number of balls that
-        all stand at its centre.
+        all stand at its centre; required without pillars.
     heights: How much further each contact stands out towards the stator, one per place in contacts; absent: all
         alike.
     preload: Total normal force, the weight included.
     gravity: Used by preload = "weight".
     load: Constant force against the direction in which the unloaded slider moves.
-    friction_coefficient: Coulomb's coefficient mu of ball and stator.
+    friction_coefficient: Coulomb's coefficient mu of ball and stator, or a table of how it depends on slip speed and
+        pressure, such as { static = 0.3, sliding = 0.15, speed = "0.05 m/s" }.
     effective_modulus: E* of the pair, 1/E* = sum of (1 - nu^2)/E; required unless ball is given.
     tangential_modulus: G* of the pair, 1/G* = sum of (2 - nu)/G; required unless ball is given.
     ball: Instead of both moduli: the material of the balls, such as "steel"; not with a given wave.
-    law: Tangential law. elastic: eq. 2 of Feenstra and Breedveld; hysteretic: Mindlin-Deresiewicz, with memory.
+    law: Tangential law. elastic: eq. 2 of Feenstra and Breedveld; hysteretic: Mindlin-Deresiewicz, with memory; or a
+        file of Python with a law of one's own (contact/README.md).
     reciprocal: true: the tangential spring acts back on the normal motion, which closes the energy balance.
     stick_band: Slip slower than this counts as sticking (DV of Feenstra and Breedveld).
     method: How the slider's motion is integrated.
     travel: Whether the orbits change with the slider's place during a burst. Absent: true where it travels more
         than a tenth of a wavelength.
     damping: Losses of the slider's motion.
+    pillars: Flat pillars, thousands of them, instead of radius, contacts and heights.
+    tilt: Of a slider on pillars. held: not at all; pitch: about y; free: about both axes.
+    preload_at: Where the preload acts on a slider on pillars, [x, y] from its centre.
+    load_height: Height above the surface at which the load pulls a slider on pillars.
+    backing: Of pillars. rigid: one plane; soft: every row along the wave bears the same pressure.
+    loading: Whether pillars act back on the wave. Absent: where the loading number is above 0.05.
     """
 
     block: ClassVar[str] = "slider"
     position: Annotated[float | tuple[float, float] | None, place()] = None
     shape: Annotated[str, choice("sphere", "punch")] = "sphere"
-    radius: Annotated[float, Quantity("m")]
+    radius: Annotated[float | None, Quantity("m")] = None
     mass: Annotated[float, Quantity("kg")]
     contacts: Annotated[
-        int | tuple[float | tuple[float, float], ...],
+        int | tuple[float | tuple[float, float], ...] | None,
         Count(10_000) | Listed(place(negative=True), distinct=True),
-    ]
+    ] = None
     heights: Annotated[tuple[float, ...] | None, Listed(Quantity("m", negative=True))] = None
     preload: Annotated[float | str, Quantity("N", zero=True) | choice("weight")]
     gravity: Annotated[float, Quantity("m/s^2", zero=True)] = 9.81
     load: Annotated[float, Quantity("N", zero=True)] = 0.0
-    friction_coefficient: Annotated[float, Quantity(zero=True)]
+    friction_coefficient: Annotated[float | Friction, Quantity(zero=True) | Within(Friction)]
     effective_modulus: Annotated[float | None, Quantity("Pa")] = None
     tangential_modulus: Annotated[float | None, Quantity("Pa")] = None
     ball: Annotated[str | None, TEXT] = None
-    law: Annotated[str, choice("elastic", "hysteretic")] = "elastic"
+    law: Annotated[str | LawText, choice("elastic", "hysteretic") | LawFile() | Within(LawText)] = "elastic"
     reciprocal: Annotated[bool, FLAG] = False
     stick_band: Annotated[float, Quantity("m/s", zero=True)] = 0.0
     method: Annotated[str, choice("auto", "exact", "stepped", "averaged")] = "auto"
     travel: Annotated[bool | None, FLAG] = None
     damping: Annotated[Damping, Within(Damping)] = Damping()
+    pillars: Annotated[Pillars | None, Within(Pillars)] = None
+    tilt: Annotated[str, choice("held", "pitch", "free")] = "held"
+    preload_at: Annotated[tuple[float, float], PLACE] = (0.0, 0.0)
+    load_height: Annotated[float, Quantity("m", zero=True)] = 0.0
+    backing: Annotated[str, choice("rigid", "soft")] = "rigid"
+    loading: Annotated[bool | None, FLAG] = None
+
+    def check_contacts(self):
+        if self.pillars is None:
+            for key in ALONE[:2]:
+                if getattr(self, key) is None:
+                    yield key, f"is required and missing: give {keys_of(type(self))[key].rule.expected}"
+            for key in ("loading", "tilt", "preload_at", "load_height", "backing"):
+                if getattr(self, key) != keys_of(type(self))[key].default:
+                    yield key, "must be absent without [slider.pillars], which alone know it"
+            return
+        for key in ALONE:
+            if getattr(self, key) is not None:
+                yield key, "must be absent with [slider.pillars], which say what touches the stator and where"
+        if self.law != "elastic":
+            yield "law", 'must be "elastic" with [slider.pillars]: a flat pillar slips as a whole'
+        if isinstance(self.friction_coefficient, Friction):
+            yield "friction_coefficient", "must be a number with [slider.pillars]"
+        if self.stick_band > 0:
+            yield "stick_band", f"must be absent with [slider.pillars], got {self.stick_band:g} m/s"
+        if self.method not in ("auto", "averaged"):
+            yield "method", f'must be "auto" or "averaged" with [slider.pillars], got "{self.method}"'
+        if self.travel:
+            yield "travel", "must be false or absent with [slider.pillars]"
+        if self.backing == "soft" and self.tilt != "held":
+            yield (
+                "tilt",
+                f'must be "held" where slider.backing is "soft", which has no plane to tilt, got "{self.tilt}"',
+            )
 
     def check_punch(self):
         if self.shape == "punch" and self.law == "hysteretic":
             yield "law", 'must be "elastic" with shape = "punch", which slips as a whole'
 
+    def check_friction(self):
+        given = [
+            *(["a table of friction_coefficient"] if isinstance(self.friction_coefficient, Friction) else []),
+            *(["a law of one's own"] if isinstance(self.law, LawText) else []),
+        ]
+        if len(given) == 2:
+            yield "friction_coefficient", "must be a number with a law of one's own"
+        if given and (self.law == "hysteretic" or self.reciprocal or self.stick_band > 0):
+            keys = {
+                "law": self.law == "hysteretic",
+                "reciprocal": self.reciprocal,
+                "stick_band": self.stick_band > 0,
+            }
+            key = next(name for name, wrong in keys.items() if wrong)
+            allowed = {"law": '"elastic"', "reciprocal": "false", "stick_band": "0"}[key]
+            yield key, f"must be {allowed} with {given[0]}"
+
     def check_heights(self):
         if self.heights is None:
             return
-        number = 0 if isinstance(self.contacts, int) else len(self.contacts)
+        number = 0 if self.contacts is None or isinstance(self.contacts, int) else len(self.contacts)
         if number == 0:
             yield "heights", "needs slider.contacts as a list of places, one per height"
         elif number != len(self.heights):
@@ -117,6 +260,17 @@ class Slider(Block):
                 yield key, 'is required and missing: give both moduli in Pa, or ball = "steel" instead'
 
     @property
+    def static_coefficient(self) -> float:
+        """The friction coefficient at rest."""
+        friction = self.friction_coefficient
+        return friction.static if isinstance(friction, Friction) else friction
+
+    @property
+    def remembers(self) -> bool:
+        """Whether the law has a memory."""
+        return self.law == "hysteretic"
+
+    @property
     def preload_force(self) -> float:
         """Total normal force in N, the weight included."""
         return self.mass * self.gravity if self.preload == "weight" else self.preload
@@ -124,6 +278,8 @@ class Slider(Block):
     @property
     def offsets(self) -> tuple[tuple[float, float], ...]:
         """Places (x, y) of the contacts from the slider's centre in m; a mere number of them sits at the centre."""
+        if self.contacts is None:  # pillars: the wave is taken at the centre, and marched from row to row
+            return ((0.0, 0.0),)
         if isinstance(self.contacts, int):
             return ((0.0, 0.0),) * self.contacts
         return tuple(map(as_pair, self.contacts))

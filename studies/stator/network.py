@@ -14,13 +14,15 @@ import numpy as np
 
 import fem
 from studies.chain import passband, resolve
-from studies.chain.spectrum import driving_point, port_admittances
+from studies.chain.scan_prediction import refuse_other_range
+from studies.chain.scattering import band_frequencies, reference_impedance, scattering_matrix
+from studies.chain.spectrum import driving_point
+from studies.lab.network import NetworkData, read_network
 from studies.record.plots import COLOURS, curve, finished, lines
 from studies.record.quantities import quantity
 from studies.refusal import SceneError
 from studies.scene import Scene
-from studies.scene.quantity import si_value
-from studies.scene.ranges import is_number, read_range
+from studies.stator.network_deviation import deviations
 from studies.study import Panel, StudyRecord, judged, of_record, study
 
 QUICK = {"count": 11, "tolerance": 0.3}
@@ -57,18 +59,14 @@ def run(
         Relative, of the admittances.
     """
     chosen = passband.driven_scene(scene)
-    reference = float(z0) if is_number(z0) else si_value("--z0", z0, "ohm")
-    if not reference > 0:
-        raise SceneError("--z0", f"must be a positive resistance, got {z0!r} ohm")
-    at = passband.frequencies(chosen, count, 401) if band is None else _band(band)
-    names = [each.name for each in chosen.transducer if each.has_two_combs]
-    shared = {"frequency_Hz": at, "ports": names, "reference_ohm": reference}
-    if measured is not None:
-        f, s = _measured(Path(measured), len(names), reference)
-        shared |= {"measured_frequency_Hz": f, "measured_scattering": s, "measured_file": Path(measured).name}
-    ports = port_admittances(chosen, at, tolerance, progress)
-    order = [ports.names.index(name) for name in names]
-    scattering = shared["scattering"] = ports.scattering(reference)[np.ix_(range(len(at)), order, order)]
+    reference = reference_impedance(z0)
+    at = band_frequencies(chosen, band, count)
+    names, ports, scattering = scattering_matrix(chosen, at, reference, tolerance, progress)
+    shared = {"frequency_Hz": at, "ports": names, "reference_ohm": reference, "scattering": scattering}
+    lab_file = None if measured is None else _measured(Path(measured), chosen, len(names), reference)
+    if lab_file is not None:
+        shared |= {"measured_frequency_Hz": lab_file.frequency, "measured_scattering": lab_file.scattering,
+                   "measured_file": lab_file.name}  # fmt: skip
     panels = [
         Panel(name=name, title=f"{chosen.title}: {what}, {reference:g} ohm", data=shared)
         for name, what in (("smith", "reflection"), ("magnitude", "S-parameters"))
@@ -76,17 +74,25 @@ def run(
     if len(names) > 1:
         first, second = (each.place[0] for each in chosen.transducer if each.name in names[:2])
         velocity = fem.rayleigh(resolve.solid(chosen.stator), "open").velocity
-        delay = passband.group_delay(at, scattering[:, 1, 0], abs(second - first) / velocity)
+        way = abs(second - first) / velocity
+        delay = passband.group_delay(at, scattering[:, 1, 0], way)
         data, title = (
             {"frequency_Hz": at, "group_delay_s": delay},
             f"{chosen.title}: {names[0]} to {names[1]}",
         )
+        if lab_file is not None:
+            data |= _measured_delay(lab_file, way)
         panels.append(Panel(name="group_delay", title=title, data=data))
     models = {}
     for name in names:
         seen = driving_point(ports, resolve.transducers(chosen), name)
         models[name] = [fem.motional_model(at, seen, branches) for branches in (1, BRANCHES)]
         panels.append(_circuit_panel(name, at, seen, models[name]))
+    answer = []
+    if lab_file is not None:
+        _, _, own = scattering_matrix(chosen, lab_file.frequency, reference, tolerance, progress)
+        answer = deviations(lab_file, own, names)
+        answer += [("", panel.data["not_drawn"]) for panel in panels if "not_drawn" in panel.data]
     gain = float(np.linalg.svd(scattering, compute_uv=False).max())
     apart = float(abs(scattering - scattering.transpose(0, 2, 1)).max())
     findings = (
@@ -96,11 +102,27 @@ def run(
         judged("The admittances are known as well as was asked for.", "estimated error, over the largest admittance",
                ports.relative_error, high=1.000001 * tolerance, expected=f"at most {tolerance:g}"),
         *(judged(f"{name}: a circuit of {BRANCHES} motional branches has the transducer's admittance.",
-                 "largest error over the largest admittance", several.error, high=CLOSE,
-                 remark=f"one branch leaves {one.error:.2g}")
+                 "largest error over the largest admittance", several.error, high=CLOSE, holds=None,
+                 remark=f"one branch leaves {one.error:.2g}; take the Touchstone file where that is too much")
           for name, (one, several) in models.items()),
     )  # fmt: skip
-    return panels, findings
+    return panels, findings, [*_in_words(names, at, scattering, models), *answer]
+
+
+def _in_words(names, at, scattering, models):
+    """Yield match and insertion loss where they are best, and each transducer's circuit."""
+    for k, name in enumerate(names):
+        size = abs(scattering[:, k, k])
+        best = int(np.argmin(size))
+        yield f"match, {name}", f"return loss {-20 * np.log10(size[best]):.3g} dB at {at[best] / 1e6:.6g} MHz"
+    for j, i in zip(*np.triu_indices(len(names), 1), strict=True):
+        size = abs(scattering[:, i, j])
+        best = int(np.argmax(size))
+        loss = f"insertion loss {-20 * np.log10(size[best]):.3g} dB at {at[best] / 1e6:.6g} MHz"
+        yield f"{names[j]} to {names[i]}", loss
+    for name, (one, several) in models.items():
+        left = f"one branch leaves {100 * one.error:.2g} %, {BRANCHES} branches {100 * several.error:.2g} %"
+        yield f"circuit, {name}", f"C0 {one.capacitance * 1e12:.4g} pF; {left} of the largest admittance"
 
 
 def tables(record: StudyRecord) -> dict[str, str]:
@@ -120,6 +142,11 @@ def figure(record: Panel, ax):
         return _smith(record, ax)
     if "group_delay_s" in data:
         rows = (("group_delay_s", "-", "slip", None),)
+        if "measured_group_delay_s" in data:
+            at = data["measured_frequency_Hz"] / 1e6
+            curve(ax, at, data["measured_group_delay_s"] * 1e6, "o", "stick", "measured", size=2.5)
+        title = record.title + (f"\n{data['not_drawn']}" if "not_drawn" in data else "")
+        record = Panel(name=record.name, title=title, data=data)
         return lines(ax, record, "frequency_Hz", rows, "group delay (us)", factor=1e6)
     if "spice" in data:
         for key, part, style in (
@@ -183,25 +210,27 @@ def _circuit_panel(name: str, at, seen, models) -> Panel:
     })  # fmt: skip
 
 
-def _band(text: str):
-    """Return the frequencies in Hz of START:STOP:N, in MHz without a unit."""
-    found = read_range("--band", str(text), "Hz", bare=1e6)
-    if not (0 < found.low < found.high and 2 <= found.count <= 100_000):
-        rule = f"must rise from START above 0 to STOP in 2 to 100000 values, got {text!r}"
-        raise SceneError("--band", rule)
-    return np.array(found.values)
-
-
-def _measured(file: Path, ports: int, reference: float):
-    """Return frequencies and S-parameters of a Touchstone file."""
+def _measured(file: Path, scene: Scene, ports: int, reference: float) -> NetworkData:
+    """Return the data of a Touchstone file of as many ports, which meets the passband."""
     if not file.is_file():
         raise SceneError("--measured", f"must be a Touchstone file, and {str(file)!r} is none")
     if file.suffix.lower() != f".s{ports}p":
         raise SceneError("--measured", f"must be a file of {ports} ports, .s{ports}p, got {file.name!r}")
-    try:
-        at, values, own = fem.read_touchstone(file.read_text(encoding="utf-8", errors="replace"), ports)
-    except fem.InputError as error:
-        raise SceneError("--measured", f"{file.name!r} {error.rule}") from None
-    if own != reference:
+    found = read_network(file, "--measured")
+    if found.reference != reference:
+        own = found.reference
         raise SceneError("--measured", f"has the reference {own:g} ohm: give --z0 {own:g}, not {reference:g}")
-    return at, values
+    refuse_other_range(scene, found, "--measured")
+    return found
+
+
+def _measured_delay(seen: NetworkData, way: float) -> dict:
+    """Return the group delay of a file, or why it is not drawn: steps too wide for the phase to be followed."""
+    step = float(np.max(np.diff(seen.frequency)))
+    # echoes run the way twice more: their phase against the first arrival's may turn by half a turn per step
+    widest = 0.5 / (2.0 * way)
+    if step > widest:
+        rule = f"steps of {step / 1e3:.4g} kHz, at most {widest / 1e3:.4g} kHz would do"
+        return {"not_drawn": f"the measured group delay is undersampled and not drawn: {rule}"}
+    delay = passband.group_delay(seen.frequency, seen.scattering[:, 1, 0], way)
+    return {"measured_frequency_Hz": seen.frequency, "measured_group_delay_s": delay}

@@ -73,7 +73,8 @@ class RunField:
     @property
     def radius(self) -> float:
         """Of the balls, m."""
-        return 0.0 if self.scene.slider is None else self.scene.slider.radius
+        slider = self.scene.slider
+        return 0.0 if slider is None else slider.radius or (slider.pillars.diameter or 0.0) / 2
 
     @property
     def focus(self) -> tuple[str, float]:

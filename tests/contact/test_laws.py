@@ -90,7 +90,9 @@ def test_past_the_slip_limit_the_tangential_force_is_the_friction_limit(shape):
     z = 4.7e-9
     assert traction(3.0 * C * z, z, shape) == pytest.approx(MU * force(z, shape), rel=1e-15)
     for regime in (Regime.STICK, Regime.SLIP):
-        problem = SimpleNamespace(friction=MU, stiffness=1.0, limit_slope=C, shape=shape)
+        problem = SimpleNamespace(
+            friction=MU, stiffness=1.0, limit_slope=C, shape=shape, law=elastic.coulomb(0)
+        )
         Q = elastic.spring(problem, regime, -1.0, Point(z, -C * z, 0.0, 0.0))[0]
         assert Q == pytest.approx(-MU * normal.load(z, shape), rel=1e-14)
 

@@ -27,6 +27,7 @@ def spring(z, x):
         "stiffness": stiffness(RADIUS, E, Shape.SPHERE),
         "limit_slope": C,
         "shape": Shape.SPHERE,
+        "law": elastic.coulomb(0),
     }
     known = [
         elastic.spring(SimpleNamespace(**contact), Regime.STICK, np.copysign(1.0, b), Point(a, b, 0.0, 0.0))
@@ -65,7 +66,7 @@ def test_the_reciprocal_force_is_the_closed_form_of_the_sphere_and_zero_for_a_pu
     w, slope = r - 0.4 * (1.0 - (1.0 - r) ** 2.5), 1.0 - (1.0 - r) ** 1.5
     sign, x = np.sign(share), share * c * z
     expected = friction * z**1.5 * c * (2.5 * w - r * slope)
-    contact = {"friction": 0.4, "stiffness": 1.3, "limit_slope": c}
+    contact = {"friction": 0.4, "stiffness": 1.3, "limit_slope": c, "law": elastic.coulomb(0)}
     ball, punch = (SimpleNamespace(**contact, shape=shape) for shape in Shape)
     back = elastic.spring(ball, Regime.STICK, sign, Point(z, x, 0.0, 0.0))[1]
     assert back == pytest.approx(expected, rel=1e-12, abs=1e-16)

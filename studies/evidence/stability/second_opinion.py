@@ -14,7 +14,7 @@ import numpy as np
 
 from contact.answers.methods import rest_problem, stepped_refusals
 from contact.answers.steady import SteadyState
-from contact.codes import Law
+from contact.codes import Tangential
 from contact.convergence import ConvergenceError
 from contact.drive import reference_speed, towards_plus
 from contact.kinematics import normal_amplitude, tangential_amplitude
@@ -112,7 +112,7 @@ def _quarters(rows):
 
 def _affordable(problem):
     each = max(24.0, problem.segments)
-    cycles = int(EXACT_SEGMENTS / each / (6.0 if problem.law == Law.HYSTERETIC else 1.0))
+    cycles = int(EXACT_SEGMENTS / each / (6.0 if problem.law == Tangential.HYSTERETIC else 1.0))
     if cycles < LEAST_CYCLES:
         raise ConvergenceError(
             "out of reach",

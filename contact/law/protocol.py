@@ -1,0 +1,64 @@
+r"""What a tangential law is to the solvers: compiled functions of the approach, and the numbers that they need.
+
+Every law here is a *stop operator*. While a contact sticks, its deformation x follows the surface, and the force is
+that of a spring; x stays within the slip limit X(z). At the limit it slips, at the speed
+
+    w = s (u_x' - v) - dX/dz z' >= 0,   s the sign of the deformation,
+
+and the force is the sliding force. All of it is in the units of `contact.problem`; forces and energies are over the
+stiffness kappa, as `normal.load` is:
+
+    limit(problem, z)               X, the deformation at which slip begins
+    limit_rate(problem, z)          dX/dz
+    stuck(problem, z, x)            Q of a contact that sticks with 0 <= x <= X, and of its spring
+    sliding(problem, z, w)          Q of a contact that slips at the speed w; w = 0 as at the limit, else Q jumps there
+    deformation(problem, z, Q)      x at which the spring carries Q; X where Q is more than it can carry
+    energy(problem, z, x)           integral of Q dx from 0, the spring's energy
+    back(problem, z, x)             its derivative in z at constant x
+
+The functions are fields of a named tuple, so that a solver is compiled for each law: a law that needs no slip speed
+does not pay for it. Guards and transitions of the stop operator are in `law.elastic`; the hysteretic law
+(`law.hysteretic`) shares gross slip with it and has a memory, guards and transitions of its own.
+"""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from contact.jit.compiled import formula
+
+
+class Law(NamedTuple):
+    """A tangential law; see the module's text for the functions."""
+
+    kind: int  # One of `codes.Tangential`
+    rated: int  # 1: the sliding force depends on the speed of slip
+    bent: int  # 1: the slip limit is not proportional to the approach
+    numbers: np.ndarray  # Of the law's functions, SI units
+    limit: Callable
+    limit_rate: Callable
+    stuck: Callable
+    sliding: Callable
+    deformation: Callable
+    energy: Callable
+    back: Callable
+
+
+@formula
+def with_numbers(law, numbers):
+    """Return the law with other numbers."""
+    return Law(
+        law.kind, law.rated, law.bent, numbers, law.limit, law.limit_rate, law.stuck, law.sliding, law.deformation,
+        law.energy, law.back,
+    )  # fmt: skip
+
+
+@formula
+def limit_bend(problem, z):
+    """Return d2X/dz2, by a difference: it serves the rates of guards, where Newton's method needs no more."""
+    step = 1e-4 * abs(z)
+    if step == 0.0:
+        return 0.0
+    law = problem.law
+    return (law.limit_rate(problem, z + step) - law.limit_rate(problem, z - step)) / (2.0 * step)

@@ -1,0 +1,252 @@
+"""The points of a run whose slider stands on pillars: velocity, wave, powers and shares at each level of drive."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+
+import numpy as np
+
+import contact
+from studies.chain import pillars
+from studies.chain.bridge import DrivenContact
+from studies.refusal import SceneError
+
+SENSITIVITY_STEP = 1e-3  # of the amplitude
+HOPS = 0.999  # mean part of the cycle in contact, below which the pillars hop
+SAMPLES = 200  # instants of a burst
+RATE_TOLERANCE = 1e-4  # of the averaged velocity in a burst, relative
+
+
+@dataclass(frozen=True, kw_only=True)
+class PillarContact:
+    """A slider on pillars and the waves that a level of 1 sends below it."""
+
+    driven: DrivenContact = field(repr=False)
+    pillars: object  # contact.Pillars
+    wave: object  # contact.PassingWave of a level of 1
+    misfit: float  # of two waves to the surface's motion, a share of the larger
+
+    @classmethod
+    def of(cls, driven: DrivenContact) -> "PillarContact":
+        """Return the pillars of a `DrivenContact` of a resolved scene; the motion of a stator is kept with it."""
+        scene, slider = driven.scene, driven.scene.slider
+        wave, misfit = (pillars.given_wave(scene), 0.0) if scene.wave is not None else driven.passing
+        return cls(driven=driven, pillars=pillars.pillars_of(slider), wave=wave, misfit=misfit)
+
+    def at(self, level: float):
+        """Return the `contact.PassingWave` at a level."""
+        return pillars.at_level(self.wave, level)
+
+    @property
+    def loading(self) -> bool | None:
+        """What the scene says of the load on the wave."""
+        return self.driven.scene.slider.loading
+
+    def motion(self, level: float, load: float | None = None, near=None):
+        """Return the `contact.PillarMotion` at a level; ``load`` in N other than the scene's, ``near`` one like it."""
+        load = self.driven.scene.slider.load if load is None else load
+        try:
+            return contact.pillar_motion(
+                self.pillars, self.at(level), load=load, loading=self.loading, near=near
+            )
+        except contact.InputError as error:
+            if error.key == "load":
+                raise SceneError("slider.load", error.rule) from None
+            raise SceneError("wave.compliance", error.rule) from None
+
+    def load_line(self, level: float, points: int):
+        """Return the `contact.PillarLoadLine` at a level."""
+        return contact.pillar_load_line(self.pillars, self.at(level), points=points, loading=self.loading)
+
+    def sensitivity(self, level: float, motion) -> float:
+        """Return the relative change of the velocity for one of the wave."""
+        velocity = motion.velocity
+        if velocity == 0.0:
+            return 0.0
+        other = self.motion(level * (1.0 + SENSITIVITY_STEP), near=motion).velocity
+        return abs(other - velocity) / (SENSITIVITY_STEP * abs(velocity))
+
+
+def point_of(motion) -> dict:
+    """Return what a point of run.json says of a `contact.PillarMotion`."""
+    if motion.held:
+        regime = "stick"
+    else:
+        regime = "slip" if motion.share_in_contact == 1.0 and motion.duty > HOPS else "intermittent"
+    found = {
+        "velocity_m_per_s": motion.velocity, "regime": regime, "approach_m": motion.approach,
+        "tilt_rad": list(motion.tilt), "share_in_contact": motion.share_in_contact, "duty": motion.duty,
+        "friction_power_W": motion.friction_power, "thrust_power_W": motion.thrust_power,
+    }  # fmt: skip
+    if motion.wave.compliance > 0.0:
+        found |= {
+            "wave_power_in_W": motion.wave_power_in, "wave_power_out_W": motion.wave_power_out,
+            "loading_number": motion.loading_number, "overtone_ratio": motion.overtone,
+        }  # fmt: skip
+    if motion.loading:
+        found |= {
+            "exit_over_entry": motion.exit_over_entry, "reflected_over_entry": motion.reflected_over_entry,
+        }  # fmt: skip
+    return found | {"ledger_relative_residual": abs(motion.ledger_residual)}
+
+
+def tables(motion) -> tuple[dict, dict]:
+    """Return the columns of pillars.csv and of slider_wave.csv."""
+    body = motion.pillars
+    own = {
+        "x_m": np.array(body.x), "y_m": np.array(body.y), "height_m": np.array(body.heights),
+        "normal_force_N": motion.normal_force, "friction_power_W": motion.friction,
+    }  # fmt: skip
+    return own, {"x_m": motion.row_x, "forward_m": motion.forward, "backward_m": motion.backward}
+
+
+def pillar_answer(driven: DrivenContact, *, tolerance: float, progress: Callable[[str], None]) -> dict:
+    """Return the fields of the `SliderAnswer` of a scene whose slider stands on pillars."""
+    body, scene = PillarContact.of(driven), driven.scene
+    points, parts, trajectories, last = [], [], [], None
+    for number, level in enumerate(scene.levels, start=1):
+        progress(f"pillars: point {number} of {len(scene.levels)}")
+        point = {} if scene.wave is not None else {"voltage_V": level}
+        for side, amplitude in zip(("normal", "tangential"), driven.amplitudes, strict=True):
+            point[f"{side}_amplitude_m"] = amplitude * level
+        try:
+            found, part, motion, trajectory = _point(body, level, tolerance)
+            last = motion or last
+            trajectories += [] if trajectory is None else [(level, trajectory)]
+        except contact.ConvergenceError as error:
+            found, part = {"status": " ".join(str(error).split())}, (0.0, 0.0)
+        points.append(point | found)
+        parts.append(part)
+    own, along = ({}, {}) if last is None else tables(last)
+    return dict(
+        points=tuple(points), parts=tuple(parts), summary={}, trajectories=tuple(trajectories), pillars=own,
+        slider_wave=along,
+    )  # fmt: skip
+
+
+def _point(body: PillarContact, level: float, tolerance: float):
+    """Return the values of a point, the parts of its error, its motion and its trajectory."""
+    if level == 0.0:
+        return (
+            {"velocity_m_per_s": 0.0, "regime": "stick", "relative_error": 0.0, "status": "ok"},
+            (0.0, 0.0),
+            None,
+            None,
+        )
+    motion = body.motion(level)
+    found, trajectory = point_of(motion), None
+    sensitivity = body.sensitivity(level, motion)
+    wave = motion.wave
+    speed = max(abs(motion.velocity), wave.omega * abs(wave.ratio) * wave.amplitude / 10)
+    share = abs(motion.velocity) / speed
+    from_stator = body.driven.stator_error * sensitivity * share
+    from_contact = motion.relative_error
+    if body.driven.scene.burst is not None:
+        trajectory = burst(body, level, motion)
+        found["velocity_at_burst_end_m_per_s"] = trajectory.velocity_at_burst_end
+        found["displacement_m"] = float(np.trapezoid(trajectory.velocity, trajectory.time))
+        found["burst_method"] = "averaged"
+        from_contact = max(from_contact, trajectory.relative_error)
+    error = from_stator + from_contact
+    found |= {"relative_error": error, "amplitude_sensitivity": sensitivity}
+    found["status"] = (
+        "ok"
+        if error <= tolerance
+        else f"above tolerance: stator {from_stator:.1e}, contact {from_contact:.1e}"
+    )
+    return found, (from_stator, from_contact), motion, trajectory
+
+
+@dataclass(frozen=True, kw_only=True)
+class PillarBurst:
+    """Averaged motion of a slider on pillars over a burst; time in s, velocity in m/s, normal position in m."""
+
+    time: np.ndarray
+    velocity: np.ndarray
+    position: np.ndarray
+    duration: float
+    velocity_at_burst_end: float
+    relative_error: float
+    method: str = "averaged"
+    rang: float = 0.0
+    status: str = "ok"
+
+
+def burst(body: PillarContact, level: float, steady) -> PillarBurst:
+    """Follow m v' = sum <Q>(v, U(t)) - R_t v - load through a burst and the slide after it.
+
+    The wave builds up as the ring-up of the stator says; height and tilts follow at once (no bounce).
+    """
+    from scipy.integrate import solve_ivp
+
+    driven, scene = body.driven, body.driven.scene
+    slider, duration = scene.slider, scene.burst
+    envelope = None if driven.ringing is None else driven.ringing.envelope
+    friction = slider.friction_coefficient * slider.preload_force
+    load, way = steady.load, math.copysign(1.0, steady.velocity)
+    traction = contact.pillar_traction(body.pillars, body.at(level), loading=body.loading, load=load)
+
+    def grown(time: float) -> float:
+        if envelope is None:
+            return 1.0
+        return float(np.interp(time, envelope.time, np.abs(envelope.amplitude)))
+
+    def rate(time, state):
+        size = grown(time)
+        if size < 1e-3:
+            return [0.0]
+        force = traction(state[0], size) - slider.damping.tangential * state[0]
+        held = state[0] == 0.0 and (force - load) * way <= 0.0
+        return [0.0 if held else (force - load) / slider.mass]
+
+    time = np.linspace(0.0, duration, SAMPLES + 1)
+    found = solve_ivp(
+        rate, (0.0, duration), [0.0], method="RK45", t_eval=time, rtol=RATE_TOLERANCE,
+        atol=RATE_TOLERANCE * max(abs(steady.velocity), 1e-6), max_step=duration / 8,
+    )  # fmt: skip
+    if not found.success:
+        raise contact.ConvergenceError(
+            "not converged", f"the averaged velocity in the burst: {found.message}"
+        )
+    velocity = found.y[0]
+    end = float(velocity[-1])
+    # once the wave is gone friction stops it, with the load for or against it
+    after = np.array([])
+    if end != 0.0:
+        slowing = (friction + load * math.copysign(1.0, end)) / slider.mass
+        if slowing > 0.0:
+            after = np.linspace(0.0, 1.2 * abs(end) / slowing, SAMPLES // 4)[1:]
+            slide = end - math.copysign(1.0, end) * slowing * after
+            velocity = np.concatenate([velocity, np.where(slide * end > 0, slide, 0.0)])
+    time = np.concatenate([time, duration + after])
+    ratio = _bounce_ratio(slider, scene.frequency)
+    return PillarBurst(
+        time=time, velocity=velocity, position=np.full(time.size, -steady.approach), duration=duration,
+        velocity_at_burst_end=end, relative_error=10 * RATE_TOLERANCE + ratio**2,
+    )  # fmt: skip
+
+
+@lru_cache(64)
+def _bounce_ratio(slider, frequency: float) -> float:
+    """Return the contact resonance over the wave's frequency."""
+    stiffness = float(np.sum(pillars.pillars_of(slider).normal_stiffness))
+    return math.sqrt(stiffness / slider.mass) / (2 * math.pi * frequency)
+
+
+def steady_velocity(driven: DrivenContact, factor: float = 1.0) -> tuple[float, str, float, float, float]:
+    """Return velocity, regime, error, error from the wave and stall at a level, as `studies.chain.steady.averaged`."""
+    body = PillarContact.of(driven)
+    motion = body.motion(factor)
+    sensitivity = body.sensitivity(factor, motion)
+    share = abs(motion.velocity) / max(
+        abs(motion.velocity), motion.wave.omega * abs(motion.wave.ratio) * motion.wave.amplitude / 10
+    )
+    stall = math.nan if motion.held else body.load_line(factor, 2).stall
+    error = driven.stator_error * sensitivity * share
+    return motion.velocity, point_of(motion)["regime"], motion.relative_error, error, stall
+
+
+def relieved(driven: DrivenContact, **changes) -> DrivenContact:
+    """Return the contact with other keys of its slider."""
+    return replace(driven, scene=replace(driven.scene, slider=replace(driven.scene.slider, **changes)))

@@ -1,0 +1,222 @@
+"""From a scene to pillars on a passing wave: places, heights, stiffnesses, and the waves from both sides.
+
+A pillar of radius a, height h, cross-section A = pi a^2 and second moment I = pi a^4/4 on the pair's moduli E* and G*:
+
+    1/k_n = f/(2 a E*) + h/(E A),    1/k_t = f/(8 a G*) + h/(0.9 G A) + h^3/(12 E I)
+
+(Johnson, *Contact Mechanics*, eq. 3.36 and section 7.2; Timoshenko's beam between two faces that stay parallel). The
+neighbours' dents lower the mean plane of a square grid, so that a punch is stiffer relative to it: f = 1 - 2.4830 a/p
+for point loads (lattice sum), below for near neighbours (boundary elements, +-1 %). The tangential compliance averaged
+over directions falls off as the normal one, with the same factor in the point loads' limit.
+
+A given [wave], whose crests move towards +x, runs towards -x.
+"""
+
+import math
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+import contact
+import fem
+from studies.refusal import SceneError
+from studies.scene import Scene
+from studies.scene.pillars import SEED, read_pillars
+from studies.scene.slider import Slider
+
+# a/p and the stiffness of a punch relative to the mean plane over that of one alone
+NEIGHBOURS = (0.0, 0.05, 0.1, 0.2, 0.3, 0.4), (1.0, 1.13, 1.32, 1.92, 3.21, 6.96)
+LATTICE, LATTICE_REACH = 2.4830, 0.1  # sum over a square lattice, and the a/p up to which it holds
+SILICON = "silicon"  # whose moduli pillars have where nothing says what they are of
+
+
+def resolved_pillars(slider: Slider) -> Slider:
+    """Return a slider whose pillars have their seed and their own moduli as numbers."""
+    block = slider.pillars
+    if block is None:
+        return slider
+    own = {}
+    if block.height_scatter > 0.0 and block.seed is None:
+        own["seed"] = SEED
+    if block.height is not None and None in (block.youngs_modulus, block.poisson_ratio):
+        try:
+            c = fem.material(slider.ball or SILICON).stiffness
+        except fem.InputError as error:
+            raise SceneError("slider.ball", error.rule) from None
+        lame, shear = float(c[0, 1]), float(c[3, 3])
+        modulus, ratio = shear * (3 * lame + 2 * shear) / (lame + shear), lame / (2 * (lame + shear))
+        own["youngs_modulus"] = block.youngs_modulus or modulus
+        own["poisson_ratio"] = ratio if block.poisson_ratio is None else block.poisson_ratio
+    return replace(slider, pillars=replace(block, **own)) if own else slider
+
+
+@lru_cache(16)
+def layout(slider: Slider) -> dict:
+    """Return x, y, heights and diameters of the pillars in m as arrays, and the mean pitch across and along."""
+    block = slider.pillars
+    if block.file is not None:
+        columns = {name: np.array(values) for name, values in read_pillars(block.file).items()}
+        x, y, heights = columns["x_m"], columns["y_m"], columns["height_m"]
+        diameter = columns.get("diameter_m")
+        if diameter is None:
+            if block.diameter is None:
+                block.refuse("diameter", "is required and missing: the file has no column diameter_m")
+            diameter = np.full(x.size, block.diameter)
+        if not np.all(diameter > 0.0):
+            block.refuse("file", f"must hold positive diameters, got {diameter.min():g} m")
+        _refuse_overlap(block, x, y, diameter)
+        area = (np.ptp(x) + diameter.max()) * (np.ptp(y) + diameter.max())
+        pitch = math.sqrt(area / x.size)
+        lines = np.unique(np.round(y / max(np.ptp(y), 1e-300), 9)).size
+        across = np.ptp(y) / (lines - 1) if 1 < lines < 2 * math.sqrt(x.size) else pitch
+    else:
+        (along, across), counts = block.pitches, block.counts
+        places = [(np.arange(n) - (n - 1) / 2) * p for n, p in zip(counts, (along, across), strict=True)]
+        x, y = (each.ravel() for each in np.meshgrid(*places, indexing="ij"))
+        heights = np.zeros(x.size)
+        if block.height_scatter > 0.0:
+            heights = np.random.default_rng(block.seed or SEED).normal(
+                scale=block.height_scatter, size=x.size
+            )
+        diameter, pitch = np.full(x.size, block.diameter), math.sqrt(along * across)
+    if block.height is not None and np.abs(heights).max() > block.height:
+        tallest = heights[np.abs(heights).argmax()]
+        rule = f"must be larger than every deviation of the heights, of which one is {tallest:g} m"
+        block.refuse("height", f"{rule}, got {block.height:g} m")
+    return {"x": x, "y": y, "heights": heights, "diameter": diameter, "pitch": pitch, "across": float(across)}
+
+
+def _refuse_overlap(block, x, y, diameter):
+    """Refuse pillars of a file that overlap."""
+    from scipy.spatial import cKDTree
+
+    if x.size < 2:
+        return
+    near, which = cKDTree(np.stack([x, y], axis=1)).query(np.stack([x, y], axis=1), k=2)
+    apart, other = near[:, 1], which[:, 1]
+    room = apart - 0.5 * (diameter + diameter[other]) * (1 - 1e-9)
+    worst = int(room.argmin())
+    if room[worst] < 0.0:
+        rows = " and ".join(str(each) for each in sorted((worst + 2, int(other[worst]) + 2)))
+        block.refuse(
+            "file", f"must hold pillars that do not overlap, got {apart[worst]:g} m between rows {rows}"
+        )
+
+
+def neighbours(radius_over_pitch):
+    """Return the compliance of a punch relative to the mean plane of a square grid over that of one alone.
+
+    Examples
+    --------
+    >>> [round(1 / neighbours(each), 2) for each in (0.05, 0.1, 0.2)]
+    [1.14, 1.33, 1.92]
+    """
+    from scipy.interpolate import PchipInterpolator
+
+    share = float(radius_over_pitch)
+    if share <= LATTICE_REACH:
+        return 1.0 - LATTICE * share
+    ratios, stiffer = (np.array(each) for each in NEIGHBOURS)
+    if share > ratios[-1]:
+        raise SceneError(
+            "slider.pillars.interaction", f"knows a radius of at most {ratios[-1]:g} pitches, got {share:.3g}"
+        )
+    return float(PchipInterpolator(ratios, 1.0 / stiffer)(share))
+
+
+def stiffnesses(slider: Slider, interaction: bool | None = None):
+    """Return k_n and k_t of the pillars of a resolved slider, N/m, arrays; `interaction`: other than the scene's."""
+    block, place = slider.pillars, layout(slider)
+    a = place["diameter"] / 2
+    near = (
+        neighbours(a.mean() / place["pitch"])
+        if (block.interaction if interaction is None else interaction)
+        else 1.0
+    )
+    normal, tangential = near / (2 * a * slider.effective_modulus), near / (8 * a * slider.tangential_modulus)
+    if block.height is not None:
+        E, h, A = block.youngs_modulus, block.height, np.pi * a**2
+        G = E / (2 * (1 + block.poisson_ratio))
+        normal = normal + h / (E * A)
+        tangential = tangential + h / (0.9 * G * A) + h**3 / (12 * E * np.pi * a**4 / 4)
+    return 1 / normal, 1 / tangential
+
+
+@lru_cache(16)
+def pillars_of(slider: Slider, interaction: bool | None = None):
+    """Return the `contact.Pillars` of a resolved slider."""
+    place, (k_n, k_t) = layout(slider), stiffnesses(slider, interaction)
+    try:
+        return contact.Pillars(
+            x=place["x"], y=place["y"], heights=place["heights"], normal_stiffness=k_n, tangential_stiffness=k_t,
+            friction_coefficient=slider.friction_coefficient, preload=slider.preload_force,
+            tangential_damping=slider.damping.tangential, tilt=slider.tilt, preload_at=slider.preload_at,
+            load_height=slider.load_height, backing=slider.backing, curvature=slider.pillars.curvature,
+        )  # fmt: skip
+    except contact.InputError as error:
+        raise SceneError(error.key.replace("pillars.", "slider.", 1), error.rule) from None
+
+
+def one_pillar(slider: Slider):
+    """Return the `contact.Slider` of one mean pillar of a resolved slider, with its share of mass, preload and load."""
+    place, (k_n, k_t) = layout(slider), stiffnesses(slider)
+    radius, number = float(place["diameter"].mean() / 2), place["x"].size
+    return contact.Slider(
+        radius=radius, mass=slider.mass / number, preload=slider.preload_force / number, load=slider.load / number,
+        friction_coefficient=slider.friction_coefficient, effective_modulus=float(k_n.mean()) / (2 * radius),
+        tangential_modulus=float(k_t.mean()) / (8 * radius), law="elastic", reciprocal=False, stick_band=0.0,
+        contact_damping=slider.damping.contact, normal_damping=slider.damping.normal / number,
+        tangential_damping=slider.damping.tangential / number, shape="punch",
+    )  # fmt: skip
+
+
+def strip_width(slider: Slider) -> float:
+    """Return the width of the strip over which the pillars spread their load, m."""
+    if slider.pillars.width is not None:
+        return slider.pillars.width
+    place = layout(slider)
+    return float(np.ptp(place["y"])) + place["across"]
+
+
+def given_wave(scene: Scene):
+    """Return the `contact.PassingWave` of a [wave] of amplitude 1 m: towards -x, its crests move towards +x."""
+    wave = scene.wave
+    return contact.PassingWave(
+        frequency=wave.frequency, wavelength=wave.wavelength or 1.0, ratio=wave.tangential_ratio, backward=1.0,
+        compliance=wave.compliance or 0.0, strip_width=strip_width(scene.slider),
+    )  # fmt: skip
+
+
+def at_level(wave, level: float):
+    """Return the waves of a level of 1 at another."""
+    return replace(wave, forward=wave.forward * level, backward=wave.backward * level)
+
+
+def check_pillars(scene: Scene) -> None:
+    """Refuse pillars beyond the stator or on a transducer's fingers; the slider is resolved."""
+    slider = scene.slider
+    place = layout(slider)
+    pillars_of(slider)
+    if scene.stator is None:
+        return
+    half = place["diameter"] / 2
+    centre, middle = slider.center
+    left, right = centre + float((place["x"] - half).min()), centre + float((place["x"] + half).max())
+    if left < 0.0 or right > scene.stator.length:
+        rule = f"must keep the pillars on the stator, 0 to {scene.stator.length:g} m"
+        raise SceneError("slider.position", f"{rule}, got some from {left:g} to {right:g} m")
+    beside = float((np.abs(middle + place["y"]) + half).max())
+    if beside > (side := scene.stator.width / 2):
+        rule = f"must keep the pillars on the stator, y from -{side:g} to {side:g} m"
+        raise SceneError("slider.position", f"{rule}, got some at y = {beside:g} m")
+    for each in scene.transducer:
+        x, y = each.place
+        reach = each.finger_pairs * each.period / 2
+        if (
+            left < x + reach
+            and right > x - reach
+            and abs(middle - y) < (each.aperture + strip_width(slider)) / 2
+        ):
+            rule = f"must keep the pillars off the fingers of {each.name!r}, {x - reach:g} to {x + reach:g} m"
+            raise SceneError("slider.position", f"{rule}, got pillars from {left:g} to {right:g} m")

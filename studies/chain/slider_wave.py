@@ -1,0 +1,53 @@
+"""The waves from both sides under a slider on pillars, from the motion of the stator's surface.
+
+u_z = U+ exp(-i k x) + U- exp(i k x), by least squares over the slider's length and at least a wavelength either side of
+its centre, in the surface mode alone, averaged over the strip's width; Gamma and the orbit are those of the half-space.
+"""
+
+import numpy as np
+
+import contact
+import fem
+from studies.chain import resolve
+from studies.chain.pillars import layout, strip_width
+from studies.scene import Scene
+
+FITTED = 49  # places along x at which the waves from both sides are told apart
+ACROSS = 5  # lines over the strip's width
+
+
+def stator_wave(scene: Scene, motion):
+    """Return the `contact.PassingWave` of 1 V under a slider, and how well two waves fit the surface's motion there.
+
+    ``motion``: a `studies.chain.surface_motion.SurfaceMotion`. The misfit is a share of the larger wave.
+    """
+    slider, wave = scene.slider, motion.wave
+    stator = resolve.stator(scene.stator)
+    half_space = fem.rayleigh(stator.solid, stator.bare_surface)
+    orbit = complex(half_space.displacement[0])
+    wavelength, width = wave.phase_velocity / wave.frequency, strip_width(slider)
+    place = layout(slider)
+    reach = max(wavelength, float(np.ptp(place["x"])) / 2)
+    across, _ = np.polynomial.legendre.leggauss(ACROSS)
+    weights = np.polynomial.legendre.leggauss(ACROSS)[1] / 2
+    centre, middle = slider.center
+    along = np.clip(centre + np.linspace(-reach, reach, FITTED), 0.0, wave.length)
+    if motion.beam is None:
+        u_z = wave.rayleigh_motion(along)[1]
+    else:
+        mode = getattr(motion.beam, "surface_mode", None)
+        source = motion.beam if mode is None else mode
+        u_z = sum(
+            weight * source.motion(along, np.full(along.size, middle + y * width / 2))[2]
+            for weight, y in zip(weights, across, strict=True)
+        )
+    k = 2 * np.pi / wavelength
+    basis = np.exp(np.outer(along - centre, (-1j * k, 1j * k)))
+    (forward, backward), *_ = np.linalg.lstsq(basis, u_z, rcond=None)
+    misfit = float(np.sqrt(np.mean(np.abs(basis @ (forward, backward) - u_z) ** 2)))
+    passing = contact.PassingWave(
+        frequency=wave.frequency, wavelength=wavelength, ratio=orbit / 1j, forward=complex(forward),
+        backward=complex(backward), compliance=fem.wave_compliance(stator.solid, stator.bare_surface),
+        strip_width=width,
+    )  # fmt: skip
+    return passing, misfit / passing.amplitude

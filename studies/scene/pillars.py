@@ -1,0 +1,148 @@
+"""The block of a slider's pillars, and the table of them that a file gives."""
+
+import csv
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, ClassVar
+
+from studies.refusal import SceneError
+from studies.scene.block import Block
+from studies.scene.numbers import Quantity, Row
+from studies.scene.rule import FLAG, TEXT, Count, Plain
+
+MAX_PILLARS = 1_000_000
+TOUCHING = 1e-9  # relative: pillars of this much less distance than their diameter still stand side by side
+SEED = 1  # of heights that scatter where the scene gives none
+COLUMNS = ("x_m", "y_m", "height_m")
+PAIR = Quantity("m") | Row((Quantity("m"),) * 2, "[along, across]")
+GRID = ("pitch", "rows", "columns", "area", "height_scatter", "seed")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pillars(Block):
+    """The flat-topped pillars of a slider, instead of its radius, contacts and heights.
+
+    diameter: Of each pillar.
+    height: Of each pillar, which makes it softer. Absent: rigid pillars.
+    pitch: Distance of neighbours, one value or [along the wave, across].
+    rows: Number along the wave; required with pitch unless area is given.
+    columns: Number across; likewise.
+    area: Instead of rows and columns: the face that the pillars fill, one value or [along, across].
+    height_scatter: Standard deviation of the heights, normally distributed.
+    seed: Of the random heights. Absent: one is chosen and stated.
+    file: Instead of pitch, rows, columns, area, scatter and seed: a CSV with columns x_m, y_m (from the slider's
+        centre), height_m (how much further it stands out towards the stator) and, optional, diameter_m.
+    width: Of the strip over which the pillars spread their load on the wave. Absent: their extent across and a pitch.
+    curvature: Of the slider's face; positive: its middle stands out.
+    interaction: true: neighbours stiffen each other, relative to the mean plane.
+    youngs_modulus: Of the pillars. Absent: that of slider.ball, or of silicon.
+    poisson_ratio: Of the pillars, likewise.
+    """
+
+    block: ClassVar[str] = "slider.pillars"
+    diameter: Annotated[float | None, Quantity("m")] = None
+    height: Annotated[float | None, Quantity("m")] = None
+    pitch: Annotated[float | tuple[float, float] | None, PAIR] = None
+    rows: Annotated[int | None, Count(MAX_PILLARS)] = None
+    columns: Annotated[int | None, Count(MAX_PILLARS)] = None
+    area: Annotated[float | tuple[float, float] | None, PAIR] = None
+    height_scatter: Annotated[float, Quantity("m", zero=True)] = 0.0
+    seed: Annotated[
+        int | None,
+        Plain(
+            "an integer of at least 0",
+            lambda value: type(value) is int and 0 <= value < 2**63,
+            {"type": "integer", "minimum": 0},
+        ),
+    ] = None
+    file: Annotated[str | None, TEXT] = None
+    width: Annotated[float | None, Quantity("m")] = None
+    curvature: Annotated[float, Quantity("1/m", negative=True)] = 0.0
+    interaction: Annotated[bool, FLAG] = False
+    youngs_modulus: Annotated[float | None, Quantity("Pa")] = None
+    poisson_ratio: Annotated[float | None, Quantity(negative=True, below=0.5)] = None
+
+    def check_layout(self):
+        if self.file is not None:
+            for key in GRID:
+                if getattr(self, key) not in (None, 0.0):
+                    yield key, "must be absent with slider.pillars.file, which gives every pillar"
+            return
+        if self.pitch is None:
+            yield "pitch", "is required and missing: give a length in m, or a file of the pillars"
+            return
+        if self.diameter is None:
+            yield "diameter", "is required and missing: give a length in m"
+        elif min(self.pitches) < self.diameter * (1 - TOUCHING):
+            rule = f"must be at least the diameter, {self.diameter:g} m, or the pillars overlap"
+            yield "pitch", f"{rule}, got {min(self.pitches):g} m"
+        if self.area is not None:
+            for key in ("rows", "columns"):
+                if getattr(self, key) is not None:
+                    yield key, "must be absent with slider.pillars.area, which gives the number"
+        elif self.rows is None or self.columns is None:
+            yield "rows", "and columns are required and missing: give both numbers, or the area"
+            return
+        along, across = self.counts
+        if min(along, across) < 1:
+            yield (
+                "area",
+                f"must hold at least one pillar, got {as_lengths(self.area)} m at a pitch of {self.pitches} m",
+            )
+        elif along * across > MAX_PILLARS:
+            yield "rows", f"times columns must be at most {MAX_PILLARS} pillars, got {along} x {across}"
+
+    @property
+    def pitches(self) -> tuple[float, float]:
+        """Pitch along the wave and across, m."""
+        return as_lengths(self.pitch)
+
+    @property
+    def counts(self) -> tuple[int, int]:
+        """Number of pillars of a grid along the wave and across."""
+        if self.area is None:
+            return self.rows, self.columns
+        return tuple(
+            int(length / pitch + 1e-9)
+            for length, pitch in zip(as_lengths(self.area), self.pitches, strict=True)
+        )
+
+
+def as_lengths(value) -> tuple[float, float]:
+    """Return what `PAIR` reads as (along, across)."""
+    return tuple(value) if isinstance(value, tuple) else (value, value)
+
+
+def read_pillars(file: str) -> dict[str, list[float]]:
+    """Return the columns of a file of pillars; a SceneError names what is wrong with it."""
+    at = "slider.pillars.file"
+    try:
+        with Path(file).open(newline="", encoding="utf-8-sig") as stream:
+            head, *rows = [[cell.strip() for cell in row] for row in csv.reader(stream) if any(row)] or [[]]
+    except OSError as error:
+        raise SceneError(at, f"must name a readable file, got {file!r}: {error.strerror}") from None
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise SceneError(at, f"must be a CSV file, got {file!r}: {error}") from None
+    for name in COLUMNS:
+        if name not in head:
+            raise SceneError(at, f"must have the columns {', '.join(COLUMNS)}, got {file!r} without {name}")
+    if not rows:
+        raise SceneError(at, f"must hold at least one pillar, got {file!r} without rows")
+    if len(rows) > MAX_PILLARS:
+        raise SceneError(at, f"must hold at most {MAX_PILLARS} pillars, got {len(rows)}")
+    columns: dict[str, list[float]] = {name: [] for name in (*COLUMNS, "diameter_m") if name in head}
+    places = {name: head.index(name) for name in columns}
+    for number, row in enumerate(rows, start=2):
+        for name, place in places.items():
+            try:
+                value = float(row[place])
+            except (IndexError, ValueError):
+                value = math.nan
+            if not math.isfinite(value):
+                cell = row[place] if place < len(row) else ""
+                raise SceneError(
+                    at, f"must hold finite numbers, got {cell!r} as {name} in row {number} of {file!r}"
+                )
+            columns[name].append(value)
+    return columns

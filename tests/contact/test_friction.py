@@ -1,0 +1,248 @@
+"""Friction that depends on slip speed and pressure, and laws from a user's file, by all three methods."""
+
+import math
+import textwrap
+
+import numpy as np
+import pytest
+
+from contact import (
+    FallingFriction,
+    Orbit,
+    UserLaw,
+    blocked_thrust,
+    burst,
+    mean_motion,
+    steady,
+    threshold_factor,
+)
+from contact.input_error import InputError
+from contact.jit import compiled
+from tests.contact.motors import orbit, slider
+from tests.oracles.contact_friction import Motor, follow
+
+SPEED = FallingFriction(sliding=0.15, speed=0.05)
+PRESSURE = FallingFriction(high_pressure=0.1, pressure=5e7)
+BOTH = FallingFriction(sliding=0.15, speed=0.02, high_pressure=0.4, pressure=5e7)
+# the same as functions of pressure and speed, static coefficient 0.3
+COEFFICIENTS = {
+    SPEED: lambda p, w: 0.15 + 0.15 * math.exp(-w / 0.05),
+    PRESSURE: lambda p, w: 0.1 + 0.2 / (1.0 + p / 5e7),
+    BOTH: lambda p, w: (0.4 - 0.1 / (1.0 + p / 5e7)) * (0.5 + 0.5 * math.exp(-w / 0.02)),
+}
+# viscous and Coulomb friction; the second law also has a spring of its own, stiffer and linear
+VISCOUS = """
+    MU, ETA = 0.15, 0.4  # 1, s/m
+
+    def sliding(approach, normal_force, slip_speed, contact):
+        return normal_force * (MU + ETA * slip_speed)
+    """
+LINEAR = (
+    VISCOUS
+    + """
+    def stiffness(approach, contact):
+        return 8.0 * contact.tangential_modulus * (contact.radius * approach) ** 0.5
+
+    def limit(approach, normal_force, contact):
+        return MU * normal_force / stiffness(approach, contact)
+
+    def stuck(approach, normal_force, deformation, contact):
+        return stiffness(approach, contact) * deformation
+    """
+)
+
+
+def law(text):
+    return UserLaw("law.py", textwrap.dedent(text))
+
+
+def motor(friction, shape="sphere"):
+    """Return two unequal contacts and their waves, and the same for the oracle."""
+    own = {"radius": 5e-6} if shape == "punch" else {}
+    amplitudes, phases, heights = (4e-9, 3e-9), (0.0, 1.1), (0.0, 0.4e-9)
+    s = slider(friction_coefficient=0.3, friction=friction, shape=shape, heights=heights, **own)
+    waves = tuple(
+        Orbit(frequency=2.2e6, normal=-1j * a * np.exp(1j * p), tangential=-0.7 * a * np.exp(1j * p))
+        for a, p in zip(amplitudes, phases, strict=True)
+    )
+    same = Motor(
+        mu=COEFFICIENTS.get(friction), amplitudes=amplitudes, phases=phases,
+        heights=heights, punch=shape == "punch", **own,
+    )  # fmt: skip
+    return s, waves, same
+
+
+# Oracle: DOP853 between events, which is good to some 1e-7 where the sphere's force has a root
+@pytest.mark.parametrize("shape", ["sphere", "punch"])
+@pytest.mark.parametrize("friction", [SPEED, PRESSURE, BOTH], ids=["speed", "pressure", "both"])
+def test_the_motion_is_that_of_an_independent_integrator(friction, shape):
+    s, waves, same = motor(friction, shape)
+    state, _, normal, tangential, _ = follow(same, 6)
+    exact = burst(s, waves, duration=6 / 2.2e6, after=0.0, tolerance=1e-9, samples=6, method="exact")
+    near = 1e-6 if shape == "sphere" else 1e-8
+    assert exact.velocity_at_burst_end == pytest.approx(state[2], rel=near)
+    assert exact.ledger.wave_tangential == pytest.approx(tangential, rel=near)
+    assert exact.ledger.wave_normal == pytest.approx(normal, rel=1e-5)
+    assert exact.ledger.relative_residual < 1e-9
+    coulomb, *_ = motor(None, shape)
+    plain = burst(coulomb, waves, duration=6 / 2.2e6, after=0.0, tolerance=1e-9, samples=6, method="exact")
+    assert abs(plain.velocity_at_burst_end / state[2] - 1.0) > 0.02  # the friction matters here
+    stepped = burst(s, waves, duration=6 / 2.2e6, after=0.0, tolerance=1e-5, samples=6, method="stepped")
+    reference = 2.2e6 * 2.0 * math.pi * 2.8e-9 / 10.0
+    apart = abs(stepped.velocity_at_burst_end - state[2])
+    assert apart < 2.0 * stepped.relative_error * reference + near * state[2]
+    assert stepped.relative_error < 1e-5
+
+
+@pytest.mark.parametrize("shape", ["sphere", "punch"])
+@pytest.mark.parametrize("friction", [SPEED, PRESSURE, BOTH], ids=["speed", "pressure", "both"])
+def test_averaged_and_exact_steady_states_agree_and_the_energy_closes(friction, shape):
+    s, waves, _ = motor(friction, shape)
+    exact, mean = steady(s, waves, tolerance=1e-6), mean_motion(s, waves)
+    assert exact.method == "exact"
+    reference = max(abs(exact.velocity), 2.2e6 * 2.0 * math.pi * 2.8e-9 / 10.0)
+    assert (
+        abs(mean.velocity - exact.velocity) < 2.0 * (mean.relative_error + exact.relative_error) * reference
+    )
+    assert mean.relative_error < 1e-6
+    assert exact.ledger.relative_residual < 1e-8
+    assert exact.ledger.slip > 0.0
+    if shape == "punch":  # its spring does not care for the approach: nothing leaks, whatever the friction
+        assert abs(exact.ledger.leak) < 1e-12 * exact.ledger.wave
+
+
+def test_long_bursts_agree_within_their_errors():
+    s, waves, _ = motor(BOTH)
+    runs = [
+        burst(s, waves, duration=4000 / 2.2e6, after=0.0, tolerance=1e-4, samples=4, method=method)
+        for method in ("exact", "stepped", "averaged")
+    ]
+    reference = max(abs(runs[0].velocity_at_burst_end), 2.2e6 * 2.0 * math.pi * 2.8e-9 / 10.0)
+    for run in runs[1:]:
+        apart = abs(run.velocity_at_burst_end - runs[0].velocity_at_burst_end) / reference
+        assert apart < 2.0 * (run.relative_error + runs[0].relative_error)
+        assert run.relative_error < 1e-3
+
+
+# Property: what sticks does not know how friction falls with speed
+def test_the_threshold_is_that_of_the_static_coefficient():
+    speed, plain = (slider(friction_coefficient=0.3, friction=each) for each in (SPEED, None))
+    assert threshold_factor(speed, orbit(1e-9)) == pytest.approx(
+        threshold_factor(plain, orbit(1e-9)), rel=1e-12
+    )
+    # and a pressure that changes nothing is no pressure
+    same = slider(friction_coefficient=0.3, friction=FallingFriction(high_pressure=0.3, pressure=1e7))
+    assert threshold_factor(same, orbit(1e-9)) == pytest.approx(
+        threshold_factor(plain, orbit(1e-9)), rel=2e-5
+    )
+
+
+# Limit: at full slip, far above the speed, only the sliding coefficient is left, and the blocked thrust falls
+def test_fast_slip_knows_the_sliding_coefficient_alone():
+    fast = FallingFriction(sliding=0.15, speed=1e-9)
+    s, wave = slider(friction_coefficient=0.15 + 1e-12, friction=fast), orbit(8e-9)
+    assert steady(s, wave, tolerance=1e-6).velocity == pytest.approx(
+        steady(slider(friction_coefficient=0.15), wave, tolerance=1e-6).velocity, rel=1e-8
+    )
+    falls, plain = (slider(friction_coefficient=0.3, friction=each) for each in (SPEED, None))
+    assert 0.5 < blocked_thrust(falls, wave)[0] / blocked_thrust(plain, wave)[0] < 0.98
+
+
+# Closed form: a slider that the load drags along a surface at rest, load = mu(v) P + R_t v
+def test_a_dragged_slider_slides_where_friction_and_damper_carry_the_load():
+    s = slider(friction_coefficient=0.3, friction=SPEED, load=4e-4, tangential_damping=1e-3)
+    v = abs(steady(s, orbit(0.0), tolerance=1e-6).velocity)
+    assert 0.1 < v < 0.4
+    assert (0.15 + 0.15 * math.exp(-v / 0.05)) * s.preload + 1e-3 * v == pytest.approx(4e-4, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "text", [VISCOUS, pytest.param(LINEAR, marks=pytest.mark.slow)], ids=["viscous", "linear"]
+)
+def test_a_law_from_a_file_serves_all_three_methods(text):
+    s = slider(friction=law(text))
+    wave = orbit(6e-9)
+    runs = [
+        burst(s, wave, duration=3500 / 2.2e6, after=0.0, tolerance=1e-4, samples=4, method=method)
+        for method in ("exact", "stepped", "averaged")
+    ]
+    reference = max(abs(runs[0].velocity_at_burst_end), 2.2e6 * 2.0 * math.pi * 4.2e-9 / 10.0)
+    for run in runs[1:]:
+        apart = abs(run.velocity_at_burst_end - runs[0].velocity_at_burst_end) / reference
+        assert apart < 2.0 * (run.relative_error + runs[0].relative_error)
+    exact, mean = steady(s, wave, tolerance=1e-6), mean_motion(s, wave)
+    assert exact.velocity == pytest.approx(mean.velocity, rel=1e-6)
+    assert exact.ledger.relative_residual < (1e-8 if text is VISCOUS else 1e-6)
+    plain = steady(slider(friction_coefficient=0.15), wave, tolerance=1e-6)
+    assert abs(exact.velocity / plain.velocity - 1.0) > 5e-4
+
+
+# Oracle: the same, the viscous part as mu(w)
+def test_a_viscous_law_moves_as_the_independent_integrator_says():
+    s, waves, same = motor(law(VISCOUS), "punch")
+    viscous = Motor(**(vars(same) | {"mu": lambda p, w: 0.15 + 0.4 * w}))
+    state, _, _, tangential, _ = follow(viscous, 6)
+    exact = burst(s, waves, duration=6 / 2.2e6, after=0.0, tolerance=1e-9, samples=6, method="exact")
+    assert exact.velocity_at_burst_end == pytest.approx(state[2], rel=1e-7)
+    assert exact.ledger.wave_tangential == pytest.approx(tangential, rel=1e-7)
+
+
+def test_an_edited_law_is_another_law(tmp_path):
+    file, wave = tmp_path / "law.py", orbit(6e-9)
+    answers = []
+    for eta in ("0.4", "0.8"):
+        file.write_text(textwrap.dedent(VISCOUS).replace("0.4", eta))
+        answers.append(mean_motion(slider(law=file), wave).velocity)
+    file.write_text(textwrap.dedent(VISCOUS))
+    assert mean_motion(slider(law=str(file)), wave).velocity == answers[0]
+    assert abs(answers[1] / answers[0] - 1.0) > 1e-4
+    # the text is part of the name of what is kept on disk
+    first, second = (
+        slider(friction=law(VISCOUS.replace("0.4", eta))).tangential_law for eta in ("0.4", "0.8")
+    )
+    if not compiled._PLAIN:
+        assert first.sliding.word != second.sliding.word
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ({"friction": SPEED, "stick_band": 0.1}, "slider.stick_band must be 0.0 with a friction that depends"),
+        ({"friction": SPEED, "reciprocal": True}, "slider.reciprocal must be False with a friction"),
+        ({"friction": SPEED, "law": "hysteretic"}, "slider.law must be 'elastic' with a friction"),
+        ({"friction": SPEED, "friction_coefficient": 0.0}, "slider.friction_coefficient must be positive"),
+        ({"law": "no/such/file.py"}, "slider.law names no/such/file.py, which cannot be read"),
+        ({"law": "lawful"}, "slider.law must be one of"),
+    ],
+)  # fmt: skip
+def test_what_does_not_go_together_is_refused(given, sentence):
+    with pytest.raises(InputError, match=sentence):
+        slider(**given)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("MU = 0.1", "must define sliding"),
+        ("def sliding(force): return force", "takes other arguments"),
+        ("def sliding(", "cannot be run: SyntaxError"),
+        ("def sliding(a, p, w, c): return -p", "zero or positive, and finite"),
+        ("def sliding(a, p, w, c): return p / (w - w)", "cannot be evaluated: ZeroDivisionError"),
+    ],
+)
+def test_a_law_that_is_none_is_refused(text, sentence):
+    with pytest.raises(InputError, match=sentence):
+        slider(friction=UserLaw("law.py", text))
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ({}, "friction must hold sliding with speed, or high_pressure with pressure"),
+        ({"sliding": 0.1}, "friction.sliding must be given together with friction.speed"),
+        ({"sliding": 0.1, "speed": 0.0}, "friction.speed must be positive and finite, got 0.0 m/s"),
+    ],
+)
+def test_half_a_friction_is_refused(given, sentence):
+    with pytest.raises(InputError, match=sentence):
+        FallingFriction(**given)

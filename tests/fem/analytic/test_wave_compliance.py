@@ -1,0 +1,45 @@
+"""Gamma of a half-space's surface wave: closed form, independent values, and power by the field through depth."""
+
+import numpy as np
+import pytest
+
+import fem
+
+
+def test_it_is_the_closed_form_of_an_isotropic_solid():
+    # nu = 1/4: 0.183486/mu; any density
+    solid = fem.isotropic(name="nu = 1/4", youngs_modulus=2.5e11, poisson_ratio=0.25, density=3210.0)
+    assert fem.wave_compliance(solid) == pytest.approx(0.183486 / 1e11, rel=3e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "surface", "value", "digits"),
+    [
+        (
+            "LiNbO3 (Kovacs)",
+            "vacuum",
+            2.5078e-12,
+            5e-4,
+        ),  # the values leave u_y out, which this cut couples weakly
+        ("LiNbO3 (Kovacs)", "metallised", 2.9527e-12, 7e-4),
+        ("LiNbO3 (Warner)", "vacuum", 2.3129e-12, 3e-3),
+        ("PZT-8", "vacuum", 4.8674e-12, 2e-5),
+    ],
+)
+def test_it_is_that_of_an_independent_program(name, surface, value, digits):
+    solid = fem.material(name)
+    solid = fem.rotated(solid, "128YX") if "LiNbO3" in name else solid
+    assert fem.wave_compliance(solid, surface) == pytest.approx(value, rel=digits)
+
+
+def test_the_power_of_the_wave_is_that_of_its_field():
+    # Conservation: |U|^2 omega/(4 Gamma) is kinetic energy per length (twice its mean) times the group velocity
+    solid = fem.rotated(fem.material("LiNbO3 (Kovacs)"), "128YX")
+    wave = fem.rayleigh(solid, "open")
+    depth = np.linspace(0.0, 12.0, 12001)
+    displacement, _ = wave.profile(depth)
+    density = np.trapezoid(np.sum(np.abs(displacement) ** 2, axis=1), depth)  # wavelengths
+    omega = 2 * np.pi * 1e7
+    wavelength = wave.velocity / 1e7
+    power = 2 * 0.25 * solid.density * omega**2 * density * wavelength * wave.velocity
+    assert fem.wave_compliance(solid, "open") == pytest.approx(omega / (4 * power), rel=1e-4)

@@ -1,0 +1,274 @@
+"""Scenes whose slider stands on pillars: numbers against the contact's own interface, files, refusals, model budget."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import contact
+import fem
+from studies import Scene, run
+from studies.chain import pillars
+from studies.record import Record
+from studies.refusal import SceneError
+
+WAVE = {
+    "frequency": 9.61e6, "normal_amplitude": [5e-9, 20e-9], "tangential_ratio": 0.88995, "wavelength": 414.05e-6,
+    "compliance": 2.5078e-12,
+}  # fmt: skip
+GRID = {"diameter": 20e-6, "height": 2e-6, "pitch": [50e-6, 60e-6], "rows": 12, "columns": 5}
+SLIDER = {
+    "mass": 1e-4, "preload": 0.18, "friction_coefficient": 0.18, "effective_modulus": 96.8e9,
+    "tangential_modulus": 22e9,
+}  # fmt: skip
+
+
+def scene(wave=(), **changes):
+    """Return a scene on a given wave; `pillars`: changed keys of the block."""
+    block = {**GRID, **changes.pop("pillars", {})}
+    block = {key: value for key, value in block.items() if value is not None}
+    given = {key: value for key, value in {**WAVE, **dict(wave)}.items() if value is not None}
+    return Scene.from_table("", {"wave": given, "slider": {**SLIDER, **changes, "pillars": block}})
+
+
+def by_hand(**changes):
+    """Return the same pillars and wave of 20 nm for the contact's interface, stiffnesses by the formulas."""
+    a, h, E, nu = 10e-6, 2e-6, 162e9, 0.22
+    A, inertia, G = math.pi * a**2, math.pi * a**4 / 4, E / (2 * (1 + nu))
+    k_n = 1 / (1 / (2 * a * 96.8e9) + h / (E * A))
+    k_t = 1 / (1 / (8 * a * 22e9) + h / (0.9 * G * A) + h**3 / (12 * E * inertia))
+    x = (np.arange(12) - 5.5) * 50e-6
+    y = (np.arange(5) - 2) * 60e-6
+    body = contact.Pillars(
+        **{"x": np.repeat(x, 5), "y": np.tile(y, 12), "normal_stiffness": k_n, "tangential_stiffness": k_t,
+           "friction_coefficient": 0.18, "preload": 0.18} | changes
+    )  # fmt: skip
+    wave = contact.PassingWave(
+        frequency=9.61e6,
+        wavelength=414.05e-6,
+        ratio=0.88995,
+        backward=20e-9,
+        compliance=2.5078e-12,
+        strip_width=300e-6,
+    )
+    return body, wave
+
+
+def test_a_scene_gives_what_the_contact_gives():
+    record = run(
+        scene(pillars={"height_scatter": 5e-9, "seed": 3}, tilt="pitch", preload_at=[5e-5, 0.0], load=1e-3)
+    )
+    heights = np.random.default_rng(3).normal(scale=5e-9, size=60)
+    body, wave = by_hand(heights=heights, tilt="pitch", preload_at=(5e-5, 0.0))
+    motion = contact.pillar_motion(body, wave, load=1e-3)
+    point = record.points[-1]
+    assert point["velocity_m_per_s"] == pytest.approx(motion.velocity, rel=1e-12)
+    assert motion.velocity > 0.5  # a given wave moves its crests towards +x
+    assert point["exit_over_entry"] == pytest.approx(motion.exit_over_entry, rel=1e-12)
+    assert point["tilt_rad"] == pytest.approx(motion.tilt, rel=1e-9)
+    assert point["approach_m"] == pytest.approx(motion.approach, rel=1e-12)
+    spent = point["friction_power_W"] + point["thrust_power_W"]
+    assert point["wave_power_in_W"] - point["wave_power_out_W"] == pytest.approx(spent, rel=1e-9)
+    assert point["loading_number"] == pytest.approx(2 * 2.5078e-12 * 0.18 / 300e-6 / 20e-9, rel=1e-12)
+    assert record.exit_code == 0
+    assert record.relative_error.max() < 1e-9
+
+
+def test_the_load_on_the_wave_is_computed_from_a_loading_number_of_one_in_twenty():
+    light = run(scene(wave={"normal_amplitude": 20e-9}, preload=2e-3))
+    assert "exit_over_entry" not in light.points[0]
+    assert light.points[0]["loading_number"] < 0.05
+    sizes = {row["effect"]: row["size"] for row in light.model_error}
+    assert sizes["load of the slider on the wave"] == pytest.approx(light.points[0]["loading_number"])
+    assert "exit_over_entry" in run(scene()).points[0]
+    body, wave = by_hand()
+    alone = contact.pillar_motion(body, wave, loading=False)
+    assert run(scene(loading=False)).velocity[-1] == pytest.approx(alone.velocity, rel=1e-12)
+
+
+def test_a_load_on_the_wave_that_is_not_computed_and_decides_leaves_no_answer():
+    heavy = {"preload": 18.0, "pillars": {"height_scatter": 5e-9, "seed": 3}}
+    left_out = run(scene(loading=False, **heavy))
+    assert left_out.exit_code == 1
+    assert "no answer: the model leaves out what changes velocity" in left_out.shortfall
+    loaded = run(scene(**heavy))
+    assert loaded.exit_code == 0
+    assert loaded.points[-1]["wave_power_out_W"] > 0.0
+
+
+def test_neighbours_stiffen_pillars():
+    # Closed form of the lattice and values by boundary elements
+    assert 1 / pillars.neighbours(0.05) == pytest.approx(1.13, rel=0.011)
+    assert 1 / pillars.neighbours(0.1) == pytest.approx(1.32, rel=0.011)
+    assert 1 / pillars.neighbours(0.3) == pytest.approx(3.21, rel=0.011)
+    slider = scene(pillars={"height": None}).slider
+    alone, near = (pillars.stiffnesses(slider, interaction=each)[0][0] for each in (False, True))
+    assert alone == pytest.approx(2 * 10e-6 * 96.8e9, rel=1e-12)
+    assert near / alone == pytest.approx(1 / pillars.neighbours(10e-6 / math.sqrt(50e-6 * 60e-6)), rel=1e-12)
+
+
+def test_a_run_leaves_tables_and_is_read_back(tmp_path):
+    record = run(scene(wave={"normal_amplitude": 20e-9}, pillars={"height_scatter": 5e-9}))
+    assert any("seed" in each for each in record.warnings)
+    record.save(tmp_path / "out", pictures=True)
+    back = Record.load(tmp_path / "out")
+    assert back.pillars["normal_force_N"].sum() == pytest.approx(0.18, rel=1e-9)
+    assert set(back.pillars) == {"x_m", "y_m", "height_m", "normal_force_N", "friction_power_W"}
+    assert back.slider_wave["forward_m"].dtype.kind == "c"
+    whole = json.loads((tmp_path / "out" / "run.json").read_text(encoding="utf-8"))
+    assert len(whole["points"][0]["exit_over_entry"]) == 2
+    head = (tmp_path / "out" / "velocity.csv").read_text(encoding="utf-8").splitlines()[0]
+    assert "exit_over_entry_re" in head
+    again = run(Scene.load(tmp_path / "out" / "scene.toml"))
+    assert again.velocity[0] == record.velocity[0]
+
+
+def written(path, text):
+    """Return a file of pillars as a scene names it."""
+    path.write_text(text, encoding="utf-8")
+    return str(path)
+
+
+def test_pillars_of_a_file_are_those_of_the_grid(tmp_path):
+    body, _ = by_hand()
+    rows = "\n".join(f"{x!r},{y!r},0.0" for x, y in zip(body.x.tolist(), body.y.tolist(), strict=True))
+    file = written(tmp_path / "pillars.csv", f"x_m,y_m,height_m\n{rows}\n")
+    none = dict.fromkeys(("pitch", "rows", "columns"))
+    found = run(scene(pillars={**none, "file": file}))
+    assert found.velocity[-1] == pytest.approx(run(scene()).velocity[-1], rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("x_m,y_m\n0,0\n", "must have the columns x_m, y_m, height_m"),
+        ("x_m,y_m,height_m\n0,0,nan\n", "got 'nan' as height_m in row 2"),
+        ("x_m,y_m,height_m\n0,0,\n", "got '' as height_m in row 2"),
+        ("x_m,y_m,height_m\n0,0,0\n1e-5,0,0\n", "that do not overlap, got 1e-05 m between rows 2 and 3"),
+        ("x_m,y_m,height_m\n0,0,3e-6\n1e-4,0,0\n", "height must be larger than every deviation .* 3e-06 m"),
+        ("", "must have the columns"),
+    ],
+)  # fmt: skip
+def test_a_bad_file_is_refused(tmp_path, text, sentence):
+    file = written(tmp_path / "pillars.csv", text)
+    with pytest.raises(SceneError, match=sentence):
+        run(scene(pillars={**dict.fromkeys(("pitch", "rows", "columns")), "file": file}))
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"contacts": 3}, r"slider.contacts must be absent with \[slider.pillars\]"),
+        ({"radius": 1e-3}, r"slider.radius must be absent with \[slider.pillars\]"),
+        ({"pillars": {"pitch": 15e-6}}, "slider.pillars.pitch must be at least the diameter, 2e-05 m"),
+        ({"pillars": {"rows": 2000, "columns": 2000}}, "at most 1000000 pillars, got 2000 x 2000"),
+        ({"pillars": {"rows": None, "columns": None, "area": 1e-5}}, "pillars.area must hold at least one pillar"),
+        ({"pillars": {"rows": None}}, "slider.pillars.rows and columns are required"),
+        ({"wave": {"compliance": None}, "loading": True}, "wave.compliance is required and missing"),
+        ({"wave": {"wavelength": None}}, "wave.wavelength is required and missing"),
+        ({"tilt": "free", "preload_at": [0.0, 1e-3]}, "preload_at must lie .* side at smaller y lifts"),
+        ({"load": 0.5}, "slider.load must be at most .* its stall"),
+        ({"law": "hysteretic"}, 'slider.law must be "elastic"'),
+        ({"method": "exact"}, 'slider.method must be "auto" or "averaged"'),
+        ({"pillars": {"diameter": None}}, "slider.pillars.diameter is required and missing"),
+        ({"pillars": {"height_scatter": -1e-9}}, "slider.pillars.height_scatter"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_refused(changes, sentence):
+    with pytest.raises(SceneError, match=sentence):
+        run(scene(**changes))
+
+
+def test_sliders_on_balls_have_no_keys_of_pillars():
+    with pytest.raises(SceneError, match=r"slider.tilt must be absent without \[slider.pillars\]"):
+        Scene.load("twente-contact").replace(slider={"tilt": "free"})
+
+
+def niobate(**changes):
+    """Return a driven 128YX stator with a small slider of pillars."""
+    text = """
+[stator]
+material = "LiNbO3 (Kovacs)"
+orientation = "128YX"
+length = "30 mm"
+thickness = "half-space"
+width = "14 mm"
+ends = "absorbing"
+[[transducer]]
+name = "left"
+center = "5 mm"
+finger_pairs = 10
+period = "400 um"
+metallisation = 0.5
+aperture = "9 mm"
+[drive]
+frequency = "9.6 MHz"
+transducer = "left"
+voltage = "150 V"
+[slider]
+position = "18 mm"
+mass = "0.3 g"
+preload = "10 N"
+friction_coefficient = 0.2
+ball = "silicon"
+[slider.pillars]
+diameter = "20 um"
+height = "2 um"
+pitch = "100 um"
+rows = 40
+columns = 40
+height_scatter = "10 nm"
+seed = 7
+"""
+    import tomllib
+
+    table = tomllib.loads(text)
+    for key, value in changes.items():
+        table["slider"][key] = value
+    return Scene.from_table("", table)
+
+
+@pytest.fixture(scope="module")
+def driven():
+    """Return the run of that stator."""
+    return run(niobate(), tolerance=1e-2)
+
+
+def test_a_stator_gives_the_waves_from_both_sides_and_gamma(driven):
+    from studies.chain.bridge import DrivenContact
+
+    wave, misfit = DrivenContact.of_run(driven).passing
+    assert misfit < 1e-2
+    # one transducer on the left, nothing on the right: the wave runs towards +x
+    assert abs(wave.backward) < 0.01 * abs(wave.forward)
+    here = abs(driven.surface_wave.rayleigh_motion(18e-3)[1])
+    assert abs(wave.forward) == pytest.approx(float(here), rel=0.01)
+    solid = fem.rotated(fem.material("LiNbO3 (Kovacs)"), "128YX")
+    assert wave.compliance == fem.wave_compliance(solid, "open")
+    assert wave.strip_width == pytest.approx(4e-3)
+    # power per width of the section's wave, |U|^2 omega/4 Gamma, is what the transducer radiates to the right
+    power = driven.surface_wave.power
+    assert wave.power(1.0) * abs(wave.forward) ** 2 / 4e-3 == pytest.approx(power.right / 9e-3, rel=0.03)
+
+
+def test_the_motor_runs_towards_its_transducer_and_takes_less_than_the_wave_brings(driven):
+    point = driven.points[0]
+    assert point["velocity_m_per_s"] < -0.1
+    assert point["wave_power_in_W"] > point["wave_power_out_W"] > 0.0
+    assert point["status"] == "ok"
+    assert any("neighbours" in row["effect"] for row in driven.model_error)
+    assert not any("slider's reaction" in each for each in driven.left_out)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"position": "29 mm"}, "slider.position must keep the pillars on the stator, 0 to 0.03 m"),
+        ({"position": "8 mm"}, "slider.position must keep the pillars off the fingers of 'left'"),
+        ({"position": ["18 mm", "6 mm"]}, "slider.position must keep the pillars on the stator, y from"),
+    ],
+)
+def test_pillars_stand_on_the_bare_stator(changes, sentence):
+    with pytest.raises(SceneError, match=sentence):
+        run(niobate(**changes), tolerance=1e-2)
