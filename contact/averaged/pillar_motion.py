@@ -169,7 +169,7 @@ class _Slider:
             loading = wave.loading_number(pillars.preload) > LOADED
         if loading and wave.compliance == 0.0:
             raise InputError("wave.compliance", "(Gamma, 1/Pa) is required where the slider loads the wave")
-        self.pillars, self.wave, self.loading = pillars, wave, bool(loading)
+        self.pillars, self.wave, self.loading = pillars, wave, bool(loading) and wave.amplitude > 0.0
         self.cycle = PillarCycle(pillars, wave, self.loading)
         self.equilibrium = Equilibrium(self.cycle)
 
@@ -193,6 +193,8 @@ class _Slider:
     def under(self, load: float) -> Balance:
         """Return the equilibrium under a load with its sign, which may be held."""
         kept = self.equilibrium.unknowns.copy()
+        if self.wave.amplitude == 0.0:
+            return self._bracketed(load)
         try:
             found = self.equilibrium.solve(load)
             if self._is_moving(found):
