@@ -229,6 +229,12 @@ class Slider:
             h -= excess / slope
         return h
 
+    def least_friction(self, contacts: int) -> float:
+        """Return the least tangential force in N of slipping contacts under the preload, at any speed up to 10 m/s."""
+        if self.friction is None:
+            return self.static_friction(contacts)
+        return min(self.sliding_friction(contacts, float(speed)) for speed in (0.0, *np.logspace(-4, 1, 21)))
+
     def rest_approach(self, contacts: int) -> float:
         """Return the approach in m of a contact of height 0 under the preload, no wave: minus the slider's position."""
         return self.approach_under(self.preload, contacts)

@@ -5,7 +5,9 @@
 >>> motor.slider.preload, len(motor.drive.voltage)
 (0.005, 12)
 
-``run(motor)`` gives a `Record`, ``sweep(motor, {...})`` a `Sweep`.  Conventions: exp(+i omega t), peak amplitudes,
+``run(motor)`` gives a `Record`, ``sweep(motor, {...})`` a `Sweep`, ``fit`` a `Fit`, ``design`` a `Design`,
+``datasheet`` a `Datasheet`, ``network`` a `skrf.Network`; what they do meanwhile is logged by the loggers below
+``studies``.  Conventions: exp(+i omega t), peak amplitudes,
 SI units, x along the surface, z out of it, slider velocity positive along +x.  Importing this package imports no
 numerical library; ``run`` imports what its scene needs.
 
@@ -20,39 +22,57 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from studies.chain import run
-    from studies.record import Record
+    from studies.chain.predictor import Predictor
+    from studies.chain.runs import run
+    from studies.chain.scattering import network
+    from studies.inverse.fitting import fit
+    from studies.inverse.optimum import Design, design
+    from studies.inverse.parameters import Parameter
+    from studies.inverse.residual import Residual
+    from studies.inverse.result import Fit
+    from studies.record.measured import Measurement
+    from studies.record.record import Record
     from studies.refusal import RunError, SceneError
-    from studies.scene import Scene, shipped_scenes
+    from studies.report.datasheet import Datasheet, datasheet
     from studies.scene.blocks import Drive, IsotropicSolid, PiezoelectricSolid, Stator, Transducer
+    from studies.scene.file import shipped_scenes
+    from studies.scene.scene import Scene
     from studies.scene.slider import Damping, Slider, Wave
     from studies.sweeps import Sweep, sweep
 
+_PUBLIC = {
+    "chain.predictor": "Predictor",
+    "chain.runs": "run",
+    "chain.scattering": "network",
+    "inverse.fitting": "fit",
+    "inverse.optimum": "Design design",
+    "inverse.parameters": "Parameter",
+    "inverse.residual": "Residual",
+    "inverse.result": "Fit",
+    "record.measured": "Measurement",
+    "record.record": "Record",
+    "refusal": "RunError SceneError",
+    "report.datasheet": "Datasheet datasheet",
+    "scene.blocks": "Drive IsotropicSolid PiezoelectricSolid Stator Transducer",
+    "scene.file": "shipped_scenes",
+    "scene.scene": "Scene",
+    "scene.slider": "Damping Slider Wave",
+    "sweeps": "Sweep sweep",
+}  # names by the module that defines them
+_HOME = {name: module for module, names in _PUBLIC.items() for name in names.split()}
 __all__ = [
-    "Damping", "Drive", "IsotropicSolid", "PiezoelectricSolid", "Record", "RunError", "Scene", "SceneError", "Slider",
-    "Stator", "Sweep", "Transducer", "Wave", "run", "shipped_scenes", "sweep",
+    "Damping", "Datasheet", "Design", "Drive", "Fit", "IsotropicSolid", "Measurement", "Parameter",
+    "PiezoelectricSolid", "Predictor", "Record", "Residual", "RunError", "Scene", "SceneError", "Slider",
+    "Stator", "Sweep", "Transducer", "Wave", "datasheet", "design", "fit", "network", "run", "shipped_scenes",
+    "sweep",
 ]  # fmt: skip
-
-_HOME = {
-    "Damping": "scene.slider",
-    "Record": "record",
-    "RunError": "refusal",
-    "Scene": "scene",
-    "SceneError": "refusal",
-    "Slider": "scene.slider",
-    "Sweep": "sweeps",
-    "Wave": "scene.slider",
-    "run": "chain",
-    "shipped_scenes": "scene",
-    "sweep": "sweeps",
-}
 
 
 def __getattr__(name: str):
     """Import a public name when it is first asked for: importing the package stays cheap."""
-    if name not in __all__:
+    if name not in _HOME:
         raise AttributeError(f"module 'studies' has no attribute {name!r}")
-    return getattr(import_module(f"studies.{_HOME.get(name, 'scene.blocks')}"), name)
+    return getattr(import_module(f"studies.{_HOME[name]}"), name)
 
 
 class _FormerName(ModuleType):

@@ -82,9 +82,7 @@ def _dispatch(words: list[str]) -> int:
     if arguments.call is None:
         top.print_help()
         return 0
-    from studies.command import calls
-
-    return getattr(calls, arguments.call)(arguments)
+    return arguments.function(arguments)
 
 
 def _said(message, status: int) -> int:

@@ -86,6 +86,32 @@ def run_command(words: list[str]) -> None:
     assert main(words[1:]) == 0, " ".join(words)
 
 
+NUMBER = re.compile(r"[+-]?\d+(?:\.\d+)?(?:e[+-]?\d+)?")
+UNTOLD = ("seconds", "expected", "results")  # lines that differ from machine to machine
+
+
+def same(shown: str, printed: str) -> bool:
+    """Return whether a line of a document is one that was printed: same words, numbers to a part in 500."""
+    if NUMBER.sub("#", " ".join(shown.split())) != NUMBER.sub("#", " ".join(printed.split())):
+        return False
+    pairs = zip(map(float, NUMBER.findall(shown)), map(float, NUMBER.findall(printed)), strict=True)
+    return all(
+        abs(a - b) <= 2e-3 * abs(a) or (abs(a) < 5e-2 and abs(a - b) <= 0.5 * abs(a)) for a, b in pairs
+    )
+
+
+def unprinted(block: Fenced, printed: str) -> list[str]:
+    """Return the lines of a block that the command before it did not print; "..." stands for others left out."""
+    known = printed.splitlines()
+    return [
+        line
+        for line in block.text.splitlines()
+        if line.strip() not in ("", "...")
+        and not line.startswith(UNTOLD)
+        and not any(same(line, each) for each in known)
+    ]
+
+
 @pytest.fixture
 def solved_once(monkeypatch):
     """Let the commands of a document that ask for the same field get the same answer, solved once."""
@@ -105,6 +131,7 @@ def test_the_blocks_of_a_document_run(document, tmp_path, monkeypatch, solved_on
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "Agg")
     space: dict = {"__name__": "document"}
+    printed, wrong = "", []
     for block in blocks(document.read_text(encoding="utf-8")):
         if block.remark.startswith("<!-- not run:"):
             continue
@@ -118,9 +145,15 @@ def test_the_blocks_of_a_document_run(document, tmp_path, monkeypatch, solved_on
                 file.write_text(block.text, encoding="utf-8")
                 Scene.load(file)
         elif is_shell(block):
-            for words in commands(block.text):
+            ran = commands(block.text)
+            for words in ran:
                 run_command(words)
+            if any(words[0] == "sawmotor" for words in ran):
+                printed = capsys.readouterr().out
+        elif not block.language and printed and "not printed" not in block.remark:
+            wrong += [f"line {block.line}: {line}" for line in unprinted(block, printed)]
     capsys.readouterr()
+    assert not wrong, "\n".join(wrong)
     if "matplotlib" in space or "pyplot" in str(space.keys()):
         from matplotlib import pyplot
 

@@ -29,7 +29,7 @@ from contact.slider import Slider
 from contact.solve.averaged_sweep import MAX_RATIO_HELD, MAX_THRESHOLD_ERROR, THRESHOLD_ERROR
 from contact.solve.bounce import speed_lost
 from contact.solve.equilibrium import Balance, balanced, cycle_at
-from contact.solve.settling import long_run, reached_instead
+from contact.solve.settling import long_run, reached
 from contact.solve.shooting import periodic
 
 METHODS = ("auto", "exact", "averaged")
@@ -150,6 +150,11 @@ class _Search(NamedTuple):
     ratio: float
     balance: Balance
 
+    @property
+    def unit(self):
+        """Unit of velocity of the balance's problem, m/s."""
+        return self.balance.problem.speed
+
     def relative(self, difference, velocity):
         """Return a difference of velocities over the reference speed."""
         return relative_to_reference(difference, velocity, self.orbits)
@@ -193,16 +198,21 @@ def _reached(search):
     if search.ratio <= MAX_RATIO_HELD:
         undamped = slider.normal_damping == 0.0 and slider.contact_damping == 0.0
         return _bouncing(search, answer) if undamped and answer["velocity"] != 0.0 else answer
-    try:
-        run = reached_instead(slider, search.orbits, search.balance, periodic_motion)
-    except ConvergenceError as failed:
-        note = f"; whether a slider from rest comes to it was not seen: {failed}"
-        return answer | {"message": answer["message"] + note}
-    if run is None:
+    seen, unit, velocity = (
+        reached(slider, search.orbits, search.balance, periodic_motion), search.unit, answer["velocity"],
+    )  # fmt: skip
+    if seen.instead is not None:
+        found = _settled(search, seen.instead)
+        note = f"; a motion that repeats every cycle has {velocity:.4g} m/s, but is not reached from rest"
+        return found | {"message": found["message"] + note, "other_velocity": velocity}
+    if not seen.reason:
         return answer
-    found, velocity = _settled(search, run), answer["velocity"]
-    note = f"; a motion that repeats every cycle has {velocity:.4g} m/s, but is not reached from rest"
-    return found | {"message": found["message"] + note, "other_velocity": velocity}
+    other = None if seen.speed is None else float(search.side * seen.speed * unit)
+    mean = "" if other is None else f", with {other:.4g} m/s in the mean"
+    return answer | {
+        "relative_error": answer["relative_error"] + search.relative(seen.doubt * unit, velocity),
+        "message": f"{answer['message']}; {seen.reason}{mean}", "other_velocity": other,
+    }  # fmt: skip
 
 
 def _bouncing(search, answer):

@@ -201,8 +201,9 @@ def _stopped(slider, motion):
     still = silence(motion)
     # long enough to brake, and then bounce periods until no contact slips through a whole one
     period = problem.omega / slider.tangential_resonance(contacts)
-    # at high speed friction may have fallen below the load: the slips are waited for in any case
-    friction = slider.static_friction(contacts) - slider.load
+    friction = slider.least_friction(contacts) - slider.load
+    if friction <= 0.0:  # the slips are waited for in any case
+        friction = slider.static_friction(contacts) - slider.load
     brake = speed * problem.speed * slider.mass / friction * problem.omega
     phase, last, quiet, largest = 0.0, 0.0, 0, 0.0
     while quiet < 12:

@@ -18,7 +18,7 @@ from contact.orbit import Orbit, as_orbits
 from contact.slider import Slider
 from contact.solve.averaged_sweep import MAX_RATIO_HELD
 from contact.solve.equilibrium import balanced
-from contact.solve.settling import long_run, reached_instead
+from contact.solve.settling import long_run, reached
 from contact.solve.shooting import periodic
 
 STAGES = ("start", "steady", "after")
@@ -145,7 +145,7 @@ def _steady_motion(slider, orbits):
         found = None
     if found is None or not found.stable:
         return long_run(slider, orbits, balance.load_sign).motion
-    instead = reached_instead(slider, orbits, balance, found) if ratio > MAX_RATIO_HELD else None
+    instead = reached(slider, orbits, balance, found).instead if ratio > MAX_RATIO_HELD else None
     if instead is not None:
         return instead.motion
     motion, problem = found.motion, rest_problem(slider, orbits)

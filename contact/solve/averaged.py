@@ -32,6 +32,9 @@ LEAST_AT_REST, LARGEST_AT_REST, COLUMNS = range(11, 14)
 # Nodes per smooth piece of a cycle: those of the search, and those of the answer. The difference between the two times
 # RULE_ERROR bounds the error of the finer (true: 1/70 with 16 and 24 nodes, an elliptic orbit of general phase).
 NODES, FINE_NODES, RULE_ERROR = 16, 24, 0.1
+# Error of the velocity over the largest of the last three harmonics, per (harmonics + 1)^2: of 263 random motors up to
+# f_n/f = 0.3 none exceeds twice its error with 2, one with 1, and 5 with 1 and the last tangential harmonic alone.
+TAIL_SHARE = 2.0
 
 
 class Work(NamedTuple):
@@ -216,10 +219,14 @@ def _second_order(problem, slope, top, work, out):
             break
     out[VELOCITY], out[HEIGHT], out[RESIDUAL] = v, h, change
     out[MADE_PER_CYCLE], out[SLIPS_PER_CYCLE] = second.counts[MADE], second.counts[SLIPS]
-    # the coefficients fall as n^-4.5 and the tail enters the mean with its own small share of the force
-    last = second.force.tangential_cos.size - 1
-    tail = np.hypot(second.force.tangential_cos[last], second.force.tangential_sin[last])
-    out[TAIL] = tail / (last + 2.0) ** 2
+    # The forces' harmonics fall as n^-5/2 (spheres) or n^-2 (punches, a contact's damper), the fast motion as
+    # n^-2 times that, and the sum over what is left out enters the mean once more by such a harmonic. One harmonic may
+    # vanish by chance: the largest of the last three counts.
+    force, last, tail = second.force, second.force.tangential_cos.size - 1, 0.0
+    for k in range(max(last - 2, 0), last + 1):
+        along = np.hypot(force.tangential_cos[k], force.tangential_sin[k])
+        tail = max(tail, along + problem.friction * np.hypot(force.normal_cos[k], force.normal_sin[k]))
+    out[TAIL] = TAIL_SHARE * tail / (last + 2.0) ** 2
     return Status.DONE if change < 1e-7 else Status.UNSETTLED
 
 

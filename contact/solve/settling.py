@@ -5,25 +5,34 @@ same way twice. Then the motion is followed event by event until it repeats afte
 sticks for good (the mean velocity is then zero, whatever rings), or until there is enough of it for a mean whose
 statistical error is stated: batch means over what is left after the first half, and the difference to a second run
 from almost the same start, for there may be several motions to settle to.
+
+A stable motion that repeats with the wave's period need not be the one that a slider from rest comes to. It counts as
+reached where a start from rest, and one a little beside it, come to it side by side. Where a light damper
+takes longer than can be followed event by event, fixed steps follow the bounce until it has died. What is then still
+open is stated as a doubt: the difference in velocity between the periodic motion and the one that was seen.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
+from contact.codes import Tangential
 from contact.convergence import ConvergenceError
-from contact.drive import relative_to_reference
+from contact.drive import reference_speed
 from contact.kinematics import at_phase, tangential_amplitude
 from contact.orbit import Orbit
-from contact.problem import scaled
+from contact.problem import largest_resonance, scaled
 from contact.slider import Slider
 from contact.solve.collocation import collocation
 from contact.solve.energy import DISPLACEMENT
 from contact.solve.equilibrium import Balance
 from contact.solve.event_driven import APPROACH, HALVINGS, STRETCHES
 from contact.solve.motion import Motion
-from contact.solve.shooting import Periodic
+from contact.solve.segment import ROW_MEAN_VELOCITY, ROW_VELOCITY
+from contact.solve.shooting import MULTIPLIER_ERROR, Periodic
+from contact.solve.time_stepping import steps
 
 # cycles after which a motion may repeat, and how closely (of the units of the problem)
 PERIODS, REPEATS = 12, 1e-9
@@ -31,6 +40,13 @@ PERIODS, REPEATS = 12, 1e-9
 CLOSE = 1e-5
 # largest difference of two velocities, over the reference speed, that are those of one motion
 SAME = 1e-3
+# Cycles within which a transient is no matter of chance; e-foldings after which a departure has died out, and the
+# slowest that is waited for, cycles (a second in fixed steps)
+REGULAR, SURELY, MAX_SETTLING = 200, 8.0, 100_000
+# cycles without any slip after which every contact sticks for good: some periods of the bounce
+STUCK_CYCLES = 64
+# fixed steps for that: per cycle, and the largest change of the contact's oscillation in one
+STEPS_PER_CYCLE, MAX_STEP = 64, 0.2
 # segments that a run may take (some seconds), and cycles
 BUDGET, MAX_CYCLES = 600_000, 30_000
 MEMORY = 10.0  # cost of a segment with the hysteretic law
@@ -51,7 +67,16 @@ class LongRun:
     cycles: int
     passed: int
     starts: int = 1  # From which the motion was followed
+    arrived: bool = False  # Whether it came to a motion that was known before
+    # v at the ends of the cycles before, and its mean when a slow bounce has died (NaN: not asked)
+    velocities: np.ndarray = field(default_factory=lambda: np.zeros(1), repr=False)
+    eventual: float = math.nan
     motion: Motion  # At the end; its tally and sums cover the `cycles`
+
+    @property
+    def transient(self) -> float:
+        """Mean of v over the second half of the cycles before."""
+        return float(np.mean(self.velocities[self.velocities.size // 2 :]))
 
     @property
     def height(self) -> float:
@@ -61,65 +86,172 @@ class LongRun:
         return float(np.mean(more) - self.motion.problem.paths.height[0])
 
 
-def long_run(
-    slider: Slider, orbits: tuple[Orbit, ...], direction: float, near: np.ndarray | None = None
-) -> LongRun:
+class Reached(NamedTuple):
+    """What a start from rest says of a stable periodic motion; velocities in the units of the balance's problem."""
+
+    instead: LongRun | None = None  # another motion, which is the answer
+    doubt: float = 0.0  # how far the velocity of a start from rest may be from that of the periodic motion
+    reason: str = ""  # why there is a doubt
+    speed: float | None = None  # velocity of the motion that was seen, where it is another
+
+
+def long_run(slider: Slider, orbits: tuple[Orbit, ...], direction: float) -> LongRun:
     """Return the mean of the motion from rest, once it repeats, sticks or has gone on for long enough.
 
-    `direction` as in `problem.scaled`; `near`: phase-0 state z_s, z_s', v, ... of a stable periodic motion, at which a
-    run that comes close to it ends.
+    `direction` as in `problem.scaled`.
     """
-    start = -0.5 * math.pi - float(np.angle(orbits[0].normal))
-    problem = scaled(slider, orbits, direction=direction, start=start)
+    problem, begin = _started(slider, orbits, direction)
     rate = _relaxation(problem)
     _refuse_unless_affordable(problem, rate)
-    begin = _rest(slider, orbits, problem)
-    first = _followed(problem, begin, rate, near)
+    first = _followed(problem, begin, rate)
     if first.period or first.sticks:
         return first
-    # a push too small to matter to anything but an irregular motion
-    second = _followed(problem, begin + 1e-6 * (np.arange(begin.size) == 1), rate, near)
+    second = _followed(problem, _beside(begin), rate)
     other = second if second.period or second.sticks else first
     return replace(other, error=max(first.error, second.error, abs(first.speed - second.speed)), starts=2)
 
 
-def reached_instead(
-    slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, found: Periodic
-) -> LongRun | None:
-    """Return the motion that a slider from rest comes to, None if it is the periodic one that was found."""
+def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, found: Periodic) -> Reached:
+    """Return whether a slider from rest comes to a stable periodic motion, or to which else."""
     target = found.motion.copy()
     target.move(0.0, 0.5 * math.pi, np.empty(0))  # from the trough of u_z to its upward zero
-    run = long_run(slider, orbits, balance.load_sign, near=target.state)
-    apart = (abs(run.speed - found.speed) + run.error) * balance.problem.speed
-    return None if relative_to_reference(apart, found.speed * balance.problem.speed, orbits) <= SAME else run
+    problem, begin = _started(slider, orbits, balance.load_sign)
+    unit = reference_speed(found.speed * problem.speed, orbits) / problem.speed
+    near = Near(target.state, found.speed, SAME * unit, found.growth)
+    rate = _relaxation(problem)
+    try:
+        _refuse_unless_affordable(problem, math.inf)
+        first = _followed(problem, begin, rate, near)
+        # an irregular transient ends when it happens to: from another start much earlier or later
+        again = first.passed > REGULAR or not first.arrived
+        second = _followed(problem, _beside(begin), rate, near) if again else first
+    except ConvergenceError as failed:
+        return Reached(doubt=unit, reason=f"whether a slider from rest comes to it was not seen: {failed}")
+    if first.arrived and second.arrived:
+        if _together(first, second, near):
+            return Reached()
+        late = first if first.passed > second.passed else second
+        return _irregular(late, second.passed + first.passed - late.passed, unit, found.speed)
+    if first.arrived or second.arrived:
+        run = second if first.arrived else first
+        return _irregular(run, first.passed + second.passed - run.passed, unit, found.speed)
+    run = second if second.period or second.sticks else first
+    run = replace(run, error=max(first.error, second.error, abs(first.speed - second.speed)), starts=2)
+    apart = abs(run.speed - found.speed) + run.error
+    if apart <= near.same:
+        return Reached()
+    if run.period or run.sticks or run.passed + run.cycles > SURELY * near.decay_cycles:
+        return Reached(instead=run)
+    reason = f"a start from rest still bounces after {run.passed + run.cycles} cycles"
+    later = [each.eventual for each in (first, second) if not math.isnan(each.eventual)]
+    doubt = max([apart, *(abs(speed - found.speed) for speed in later)])
+    return Reached(doubt=doubt, reason=reason, speed=later[0] if later else run.speed)
 
 
-def _followed(problem, begin, rate, near):
-    """Return the mean of the motion from one start."""
+def _together(first, second, near):
+    """Return whether two runs from almost the same start stay together all the way."""
+    both = min(first.velocities.size, second.velocities.size)
+    return float(np.max(np.abs(first.velocities[:both] - second.velocities[:both]))) <= near.same
+
+
+def _irregular(run, other, unit, speed):
+    """Return the doubt of a motion that two neighbouring starts reach at very different times, or one not at all."""
+    doubt = max(abs(run.transient - speed), SAME * unit)
+    until = "has not come to it" if not run.arrived else "comes to it"
+    reason = (
+        f"a start from rest {until} after {run.passed} cycles of irregular motion, another after {other}: how long it "
+        "takes is a matter of chance"
+    )
+    return Reached(doubt=doubt, reason=reason, speed=run.transient)
+
+
+class Near(NamedTuple):
+    """A stable periodic motion, to which a run from rest may come; scaled."""
+
+    state: np.ndarray  # at phase 0: z_s, z_s', v, ...
+    speed: float  # mean of v
+    same: float  # difference of two mean velocities that are those of one motion
+    growth: float  # largest Floquet multiplier
+
+    @property
+    def decay_cycles(self) -> float:
+        """Cycles in which a small departure falls to 1/e; inf where nothing damps it."""
+        return 1.0 / -math.log(self.growth) if self.growth < 1.0 - MULTIPLIER_ERROR else math.inf
+
+
+def _started(slider, orbits, direction):
+    """Return (problem, state at rest) where u_z of the first contact rises through zero."""
+    start = -0.5 * math.pi - float(np.angle(orbits[0].normal))
+    problem = scaled(slider, orbits, direction=direction, start=start)
+    return problem, _rest(slider, orbits, problem)
+
+
+def _beside(begin):
+    """Return almost the same start: a push too small to matter to anything but an irregular motion."""
+    return begin + 1e-6 * (np.arange(begin.size) == 1)
+
+
+def _followed(problem, begin, rate, near=None):
+    """Return the mean of the motion from one start; `near`: a motion at which a run that comes close to it ends."""
     motion = Motion(problem, grid=collocation(14), truncation=1e-11)
     motion.place(*begin[:3], begin[3:])
     budget = BUDGET / (MEMORY if motion.memory is not None else 1.0)
     block, passed, spent = 1, 0, 0
-    rows, quiet = np.empty((0, 3)), 0
+    rows, quiet, eventual = np.empty((0, 3)), 0, None
     while True:
         motion.begin()
         rows = np.vstack([rows, motion.turn(block, stride=1)])
         passed += block
         spent += int(motion.tally[STRETCHES] + motion.tally[HALVINGS])
-        quiet = quiet + 1 if motion.sticks else 0
-        if quiet > 1:
+        quiet = quiet + block if motion.sticks else 0
+        if quiet >= STUCK_CYCLES:
             return LongRun(
                 speed=0.0, error=0.0, period=0, sticks=True, cycles=block, passed=passed, motion=motion
             )
-        period, gap = _period(rows)
         if near is not None and _arrived(rows, near):
-            period, gap = 1, 0.0
+            return _arrival(motion, rows, passed, near)
+        period, gap = _period(rows)
         if period:
-            return _repeating(motion, period, gap, passed)
+            run = _repeating(motion, begin, period, gap, passed)
+            close = near is not None and abs(run.speed - near.speed) <= near.same
+            return replace(run, arrived=close, velocities=rows[:, ROW_VELOCITY])
+        if near is not None and passed > REGULAR and eventual is None:
+            eventual = _eventual(problem, motion, near)
+            if abs(eventual - near.speed) <= near.same:
+                return _arrival(motion, rows, passed, near)
         if spent > 0.25 * budget or passed > MAX_CYCLES // 4:
-            return _mean(motion, max(BATCHES, passed), passed, rate)
+            run = _mean(motion, max(BATCHES, passed), passed, rate)
+            return replace(
+                run, velocities=rows[:, ROW_VELOCITY], eventual=math.nan if eventual is None else eventual
+            )
         # as many cycles in a block as a twentieth of the budget takes
         block = int(min(max(1, 0.05 * budget * passed / spent), MAX_CYCLES // 20, 2 * block))
+
+
+def _arrival(motion, rows, passed, near):
+    """Return the run that has come to a known motion."""
+    return LongRun(
+        speed=near.speed, error=near.same, period=1, sticks=False, cycles=1, passed=passed, motion=motion,
+        arrived=True, velocities=rows[:, ROW_VELOCITY],
+    )  # fmt: skip
+
+
+def _eventual(problem, motion, near):
+    """Return the mean velocity, by fixed steps, when a bounce that dies out too slowly to be followed exactly has died.
+
+    The mean is over the last tenth. NaN where the decay is fast, or takes too long, or fixed steps do not serve.
+    """
+    if (
+        not REGULAR < near.decay_cycles < MAX_SETTLING
+        or problem.law.kind != Tangential.ELASTIC
+        or problem.stick_band
+    ):
+        return math.nan
+    if 2.0 * math.pi / STEPS_PER_CYCLE * largest_resonance(problem) > MAX_STEP or problem.limit_slope == 0.0:
+        return math.nan
+    cycles = int(SURELY * near.decay_cycles)
+    rows = steps(problem, motion.state.copy(), cycles, STEPS_PER_CYCLE)
+    return float(np.mean(rows[-max(1, cycles // 10) :, ROW_MEAN_VELOCITY]))
 
 
 def _relaxation(problem):
@@ -157,8 +289,9 @@ def _rest(slider, orbits, problem):
 
 def _arrived(rows, near):
     """Return whether the last cycles ended within `CLOSE` of a stable motion."""
-    late = rows[-4:, :2] - np.array([near[2], near[0]])
-    return len(late) == 4 and bool(np.max(np.abs(late)) < CLOSE * (1.0 + np.max(np.abs(near[:3]))))
+    late = np.abs(rows[-4:, :2] - np.array([near.state[2], near.state[0]]))
+    close = CLOSE * (1.0 + np.max(np.abs(near.state[:3])))
+    return len(late) == 4 and bool(np.max(late[:, 0]) < min(close, near.same) and np.max(late[:, 1]) < close)
 
 
 def _period(rows):
@@ -179,18 +312,20 @@ def _period(rows):
     return 0, math.inf
 
 
-def _repeating(motion, period, gap, passed):
+def _repeating(motion, begin, period, gap, passed):
     """Return the mean over one period, its error from the same period at another order."""
-    begin = motion.copy()
+    before = motion.copy()
     motion.begin()
     motion.turn(period)
     coarse = Motion(motion.problem, grid=collocation(10), truncation=1e-8)
-    coarse.state[:], coarse.regime[:], coarse.sign[:] = begin.state, begin.regime, begin.sign
-    if begin.memory is None:
-        coarse.turn(period)
-        error = abs(coarse.sums[DISPLACEMENT] - motion.sums[DISPLACEMENT]) / (2.0 * math.pi * period)
-    else:  # what a contact remembers is kept on the nodes of its own order
-        error = 1e-9
+    if motion.memory is None:
+        coarse.state[:], coarse.regime[:], coarse.sign[:] = before.state, before.regime, before.sign
+    else:  # what a contact remembers is kept on the nodes of its own order, and made by the whole run
+        coarse.place(*begin[:3], begin[3:])
+        coarse.turn(passed)
+        coarse.begin()
+    coarse.turn(period)
+    error = abs(coarse.sums[DISPLACEMENT] - motion.sums[DISPLACEMENT]) / (2.0 * math.pi * period)
     speed = float(motion.sums[DISPLACEMENT]) / (2.0 * math.pi * period)
     return LongRun(
         speed=speed,

@@ -16,7 +16,7 @@ import numpy as np
 import contact
 from studies.record import Record
 from studies.scene import Scene
-from studies.scene.slider import Slider, Wave
+from studies.scene.slider import Friction, LawText, Slider, Wave
 
 
 def orbits_per_volt(motion, slider: Slider) -> tuple:
@@ -74,10 +74,10 @@ def contact_slider(slider: Slider):
         mass=slider.mass / share,
         preload=slider.preload / share,
         load=slider.load / share,
-        friction_coefficient=slider.friction_coefficient,
+        friction_coefficient=slider.static_coefficient,
         effective_modulus=slider.effective_modulus,
         tangential_modulus=slider.tangential_modulus,
-        law=slider.law,
+        law="hysteretic" if slider.remembers else "elastic",
         reciprocal=slider.reciprocal,
         stick_band=slider.stick_band,
         contact_damping=slider.damping.contact,
@@ -85,7 +85,23 @@ def contact_slider(slider: Slider):
         tangential_damping=slider.damping.tangential / share,
         shape=slider.shape,
         heights=slider.heights or (),
+        friction=_friction(slider),
     )
+
+
+def _friction(slider: Slider):
+    """Return what the friction of a block depends on besides the normal force, None for Coulomb's."""
+    if isinstance(slider.law, LawText):
+        return contact.UserLaw(slider.law.name, slider.law.source)
+    if isinstance(slider.friction_coefficient, Friction):
+        given = slider.friction_coefficient
+        return contact.FallingFriction(
+            sliding=given.sliding,
+            speed=given.speed,
+            high_pressure=given.high_pressure,
+            pressure=given.pressure,
+        )
+    return None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -37,7 +37,7 @@ def electrical_block(scene: Scene, motion) -> dict:
 
 
 def _recovered(scene: Scene, circuit) -> dict:
-    """Return recovered power, what the source gives in the end, and the loop's gain, of a ``fem.Circuit``.
+    """Return recovered power, what the source gives in the end, and the loop's gain, of a ``fem.circuit.Circuit``.
 
     With circulation the returned power comes back each time round: the sum of a geometric series, which exists for a
     gain below 1.  An ideal combiner (a coupler that passes just what the loop lets through) reflects nothing then, and

@@ -121,7 +121,7 @@ def _contact(scene: Scene) -> Iterator[tuple[bool, str]]:
     yield alike > 0, f"{alike} of {slider.contacts} contacts: in phase they move as one"
     at_once = "motion from rest: no burst, the periodic state is found without waiting for it"
     yield scene.burst is None, at_once
-    yield slider.law == "elastic", "contact memory: the law is elastic, Q depends on z and x alone"
+    yield not slider.remembers, f"contact memory: the law is {slider.law}, Q depends on z, x and slip alone"
     reaction = "the tangential spring's reaction on the normal motion: reciprocal is false"
     yield not slider.reciprocal, reaction
     for key, force in (("contact", "R_n1"), ("normal", "R_n2"), ("tangential", "R_t")):

@@ -235,7 +235,7 @@ def _bounce_ratio(slider, frequency: float) -> float:
 
 
 def steady_velocity(driven: DrivenContact, factor: float = 1.0) -> tuple[float, str, float, float, float]:
-    """Return velocity, regime, error, error from the wave and stall at a level, as `studies.chain.points.averaged`."""
+    """Return velocity, regime, error, error from the wave and stall at a level, as `studies.chain.steady.averaged`."""
     body = PillarContact.of(driven)
     motion = body.motion(factor)
     sensitivity = body.sensitivity(factor, motion)

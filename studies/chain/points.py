@@ -147,7 +147,7 @@ def followed_burst(
 ):
     """Follow the burst, and the slider until it has stopped and rung for some periods, or for a time ``after`` it."""
     slider, duration, ringing = driven.slider, driven.scene.burst, driven.ringing
-    friction = slider.friction_coefficient * slider.preload
+    friction = slider.least_friction(len(orbits))
     stopping = abs(velocity) * slider.mass / friction if friction > 0 else 0.0
     after_ring = 20 / slider.tangential_resonance(len(orbits)) if slider.preload > 0 else 0.0
     after = min(1.2 * stopping + after_ring, 10 * duration) if after is None else after

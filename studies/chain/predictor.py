@@ -6,6 +6,7 @@ searches all take their answers from here.  Where a point near the threshold tur
 ``step`` is ten times better: which of the ``STEPS`` a point uses depends on that point alone.
 """
 
+import logging
 import math
 import time
 from collections.abc import Callable, Iterable, Sequence
@@ -32,6 +33,7 @@ from studies.scene.blocks import Drive, Stator
 from studies.scene.consistency import refuse_endless_burst
 from studies.scene.override import replaced
 
+LOGGER = logging.getLogger("studies.run")
 KEPT = 10_000  # blocks of a kind in memory
 MAX_KEPT = 1_000_000  # places of solved stators in memory, about 300 MB
 GAIN = 0.1  # of the step before
@@ -59,7 +61,7 @@ class Predictor:
         self.table, self.tolerance, self.coarse, self.slider = table, tolerance, coarse, slider
         self.steps = 1 if coarse else steps
         self.free = "wave" not in table and not table.get("transducer")
-        self.places, self.limits, self.progress = tuple(places), limits, progress or _silent
+        self.places, self.limits, self.progress = tuple(places), limits, progress or LOGGER.info
         self.seconds = 0.0  # spent on stators
         self._rules, self._answers, self._latest, self._count = rules, {}, (None, None), 0
         self._block, self._slider = lru_cache(KEPT)(self._read), lru_cache(KEPT)(resolve.resolved_slider)

@@ -5,6 +5,7 @@ begins with a quarter of it; where the contact turns out to multiply the stator'
 by 20), the stator is solved again, better.
 """
 
+import logging
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -28,6 +29,7 @@ from studies.scene import Scene
 
 __all__ = ["SHARE", "run"]
 
+LOGGER = logging.getLogger("studies.run")
 SHARE = 0.25  # of the tolerance, for the stator at first and for the contact
 # of the motion's error: what is left then is the beam's own, which no finer section makes smaller
 STALLED = 0.7
@@ -81,7 +83,7 @@ def run(
 
 
 def _run(scene: Scene, tolerance: float, progress: Callable[[str], None] | None) -> Record:
-    say = progress or (lambda text: None)
+    say = progress or LOGGER.info
     scene = resolve.resolved(scene)
     if scene.wave is not None:
         record = _given(scene, tolerance, say)

@@ -47,9 +47,9 @@ def scene_warnings(scene: Scene) -> Iterator[str]:
 
 def _sizes(scene: Scene, slider: Slider) -> Iterator[str]:
     """Yield warnings on radius, distances and friction coefficient that no motor has."""
-    if slider.friction_coefficient > MAX_USUAL_FRICTION:
+    if slider.static_coefficient > MAX_USUAL_FRICTION:
         yield (
-            f"slider.friction_coefficient is {slider.friction_coefficient:g}: dry contacts have 0.05 to "
+            f"slider.friction_coefficient is {slider.static_coefficient:g}: dry contacts have 0.05 to "
             f"{MAX_USUAL_FRICTION:g}"
         )
     if slider.pillars is not None:

@@ -23,7 +23,7 @@ FEW = 5  # frequencies that cost less one by one than the set-up of a band
 
 @dataclass(frozen=True, kw_only=True)
 class Response:
-    """A driven stator that answers at any frequency of a range; what ``fem.burst`` asks of a band."""
+    """A driven stator that answers at any frequency of a range; what ``fem.burst_response`` asks of a band."""
 
     limits: tuple[float, float]  # Hz
     # fem.Band, from low to high; empty where every frequency is solved by itself

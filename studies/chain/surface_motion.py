@@ -32,12 +32,12 @@ class SurfaceMotion:
 
     @property
     def circuit(self):
-        """The `fem.Circuit` that belongs to this motion, per volt of the source."""
+        """The `fem.circuit.Circuit` that belongs to this motion, per volt of the source."""
         return (self.beam or self.wave).circuit
 
     @property
     def power(self):
-        """The `fem.PowerBalance` that belongs to it."""
+        """The `fem.results.power_balance.PowerBalance` that belongs to it."""
         return (self.beam or self.wave).power
 
     def at(self, places):

@@ -201,6 +201,9 @@ def averaged_motor(
         chosen.refuse("slider.heights", rule)
     driven = driven_contact(chosen, tolerance=tolerance, progress=progress)
     slider = driven.slider
+    if slider.friction is not None:
+        rule = "must be a number without a law of one's own: the tables of the averaged motor take one coefficient"
+        chosen.refuse("slider.friction_coefficient", rule)
     left_out = ["the wave is that at the slider's place: its change along the way is not followed"]
     drives = [_drive(driven, progress, left_out)]
     for other in _other_scenes(chosen):

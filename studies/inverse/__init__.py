@@ -6,7 +6,8 @@ next.  Every parameter that is positive is worked with as its logarithm.  Only s
 
 from studies.inverse.fitting import fit
 from studies.inverse.parameters import Parameter, read_measurement, read_parameter
+from studies.inverse.residual import Residual
 from studies.inverse.result import Fit
 from studies.record.measured import Measurement
 
-__all__ = ["Fit", "Measurement", "Parameter", "fit", "read_measurement", "read_parameter"]
+__all__ = ["Fit", "Measurement", "Parameter", "Residual", "fit", "read_measurement", "read_parameter"]

@@ -6,6 +6,7 @@ Source: Raue et al., Structural and practical identifiability analysis by exploi
 Bioinformatics 25 (2009) 1923.
 """
 
+import logging
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,7 +17,7 @@ import numpy as np
 from studies.inverse.directions import Direction, direction, undetermined
 from studies.inverse.least_squares import CLEARLY, Problem
 from studies.inverse.next_measurement import ranked
-from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT, Parameter
+from studies.inverse.parameters import AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT, as_measurements, as_parameters
 from studies.inverse.prediction import MeasurementPredictor
 from studies.inverse.profile import BetterMinimumError, End, allowed_excess, profile
 from studies.inverse.result import Fit
@@ -24,13 +25,14 @@ from studies.record.measured import Measurement
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 
+LOGGER = logging.getLogger("studies.fit")
 FIRST_STEP = 1.96  # standard deviations to the expected end of an interval
 
 
 def fit(
     scene: Scene | str | Path,
-    measurements: list[Measurement],
-    parameters: list[Parameter],
+    measurements: Measurement | str | Path | list,
+    parameters: list | dict,
     *,
     tolerance: float = 1e-3,
     progress: Callable[[str], None] | None = None,
@@ -41,10 +43,11 @@ def fit(
     ----------
     scene : Scene, str or Path
         With a slider, and a [wave] or a driven stator.
-    measurements : list of Measurement
-        As ``read_measurement`` returns them.
-    parameters : list of Parameter
-        As ``read_parameter`` returns them.
+    measurements : Measurement, path or list of them
+        Measured curves, or the CSV files that hold them.
+    parameters : list, dict or lmfit.Parameters
+        `Parameter` objects or texts ``"slider.preload=1 mN:5 mN"``, or a dict of a key's range; one that does not
+        ``vary`` is held at its value.
     tolerance : float
         Of the velocity, for the stator.
     progress : callable, optional
@@ -59,21 +62,21 @@ def fit(
 
     Examples
     --------
-    >>> from studies.inverse import fit, read_parameter
+    >>> from studies import Measurement, fit
     >>> levels = (2e-9, 5e-9, 1e-8, 2e-8)
     >>> curve = Measurement(name="lab", quantity="velocity", level_key="normal_amplitude_m", levels=levels,
     ...                     values=(0.0058, 0.0280, 0.0693, 0.1520), deviations=(1e-3,) * 4)
-    >>> found = fit("twente-contact", [curve], [read_parameter("wave.tangential_ratio=0.3:1.5")])
+    >>> found = fit("twente-contact", curve, {"wave.tangential_ratio": (0.3, 1.5)})
     >>> low, high = found.intervals["wave.tangential_ratio"]
     >>> low < 0.7 < high
     True
+    >>> ratio = found.params["wave.tangential_ratio"]
+    >>> ratio.vary, 0.69 < ratio.value < 0.71, 0 < ratio.stderr < 0.01
+    (True, True, True)
     """
-    say = progress or (lambda text: None)
-    loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
-    predictor = MeasurementPredictor(loaded, tolerance=tolerance, progress=say)
-    _refuse(predictor, measurements, parameters)
-    measurements, estimated = _weighted(measurements)
-    problem = Problem(predictor=predictor, parameters=tuple(parameters), measurements=tuple(measurements))
+    say = progress or LOGGER.info
+    problem, fixed, estimated = prepared(scene, measurements, parameters, tolerance=tolerance, progress=say)
+    parameters = problem.parameters
     problem = replace(problem, measurements=_signed(problem))
     degrees = problem.points - len(parameters)
     if degrees < (1 if estimated else 0):
@@ -84,11 +87,32 @@ def fit(
     minima = problem.minima()
     for _ in range(4):
         try:
-            return _explored(problem, minima, degrees, estimated, say)
+            return replace(_explored(problem, minima, degrees, estimated, say), fixed=fixed)
         except BetterMinimumError as found:
             minima = [problem.minimum(found.x), *minima]
     raise RunError(
         "the fit has several minima, none of which is clearly the lowest: narrow the ranges of --free"
+    )
+
+
+def prepared(scene, measurements, parameters, *, tolerance: float, progress: Callable[[str], None]):
+    """Return the problem of a fit, the parameters that are held, and whether the deviations are to be estimated."""
+    loaded = scene if isinstance(scene, Scene) else Scene.load(scene)
+    predictor = MeasurementPredictor(loaded, tolerance=tolerance, progress=progress)
+    measurements, parameters = as_measurements(measurements), as_parameters(parameters)
+    fixed = tuple(each for each in parameters if not each.vary)
+    for each in fixed:
+        if each.value is None:
+            raise SceneError(f"--free {each.key}", "is held, and needs a value")
+    held = {each.key: each.value for each in fixed}
+    measurements = [replace(each, settings=held | each.settings) for each in measurements]
+    parameters = tuple(each for each in parameters if each.vary)
+    _refuse(predictor, measurements, parameters)
+    measurements, estimated = _weighted(measurements)
+    return (
+        Problem(predictor=predictor, parameters=parameters, measurements=tuple(measurements)),
+        fixed,
+        estimated,
     )
 
 

@@ -151,7 +151,7 @@ class Problem:
 
     def starts(self) -> list[np.ndarray]:
         """Return where minima are looked for: the scene's own values, then a Latin hypercube where that is cheap."""
-        own = [p.start(self.predictor.value(p.key)) for p in self.parameters]
+        own = [p.start(self.predictor.value(p.key) if p.value is None else p.value) for p in self.parameters]
         shared = [0.0] * len(self.systematic)
         starts = [np.array([*own, *shared])]
         slow = any(self.predictor.needs_stator(p.key) for p in self.parameters)

@@ -51,8 +51,8 @@ def candidates(problem: Problem) -> list[Measurement]:
         think("velocity up to twice the level", at=tuple(np.linspace(top, 2 * top, 6)))
         if "burst" not in own:
             start = [p.start(predictor.value(p.key)) for p in problem.parameters]
-            slider = predictor.contact(problem.numbers(start) | base.settings).slider
-            rise = slider.mass / (slider.friction_coefficient * slider.preload)
+            driven = predictor.contact(problem.numbers(start) | base.settings)
+            rise = driven.slider.mass / driven.slider.least_friction(len(driven.orbits))
             length = 3.0 * float(np.max(np.abs(base.values))) * rise
             settings = base.settings | {"wave.burst" if predictor.given_wave else "drive.burst": length}
             time = tuple(np.linspace(0.02, 1.0, INSTANTS) * length)

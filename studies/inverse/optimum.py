@@ -8,20 +8,23 @@ the search is repeated for weights between them (weighted Chebyshev distance fro
 what no evaluation at the tolerance beats in both.
 """
 
+import logging
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
 from studies.inverse.evaluations import Evaluations, Options, planned
-from studies.inverse.goals import GOALS, Constraint
-from studies.inverse.parameters import Parameter
+from studies.inverse.goals import GOALS, read_constraint, read_variable
+from studies.inverse.parameters import ranges
 from studies.inverse.search import UNKNOWN, Search
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 from studies.scene.override import replaced
 
+LOGGER = logging.getLogger("studies.design")
 WEIGHTS = (0.25, 0.5, 0.75)  # of the second goal, between the searches for each alone
 DEFAULT = Options()
 CHANGE = 0.05  # of each variable, for the robustness
@@ -49,10 +52,10 @@ class Design:
 
 
 def design(
-    scene: Scene | dict,
-    goals: list[str],
-    variables: list[Parameter],
-    constraints: list[Constraint] = (),
+    scene: Scene | str | Path | dict,
+    goals: str | list[str],
+    variables: list | dict,
+    constraints: list = (),
     *,
     options: Options = DEFAULT,
     progress: Callable[[str], None] | None = None,
@@ -61,16 +64,17 @@ def design(
 
     Parameters
     ----------
-    scene : Scene or dict
+    scene : Scene, path, name of a shipped scene, or its TOML document
         With a slider; of several voltages or amplitudes the largest counts.
-    goals : list of str
-        One or two of ``GOALS``.
-    variables : list of Parameter
-        As ``read_variable`` returns them.
-    constraints : list of Constraint
+    goals : str or list of str
+        One or two of ``GOALS``, to be maximised.
+    variables : list or dict
+        Texts ``"slider.preload=1 mN:20 mN"`` or `Parameter` objects, or a dict of a key's range.
+    constraints : list
+        Texts ``"stick_margin <= 0"`` or `Constraint` objects.
     options : Options
     progress : callable, optional
-        Told what is being done.
+        Told what is being done; without it the logger ``studies.design`` is.
 
     Raises
     ------
@@ -79,7 +83,12 @@ def design(
     RunError
         If no evaluation keeps the constraints.
     """
+    if isinstance(scene, (str, Path)):
+        scene = Scene.load(scene)
     table = scene.to_table() if isinstance(scene, Scene) else scene
+    goals = [goals] if isinstance(goals, str) else list(goals)
+    variables = [read_variable(each) if isinstance(each, str) else each for each in ranges(variables)]
+    constraints = [read_constraint(each) if isinstance(each, str) else each for each in constraints]
     budget = 60 * len(variables) if options.evaluations is None else options.evaluations
     if not set(goals) <= set(GOALS) or not 1 <= len(goals) == len(set(goals)) <= 2:
         rule = f"must be one or two different ones of {', '.join(GOALS)}, got {', '.join(goals) or 'none'}"
@@ -92,7 +101,7 @@ def design(
     plan = planned(table, variables, also=tuple(sorted(also - {""})), tolerance=options.tolerance)
     search = {"goals": goals, "subject": [each.text for each in constraints], "evaluations": budget,
               "seed": options.seed, "ranges": [[each.key, each.low, each.high] for each in variables]}  # fmt: skip
-    given = plan, search, options, progress or (lambda text: None)
+    given = plan, search, options, progress or LOGGER.info
     with ExitStack() as stack:
         ask, coarse = stack.enter_context(Evaluations(*given)), None
         if plan.question.stator_keys:  # of the stator, or the slider's place

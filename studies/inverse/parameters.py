@@ -22,11 +22,43 @@ LEVELS = ("drive.voltage", "wave.normal_amplitude")
 
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
-    """A free number with its range, in SI units; with whole ends a count."""
+    """A number of a fit or a design with its range, in SI units; with whole ends a count.
 
-    key: str  # of the scene, its lists numbered from 0; or one of this module's two names
+    Attributes
+    ----------
+    key : str
+        Of the scene, its lists numbered from 0; or one of this module's two names. Also ``name``.
+    low, high : float
+        Ends of the range. Also ``min`` and ``max``.
+    value : float or None
+        Where the search begins (the scene's own without it), or the estimate.
+    vary : bool
+        False: the number is held at its value.
+    stderr : float or None
+        Standard error of an estimate; None where the data do not determine it.
+    """
+
+    key: str
     low: float
     high: float
+    value: float | None = None
+    vary: bool = True
+    stderr: float | None = None
+
+    @property
+    def name(self) -> str:
+        """The key."""
+        return self.key
+
+    @property
+    def min(self) -> float:
+        """Lower end of the range."""
+        return self.low
+
+    @property
+    def max(self) -> float:
+        """Upper end of the range."""
+        return self.high
 
     @property
     def logarithmic(self) -> bool:
@@ -80,7 +112,7 @@ def read_parameter(text: str, option: str = "--free", *, design: bool = False) -
     Examples
     --------
     >>> read_parameter("slider.preload=1 mN:5 mN")
-    Parameter(key='slider.preload', low=0.001, high=0.005)
+    Parameter(key='slider.preload', low=0.001, high=0.005, value=None, vary=True, stderr=None)
     """
     key, span = parts_of(option, text, "KEY=LOW:HIGH")
     ends = [end.strip() for end in span.split(":")]
@@ -97,6 +129,47 @@ def read_parameter(text: str, option: str = "--free", *, design: bool = False) -
     if not low < high:
         raise SceneError(f"{option} {key}", f"must have LOW below HIGH, got {low:g} and {high:g}")
     return Parameter(key=key, low=low, high=high)
+
+
+def as_parameters(given) -> tuple[Parameter, ...]:
+    """Return the parameters of a fit, however they are written.
+
+    Parameters
+    ----------
+    given : list, dict or lmfit.Parameters
+        `Parameter` objects or texts ``"slider.preload=1 mN:5 mN"``; a dict of a key's range, (low, high) in SI units or
+        ``"1 mN:5 mN"``; or lmfit's, whose names hold ``__`` for a dot.
+
+    Examples
+    --------
+    >>> [each.max for each in as_parameters({"slider.preload": "1 mN:5 mN", "slider.mass": (1e-5, 1e-3)})]
+    [0.005, 0.001]
+    """
+    if hasattr(given, "valuesdict"):
+        return tuple(
+            Parameter(
+                key=each.name.replace("__", "."), low=float(each.min), high=float(each.max), value=float(each.value),
+                vary=bool(each.vary),
+            )
+            for each in given.values()
+        )  # fmt: skip
+    return tuple(read_parameter(each) if isinstance(each, str) else each for each in ranges(given))
+
+
+def ranges(given: list | dict) -> list:
+    """Return a list of parameters or their texts, from such a list or a dict of a key's range."""
+    if not isinstance(given, dict):
+        return list(given)
+    return [
+        f"{key}={span}" if isinstance(span, str) else Parameter(key=key, low=span[0], high=span[1])
+        for key, span in given.items()
+    ]
+
+
+def as_measurements(given) -> list[Measurement]:
+    """Return measurements: `Measurement` objects or paths of CSV files, one or a list."""
+    several = given if isinstance(given, (list, tuple)) else [given]
+    return [each if isinstance(each, Measurement) else read_measurement(each) for each in several]
 
 
 def read_setting(text: str, option: str = "--data") -> tuple[str, object]:

@@ -8,6 +8,7 @@ from scipy.stats import chi2
 from studies.inverse.directions import Direction
 from studies.inverse.least_squares import Problem
 from studies.inverse.next_measurement import Candidate
+from studies.inverse.parameters import Parameter
 from studies.inverse.profile import End
 from studies.record.measured import Measurement
 from studies.scene import Scene
@@ -33,11 +34,27 @@ class Fit:
     correlation: np.ndarray  # of the free numbers, the ranges as a weak prior
     covariance: np.ndarray  # of all x, likewise
     candidates: tuple[Candidate, ...]  # next measurements, the most useful first
+    fixed: tuple[Parameter, ...] = ()  # held at their values
 
     @property
     def values(self) -> dict[str, float]:
         """Estimates by key, SI units."""
         return self.problem.numbers(self.best)
+
+    @property
+    def params(self) -> dict[str, Parameter]:
+        """The parameters by key with estimate and standard error, those that are held included; as lmfit has them.
+
+        The standard error is that of the linearised problem; None where the data do not determine the number.
+        """
+        lost = {key for each in self.directions for key in each.components}
+        sizes = np.sqrt(np.diag(self.covariance))
+        found = {}
+        for k, each in enumerate(self.problem.parameters):
+            value = self.values[each.key]
+            error = float(sizes[k]) * (value if each.logarithmic else 1.0)
+            found[each.key] = replace(each, value=value, stderr=None if each.key in lost else error)
+        return found | {each.key: each for each in self.fixed}
 
     @property
     def intervals(self) -> dict[str, tuple[float | None, float | None]]:

@@ -97,11 +97,10 @@ def run(
     ]
     moving, passed = grid["velocity_m_per_s"] != 0.0, grid["threshold_factor"] < 1.0
     parted, released = np.reshape(columns["regime"], shape) == "intermittent", grid["release_factor"] < 1.0
+    own = {"preload": chosen.slider.preload, "friction_coefficient": chosen.slider.static_coefficient}
     preload, mu = (
-        np.reshape(columns.get(f"slider.{key}", [getattr(chosen.slider, key)] * known.size), shape).astype(
-            float
-        )
-        for key in ("preload", "friction_coefficient")
+        np.reshape(columns.get(f"slider.{key}", [value] * known.size), shape).astype(float)
+        for key, value in own.items()
     )
     findings = (
         *(judged(f"The closed form of the {name} parts the map.", "share of points on their side",
@@ -174,7 +173,7 @@ def _plain(values) -> list:
 def _usual(scene: Scene, level: str, counts: tuple[int, int]) -> dict:
     """Return axes of amplitude or voltage and of preload that show every regime."""
     preload = scene.slider.preload
-    if preload == 0.0 or scene.slider.friction_coefficient == 0.0:
+    if preload == 0.0 or scene.slider.static_coefficient == 0.0:
         scene.refuse("slider.preload", "must be positive, with friction, for a map of regimes")
     alone = replaced(scene.to_table(), level, [max(scene.levels)])
     columns = sweep(alone, {}, also=("limits",), tolerance=1e-2).columns()

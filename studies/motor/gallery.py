@@ -80,7 +80,7 @@ def run(
     slow = contact_moments(record, level=voltage, progress=say)
     say("bursts")
     slider = driven.slider
-    acceleration = slider.friction_coefficient * slider.preload / slider.mass
+    acceleration = slider.least_friction(len(driven.orbits)) / slider.mass
     largest = abs(contact.steady(slider, driven.at(max(voltages)), tolerance=1e-3).velocity)
     duration = float(f"{LONG * largest / acceleration:.2g}")
     given = {"duration": duration, "after": duration, "tolerance": 1e-3, "samples": 1500}

@@ -35,7 +35,7 @@ def run(scene: str | Scene = "twente-contact", *, points: int = 17, progress=Non
         lines[driven.named(level)] = line
     # of the balls that are computed as one, the whole thrust
     balls = chosen.slider.preload / slider.preload
-    friction = slider.friction_coefficient * slider.preload
+    friction = slider.static_friction(len(driven.orbits))
     findings = (
         judged("Velocity falls with load, to zero at the blocked thrust.",
                "blocked thrust over mu times preload, the largest",

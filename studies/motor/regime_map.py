@@ -50,7 +50,7 @@ def run(
     if slider.shape != "sphere" or slider.heights:
         chosen.refuse("slider", "must stand on balls of equal height for a map of regimes")
     own = slider.preload
-    if own == 0.0 or slider.friction_coefficient == 0.0:
+    if own == 0.0 or slider.static_coefficient == 0.0:
         chosen.refuse("slider.preload", "must be positive, with friction, for a map of regimes")
     at, loads, reach = _grid(driven, per_metre, amplitudes, preloads)
     progress(f"regime map: {at.size * loads.size} steady states")

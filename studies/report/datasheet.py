@@ -5,8 +5,10 @@ says so.  Errors are those of the computation: the stator's and the contact's, c
 own numbers, friction above all, are taken as exact.
 """
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +23,7 @@ from studies.scene import Scene
 
 __all__ = ["Datasheet", "Row", "datasheet"]
 
+LOGGER = logging.getLogger("studies.datasheet")
 LOADS = 13  # of a load line
 LINES = (0.5, 0.75, 1.0)  # of the rated level: the scene's nearest levels have a load line
 STEPS = (1e-9, 1e-8, 1e-7)  # m
@@ -70,13 +73,13 @@ class Datasheet:
 
 
 def datasheet(
-    scene: Scene, *, tolerance: float = 1e-3, progress: Callable[[str], None] | None = None
+    scene: Scene | str | Path, *, tolerance: float = 1e-3, progress: Callable[[str], None] | None = None
 ) -> Datasheet:
     """Return the datasheet of a motor.
 
     Parameters
     ----------
-    scene : Scene
+    scene : Scene, path or name of a shipped scene
         With a slider and either a driven stator or a given wave.
     tolerance : float
         Of the slider velocity, as for a run.
@@ -90,7 +93,8 @@ def datasheet(
     RunError
         If a number of the datasheet has no answer.
     """
-    say = progress or (lambda text: None)
+    say = progress or LOGGER.info
+    scene = scene if isinstance(scene, Scene) else Scene.load(scene)
     if scene.slider is None:
         scene.refuse("slider", "is missing: a datasheet is of a whole motor")
     block = "wave" if scene.wave is not None else "drive"
@@ -138,7 +142,7 @@ def datasheet(
 def _start_stop(driven: DrivenContact, rated: float):
     """Return a burst from rest that reaches the steady velocity, and the stop after it."""
     slider, orbits = driven.slider, driven.at(rated)
-    acceleration = slider.friction_coefficient * slider.preload / slider.mass
+    acceleration = slider.least_friction(len(orbits)) / slider.mass
     steady = contact.steady(slider, orbits, tolerance=CONTACT_TOLERANCE).velocity
     least = abs(steady) / acceleration
     return contact.burst(
@@ -167,7 +171,7 @@ def _forces(driven: DrivenContact, rated: float, balls: float):
     stall, held = contact.blocked_thrust(slider, driven.at(rated))
     more, _ = contact.blocked_thrust(slider, driven.at(rated * (1.0 + driven.stator_error)))
     friction, error = (
-        slider.friction_coefficient * slider.preload,
+        slider.static_friction(len(driven.orbits)),
         abs(more / stall - 1.0) + CONTACT_TOLERANCE,
     )
     yield Row("force", "blocked thrust", balls * stall, "N", error, "load at which the motor stalls")

@@ -212,10 +212,10 @@ def check_pieces(scene) -> Refused:
 def refuse_endless_burst(scene, frequency: float) -> None:
     """Refuse a burst that takes longer than an hour to follow, naming the longest that is; ``frequency``: Hz."""
     slider = scene.slider
-    every_event = slider.law != "elastic" or slider.reciprocal or slider.stick_band > 0
+    every_event = slider.remembers or slider.reciprocal or slider.stick_band > 0
     method = slider.method if slider.method in CYCLE else "averaged" if scene.wave is not None else "stepped"
     if every_event and method != "stepped":
-        method = "hysteretic" if slider.law == "hysteretic" else "exact"
+        method = "hysteretic" if slider.remembers else "exact"
     longest = MAX_SECONDS / CYCLE[method] / frequency
     if scene.burst > longest:
         block = "wave" if scene.wave is not None else "drive"

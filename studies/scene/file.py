@@ -65,18 +65,21 @@ class SceneFile:
 
 
 def _with_whole_paths(table: dict, scene: Path) -> dict:
-    """Return a scene's table with the files of its meshes from the root on, so that it runs from anywhere."""
-    pieces = table.get("piece")
-    if not isinstance(pieces, list):
-        return table
-    return table | {"piece": [_with_whole_path(each, scene) for each in pieces]}
+    """Return a scene's table with the files of its meshes and its law from the root on: it runs from anywhere."""
+    pieces, slider = table.get("piece"), table.get("slider")
+    if isinstance(pieces, list):
+        table = table | {"piece": [_with_whole_path(each, scene, "file") for each in pieces]}
+    law = slider.get("law") if isinstance(slider, dict) else None
+    if isinstance(law, str) and law.endswith(".py"):
+        table = table | {"slider": _with_whole_path(slider, scene, "law")}
+    return table
 
 
-def _with_whole_path(piece, scene: Path):
-    name = piece.get("file") if isinstance(piece, dict) else None
+def _with_whole_path(block, scene: Path, key: str):
+    name = block.get(key) if isinstance(block, dict) else None
     if not isinstance(name, str) or not name or Path(name).is_absolute():
-        return piece
-    return piece | {"file": str((scene.parent / name).resolve())}
+        return block
+    return block | {key: str((scene.parent / name).resolve())}
 
 
 def shipped_scenes() -> dict[str, Path]:

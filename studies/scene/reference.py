@@ -22,6 +22,8 @@ BLOCKS = {
     "[wave]": slider.Wave,
     "[slider]": slider.Slider,
     "[slider.damping]": slider.Damping,
+    "[slider.friction_coefficient]": slider.Friction,
+    "[slider.law]": slider.LawText,
     "[slider.pillars]": pillars.Pillars,
     "[stator.material], a piezoelectric crystal or ceramic": blocks.PiezoelectricSolid,
     "[stator.material], an isotropic solid": blocks.IsotropicSolid,

@@ -3,10 +3,11 @@
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
+from studies.refusal import SceneError, shown
 from studies.scene.block import Block, Within, keys_of
 from studies.scene.numbers import Listed, Quantity, Row, as_pair, place
 from studies.scene.pillars import Pillars
-from studies.scene.rule import FLAG, TEXT, Count, choice
+from studies.scene.rule import FLAG, TEXT, Count, Plain, Rule, choice
 
 PLACE = Row((Quantity("m", negative=True),) * 2, "[x, y] in m")
 ALONE = ("radius", "contacts", "heights")  # keys that pillars replace
@@ -49,6 +50,81 @@ class Damping(Block):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Friction(Block):
+    """A friction coefficient that depends on slip speed, contact pressure, or both: a table instead of a number.
+
+    static: Coefficient at rest, and where the pressure is far below pressure.
+    sliding: Coefficient at slip speeds far above speed: static falls to it as exp(-w/speed).
+    speed: Of slip, over which the excess falls by a factor e; with sliding.
+    high_pressure: Static coefficient at mean pressures p far above pressure: static goes to it as 1/(1 + p/pressure),
+        sliding in proportion.
+    pressure: Mean pressure of a contact at which half of the difference is left; with high_pressure.
+    """
+
+    block: ClassVar[str] = "slider.friction_coefficient"
+    static: Annotated[float, Quantity()]
+    sliding: Annotated[float | None, Quantity(zero=True)] = None
+    speed: Annotated[float | None, Quantity("m/s")] = None
+    high_pressure: Annotated[float | None, Quantity()] = None
+    pressure: Annotated[float | None, Quantity("Pa")] = None
+
+    def check_pairs(self):
+        for one, other in (("sliding", "speed"), ("high_pressure", "pressure")):
+            for given, missing in ((one, other), (other, one)):
+                if getattr(self, given) is not None and getattr(self, missing) is None:
+                    yield missing, f"is required and missing: {given} is given"
+        if (
+            self.sliding is None
+            and self.high_pressure is None
+            and self.speed is None
+            and self.pressure is None
+        ):
+            yield (
+                "static",
+                "alone is a number: friction_coefficient = 0.3; or give sliding with speed as well",
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class LawText(Block):
+    """A tangential law of one's own, with its text, as a resolved scene keeps it.
+
+    name: Of the file that it came from.
+    source: Its text: Python that defines sliding(approach, normal_force, slip_speed, contact) in SI units.
+    """
+
+    block: ClassVar[str] = "slider.law"
+    name: Annotated[str, TEXT]
+    source: Annotated[
+        str,
+        Plain("the text of a file", lambda value: isinstance(value, str) and value != "", {"type": "string"}),
+    ]
+
+    def __str__(self):
+        return self.name
+
+
+class LawFile(Rule):
+    """A file of Python that holds a tangential law; what is read is its text."""
+
+    expected = 'a file such as "my_law.py", from the scene\'s folder'
+
+    def takes(self, value):
+        return isinstance(value, str) and value.endswith(".py")
+
+    def read(self, path, value):
+        try:
+            with open(value, encoding="utf-8") as file:
+                return LawText(name=value.replace("\\", "/").rsplit("/", 1)[-1], source=file.read())
+        except (OSError, UnicodeDecodeError) as error:
+            why = getattr(error, "strerror", None) or "it is no UTF-8 text"
+            raise SceneError(path, f"names the file {shown(value)}, which cannot be read: {why}") from None
+
+    def schema(self):
+        return {"type": "string", "pattern": r"\.py$"}
+
+
+@dataclass(frozen=True, kw_only=True)
 class Slider(Block):
     """A rigid slider on balls or flat punches; mass, forces and viscous dampers are totals.
 
@@ -64,11 +140,13 @@ class Slider(Block):
     preload: Total normal force, the weight included.
     gravity: Used by preload = "weight".
     load: Constant force against the direction in which the unloaded slider moves.
-    friction_coefficient: Coulomb's coefficient mu of ball and stator.
+    friction_coefficient: Coulomb's coefficient mu of ball and stator, or a table of how it depends on slip speed and
+        pressure, such as { static = 0.3, sliding = 0.15, speed = "0.05 m/s" }.
     effective_modulus: E* of the pair, 1/E* = sum of (1 - nu^2)/E; required unless ball is given.
     tangential_modulus: G* of the pair, 1/G* = sum of (2 - nu)/G; required unless ball is given.
     ball: Instead of both moduli: the material of the balls, such as "steel"; not with a given wave.
-    law: Tangential law. elastic: eq. 2 of Feenstra and Breedveld; hysteretic: Mindlin-Deresiewicz, with memory.
+    law: Tangential law. elastic: eq. 2 of Feenstra and Breedveld; hysteretic: Mindlin-Deresiewicz, with memory; or a
+        file of Python with a law of one's own (contact/README.md).
     reciprocal: true: the tangential spring acts back on the normal motion, which closes the energy balance.
     stick_band: Slip slower than this counts as sticking (DV of Feenstra and Breedveld).
     method: How the slider's motion is integrated.
@@ -96,11 +174,11 @@ class Slider(Block):
     preload: Annotated[float | str, Quantity("N", zero=True) | choice("weight")]
     gravity: Annotated[float, Quantity("m/s^2", zero=True)] = 9.81
     load: Annotated[float, Quantity("N", zero=True)] = 0.0
-    friction_coefficient: Annotated[float, Quantity(zero=True)]
+    friction_coefficient: Annotated[float | Friction, Quantity(zero=True) | Within(Friction)]
     effective_modulus: Annotated[float | None, Quantity("Pa")] = None
     tangential_modulus: Annotated[float | None, Quantity("Pa")] = None
     ball: Annotated[str | None, TEXT] = None
-    law: Annotated[str, choice("elastic", "hysteretic")] = "elastic"
+    law: Annotated[str | LawText, choice("elastic", "hysteretic") | LawFile() | Within(LawText)] = "elastic"
     reciprocal: Annotated[bool, FLAG] = False
     stick_band: Annotated[float, Quantity("m/s", zero=True)] = 0.0
     method: Annotated[str, choice("auto", "exact", "stepped", "averaged")] = "auto"
@@ -127,6 +205,8 @@ class Slider(Block):
                 yield key, "must be absent with [slider.pillars], which say what touches the stator and where"
         if self.law != "elastic":
             yield "law", 'must be "elastic" with [slider.pillars]: a flat pillar slips as a whole'
+        if isinstance(self.friction_coefficient, Friction):
+            yield "friction_coefficient", "must be a number with [slider.pillars]"
         if self.stick_band > 0:
             yield "stick_band", f"must be absent with [slider.pillars], got {self.stick_band:g} m/s"
         if self.method not in ("auto", "averaged"):
@@ -142,6 +222,23 @@ class Slider(Block):
     def check_punch(self):
         if self.shape == "punch" and self.law == "hysteretic":
             yield "law", 'must be "elastic" with shape = "punch", which slips as a whole'
+
+    def check_friction(self):
+        given = [
+            *(["a table of friction_coefficient"] if isinstance(self.friction_coefficient, Friction) else []),
+            *(["a law of one's own"] if isinstance(self.law, LawText) else []),
+        ]
+        if len(given) == 2:
+            yield "friction_coefficient", "must be a number with a law of one's own"
+        if given and (self.law == "hysteretic" or self.reciprocal or self.stick_band > 0):
+            keys = {
+                "law": self.law == "hysteretic",
+                "reciprocal": self.reciprocal,
+                "stick_band": self.stick_band > 0,
+            }
+            key = next(name for name, wrong in keys.items() if wrong)
+            allowed = {"law": '"elastic"', "reciprocal": "false", "stick_band": "0"}[key]
+            yield key, f"must be {allowed} with {given[0]}"
 
     def check_heights(self):
         if self.heights is None:
@@ -161,6 +258,17 @@ class Slider(Block):
                 yield "ball", f"must not be given together with slider.{key}: they follow from the ball"
             if self.ball is None and getattr(self, key) is None:
                 yield key, 'is required and missing: give both moduli in Pa, or ball = "steel" instead'
+
+    @property
+    def static_coefficient(self) -> float:
+        """The friction coefficient at rest."""
+        friction = self.friction_coefficient
+        return friction.static if isinstance(friction, Friction) else friction
+
+    @property
+    def remembers(self) -> bool:
+        """Whether the law has a memory."""
+        return self.law == "hysteretic"
 
     @property
     def preload_force(self) -> float:

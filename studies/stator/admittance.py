@@ -9,6 +9,7 @@ wave is sent.  Run time: about 15 s between two transducers.
 
 import numpy as np
 
+import fem
 from studies.chain import passband, resolve
 from studies.chain.spectrum import driving_point, port_admittances
 from studies.record.plots import lines
@@ -55,7 +56,16 @@ def run(
         "relative_error": ports.relative_error,
     }  # fmt: skip
     panel = Panel(name="admittance", title=f"{chosen.title}: {chosen.drive.transducer!r}", data=data)
-    return (panel,), findings
+    model = fem.motional_model(at, admittance, 1)
+    series, inductance, _ = model.branches[0]
+    best = int(np.argmax(admittance.real))
+    answer = [
+        ("largest G", f"{admittance.real[best] * 1e3:.4g} mS at f0 = {at[best] / 1e6:.6g} MHz"),
+        ("static C0", f"{model.capacitance * 1e12:.4g} pF (of the band's circuit with one motional branch)"),
+        ("quality", f"Q = {2 * np.pi * at[best] * inductance / series:.4g} of that branch, which leaves "
+                    f"{100 * model.error:.2g} % of the largest admittance"),
+    ]  # fmt: skip
+    return (panel,), findings, answer
 
 
 @of_record

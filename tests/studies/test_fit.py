@@ -10,7 +10,7 @@ import pytest
 
 from studies import Scene, run
 from studies.__main__ import main
-from studies.inverse import Measurement, Parameter, fit, read_measurement, read_parameter
+from studies.inverse import Measurement, Parameter, Residual, fit, read_measurement, read_parameter
 from studies.inverse import fit as fit_function
 from studies.inverse.directions import undetermined
 from studies.inverse.fitting import _explored
@@ -300,3 +300,48 @@ def test_what_cannot_be_fitted_is_refused(curve, free, words):
     one = replace(curve, levels=curve.levels[:1], values=curve.values[:1], deviations=curve.deviations[:1])
     with pytest.raises(SceneError, match=words):
         fit_function("twente-contact", [one], [read_parameter(text) for text in free])
+
+
+LAB = Measurement(name="lab", quantity="velocity", level_key="normal_amplitude_m", levels=(2e-9, 5e-9, 1e-8, 2e-8),
+                  values=(0.0058, 0.0280, 0.0693, 0.1520), deviations=(1e-3,) * 4)  # fmt: skip
+RATIO = "wave.tangential_ratio"
+
+
+def test_parameters_are_as_lmfit_s_users_know_them():
+    """The standard error is that of lmfit's own least squares; a number that does not vary keeps its value."""
+    lmfit = pytest.importorskip("lmfit")
+    free, held = (
+        Parameter(key=RATIO, low=0.3, high=1.5),
+        Parameter(key="slider.friction_coefficient", low=0.01, high=1.0, value=0.11, vary=False),
+    )
+    found = fit("twente-contact", LAB, [free, held]).params
+    assert (found[RATIO].min, found[RATIO].max, found[RATIO].vary) == (0.3, 1.5, True)
+    assert found["slider.friction_coefficient"] is held
+    residual = Residual("twente-contact", LAB, [free, held])
+    given = residual.lmfit_parameters()
+    assert list(given) == ["wave__tangential_ratio"]
+    theirs = lmfit.minimize(residual, given, epsfcn=1e-8, scale_covar=False).params["wave__tangential_ratio"]
+    assert found[RATIO].value == pytest.approx(theirs.value, rel=1e-4)
+    assert found[RATIO].stderr == pytest.approx(theirs.stderr, rel=2e-2)
+    given.add("slider__friction_coefficient", value=0.11, min=0.01, max=1.0, vary=False)
+    ours = fit("twente-contact", LAB, given).params
+    assert ours[RATIO].value == pytest.approx(found[RATIO].value, rel=1e-6)
+    assert ours["slider.friction_coefficient"] == held
+
+
+def test_the_residual_s_derivatives_are_differences_of_it():
+    residual = Residual("twente-contact", LAB, {RATIO: (0.3, 1.5), "slider.preload": "0.2 mN:4 mN"})
+    at = residual.start * [1.05, 0.9]
+    assert residual(dict(zip([each.key for each in residual.parameters], at, strict=True))) == pytest.approx(
+        residual(at)
+    )
+    for k, column in enumerate(residual.jacobian(at).T):
+        step = np.zeros(2)
+        step[k] = 1e-3 * at[k]
+        assert (residual(at + step) - residual(at - step)) / (2e-3 * at[k]) == pytest.approx(column, rel=1e-3)
+
+
+def test_what_a_fit_does_is_logged(caplog):
+    with caplog.at_level("INFO", logger="studies"):
+        fit("twente-contact", LAB, {RATIO: (0.3, 1.5)})
+    assert "fit: least squares" in [each.message for each in caplog.records if each.name == "studies.fit"]

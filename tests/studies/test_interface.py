@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import threadpoolctl
 
-from studies import Record, RunError, Scene, SceneError, run, sweep
+from studies import Record, RunError, Scene, SceneError, network, run, sweep
 from studies.chain import runs
 from studies.record.quantities import quantity
 from studies.results import MANIFEST
@@ -246,3 +246,31 @@ def test_a_record_as_a_dataset_has_units_on_variables_and_coordinate(driven, rec
         assert "units" not in data["status"].attrs
         assert np.array_equal(data["velocity_m_per_s"], each.velocity)
         assert data.attrs["tolerance"] == each.tolerance
+
+
+def test_every_public_name_is_imported_from_studies_and_no_module_hides_it():
+    import studies
+    import studies.inverse.fitting
+    import studies.inverse.optimum
+    import studies.report.datasheet
+    import studies.stator.network
+    import studies.sweeps
+
+    assert sorted(studies.__all__) == studies.__all__
+    for name in studies.__all__:
+        assert callable(getattr(studies, name)), name
+    for name in ("run", "sweep", "fit", "design", "datasheet", "network"):
+        assert type(getattr(studies, name)).__name__ == "function", name
+
+
+def test_a_network_of_a_scene_is_scikit_rf_s(small):
+    skrf = pytest.importorskip("skrf")
+    found = network(small, [2.15e6, 2.2e6, 2.25e6], z0=75.0, tolerance=0.1)
+    assert isinstance(found, skrf.Network)
+    names = [each.name for each in small.transducer]
+    assert found.port_names == names
+    assert found.f.tolist() == [2.15e6, 2.2e6, 2.25e6]
+    assert found.z0[0].tolist() == [75.0] * len(names)
+    assert found.is_passive()
+    record = run(small.replace(drive={"voltage": 1.0}), tolerance=0.02)
+    assert found.y[1, 0, 0] == pytest.approx(complex(record.electrical["admittance_S"]), rel=0.1)

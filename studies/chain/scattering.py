@@ -1,0 +1,87 @@
+"""S-parameters of a scene's transducers: what a network analyser would measure between them."""
+
+import logging
+from pathlib import Path
+
+import numpy as np
+
+from studies.chain import passband
+from studies.chain.spectrum import port_admittances
+from studies.refusal import SceneError, needed
+from studies.scene import Scene
+from studies.scene.quantity import si_value
+from studies.scene.ranges import is_number, read_range
+
+LOGGER = logging.getLogger("studies.network")
+MAX_FREQUENCIES = 100_000
+DEFAULT_COUNT = 401
+
+
+def network(scene: Scene | str | Path, band=None, *, z0: str | float = 50.0, tolerance: float = 1e-3):
+    """Return the transducers of a scene as a `skrf.Network`, to be plotted, cascaded and written by scikit-rf.
+
+    Parameters
+    ----------
+    scene : Scene, path or name of a shipped scene
+        Its transducers with two combs are the ports, in its order, whatever drives or terminates them there.
+    band : str or array, optional
+        ``"2.1:2.3:201"`` in MHz, or with units; or frequencies in Hz. The passband of the driven transducer without it.
+    z0 : str or float
+        Reference impedance, ohm.
+    tolerance : float
+        Of the admittances, over the largest.
+
+    Returns
+    -------
+    skrf.Network
+        ``port_names`` are those of the transducers.
+
+    Raises
+    ------
+    SceneError
+        If the scene has no transducer, or the band is none.
+    RunError
+        If scikit-rf is not installed, or the tolerance is not met.
+    """
+    skrf = needed("skrf", "network")
+    chosen = passband.driven_scene(scene)
+    reference = reference_impedance(z0)
+    at = band_frequencies(chosen, band)
+    names, _, scattering = scattering_matrix(chosen, at, reference, tolerance, LOGGER.info)
+    found = skrf.Network(
+        frequency=skrf.Frequency.from_f(at, unit="hz"),
+        s=scattering,
+        z0=reference,
+        name=chosen.title or "network",
+    )
+    found.port_names = names
+    return found
+
+
+def scattering_matrix(scene: Scene, at, reference: float, tolerance: float, progress):
+    """Return names, `fem.PortAdmittance` and S, (frequencies, ports, ports), of a resolved scene in its order."""
+    names = [each.name for each in scene.transducer if each.has_two_combs]
+    ports = port_admittances(scene, at, tolerance, progress)
+    order = [ports.names.index(name) for name in names]
+    return names, ports, ports.scattering(reference)[np.ix_(range(len(at)), order, order)]
+
+
+def reference_impedance(z0: str | float) -> float:
+    """Return a reference impedance in ohm."""
+    reference = float(z0) if is_number(z0) else si_value("--z0", z0, "ohm")
+    if not reference > 0:
+        raise SceneError("--z0", f"must be a positive resistance, got {z0!r} ohm")
+    return reference
+
+
+def band_frequencies(scene: Scene, band=None, count: int | None = None) -> np.ndarray:
+    """Return the frequencies in Hz of START:STOP:N (MHz without a unit), or of the driven transducer's passband."""
+    if band is None:
+        return passband.frequencies(scene, count, DEFAULT_COUNT)
+    if not isinstance(band, str):
+        return np.asarray(band, dtype=float)
+    found = read_range("--band", band, "Hz", bare=1e6)
+    if not (0 < found.low < found.high and 2 <= found.count <= MAX_FREQUENCIES):
+        rule = f"must rise from START above 0 to STOP in 2 to {MAX_FREQUENCIES} values, got {band!r}"
+        raise SceneError("--band", rule)
+    return np.array(found.values)

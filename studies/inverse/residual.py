@@ -1,0 +1,102 @@
+"""The residuals of a fit as a function, for a solver of one's own: `scipy.optimize`, lmfit, a sampler."""
+
+import logging
+from pathlib import Path
+
+import numpy as np
+
+from studies.inverse.fitting import prepared
+from studies.record.measured import Measurement
+from studies.refusal import needed
+from studies.scene import Scene
+
+LOGGER = logging.getLogger("studies.fit")
+
+
+class Residual:
+    """Residuals of measured curves as a function of free numbers of a scene.
+
+    Called with the values in SI units - an array in the order of ``parameters``, a dict by key, or lmfit.Parameters -
+    it returns (measured - predicted) over the standard deviation of every measured value, shape (n,).
+
+    Parameters
+    ----------
+    scene, measurements, parameters
+        As for `studies.fit`.
+    tolerance : float
+        Of the velocity.
+
+    Attributes
+    ----------
+    parameters : tuple of Parameter
+        The free ones.
+    start : ndarray, shape (p,)
+        The values where a search may begin.
+    bounds : tuple of ndarray
+        Lower and upper ends of the ranges.
+
+    Examples
+    --------
+    >>> from scipy.optimize import least_squares
+    >>> from studies import Measurement
+    >>> curve = Measurement(name="lab", quantity="velocity", level_key="normal_amplitude_m", levels=(5e-9, 1e-8, 2e-8),
+    ...                     values=(0.0280, 0.0693, 0.1520), deviations=(1e-3,) * 3)
+    >>> residual = Residual("twente-contact", curve, {"wave.tangential_ratio": (0.3, 1.5)})
+    >>> found = least_squares(residual, residual.start, jac=residual.jacobian, bounds=residual.bounds)
+    >>> bool(0.69 < found.x[0] < 0.71)
+    True
+    """
+
+    def __init__(
+        self,
+        scene: Scene | str | Path,
+        measurements: Measurement | str | Path | list,
+        parameters: list | dict,
+        *,
+        tolerance: float = 1e-3,
+    ):
+        self._problem, self.fixed, _ = prepared(
+            scene, measurements, parameters, tolerance=tolerance, progress=LOGGER.info
+        )
+        self.parameters = self._problem.parameters
+        self.start = self._outer(self._problem.starts()[0])
+        self.bounds = (
+            np.array([each.low for each in self.parameters]),
+            np.array([each.high for each in self.parameters]),
+        )
+
+    def __call__(self, values) -> np.ndarray:
+        """Return the residuals."""
+        return self._problem.residuals([self._inner(values)])[0]
+
+    def jacobian(self, values) -> np.ndarray:
+        """Return the derivatives of the residuals by the values in SI units, shape (n, p)."""
+        x = self._inner(values)
+        count = len(self.parameters)
+        slopes = self._problem.jacobian(x)[:, :count]
+        scale = [
+            each.outer(part) if each.logarithmic else 1.0
+            for each, part in zip(self.parameters, x, strict=False)
+        ]
+        return slopes / np.array(scale)
+
+    def lmfit_parameters(self):
+        """Return lmfit.Parameters; a dot of a key is ``__`` in their names.
+
+        Predictions are computed to some 1e-9: give `lmfit.minimize` ``epsfcn=1e-8``, for steps of 1e-4.
+        """
+        found = needed("lmfit", "lmfit_parameters").Parameters()
+        for each, value in zip(self.parameters, self.start, strict=True):
+            found.add(each.key.replace(".", "__"), value=float(value), min=each.low, max=each.high)
+        return found
+
+    def _inner(self, values) -> np.ndarray:
+        if hasattr(values, "valuesdict"):
+            values = {key.replace("__", "."): value for key, value in values.valuesdict().items()}
+        if isinstance(values, dict):
+            values = [values[each.key] for each in self.parameters]
+        own = [each.inner(float(value)) for each, value in zip(self.parameters, values, strict=True)]
+        return np.array([*own, *(0.0 for _ in self._problem.systematic)])
+
+    def _outer(self, x) -> np.ndarray:
+        return np.array([each.outer(value) for each, value in zip(self.parameters, x, strict=False)])

@@ -1,0 +1,61 @@
+"""The package as others get it: a wheel, installed outside the checkout, that runs and has all of its files."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory) -> Path:
+    """Return a folder that holds what the wheel installs."""
+    folder = tmp_path_factory.mktemp("wheel")
+    pip = [sys.executable, "-m", "pip", "--quiet"]
+    subprocess.run([*pip, "wheel", "--no-deps", "-w", str(folder), str(ROOT)], check=True, timeout=300)
+    (wheel,) = folder.glob("sawmotor-*.whl")
+    subprocess.run([*pip, "install", "--no-deps", "--target", str(folder / "site"), str(wheel)], check=True)
+    return folder / "site"
+
+
+def called(installed: Path, *words: str, cwd: Path) -> subprocess.CompletedProcess:
+    environment = os.environ | {"PYTHONPATH": str(installed), "PYTHONSAFEPATH": "1"}
+    return subprocess.run(
+        [sys.executable, *words], cwd=cwd, env=environment, capture_output=True, text=True, timeout=300
+    )
+
+
+@pytest.mark.slow
+def test_a_wheel_runs_outside_the_checkout(installed, tmp_path):
+    where = called(installed, "-c", "import studies, fem, contact; print(studies.__file__)", cwd=tmp_path)
+    assert str(installed) in where.stdout, where.stderr
+    done = called(installed, "-m", "studies", "run", "twente-contact", "--json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert len(json.loads(done.stdout)["points"]) > 1
+
+
+@pytest.mark.slow
+def test_a_wheel_holds_what_the_packages_hold(installed):
+    """All but the pictures of the documents."""
+    for package in ("fem", "contact", "studies"):
+        listed = subprocess.run(
+            ["git", "ls-files", package], cwd=ROOT, capture_output=True, text=True, check=True
+        )
+        for name in listed.stdout.split():
+            pictures = name.startswith("studies/pictures/") or name.endswith(".md")
+            assert pictures or (installed / name).is_file(), name
+    assert (installed / "studies" / "glossary.md").is_file()
+
+
+@pytest.mark.slow
+def test_the_api_reference_is_generated_by_one_command(tmp_path):
+    words = ["-m", "pdoc", "--docformat", "numpy", "-o", str(tmp_path), "fem", "contact", "studies"]
+    pytest.importorskip("pdoc", reason="pip install 'sawmotor[docs]'")
+    done = subprocess.run([sys.executable, *words], cwd=ROOT, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    for package, name in (("fem", "driven_wave"), ("contact", "steady"), ("studies", "run")):
+        assert name in (tmp_path / f"{package}.html").read_text(encoding="utf-8")
