@@ -157,8 +157,24 @@ class PillarLoadLine:
 
     @property
     def velocity(self) -> np.ndarray:
-        """Velocities in m/s."""
+        """Velocities in m/s, along +x."""
         return np.array([each.velocity for each in self.motions])
+
+    @property
+    def power(self) -> np.ndarray:
+        """Mechanical powers, load times speed, W."""
+        return np.array([each.thrust_power for each in self.motions])
+
+    @property
+    def efficiency(self) -> np.ndarray:
+        """Mechanical power over what the wave gives the pillars."""
+        taken = [each.thrust_power + each.friction_power + each.damping_power for each in self.motions]
+        return np.divide(self.power, taken, out=np.zeros(len(taken)), where=np.array(taken) > 0.0)
+
+    @property
+    def blocked_thrust(self) -> float:
+        """The stall, as a `LoadLine` names it, N."""
+        return self.stall
 
 
 class _Slider:

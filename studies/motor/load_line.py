@@ -7,9 +7,12 @@ preload; efficiency between 0 and 1, largest inside the line; the ledger closes 
 and the stator's.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 import contact
+from studies.chain.pillar_points import PillarContact
 from studies.record.plots import curve, family, finished
 from studies.scene import Scene
 from studies.study import Panel, StudyRecord, driven_contact, judged, of_record, study
@@ -27,12 +30,17 @@ def run(scene: str | Scene = "twente-contact", *, points: int = 17, progress=Non
     points : int
         Loads of each line.
     """
-    driven = driven_contact(scene, progress=progress)
+    driven = driven_contact(scene, pillars=True, progress=progress)
     chosen, slider, lines = driven.scene, driven.slider, {}
     for level in driven.spread(1.05, LINES):
         progress(f"load line: {driven.named(level)}")
+        if chosen.slider.pillars is not None:
+            lines[driven.named(level)] = of_pillars(driven, level, points)
+            continue
         line = contact.load_line(slider, driven.at(level), points=points, tolerance=1e-4)
         lines[driven.named(level)] = line
+    if chosen.slider.pillars is not None:
+        slider = replace(slider, preload=chosen.slider.preload)  # of all pillars
     # of the balls that are computed as one, the whole thrust
     balls = chosen.slider.preload / slider.preload
     friction = slider.static_friction(len(driven.orbits))
@@ -60,6 +68,15 @@ def run(scene: str | Scene = "twente-contact", *, points: int = 17, progress=Non
         )
     ]  # fmt: skip
     return panels, findings
+
+
+def of_pillars(driven, level: float, points: int):
+    """Return a `contact.LoadLine` of a slider on pillars that load the wave."""
+    line = PillarContact.of(driven).load_line(level, points)
+    return contact.LoadLine(
+        load=line.load, velocity=np.abs(line.velocity), power=line.power, efficiency=line.efficiency,
+        blocked_thrust=line.stall,
+    )  # fmt: skip
 
 
 @of_record
