@@ -172,6 +172,11 @@ class PillarLoadLine:
         return np.divide(self.power, taken, out=np.zeros(len(taken)), where=np.array(taken) > 0.0)
 
     @property
+    def relative_error(self) -> np.ndarray:
+        """Numerical errors of the velocities."""
+        return np.array([each.relative_error for each in self.motions])
+
+    @property
     def blocked_thrust(self) -> float:
         """The stall, as a `LoadLine` names it, N."""
         return self.stall
