@@ -129,9 +129,7 @@ def figure(record: Panel, ax):
         curve(ax, A[j], preload[i], mark, colour, f"{name} (simulated)")
     i, j = np.nonzero(kind == "unknown")
     if i.size:
-        ax.plot(
-            A[j], preload[i], "x", color=COLOURS["line"], markersize=5.0, label="unknown (averaged)"
-        )
+        ax.plot(A[j], preload[i], "x", color=COLOURS["line"], markersize=5.0, label="unknown (averaged)")
     for (name, values), style in zip(data["lines_m"].items(), (":", "--", "-."), strict=True):
         curve(ax, np.asarray(values) * 1e9, preload, style, "line", f"{name} (theory)")
     ours = np.asarray(data["operating_amplitude_m"]) * 1e9
