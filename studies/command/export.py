@@ -20,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "scene", metavar="RUN_OR_SCENE", help="a directory that `sawmotor run` left, a path or a shipped name"
     )
-    parser.add_argument("--format", metavar="FORMAT", help="fmu, c, gds, dxf")
+    parser.add_argument("--format", metavar="FORMAT", help="fmu, c, gds, dxf, uff, touchstone, csv, vtu")
     parser.add_argument("--fmi", metavar="VERSION", help="fmu: 3 or 2 (3)")
     parser.add_argument(
         "--size",
@@ -29,6 +29,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="KEY=VALUE",
         help='gds, dxf: busbar, end_gap, pad, mark, margin or grid, e.g. grid="5 nm"; once for each',
     )
+    parser.add_argument("--scan", metavar="WAY", help="uff, csv: x, y, xy or frequency (x)")
+    parser.add_argument(
+        "--band", metavar="START:STOP:N", help="touchstone, --scan frequency: frequencies in MHz"
+    )
+    parser.add_argument("--z0", metavar="OHM", help="touchstone: reference impedance (50)")
+    parser.add_argument(
+        "--noise",
+        metavar="SHARE",
+        help="uff, csv, touchstone: standard deviation over the largest value, e.g. 1e-2 or 1%%",
+    )
+    parser.add_argument("--seed", type=int, metavar="N", help="of the noise")
     add_voltage(parser)
     add_changes(parser)
     add_tolerance(parser)
@@ -76,6 +87,8 @@ def call(arguments: argparse.Namespace) -> int:
 # by format: ending of its file, and the options of the command that it takes beside the scene's own
 FORMATS = {
     "fmu": (".fmu", ("fmi",)), "c": ("", ()), "gds": (".gds", ("size",)), "dxf": (".dxf", ("size",)),
+    "uff": (".uff", ("scan", "band", "noise", "seed")), "csv": ("", ("scan", "band", "noise", "seed")),
+    "touchstone": (".snp", ("band", "z0", "noise", "seed")), "vtu": (".vtu", ()),
 }  # fmt: skip
 
 
@@ -83,10 +96,12 @@ def exported(
     arguments: argparse.Namespace, scene: Scene, name: str, *, tolerance: float, progress
 ) -> Exported:
     """Return what a call of the command exports, nothing written; options that a format does not take are refused."""
-    from studies.export import mask_files, simulators
+    from studies.export import instruments, mask_files, simulators
 
     calls = {
         "fmu": simulators.fmu_files, "c": simulators.c_files, "gds": mask_files.gds_files, "dxf": mask_files.dxf_files,
+        "uff": instruments.uff_files, "csv": instruments.csv_files, "touchstone": instruments.touchstone_files,
+        "vtu": instruments.vtu_files,
     }  # fmt: skip
     _, taken = checked(arguments)
     options = {key: value for key in taken if (value := getattr(arguments, key)) not in (None, [])}

@@ -39,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--measured",
         metavar="FILE",
-        help="CSV of measured points (voltage_V, velocity_m_per_s, perhaps error_m_per_s) to compare with",
+        help="measured velocities (voltage_V, velocity_m_per_s), a burst's trace or a vibrometer's scan",
     )
     parser.add_argument(
         "--report",
@@ -88,7 +88,11 @@ def call(arguments: argparse.Namespace) -> int:
         drawing = stack.enter_context(Drawing()) if plotted else None
         with Progress() as progress:
             record = run_chain(scene, tolerance=wanted, progress=progress)
-            if measured is not None:
+            if measured is not None and measured.quantity != "velocity":
+                from studies.chain.measured_run import beside
+
+                record = replace(record, measured=beside(record, measured, progress=progress))
+            elif measured is not None:
                 from studies.chain.uncertainty import velocities_at
 
                 progress("velocities at the measured levels")

@@ -24,7 +24,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--band", metavar="START:STOP:N", help="network: frequencies in MHz")
     parser.add_argument("--z0", metavar="OHM", help="network: reference impedance (50)")
     parser.add_argument(
-        "--measured", metavar="FILE", help="network: Touchstone file to draw over the prediction"
+        "--measured",
+        metavar="FILE",
+        help="network: Touchstone file; beam, frequency_response: vibrometer's scan; drawn over the prediction",
+    )
+    parser.add_argument("--target", metavar="LENGTH", help='positioning: where to go, e.g. "10 um"')
+    parser.add_argument(
+        "--controller",
+        metavar="NAME",
+        help="positioning: two_phase, dead_zone_pi, burst_length or FILE.py:FUNCTION",
+    )
+    parser.add_argument(
+        "--loop",
+        action="append",
+        default=None,
+        metavar="KEY=VALUE",
+        help='positioning: sensor, period, preload, load and gains, e.g. resolution="1 nm"; once for each',
     )
     parser.add_argument(
         "--quick", action="store_true", help="a small version of it, to see what it gives: no evidence"
@@ -58,7 +73,7 @@ def call(arguments: argparse.Namespace) -> int:
             over=axes_given(arguments.over),
             options={
                 name: value
-                for name in ("band", "z0", "measured")
+                for name in ("band", "z0", "measured", "target", "controller", "loop")
                 if (value := getattr(arguments, name)) is not None
             },
             quick=arguments.quick,

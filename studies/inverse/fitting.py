@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from studies.chain.scan_prediction import placed, refuse_other_range
 from studies.inverse.directions import Direction, direction, undetermined
 from studies.inverse.least_squares import CLEARLY, Problem
 from studies.inverse.next_measurement import ranked
@@ -28,7 +29,7 @@ from studies.inverse.parameters import (
 from studies.inverse.prediction import MeasurementPredictor
 from studies.inverse.profile import BetterMinimumError, End, allowed_excess, profile
 from studies.inverse.result import Fit
-from studies.record.measured import Measurement
+from studies.record.measured import FIELD, Measurement
 from studies.refusal import RunError, SceneError
 from studies.scene import Scene
 
@@ -155,14 +156,29 @@ def _explored(problem: Any, minima: Any, degrees: Any, estimated: Any, say: Any)
         )
     directions += _open_directions(problem, best, ends, lost)
     say("fit: next measurements")
+    informs = _informed(problem, slopes, information)
     sizes, count = np.sqrt(np.diag(covariance)), len(problem.parameters)
     return Fit(
         problem=problem, best=best, chi2=least, degrees_of_freedom=degrees, ends=ends,
         deviation=problem.measurements[0].deviations[0] if estimated else None,
         directions=tuple(directions), correlation=(covariance / np.outer(sizes, sizes))[:count, :count],
         rivals=tuple(problem.numbers(x) for x, _ in rivals), covariance=covariance,
-        candidates=tuple(ranked(problem, best, information)),
+        candidates=tuple(ranked(problem, best, information)), informs=informs,
     )  # fmt: skip
+
+
+def _informed(problem: Problem, slopes: Any, information: Any) -> tuple[tuple[str, dict[str, float]], ...]:
+    """Return, for each measurement, how far it alone narrows each number: the range's width over the width then.
+
+    A width is the standard deviation with the other numbers free; the ranges are a weak prior.
+    """
+    ends, found = np.cumsum([len(each.values) for each in problem.measurements]), []
+    prior = np.diag(problem.half_width**-2.0)
+    for each, rows in zip(problem.measurements, np.split(slopes, ends)[: len(ends)], strict=True):
+        own = np.sqrt(np.diag(np.linalg.inv(rows.T @ rows + prior)))
+        gains = {p.key: float(problem.half_width[k] / own[k]) for k, p in enumerate(problem.parameters)}
+        found.append((each.name, gains))
+    return tuple(found)
 
 
 def _outermost(problem: Any, minima: Any, j: int, sign: float, step: float, allowed: float) -> End:
@@ -207,6 +223,15 @@ def _open_directions(problem: Any, best: Any, ends: Any, lost: Any) -> list[Dire
 def _refuse(predictor: MeasurementPredictor, measurements: Any, parameters: Any) -> None:
     if not measurements:
         raise SceneError("--data", "is required: a CSV file of measured points")
+    for each in measurements:
+        if each.quantity not in FIELD and not predictor.slider:
+            raise SceneError(
+                f"--data {each.name}", "needs a scene with a [slider]: without one there is no velocity"
+            )
+        if each.network is not None and not predictor.given_wave:
+            refuse_other_range(predictor.scene({}), each.network, "--data")
+        if each.scan is not None:
+            placed(predictor.scene({}), each.scan, "--data")
     if not parameters:
         raise SceneError("--free", "is required: KEY=LOW:HIGH")
     keys = [parameter.key for parameter in parameters]
@@ -244,6 +269,8 @@ def _signed(problem: Problem) -> tuple[Measurement, ...]:
     predicted, found = problem.predictions(problem.starts()[:8]), []
     for k, each in enumerate(problem.measurements):
         total = np.nansum([values[k] for values in predicted])
-        unsigned = each.quantity != "amplitude" and min(each.values) >= 0.0 and total < 0.0
+        unsigned = (
+            each.quantity in ("velocity", "burst", "position") and min(each.values) >= 0.0 and total < 0.0
+        )
         found.append(replace(each, values=tuple(-value for value in each.values)) if unsigned else each)
     return tuple(found)

@@ -1,7 +1,10 @@
 """The free numbers of a fit: keys of a scene with their ranges, positive ones as logarithms.
 
-Two names stand for what is no key of a scene: ``amplitude_per_volt`` (m/V) turns the voltages of a measurement into
-amplitudes of a given [wave]; ``amplitude_factor`` multiplies the surface motion computed for a stator.
+Some names stand for what is no key of a scene: ``amplitude_per_volt`` (m/V) turns the voltages of a measurement into
+amplitudes of a given [wave]; ``amplitude_factor`` multiplies the surface motion computed for a stator.  Three belong
+to instruments: ``wave_velocity_factor`` multiplies the surface wave's velocity in a vibrometer's scan,
+``bandwidth`` is that of an encoder (a low-pass filter of first order), and ``time_offset`` the time of its trace at
+which the burst begins.
 """
 
 import math
@@ -17,7 +20,11 @@ from studies.scene.override import parts_of, toml_value
 from studies.scene.rule import Count
 
 AMPLITUDE_FACTOR, AMPLITUDE_PER_VOLT, SYSTEMATIC = "amplitude_factor", "amplitude_per_volt", "systematic"
-OWN = {AMPLITUDE_FACTOR: Quantity(), AMPLITUDE_PER_VOLT: Quantity("m"), SYSTEMATIC: Quantity()}
+WAVE_VELOCITY_FACTOR, BANDWIDTH, TIME_OFFSET = "wave_velocity_factor", "bandwidth", "time_offset"
+OWN = {
+    AMPLITUDE_FACTOR: Quantity(), AMPLITUDE_PER_VOLT: Quantity("m"), SYSTEMATIC: Quantity(),
+    WAVE_VELOCITY_FACTOR: Quantity(), BANDWIDTH: Quantity("Hz"), TIME_OFFSET: Quantity("s", negative=True),
+}  # fmt: skip
 LEVELS = ("drive.voltage", "wave.normal_amplitude")
 
 

@@ -131,7 +131,7 @@ def datasheet(
     line = lines[driven.named(rated)]
     rows = (
         *_speeds(record, driven, rated),
-        *_forces(driven, rated, balls),
+        *_forces(driven, rated, line, balls),
         *_positioning(bursts, rated, steps, start_stop),
         *_powers(record, driven, rated, line, balls),
         *_resonances(record, driven, say),
@@ -163,21 +163,29 @@ def _speeds(record: Record, driven: DrivenContact, rated: float) -> Any:
         "speed", "speed", speed, "m/s", error, "no load, steady", None if model is None else scale * model
     )
     unit, key = ("m", "amplitude_m") if record.scene.wave is not None else ("V", "voltage_V")
-    for name, words in (("threshold", "starts to move"), ("release", "leaves the surface in every cycle")):
+    for name, words, question in (
+        ("threshold", "starts to move", contact.threshold),
+        ("release", "leaves the surface in every cycle", contact.release),
+    ):
         if f"{name}_{key}" in record.summary:
             value, condition = record.summary[f"{name}_{key}"], f"the slider {words}"
-            yield Row("speed", name, value, unit, driven.stator_error, condition, record.error.get("model"))
+            factor = question(driven.slider, driven.orbits)
+            error = driven.stator_error + (factor.error / factor.value if factor.error else 0.0)
+            yield Row("speed", name, value, unit, error, condition, record.error.get("model"))
 
 
-def _forces(driven: DrivenContact, rated: float, balls: float) -> Any:
-    slider = driven.slider
-    stall, held = contact.blocked_thrust(slider, driven.at(rated))
+def _forces(driven: DrivenContact, rated: float, line: Any, balls: float) -> Any:
+    slider, stall = driven.slider, line.stall
+    averaged, held = contact.blocked_thrust(slider, driven.at(rated))
     more, _ = contact.blocked_thrust(slider, driven.at(rated * (1.0 + driven.stator_error)))
-    friction, error = (
-        slider.static_friction(len(driven.orbits)),
-        abs(more / stall - 1.0) + CONTACT_TOLERANCE,
-    )
-    yield Row("force", "blocked thrust", balls * stall, "N", error, "load at which the motor stalls")
+    friction = slider.static_friction(len(driven.orbits))
+    error = abs(more / averaged - 1.0) + stall.error / stall.value
+    yield Row("force", "blocked thrust", balls * stall.value, "N", error, "load at which the motor stalls")
+    if held > averaged * (
+        1.0 + 1e-9
+    ):  # a contact sticks at rest; averaged, with the same error as the stall had
+        error += abs(stall.value / averaged - 1.0)
+    held = max(held, stall.value)
     yield Row("force", "load held on the wave", balls * held, "N", error, "against the drive, at rest")
     condition = "drive off: friction coefficient times preload"
     yield Row("force", "holding force", balls * friction, "N", condition=condition)
@@ -188,7 +196,7 @@ def _forces(driven: DrivenContact, rated: float, balls: float) -> Any:
 def _positioning(bursts: Steps, rated: float, steps: Any, start_stop: Any) -> Any:
     frequency = bursts.driven.scene.frequency
     for size, step in zip(STEPS, steps, strict=True):
-        error = bursts.error(rated, step) or None
+        error = bursts.error(rated, step) + step.error / abs(step.displacement) or None
         name = f"{'smallest step' if size == STEPS[0] else 'step'} of {size * 1e9:g} nm or more"
         cycles = f"{step.cycles} cycle{'' if step.cycles == 1 else 's'}"
         condition = (
@@ -212,7 +220,8 @@ def _positioning(bursts: Steps, rated: float, steps: Any, start_stop: Any) -> An
 
 
 def _powers(record: Record, driven: DrivenContact, rated: float, line: Any, balls: float) -> Any:
-    best, error = int(np.argmax(line.power)), 2.0 * driven.stator_error + CONTACT_TOLERANCE
+    best = int(np.argmax(line.power))
+    error = 2.0 * driven.stator_error + float(np.max(line.relative_error)) + CONTACT_TOLERANCE
     power, drawn = balls * float(line.power[best]), 0.0
     electrical = record.electrical
     if electrical:
