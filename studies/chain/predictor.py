@@ -22,6 +22,7 @@ from studies.chain.free_wave import free_wave_record
 from studies.chain.outcomes import also_asked, amplitudes
 from studies.chain.points import slider_answer
 from studies.chain.ring_up import RingUp, ring_up
+from studies.chain.slider_wave import stator_wave
 from studies.chain.solved_stator import Driven, SolvedStator, at_one_volt, stator_alone
 from studies.chain.spectrum import response
 from studies.chain.steady import SHARE, averaged_answers, judged
@@ -155,8 +156,11 @@ class Predictor:
                 raise
             solved = self._answer(stator, places, step)
         tangential, normal, _, _ = solved.at[places[0]]
+        passing = None
+        if block is not None and block.pillars is not None:
+            passing = stator_wave(scene, self.motion(stator, places, step))
         return Driven(
-            scene=scene, orbits=() if block is None else solved.orbits(block.places), solved=solved,
+            scene=scene, orbits=() if block is None else solved.orbits(block.places), solved=solved, passing=passing,
             amplitudes=(abs(normal), abs(tangential)), stator_error=max(solved.at[place][2] for place in places),
         )  # fmt: skip
 

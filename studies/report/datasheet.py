@@ -16,6 +16,8 @@ import numpy as np
 import contact
 from studies.chain import resolve, run
 from studies.chain.bridge import DrivenContact
+from studies.chain.pillar_points import PillarContact
+from studies.chain.pillar_points import burst as pillar_burst
 from studies.chain.steps import Steps
 from studies.record import Record
 from studies.refusal import RunError
@@ -109,6 +111,8 @@ def datasheet(
     if record.shortfall:
         raise RunError(record.shortfall)
     driven = DrivenContact.of_run(record)
+    if record.scene.slider.pillars is not None:
+        return _of_pillars(record, driven, say)
     moving = driven.above(1.0)
     rated = moving[-1]
     try:
@@ -140,6 +144,56 @@ def datasheet(
         record=record, driven=driven, rated=rated, rows=rows, lines=lines, balls=balls, start_stop=start_stop,
         steps=steps,
     )  # fmt: skip
+
+
+def _of_pillars(record: Record, driven: DrivenContact, say: Any) -> Datasheet:
+    """Return the datasheet of a slider on pillars: no steps, for its bounce is not followed."""
+    body = PillarContact.of(driven)
+    moving = sorted(
+        {
+            each[record.level]
+            for each in record.points
+            if each.get("velocity_m_per_s") and each[record.level] > 0
+        }
+    )
+    if not moving:
+        record.scene.refuse(driven.level_key, "must hold a value at which the slider moves")
+    rated = moving[-1]
+    try:
+        say("load lines")
+        picked = sorted({min(moving, key=lambda level: abs(level - part * rated)) for part in LINES})
+        lines = {driven.named(level): body.load_line(level, LOADS) for level in picked}
+        line = lines[driven.named(rated)]
+        say("start and stop")
+        slider, free = record.scene.slider, line.motions[0]
+        acceleration = slider.friction_coefficient * slider.preload / slider.mass
+        start_stop = pillar_burst(body, rated, free, LONG * abs(free.velocity) / acceleration)
+    except contact.ConvergenceError as error:
+        raise RunError(f"the datasheet is incomplete: {' '.join(str(error).split())}") from None
+    error = 2.0 * driven.stator_error + CONTACT_TOLERANCE
+    rows = (
+        *_speeds(record, driven, rated),
+        Row("force", "blocked thrust", line.stall, "N", error, "load at which the motor stalls"),
+        Row("force", "load held on the wave", line.held_up_to, "N", error, "against the drive, at rest"),
+        Row("force", "holding force", acceleration * slider.mass, "N",
+            condition="drive off: friction coefficient times preload"),
+        Row("force", "largest acceleration", acceleration, "m/s\u00b2",
+            condition="that friction can give: holding force over mass"),
+        *_start_and_stop(start_stop, ""),
+        *_powers(record, driven, rated, line, 1.0),
+        Row("power", "friction power", free.friction_power, "W", error, "no load, all pillars"),
+        *_resonances(record, driven, say),
+    )  # fmt: skip
+    return Datasheet(
+        record=record,
+        driven=driven,
+        rated=rated,
+        rows=rows,
+        lines=lines,
+        balls=1.0,
+        start_stop=start_stop,
+        steps=(),
+    )
 
 
 def _start_stop(driven: DrivenContact, rated: float) -> Any:
@@ -206,11 +260,14 @@ def _positioning(bursts: Steps, rated: float, steps: Any, start_stop: Any) -> An
         if bursts.sentence:
             condition += f"; {bursts.sentence if size == STEPS[0] or not bursts.reason else AT_ONCE}"
         yield Row("positioning", name, abs(step.displacement), "m", error, condition)
+    settles = f"; it takes {bursts.settling * 1e6:.3g} \u00b5s to settle" if bursts.settling else ""
+    yield from _start_and_stop(start_stop, settles)
+
+
+def _start_and_stop(start_stop: Any, settles: str) -> Any:
     time, speed, last = start_stop.time, abs(start_stop.velocity), abs(start_stop.velocity_at_burst_end)
     grid, reached = float(np.max(np.diff(time))), float(time[np.argmax(speed >= SETTLED * last)])
-    condition = f"from rest to {SETTLED:.0%} of the speed, wave at full size from the first cycle"
-    if bursts.settling:
-        condition += f"; it takes {bursts.settling * 1e6:.3g} \u00b5s to settle"
+    condition = f"from rest to {SETTLED:.0%} of the speed, wave at full size from the first cycle{settles}"
     yield Row("positioning", "start time", reached, "s", grid / reached, condition)
     # the slider has stopped when its velocity is that of its ring in the contact's spring
     slow = (time >= start_stop.duration) & (speed < 1e-2 * last)
