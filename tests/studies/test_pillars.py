@@ -323,3 +323,23 @@ def test_a_study_of_balls_says_that_it_knows_no_pillars():
 
     with pytest.raises(SceneError, match=r"slider.pillars are not known to this study"):
         regime_map.run(scene())
+
+
+def test_the_pictures_show_the_tables():
+    from matplotlib.figure import Figure
+
+    from studies.record.plots import pictures
+
+    record = run(scene(pillars={"height_scatter": 5e-9, "seed": 3}))
+    drawn = pictures(record)
+    assert {"velocity", "slider_wave", "pressure", "power"} <= set(drawn)
+    ax = drawn["slider_wave"](Figure().add_subplot())
+    assert ax.get_lines()[0].get_ydata() == pytest.approx(1e9 * np.abs(record.slider_wave["backward_m"]))
+    ax = drawn["power"](Figure().add_subplot())
+    point = record.points[-1]
+    bars = [each.get_height() for each in ax.patches]
+    assert bars[len(record.points) - 1] == pytest.approx(
+        100 * point["friction_power_W"] / point["wave_power_in_W"]
+    )
+    ax = drawn["pressure"](Figure().add_subplot())
+    assert ax.collections[0].get_array().sum() == pytest.approx(180.0, rel=1e-6)  # mN
