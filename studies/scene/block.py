@@ -32,7 +32,7 @@ class Key:
 
 
 @cache
-def keys_of(kind: "type[Block]") -> dict[str, Key]:
+def keys_of(kind: type) -> dict[str, Key]:
     """Return the keys of a block's class by name."""
     meanings = {name: " ".join(text.split()) for name, text in MEANING.findall(kind.__doc__ or "")}
     return {
