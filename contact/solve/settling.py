@@ -20,7 +20,6 @@ import numpy as np
 
 from contact.codes import Tangential
 from contact.convergence import ConvergenceError
-from contact.drive import reference_speed
 from contact.kinematics import at_phase, tangential_amplitude
 from contact.orbit import Orbit
 from contact.problem import largest_resonance, scaled
@@ -104,11 +103,25 @@ def long_run(slider: Slider, orbits: tuple[Orbit, ...], direction: float) -> Lon
     rate = _relaxation(problem)
     _refuse_unless_affordable(problem, rate)
     first = _followed(problem, begin, rate)
-    if first.period or first.sticks:
+    settled = first.period or first.sticks
+    if settled and first.passed <= REGULAR:
         return first
     second = _followed(problem, _beside(begin), rate)
-    other = second if second.period or second.sticks else first
-    return replace(other, error=max(first.error, second.error, abs(first.speed - second.speed)), starts=2)
+    apart = abs(first.speed - second.speed)
+    if not settled:
+        other = second if second.period or second.sticks else first
+        return replace(other, error=max(first.error, second.error, apart), starts=2)
+    if _together(first, second, _same(first.speed, problem)):
+        return first
+    # an irregular transient, or several motions to settle to: the mean before is what a start may go on with
+    doubt = max(abs(first.transient - first.speed), abs(second.transient - first.speed), apart)
+    return replace(first, error=first.error + doubt, starts=2)
+
+
+def _same(speed, problem):
+    """Return the difference of two mean velocities that are those of one motion, scaled."""
+    reach = float(np.max(tangential_amplitude(problem.paths, np.arange(problem.contacts))))
+    return SAME * max(abs(speed), reach / 10.0)
 
 
 def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, found: Periodic) -> Reached:
@@ -116,8 +129,8 @@ def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, found: 
     target = found.motion.copy()
     target.move(0.0, 0.5 * math.pi, np.empty(0))  # from the trough of u_z to its upward zero
     problem, begin = _started(slider, orbits, balance.load_sign)
-    unit = reference_speed(found.speed * problem.speed, orbits) / problem.speed
-    near = Near(target.state, found.speed, SAME * unit, found.growth)
+    same = _same(found.speed, problem)
+    unit, near = same / SAME, Near(target.state, found.speed, same, found.growth)
     rate = _relaxation(problem)
     try:
         _refuse_unless_affordable(problem, math.inf)
@@ -128,7 +141,7 @@ def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, found: 
     except ConvergenceError as failed:
         return Reached(doubt=unit, reason=f"whether a slider from rest comes to it was not seen: {failed}")
     if first.arrived and second.arrived:
-        if _together(first, second, near):
+        if _together(first, second, near.same):
             return Reached()
         late = first if first.passed > second.passed else second
         return _irregular(late, second.passed + first.passed - late.passed, unit, found.speed)
@@ -148,10 +161,10 @@ def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, found: 
     return Reached(doubt=doubt, reason=reason, speed=later[0] if later else run.speed)
 
 
-def _together(first, second, near):
+def _together(first, second, same):
     """Return whether two runs from almost the same start stay together all the way."""
     both = min(first.velocities.size, second.velocities.size)
-    return float(np.max(np.abs(first.velocities[:both] - second.velocities[:both]))) <= near.same
+    return float(np.max(np.abs(first.velocities[:both] - second.velocities[:both]))) <= same
 
 
 def _irregular(run, other, unit, speed):
@@ -206,8 +219,9 @@ def _followed(problem, begin, rate, near=None):
         quiet = quiet + block if motion.sticks else 0
         if quiet >= STUCK_CYCLES:
             return LongRun(
-                speed=0.0, error=0.0, period=0, sticks=True, cycles=block, passed=passed, motion=motion
-            )
+                speed=0.0, error=0.0, period=0, sticks=True, cycles=block, passed=passed, motion=motion,
+                velocities=rows[:, ROW_VELOCITY],
+            )  # fmt: skip
         if near is not None and _arrived(rows, near):
             return _arrival(motion, rows, passed, near)
         period, gap = _period(rows)
