@@ -39,9 +39,10 @@ PERIODS, REPEATS = 12, 1e-9
 CLOSE = 1e-5
 # largest difference of two velocities, over the reference speed, that are those of one motion
 SAME = 1e-3
-# Cycles within which a transient is no matter of chance; e-foldings after which a departure has died out, and the
-# slowest that is waited for, cycles (a second in fixed steps)
-REGULAR, SURELY, MAX_SETTLING = 200, 8.0, 100_000
+# Cycles within which a transient is no matter of chance, and within which an irregular one has ended for two starts, so
+# that it hardly lasts ten times as long for a third; e-foldings after which a departure has died out, and the slowest
+# that is waited for, cycles (a second in fixed steps)
+REGULAR, IRREGULAR, SURELY, MAX_SETTLING = 200, 1000, 8.0, 100_000
 # cycles without any slip after which every contact sticks for good: some periods of the bounce
 STUCK_CYCLES = 64
 # fixed steps for that: per cycle, and the largest change of the contact's oscillation in one
@@ -162,9 +163,11 @@ def reached(slider: Slider, orbits: tuple[Orbit, ...], balance: Balance, found: 
 
 
 def _together(first, second, same):
-    """Return whether two runs from almost the same start stay together all the way."""
+    """Return whether two runs from almost the same start settle to one motion, side by side or before long."""
     both = min(first.velocities.size, second.velocities.size)
-    return float(np.max(np.abs(first.velocities[:both] - second.velocities[:both]))) <= same
+    apart = float(np.max(np.abs(first.velocities[:both] - second.velocities[:both])))
+    soon = max(first.passed, second.passed) <= IRREGULAR and abs(first.speed - second.speed) <= same
+    return apart <= same or (soon and bool(second.period or second.sticks))
 
 
 def _irregular(run, other, unit, speed):
