@@ -119,6 +119,16 @@ def long_run(slider: Slider, orbits: tuple[Orbit, ...], direction: float) -> Lon
     return replace(first, error=first.error + doubt, starts=2)
 
 
+def mean_from_rest(slider: Slider, orbits: tuple[Orbit, ...], direction: float, cycles: int) -> float:
+    """Return the mean velocity in m/s over the second half of so many cycles from rest, followed event by event."""
+    problem, begin = _started(slider, orbits, direction)
+    _refuse_unless_affordable(problem, math.inf)
+    motion = Motion(problem, grid=collocation(10), truncation=1e-7)
+    motion.place(*begin[:3], begin[3:])
+    rows = motion.turn(cycles, stride=1)
+    return float(np.mean(rows[cycles // 2 :, ROW_MEAN_VELOCITY])) * problem.speed
+
+
 def _same(speed, problem):
     """Return the difference of two mean velocities that are those of one motion, scaled."""
     reach = float(np.max(tangential_amplitude(problem.paths, np.arange(problem.contacts))))
