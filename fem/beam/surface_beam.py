@@ -131,7 +131,7 @@ class SurfaceBeam:
         return self.motion_and_error(x, y)[1]
 
     def motion_and_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0, *, oblique: bool = True):
-        """`motion` and `relative_error` at once; ``oblique``: with `oblique_error`."""
+        """`motion` and `relative_error` at once; ``oblique``: with `oblique_error`, a model error."""
         fine, coarse = self._both_rules(x, y)
         size = abs(fine[[0, 2]]).max(axis=0)
         largest = float(size.max())
@@ -140,45 +140,50 @@ class SurfaceBeam:
             static = self._returned(*(each.ravel() for each in np.broadcast_arrays(x, y)), self.faces.static)
             rule = rule + abs(static[0, 0]).reshape(size.shape) / size
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
+        section, left_out = self._left_out(x, y, fine)
+        if not oblique and self._follows_one_mode:
+            left_out = 0.0
+        return fine, rule + (np.maximum(size, section) * self.wave.relative_error + left_out) / size
+
+    def _left_out(self, x: np.ndarray, y: np.ndarray, motion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Amplitude of the section, m per V, and what the modes leave out of the beam's ``motion``, at each point."""
         places, where = np.unique(x, return_inverse=True)
-        where = where.reshape(size.shape)
+        where = where.reshape(x.shape)
         in_section = self.wave.motion(places)
         section = abs(in_section).max(axis=0)[where]
         left_out = abs(self._beyond_the_modes(places)).max(axis=0)[where]
         if self._follows_one_mode:
-            change = abs(fine[2] / in_section[1][where] - 1)
+            change = abs(motion[2] / in_section[1][where] - 1)
             far = self._distances(x) > self._resolved
             left_out = left_out * np.where(far, np.minimum(1.0, UNLIKE + change), 1.0)
-        if oblique:
             left_out = left_out + section * self._oblique(x, y, *OBLIQUE)
-        return fine, rule + (np.maximum(size, section) * self.wave.relative_error + left_out) / size
+        return section, left_out
 
     def oblique_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
-        """Estimate of what bulk waves that run obliquely to x change in u_x and u_z, over max(|u_x|, |u_z|).
+        """Estimate of what the modes that are not followed change in u_x and u_z, over max(|u_x|, |u_z|).
 
-        Zero where all modes of the section take part.  Where the surface wave alone is followed, the ends of the
-        fingers send bulk waves to all sides, which the section has not.  Against the whole response of half-spaces of
+        Zero where all modes of the section take part.  Where the surface wave alone is followed, what the section has
+        beyond it spreads otherwise, and the ends of the fingers send bulk waves to all sides, which the section has
+        not.  Against the whole response of half-spaces of
         128YX and YZ lithium niobate (tests/fem/beam/test_oblique_bulk.py) 19 of 20 places are within twice the
         estimate: amplitudes that fall from the ends of the aperture in the transducer's middle, as d^-5/4.
         """
-        return self._share(x, y, OBLIQUE)
+        x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
+        if not self._follows_one_mode:
+            return np.zeros(x.shape)
+        motion = self.motion(x, y)
+        return self._left_out(x, y, motion)[1] / abs(motion[[0, 2]]).max(axis=0)
 
     def lateral_error(self, x: float | np.ndarray, y: float | np.ndarray = 0.0) -> np.ndarray:
         """The same of u_y, over max(|u_x|, |u_z|): it falls as d^-3/4 only."""
-        return self._share(x, y, OBLIQUE_LATERAL)
-
-    def _share(self, x, y, law: tuple[float, float]) -> np.ndarray:
         x, y = np.broadcast_arrays(np.asarray(x, dtype=float), np.asarray(y, dtype=float))
-        size = abs(self.motion(x, y)[[0, 2]]).max(axis=0)
-        places, where = np.unique(x, return_inverse=True)
-        section = abs(self.wave.motion(places)).max(axis=0)[where].reshape(size.shape)
-        return self._oblique(x, y, *law) * section / size
+        motion = self.motion(x, y)
+        section, _ = self._left_out(x, y, motion)
+        return self._oblique(x, y, *OBLIQUE_LATERAL) * section / abs(motion[[0, 2]]).max(axis=0)
 
     def _oblique(self, x: np.ndarray, y: np.ndarray, share: float, power: float) -> np.ndarray:
         """Sum over the ends of the apertures of ``share`` (wavelength / distance)^power, at most one each."""
         total = np.zeros(x.shape)
-        if not self._follows_one_mode:
-            return total
         wavelength = abs(self.wave.phase_velocity) / self.wave.frequency
         for each, charges in zip(self.wave.solution.fields.transducers, self.charges, strict=True):
             if np.any(charges.charge):
