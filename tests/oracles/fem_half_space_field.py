@@ -1,5 +1,7 @@
-"""Surface motion of a piezoelectric half-space by charges of finite length, without modes: Stroh's problem at every
-wave vector of the surface (Ting, *Anisotropic Elasticity*, 1996, chapter 5), summed over the plane of wave vectors.
+"""Surface motion of a piezoelectric half-space by charges of finite length, without modes.
+
+Stroh's problem at every wave vector of the surface (Ting, *Anisotropic Elasticity*, 1996, chapter 5), summed over the
+plane of wave vectors.
 
 exp(+i omega t), body at z < 0, no field above (D_n = 0 beside the charges).  Both wave vector components are turned by
 one small angle of the complex plane, k (1 + i epsilon), which keeps all poles and branch points at a distance and
@@ -50,7 +52,7 @@ class HalfSpaceField:
     def motion(self, x, y, *, places, charges, aperture, surface_wavenumber):
         """u_x, u_y, u_z in m at points, of lines of charge (C/m) at places x along |y| < aperture / 2, (3, points)."""
         highest, reach = 1.75 * surface_wavenumber, float(np.hypot(x, y).max())
-        epsilon = 1.5 / (surface_wavenumber * reach)
+        epsilon = 3.0 / (surface_wavenumber * reach)
         turn, radial = 1 + 1j * epsilon, int(2.5 * highest / (epsilon * surface_wavenumber))
         size = (np.arange(radial) + 0.5) * highest / radial
         fade = [0.5 * math.erfc(5 * (2 * (k / surface_wavenumber - 1.2) / 0.55 - 1)) for k in size]
