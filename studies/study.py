@@ -130,11 +130,13 @@ class StudyRecord:
 
 
 def driven_contact(
-    scene: str | Scene, *, tolerance: float = 1e-3, progress: Callable[[str], None] | None = None
-) -> DrivenContact:
+    scene: str | Scene, *, tolerance: float = 1e-3, pillars: bool = False,
+    progress: Callable[[str], None] | None = None,
+) -> DrivenContact:  # fmt: skip
     """Return the contact of a scene with a slider, its stator solved at the largest voltage and without a burst.
 
-    ``tolerance``: of the slider velocity there; it sets how finely the stator is solved.
+    ``tolerance``: of the slider velocity there; it sets how finely the stator is solved.  ``pillars``: whether the
+    study knows sliders on pillars.
 
     Examples
     --------
@@ -144,6 +146,10 @@ def driven_contact(
     chosen = resolved(scene if isinstance(scene, Scene) else Scene.load(scene))
     if chosen.slider is None:
         chosen.refuse("slider", "is missing: this study needs a slider")
+    if chosen.slider.pillars is not None and not pillars:
+        chosen.refuse(
+            "slider.pillars", "are not known to this study: run, sweep, datasheet and load_line take them"
+        )
     if chosen.wave is not None:
         return DrivenContact.given(chosen)
     if not chosen.transducer:

@@ -95,10 +95,10 @@ class PillarCycle:
             self.k_n * out[:, columns.FIRST_APPROACH] * crest, self.k_t * stretch * crest,
         )  # fmt: skip
 
-    def advance(self, forces: Forces, share: float = 1.0) -> float:
-        """Move the wave's amplitudes by a share of the way to those that the forces leave.
+    def advance(self, forces: Forces, mixing=None) -> float:
+        """Move the wave's amplitudes to those that the forces leave, or as a `Mixing` of the last few steps says.
 
-        Returns the whole way, over the incident amplitude.
+        Returns the size of the step to the former, over the incident amplitude.
         """
         if self.g == 0.0:
             return 0.0
@@ -113,13 +113,15 @@ class PillarCycle:
             self.turn, along, against, stiff, shear, self.orbit, self.g, self.incident, self.forward, self.backward,
             self._chain,
         )  # fmt: skip
-        change = max(
-            abs(new - old).max() for new, old in zip((self.forward, self.backward), before, strict=True)
-        )
-        if share < 1.0:
-            self.forward += (1.0 - share) * (before[0] - self.forward)
-            self.backward += (1.0 - share) * (before[1] - self.backward)
-        return float(change) / max(self.wave.amplitude, 1e-300)
+        size = max(self.wave.amplitude, 1e-300)
+        old, new = np.concatenate(before), np.concatenate([self.forward, self.backward])
+        change = float(np.abs(new - old).max()) / size
+        if mixing is not None:
+            mixed = (
+                mixing.following(old.view(float) / size, (new - old).view(float) / size).view(complex) * size
+            )
+            self.forward, self.backward = mixed[: self.turn.size].copy(), mixed[self.turn.size :].copy()
+        return change
 
     def passed(self, forces: Forces):
         """Return U+ behind each row and U- before it, with the forces that belong to the amplitudes as they stand."""

@@ -14,16 +14,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from contact.averaged.mixing import Mixing
 from contact.averaged.pillar_cycle import Forces, PillarCycle
 from contact.convergence import ConvergenceError
 
 CLOSE = 1e-12  # of the scaled residuals, and of the wave's amplitudes
 INNER = 1e-3  # change of the wave's amplitudes over the residual, at which the unknowns are moved
 MAX_STEPS, MAX_SWEEPS = 80, 200
-SLOW, SHORTEST = (
-    0.7,
-    0.1,
-)  # ratio of successive changes above which, and down to which, a sweep moves a share only
+SLOW, DEPTH = 0.5, 6  # ratio of successive changes above which so many sweeps are mixed
+# Change of the wave below which it need not shrink any more, and sweeps without a halving after which it does not: a
+# wave of many turns, 10^5 forces
+ROUNDING, STALE = 1e-10, 12
 PATIENCE = 12  # steps in which the residual should fall to a third: at a kink, such as v = 0, it does not
 STEP = 1e-6  # of finite differences, of the scaled unknowns
 MAX_MOVE = 1.0  # of a scaled unknown in one step
@@ -133,16 +134,22 @@ class Equilibrium:
 
     def _settled(self, unknowns, side: float, active):
         """Return the residuals with the wave's amplitudes settled as far as the residual is worth."""
-        share, last = 1.0, np.inf
+        mixing, last, best, stale = None, np.inf, np.inf, 0
+        self.at_rounding = False
         for _ in range(MAX_SWEEPS):
             residual = self._evaluate(unknowns, side)[list(active)]
             self.residual = float(np.max(np.abs(residual), initial=0.0))
-            self.change = self.cycle.advance(self.forces, share)
-            # contacts that come to slip answer against the change: shorter steps where it does not shrink
-            share = max(SHORTEST, 0.5 * share) if self.change > SLOW * last else min(1.0, 1.2 * share)
-            last = self.change
+            self.change = self.cycle.advance(self.forces, mixing)
             if self.change <= max(0.1 * CLOSE, INNER * self.residual):
                 return residual
+            # contacts that come to slip answer against the change: sweeps alone swing to and fro
+            if mixing is None and SLOW * last < self.change > ROUNDING:
+                mixing = Mixing(DEPTH)
+            best, stale = (self.change, 0) if self.change < 0.5 * best else (best, stale + 1)
+            self.at_rounding = self.change < ROUNDING and stale >= STALE
+            if self.at_rounding:
+                return residual
+            last = self.change
         raise ConvergenceError(
             "not converged", f"the wave below the pillars still changes by {self.change:.1e} a sweep"
         )
@@ -190,7 +197,7 @@ class Equilibrium:
             sizes.append(size)
             if len(sizes) > PATIENCE and size > 0.3 * sizes[-PATIENCE]:
                 break
-            if size < CLOSE and self.change < CLOSE:
+            if size < CLOSE and (self.change < CLOSE or self.at_rounding):
                 self.error = self._left(jacobian, residual)
                 return y
             if jacobian is None or poor > 2:

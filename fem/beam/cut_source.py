@@ -26,7 +26,7 @@ from fem.convergence import ConvergenceError
 from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.section import Section
-from fem.waveguide.eigenproblem import companion_modes, even_odd_modes
+from fem.eigenproblem import companion_modes, even_odd_modes
 from fem.waveguide.port_fields import PortFields
 
 FADE = (
@@ -284,9 +284,7 @@ def cut_source(fields: PortFields) -> CutSource:
     modes = fields.modes
     section = discretise(
         fields.stator,
-        Resolution(
-            order=fields.resolution.order, edge_layers=0, lossy_elements=fields.resolution.lossy_elements
-        ),
+        Resolution(order=fields.resolution.order, edge_layers=0, absorber=fields.resolution.absorber),
         wavelength=modes.section.length_unit,
         surface_scale=np.inf,
         lateral=True,
