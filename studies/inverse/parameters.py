@@ -10,6 +10,7 @@ which the burst begins.
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from studies.record.measured import Measurement, read_measured
 from studies.refusal import SceneError, nearest, shown
@@ -121,6 +122,8 @@ def read_parameter(text: str, option: str = "--free", *, design: bool = False) -
     >>> read_parameter("slider.preload=1 mN:5 mN")
     Parameter(key='slider.preload', low=0.001, high=0.005, value=None, vary=True, stderr=None)
     """
+    low: float
+    high: float
     key, span = parts_of(option, text, "KEY=LOW:HIGH")
     ends = [end.strip() for end in span.split(":")]
     if len(ends) != 2:
@@ -130,7 +133,7 @@ def read_parameter(text: str, option: str = "--free", *, design: bool = False) -
     if design and "." in key and isinstance(rule_at(key), Count):
         if not all(end.isdigit() for end in ends):
             raise SceneError(f"{option} {key}", f"must be LOW:HIGH of whole numbers, got {shown(span)}")
-        low, high = map(int, ends)
+        low, high = (int(end) for end in ends)
     else:
         low, high = (_number(option, key, end) for end in ends)
     if not low < high:
@@ -138,7 +141,7 @@ def read_parameter(text: str, option: str = "--free", *, design: bool = False) -
     return Parameter(key=key, low=low, high=high)
 
 
-def as_parameters(given) -> tuple[Parameter, ...]:
+def as_parameters(given: Any) -> tuple[Parameter, ...]:
     """Return the parameters of a fit, however they are written.
 
     Parameters
@@ -173,7 +176,7 @@ def ranges(given: list | dict) -> list:
     ]
 
 
-def as_measurements(given) -> list[Measurement]:
+def as_measurements(given: Any) -> list[Measurement]:
     """Return measurements: `Measurement` objects or paths of CSV files, one or a list."""
     several = given if isinstance(given, (list, tuple)) else [given]
     return [each if isinstance(each, Measurement) else read_measurement(each) for each in several]
@@ -198,7 +201,7 @@ def read_measurement(path: str | Path, settings: tuple[str, ...] = ()) -> Measur
     if "=" in str(path):
         raise SceneError("--data", f"must begin with a file: FILE.csv KEY=VALUE ..., got {str(path)!r}")
     fixed = dict(read_setting(text) for text in settings)
-    systematic = float(fixed.pop(SYSTEMATIC, 0.0))
+    systematic = float(str(fixed.pop(SYSTEMATIC, 0.0)))
     return replace(read_measured(path, "--data"), systematic=systematic, settings=fixed)
 
 

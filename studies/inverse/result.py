@@ -63,10 +63,11 @@ class Fit:
         """95 % intervals by key; None for an end that the data do not make."""
         found = {}
         for k, parameter in enumerate(self.problem.parameters):
-            ends = self.ends[parameter.key]
-            found[parameter.key] = tuple(
-                parameter.outer(end.x[k]) if end is not None and end.closed else None for end in ends
+            low, high = (
+                parameter.outer(end.x[k]) if end is not None and end.closed else None
+                for end in self.ends[parameter.key]
             )
+            found[parameter.key] = low, high
         return found
 
     @property

@@ -13,7 +13,7 @@ import csv
 import math
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from studies.lab.heads import DISPLACEMENTS, Heads
 from studies.lab.network import TOUCHSTONE, NetworkData, read_network
@@ -314,7 +314,7 @@ def compared(measured: Measurement, predicted: list[float | None]) -> dict:
     return block
 
 
-def comparison(block: dict):
+def comparison(block: dict) -> Any:
     """Yield what a run prints of a comparison, as rows of a name and a line."""
     if not block:
         return

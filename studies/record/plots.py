@@ -51,6 +51,12 @@ def pictures(record: "Record") -> dict[str, Callable]:
         found["surface"] = surface if record.scene.transducer else profile
     if "scan" in record.measured or "trace" in record.measured:
         found["measured"] = measured_picture
+    if record.pillars:
+        from studies.record import pillar_plots
+
+        found |= {"slider_wave": pillar_plots.wave_along, "pressure": pillar_plots.pressure}
+        if any(point.get("wave_power_in_W") for point in record.points):
+            found["power"] = pillar_plots.power
     return {name: partial(draw, record) for name, draw in found.items()}
 
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 from studies.refusal import RunError, SceneError, nearest, shown
 from studies.scene.lines import key_lines, line_of
@@ -40,7 +40,7 @@ class SceneFile:
         except (RecursionError, ValueError) as error:
             raise SceneError("", f"the scene {str(path)!r} is not TOML: {str(error)[:200]}") from None
 
-    def replaced(self, key: str, value) -> Self:
+    def replaced(self, key: str, value: Any) -> Self:
         """Return the file with the value at a dotted key replaced."""
         return replace(self, table=replaced(self.table, key, value), changed=(*self.changed, key))
 
@@ -75,7 +75,7 @@ def _with_whole_paths(table: dict, scene: Path) -> dict:
     return table
 
 
-def _with_whole_path(block, scene: Path, key: str):
+def _with_whole_path(block: Any, scene: Path, key: str) -> Any:
     name = block.get(key) if isinstance(block, dict) else None
     if not isinstance(name, str) or not name or Path(name).is_absolute():
         return block
@@ -103,7 +103,7 @@ def scene_path(source: str | Path) -> Path:
     here = [str(each) for each in path.parent.glob("*.toml")] if path.parent.is_dir() else []
     raise SceneError(
         "",
-        f"no scene file or shipped scene is named {shown(str(source))}{nearest(source, [*here, *shipped])}",
+        f"no scene file or shipped scene is named {shown(str(source))}{nearest(str(source), [*here, *shipped])}",
     )
 
 

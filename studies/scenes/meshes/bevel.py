@@ -1,8 +1,8 @@
-"""A bevelled right end of a plate of 1.2 mm: 1.5 mm long below, 0.9 mm above.  Needs gmsh; writes bevel.msh, in mm."""
+"""A bevelled right end of a plate of 2 mm: 1.5 mm long below, 0.9 mm above.  Needs gmsh; writes bevel.msh, in mm."""
 
 import gmsh
 
-FOOT, TOP, HEIGHT, SIZE = 1.5, 0.9, 1.2, 0.5
+FOOT, TOP, HEIGHT, SIZE = 1.5, 0.9, 2.0, 0.5
 
 gmsh.initialize()
 gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)

@@ -1,8 +1,8 @@
-"""A groove in a plate of 1.2 mm; several in a row are a reflector.  Needs gmsh; writes groove.msh, in mm."""
+"""A groove in a plate of 2 mm; several in a row are a reflector.  Needs gmsh; writes groove.msh, in mm."""
 
 import gmsh
 
-LENGTH, LEFT, RIGHT, DEPTH, HEIGHT, SIZE = 0.95, 0.35, 0.6, 0.06, 1.2, 0.4
+LENGTH, LEFT, RIGHT, DEPTH, HEIGHT, SIZE = 0.95, 0.35, 0.6, 0.06, 2.0, 0.5
 
 gmsh.initialize()
 gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)

@@ -1,8 +1,8 @@
-"""A thick strip of another solid on an electrode, on a plate of 1.2 mm.  Needs gmsh; writes strip.msh, in mm."""
+"""A thick strip of another solid on an electrode, on a plate of 2 mm.  Needs gmsh; writes strip.msh, in mm."""
 
 import gmsh
 
-LENGTH, LEFT, RIGHT, THICK, HEIGHT, SIZE = 1.0, 0.35, 0.65, 0.1, 1.2, 0.4
+LENGTH, LEFT, RIGHT, THICK, HEIGHT, SIZE = 1.0, 0.35, 0.65, 0.1, 2.0, 0.5
 
 gmsh.initialize()
 gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
