@@ -244,11 +244,13 @@ def default_refusal(stator, places) -> str:
 
     if fem.beam_refusal(stator):
         return fem.beam_refusal(stator)
-    if stator.ends == "absorbing" or any(y for _, y in places):
+    turns = fem.isotropic_about_normal(stator.solid)
+    if any(y for _, y in places) or (stator.ends == "absorbing" and (turns or stator.absorbs_below)):
         return ""
+    where = "between reflecting ends" if turns else "in a plate of this cut"
     return (
-        "stator.diffraction is absent, and between reflecting ends the beam takes 2 to 4 times as long as the section; "
-        "true computes it"
+        f"stator.diffraction is absent, and {where} the beam takes several times as long as the section; true "
+        "computes it"
     )
 
 

@@ -235,11 +235,12 @@ def test_side_faces_that_reflect_make_the_beam_of_its_images(small):
         given.replace(stator={"sides": "mirror", "diffraction": False})
 
 
-def test_the_beam_is_the_default_between_absorbing_ends_in_any_cut():
-    """Between reflecting ends the section stands for balls on the axis; beside it the section knows no y."""
+def test_the_beam_is_the_default_between_absorbing_ends_where_a_run_can_bear_it():
+    """Between reflecting ends and in plates of other cuts the section stands for balls on the axis; it knows no y."""
     motor = Scene.load("lithium-niobate-128yx")
-    assert resolve.diffracts(motor)
-    assert not resolve.diffracts(motor.replace(stator={"ends": "free"}))
+    assert not resolve.diffracts(motor)
+    assert resolve.diffracts(motor.replace(stator={"bottom": "absorbing"}))
+    assert not resolve.diffracts(motor.replace(stator={"bottom": "absorbing", "ends": "free"}))
     walls = Scene.load("twente").replace(stator={"ends": "free"})
     assert not resolve.diffracts(walls)
     assert resolve.diffracts(walls.replace(slider={"contacts": (("0 mm", "-3.5 mm"), ("0 mm", "3.5 mm"))}))
