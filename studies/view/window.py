@@ -70,4 +70,4 @@ def open_window(picture: Picture) -> None:
     if not picture.solid:
         picture.plotter.enable_2d_style()
     picture.plotter.add_timer_event(max_steps=2**31 - 1, duration=TICK, callback=controls.tick)
-    picture.plotter.show(title=f"sawmotor: {picture.found.scene.title}")
+    picture.plotter.show(title=f"sawmotor: {picture.run.scene.title}")
