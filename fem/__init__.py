@@ -26,6 +26,7 @@ _PUBLIC = {
     "analytic.point_load": "point_load PointLoad",
     "analytic.quasistatic": "surface_permittivity transducer_estimate TransducerEstimate",
     "analytic.coupled_modes": "relative_amplitude",
+    "discretize.absorber": "absorber_kind",
     "discretize.grading": "Resolution",
     "discretize.refinement": "LEVELS planned_levels",
     "discretize.spectral": "reference_matrices",

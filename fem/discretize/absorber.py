@@ -79,9 +79,8 @@ def absorber(solid: Solid, body: Medium, order: int, level: int) -> Layer:
         return _matched(body, DEPTHS[level].static)
     if kind == "viscous":
         return _viscous(body, DEPTHS[level].viscous)
-    return _selective(
-        solid, body, order, DEPTHS[level].selective, *(_strength(solid, order, level) or STRENGTHS[-1])
-    )
+    strength, _ = _strength(solid, order, level)
+    return _selective(solid, body, order, DEPTHS[level].selective, *strength)
 
 
 @lru_cache(maxsize=32)
@@ -93,7 +92,9 @@ def absorber_kind(solid: Solid) -> Kind:
         and layer_growth(solid, body, _matched(body, False), TYPICAL_ORDER) < MAX_GROWTH
     ):
         return "matched"
-    return "viscous" if _strength(solid, TYPICAL_ORDER, TYPICAL_LEVEL) is None else "selective"
+    if not np.isfinite(backwardness(solid)) or _strength(solid, TYPICAL_ORDER, TYPICAL_LEVEL)[1] > MAX_GROWTH:
+        return "viscous"
+    return "selective"
 
 
 def backwardness(solid: Solid) -> float:
@@ -102,16 +103,16 @@ def backwardness(solid: Solid) -> float:
 
 
 @lru_cache(maxsize=64)
-def _strength(solid: Solid, order: int, level: int) -> tuple[float, float] | None:
-    """First of `STRENGTHS` with which no guided mode grows; None if there is none."""
-    if not np.isfinite(backwardness(solid)):
-        return None
-    body = _lossless(solid)
+def _strength(solid: Solid, order: int, level: int) -> tuple[tuple[float, float], float]:
+    """First of `STRENGTHS` with which no guided mode grows, or that with the least growth; and the growth."""
+    body, tried = _lossless(solid), []
     for strength in STRENGTHS:
         layer = _selective(solid, body, order, DEPTHS[level].selective, *strength)
-        if layer_growth(solid, body, layer, order) < MAX_GROWTH:
-            return strength
-    return None
+        tried.append((layer_growth(solid, body, layer, order), strength))
+        if tried[-1][0] < MAX_GROWTH:
+            break
+    growth, strength = min(tried)
+    return strength, growth
 
 
 def _lossless(solid: Solid) -> Medium:

@@ -6,8 +6,8 @@ which the mode carries its energy.  The free wave is the mode at k_y = 0 whose m
 In a block of several wavelengths it is the Rayleigh wave of the half-space up to a splitting that decays exponentially
 with the thickness.
 
-Limits: a bare surface.  Whether an absorbing bottom is a perfectly matched or a viscous layer is decided by the bulk
-waves of the sagittal plane: at a large lateral wavenumber other modes than the surface wave may be reflected there.
+Limits: a bare surface.  Which layer stands for an absorbing bottom is decided by the bulk waves of the sagittal plane:
+at a large lateral wavenumber other modes than the surface wave may be reflected there, or grow (YZ LiNbO3: 2e-3 of k).
 """
 
 from functools import cache

@@ -26,7 +26,7 @@ from fem.eigenproblem import companion_modes, even_odd_modes
 POLISHING_STEPS = 6
 # Residual of the radiation impedance, and error of the flux of a slow mode by it: ordinary sections reach 1e-15, and
 # 1e-7 on the finest level.  Both decide: a residual below 1e-10 has been seen where the fluxes were off by their size.
-RICCATI_TOLERANCE, MODES_TOLERANCE = 1e-12, 1e-5
+RICCATI_TOLERANCE, MODES_TOLERANCE = 1e-12, 1e-3
 SLOW = 40.0  # radians per slowest bulk wavelength
 PROPAGATING = 0.3  # a mode whose |Im k| is below this share of |Re k| counts as propagating
 # Relative distance of k from the half-space's at which a mode's localisation counts half.
@@ -228,7 +228,8 @@ def _radiation_impedance(second, first, zeroth, wavenumbers, shapes, flux):
     if not (before < RICCATI_TOLERANCE and missed < MODES_TOLERANCE):
         raise ConvergenceError(
             f"the guided modes leave a residual of {before:.1e} in the equation of the radiation impedance and miss "
-            f"their own fluxes by {missed:.1e}: ask for a looser tolerance, or take less extreme fingers"
+            f"their own fluxes by {missed:.1e}: ask for a looser tolerance, take less extreme "
+            "fingers or, in a stator far smaller than a wavelength, a higher frequency"
         )
     return best
 

@@ -25,6 +25,7 @@ from studies.scene import Scene
 
 if TYPE_CHECKING:
     from contact.answers.transient import Trajectory
+    from studies.chain.pillar_points import PillarBurst
 
 __all__ = ["Datasheet", "Row", "datasheet"]
 
@@ -61,7 +62,7 @@ class Datasheet:
     rows: tuple[Row, ...]
     lines: dict = field(repr=False)  # by level: contact.LoadLine of one of the balls that are computed as one
     balls: float  # how many balls such a load line stands for
-    start_stop: "Trajectory" = field(
+    start_stop: "Trajectory | PillarBurst" = field(
         repr=False
     )  # contact.Trajectory from rest at the rated level, and the stop after it
     steps: tuple = field(repr=False)  # contact.Step: the shortest bursts that move by the sizes in `STEPS`
@@ -166,22 +167,25 @@ def _of_pillars(record: Record, driven: DrivenContact, say: Any) -> Datasheet:
         line = lines[driven.named(rated)]
         say("start and stop")
         slider, free = record.scene.slider, line.motions[0]
-        acceleration = slider.friction_coefficient * slider.preload / slider.mass
+        friction = slider.friction_coefficient
+        if not isinstance(friction, float):
+            record.scene.refuse("slider.friction_coefficient", "must be a number with [slider.pillars]")
+        acceleration = friction * float(slider.preload) / slider.mass
         start_stop = pillar_burst(body, rated, free, LONG * abs(free.velocity) / acceleration)
     except contact.ConvergenceError as error:
         raise RunError(f"the datasheet is incomplete: {' '.join(str(error).split())}") from None
-    error = 2.0 * driven.stator_error + CONTACT_TOLERANCE
+    relative = 2.0 * driven.stator_error + CONTACT_TOLERANCE
     rows = (
         *_speeds(record, driven, rated),
-        Row("force", "blocked thrust", line.stall, "N", error, "load at which the motor stalls"),
-        Row("force", "load held on the wave", line.held_up_to, "N", error, "against the drive, at rest"),
+        Row("force", "blocked thrust", line.stall, "N", relative, "load at which the motor stalls"),
+        Row("force", "load held on the wave", line.held_up_to, "N", relative, "against the drive, at rest"),
         Row("force", "holding force", acceleration * slider.mass, "N",
             condition="drive off: friction coefficient times preload"),
         Row("force", "largest acceleration", acceleration, "m/s\u00b2",
             condition="that friction can give: holding force over mass"),
         *_start_and_stop(start_stop, ""),
         *_powers(record, driven, rated, line, 1.0),
-        Row("power", "friction power", free.friction_power, "W", error, "no load, all pillars"),
+        Row("power", "friction power", free.friction_power, "W", relative, "no load, all pillars"),
         *_resonances(record, driven, say),
     )  # fmt: skip
     return Datasheet(

@@ -1,13 +1,17 @@
 """Which layer stands for the half-space, that no guided mode grows in it, and what becomes of it at finer levels."""
 
+import numpy as np
 import pytest
 
+from fem.analytic.half_space import rayleigh
 from fem.discretize.absorber import DEPTHS, MATCHED_LAYER, absorber, absorber_kind, backwardness
+from fem.discretize.elements import discretise
 from fem.discretize.grading import Resolution
 from fem.discretize.refinement import LEVELS, level_gain
-from fem.discretize.stability import layer_growth
-from fem.materials import fields
-from fem.materials.christoffel import slowness_sheets, stretch_absorbs
+from fem.discretize.stability import largest_growth, layer_growth
+from fem.eigenproblem import even_odd_modes
+from fem.materials import anisotropic, fields, rotated
+from fem.materials.christoffel import slowest_wavelength, slowness_sheets, stretch_absorbs
 from fem.materials.medium import medium
 from fem.results.solution import solve_driven
 from fem.solve.harmonic import motion_difference
@@ -120,3 +124,38 @@ def test_loss_of_the_layer_is_counted_as_radiated_power():
     balance = power_balance(solution)
     assert abs(balance.residual) < 1e-8
     assert balance.dissipated > 0.01 * balance.input
+
+
+@pytest.mark.parametrize("share", [0.1, 0.3, 0.6])
+def test_no_mode_grows_at_a_lateral_wavenumber(share):
+    """Of the surface wave's, on 128YX: modes of oblique waves over the selective layer."""
+    stator = plate(LITHIUM_NIOBATE, thickness=np.inf)
+    depth = discretise(
+        stator,
+        Resolution(order=7, edge_layers=0),
+        wavelength=slowest_wavelength(stator.solid, FREQUENCY),
+        surface_scale=np.inf,
+        lateral=True,
+    )
+    wavenumber = 2 * np.pi * FREQUENCY * depth.length_unit / rayleigh(stator.solid, "open").velocity
+    second, first, adjoint, zeroth = depth.lateral_matrices(FREQUENCY, share * wavenumber)
+    k, shapes = even_odd_modes(second, first - adjoint, zeroth, depth.lateral_odd)
+    assert largest_growth(k, shapes, first @ shapes - 1j * (second @ shapes) * k) < 1e-6
+    assert (
+        abs(abs(k.real) / wavenumber - np.sqrt(1 - share**2)).min() < 0.02
+    )  # the surface wave is among them
+
+
+def test_a_strongly_concave_solid_has_a_viscous_layer():
+    """A cubic solid of anisotropy 2 c44 / (c11 - c12) = 14: no loss keeps its modes from growing."""
+    stiffness = np.zeros((6, 6))
+    stiffness[:3, :3] = 80e9
+    stiffness[range(3), range(3)] = 100e9
+    stiffness[range(3, 6), range(3, 6)] = 70e9
+    table = {"coupling": np.zeros((3, 6)), "permittivity": 10 * np.eye(3), "density": 5000.0}
+    solid = rotated(anisotropic(name="cubic", stiffness=stiffness, **table), (45.0, 0.0, 0.0))
+    assert absorber_kind(solid) == "viscous"
+    assert level_gain(plate(solid, bottom="absorbing")) < 2
+    below = layers(solid, 6, 2)
+    assert [height for height, _, _ in below] == [1.0] * 8
+    assert growth(solid, below, 6) < 1e-6
