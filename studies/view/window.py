@@ -17,7 +17,7 @@ class Controls:
     """Play and pause, instant and colour of a `Picture`, by pyvista's own widgets."""
 
     def __init__(self, picture: Picture):
-        self.picture, self.names = picture, list(MOTIONS) if picture.spreads else present(picture.found)
+        self.picture, self.names = picture, list(MOTIONS) if picture.spreads else present(picture.run)
         self.playing, self._last, self._rested, self._ready = True, time.perf_counter(), 0.0, False
         plotter, given = picture.plotter, {"style": "modern", "color": "black"}
         self.play_button = plotter.add_checkbox_button_widget(
