@@ -90,7 +90,8 @@ def test_what_each_contact_does_is_the_same():
     assert np.array_equal(many.regime[:, :FEW], few.regime)
     assert np.max(np.abs(many.slider_velocity - few.slider_velocity)) < 1e-11
     gaps = [each.statistics["smallest_gap"] for each in (few, many)]
-    assert gaps[1] < 1e-13 < gaps[0]  # its twin's events are at the same instants
+    # events of a contact and of its twin at one instant have no gap
+    assert gaps[1] == pytest.approx(gaps[0], rel=1e-3)
 
 
 # Symmetry: the Jacobian of many contacts, from a few differences, has the multipliers of the full one
